@@ -13,6 +13,7 @@ from roah_rsbb.core.commands import CommandRecord, Commands
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.copies import Copies, CopyReport
 from roah_rsbb.core.effects import Effect, Level, Outbox
+from roah_rsbb.core.judges.desk import JudgeDesk
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.messages import Beacon, DevicesState, RobotReport, TabletState
 from roah_rsbb.core.modules.desk import ModuleDesk
@@ -24,7 +25,6 @@ from roah_rsbb.core.robots import ActiveRobots, RobotId
 from roah_rsbb.core.runs.run import Run
 from roah_rsbb.core.scoring.book import FinishedRuns
 from roah_rsbb.core.scoring.desk import ScoreDesk
-from roah_rsbb.core.scoring.judges.desk import JudgeDesk
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches

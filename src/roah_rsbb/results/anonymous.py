@@ -71,7 +71,7 @@ def anonymous_record(record: RunRecord, names: Names) -> RunRecord:
 
 
 def _judging(judging: JudgingRecord, names: Names) -> JudgingRecord:
-    went_on = judging.went_on
+    waiver = judging.waiver
     return JudgingRecord(
         tuple(sheet._replace(
             judge=names.of("person", sheet.judge), device="", marks="", again=names.of("text", sheet.again),
@@ -82,7 +82,7 @@ def _judging(judging: JudgingRecord, names: Names) -> JudgingRecord:
             who=names.of("person", one.who), reason=names.of("text", one.reason),
             proposals=tuple(sorted((names.of("person", judge), value) for judge, value in one.proposals)),
         ) for one in judging.settlements),
-        went_on and went_on._replace(who=names.of("person", went_on.who), reason=names.of("text", went_on.reason)),
+        waiver and waiver._replace(who=names.of("person", waiver.who), reason=names.of("text", waiver.reason)),
         tuple(act._replace(
             who=names.of("person", act.who), judge=names.of("person", act.judge), reason=names.of("text", act.reason),
         ) for act in judging.acts),

@@ -18,7 +18,7 @@ def submitted(record: RunRecord) -> Tuple[JudgeSheet, ...]:
     """Return the sheets that count, by the judges' names; none before all who are awaited have submitted."""
     judging, rule = record.judging, None if record.form is None else record.form.judges
     found = sorted((s for s in judging.sheets if s.submitted_utc and not s.withdrawn_utc), key=lambda s: s.judge)
-    is_complete = judging.went_on is not None or (rule is not None and len(found) >= rule.count)
+    is_complete = judging.waiver is not None or (rule is not None and len(found) >= rule.count)
     return tuple(found) if is_complete else ()
 
 

@@ -13,7 +13,7 @@ from helpers.golden import DATA
 from helpers.module_player import ScriptedModules
 from roah_rsbb.core import run_log
 from roah_rsbb.core.modules.messages import RequestKind
-from roah_rsbb.core.scoring.records import ItemRecord, ScoreEntry
+from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreEntry
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook import config
@@ -148,6 +148,8 @@ def _as_then(record):
     """A record with the fields that it had when the expected files were written. The others have their defaults."""
     now, later = record._asdict(), ("points", "form")
     assert [now.pop(field) for field in later] == [None, None]
+    for field in ("judging", "publication"):
+        assert now.pop(field) == RunRecord._field_defaults[field]
     for field, kind, count in (("items", ItemRecord, 6), ("history", ScoreEntry, 15)):
         assert all(kind(*line[:count]) == line for line in now[field])
         now[field] = [line[:count] for line in now[field]]

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
+from roah_rsbb.core.judges.judges import Judges, JudgesState, Verdict
+from roah_rsbb.core.judges.publication import Publication, PublicationState
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.scoring.judges.judges import Judges, JudgesState, Verdict
-from roah_rsbb.core.scoring.judges.publication import Publication, PublicationState
 from roah_rsbb.core.scoring.points import Counted, counted
 from roah_rsbb.core.scoring.records import (
     By,
@@ -346,7 +346,11 @@ class FinishedRuns:
 
     def records(self, count: int = MAX_KEPT) -> List[RunRecord]:
         """Return the records of the newest runs, the most recently left first."""
-        return [run.record for run in itertools.islice(reversed(self._runs.values()), count)]
+        return [run.record for run in self.newest_runs(count)]
+
+    def newest_runs(self, count: int) -> List[FinishedRun]:
+        """Return the newest runs, the most recently left first."""
+        return list(itertools.islice(reversed(self._runs.values()), count))
 
     def event_rules(self) -> Dict[str, Rules]:
         """Return the rules about time and attempts by the benchmarks' codes."""

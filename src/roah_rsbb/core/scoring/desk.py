@@ -57,6 +57,11 @@ class ScoreDesk:
         run = self.named(name)
         return run.record if isinstance(run, FinishedRun) else run.record(now)
 
+    def unsigned(self) -> List[Union[ZoneRun, FinishedRun]]:
+        """Return the runs in the zones, in their order, then the newest finished runs that are not signed off."""
+        finished = [run for run in self._finished.newest_runs(MAX_LISTED) if run.record.sign_off is None]
+        return [*self._zones.runs(), *finished]
+
     # -- scores -------------------------------------------------------------------------------------
 
     def mark(self, now: Now, name: RunName, mark: Mark, who: str = "") -> None:

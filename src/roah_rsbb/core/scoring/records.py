@@ -180,12 +180,12 @@ class JudgeAct(NamedTuple):
 
     utc: float  # UTC seconds
     who: str
-    act: str  # submitted, handed back, withdrawn, went on, settled
+    act: str  # submitted, handed back, withdrawn, waived missing judges, settled
     judge: str = ""  # whose sheet it is
     reason: str = ""
 
 
-class WentOn(NamedTuple):
+class Waiver(NamedTuple):
     """The head referee does not wait for missing judges."""
 
     utc: float  # UTC seconds
@@ -198,7 +198,7 @@ class JudgingRecord(NamedTuple):
 
     sheets: Tuple[JudgeSheet, ...] = ()  # in the order in which they were opened
     settlements: Tuple[Settlement, ...] = ()  # oldest first; a later one of an item replaces the earlier ones
-    went_on: Optional[WentOn] = None
+    waiver: Optional[Waiver] = None
     acts: Tuple[JudgeAct, ...] = ()  # oldest first
 
 

@@ -40,6 +40,7 @@ from roah_rsbb.msg import (
     CoreToPublic,
     DevicesState,
     DevicesStatus,
+    Judgings,
     ModuleRuns,
     ModulesState,
     PublicBoard,
@@ -56,6 +57,7 @@ from roah_rsbb.nodes.core.configuration import Configuration, Content
 from roah_rsbb.nodes.core.device_calls import DeviceCalls, devices_of
 from roah_rsbb.nodes.core.driver import CoreDriver
 from roah_rsbb.nodes.core.journal import CoreJournal, competition, saved_state
+from roah_rsbb.nodes.core.judging_convert import JudgingBoard
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.public_board import PublicBoardMaker
 from roah_rsbb.nodes.core.reload import ReloadService
@@ -171,6 +173,7 @@ class CoreNode:
         self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble, self._on_log_repaired,
                                       self._journal.log_entries, self._ros.post)
         self._results = ResultsBoard(box, self._uuid)
+        self._judging = JudgingBoard(box, self._uuid)
         self._schedule = ScheduleBoard(box, self._uuid)
         self._public_board = PublicBoardMaker(box, self._uuid, content.rules, _titles(content))
         self._panels = PanelMessages(box, self._uuid, network.rsbb_host)
@@ -179,7 +182,7 @@ class CoreNode:
         self._driver = CoreDriver(
             self._ros.loop, box, self._radio, self._run_logs, ports, self._journal,
             ring_timeout=self._ring_timeout, publish_module_runs=self._publish_module_runs,
-            results_changed=self._results.on_record_changed, set_device=self._device_calls.set, give_up=self._give_up,
+            results_changed=self._on_record_changed, set_device=self._device_calls.set, give_up=self._give_up,
         )
         self._box = box
         self._modules = Newest(self._ros.post, lambda state: self._event(box.modules.on_modules, state), MAX_NODES)
@@ -215,6 +218,7 @@ class CoreNode:
             "details": rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True),
             "clocks": rospy.Publisher("/core/clocks", RunClocks, queue_size=1, latch=True),
             "results": rospy.Publisher("/core/results", Results, queue_size=1, latch=True),
+            "judging": rospy.Publisher("/core/judging", Judgings, queue_size=1, latch=True),
             "schedule": rospy.Publisher("/core/schedule", Schedule, queue_size=1, latch=True),
             "unsaved": rospy.Publisher("/core/unsaved", Unsaved, queue_size=1, latch=True),
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
@@ -295,6 +299,10 @@ class CoreNode:
         self._ros.loop.call_soon_threadsafe(self._ros.loop.call_later, ANSWERED_S, self._ros.stop, why)
         return EmptyResponse()
 
+    def _on_record_changed(self) -> None:
+        self._results.on_record_changed()
+        self._judging.on_record_changed()
+
     def _use(self, content: Content, version: int) -> None:
         """Prepare everything outside the box for another configuration."""
         self._radio.use_passwords(version, content.config.passwords)
@@ -348,6 +356,9 @@ class CoreNode:
         results = self._results.take(now)
         if results is not None:
             self._publish("results", results)
+        judging = self._judging.take(now)
+        if judging is not None:
+            self._publish("judging", judging)
         self._publish_unsaved(now)
         if self._ticks % JOURNAL_EVERY == 0:
             self._journal.each_second(now, self._radio.unreadable())

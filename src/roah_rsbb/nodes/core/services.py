@@ -7,10 +7,13 @@ import rospy
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.commands import COMMANDS
+from roah_rsbb.core.judges.desk import Judging
 from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.scoring.desk import MarkOutcome
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import EventKey
+from roah_rsbb.nodes.core import judging_convert
 from roah_rsbb.nodes.core.results_convert import sheet_message
 from roah_rsbb.ros import refusals, texts
 from roah_rsbb.ros.connections import REFEREE_HEADER
@@ -19,8 +22,12 @@ from roah_rsbb.ros.times import ros_time
 from roah_rsbb.srv import (
     ChooseEvent,
     ConnectRobot,
+    DecideJudges,
+    DecideJudgesRequest,
     GetClock,
     GetClockResponse,
+    GetJudging,
+    GetJudgingResponse,
     GetRunSheet,
     GetRunSheetResponse,
     LeaveRun,
@@ -28,11 +35,14 @@ from roah_rsbb.srv import (
     MarkItem,
     MarkItemRequest,
     MarkItemResponse,
+    PublishResult,
+    PublishResultRequest,
     ScoreMark,
     ScoreWithdraw,
     SignOff,
     StopReason,
     StopRun,
+    SubmitSheet,
     TakeBackMark,
     Zone,
     ZoneScore,
@@ -110,7 +120,21 @@ class CoreServices:
         self._serve("sign_off", SignOff, lambda r: (
             box.scores.sign_off, _run_of(r), who_of(r, r.referee)
         ), durable=True)
+        self._serve_judges(box)
         rospy.Service("/core/run_sheet", GetRunSheet, self._run_sheet)
+
+    def _serve_judges(self, box: Box) -> None:
+        """Services of several judges and of objections. Their success means that the result is on the disk."""
+        judges = box.judges
+        self._serve("judge/mark", MarkItem, lambda r: (
+            judges.mark, _run_of(r), mark_of(r), r.referee
+        ), durable=True, answer_of=lambda r: _marked(judges.outcome(_run_of(r), mark_of(r), r.referee)))
+        self._serve("judge/submit", SubmitSheet, lambda r: (
+            judges.submit, _run_of(r), r.judge, r.device
+        ), durable=True)
+        self._serve("judges/decide", DecideJudges, lambda r: _decision(box, r), durable=True)
+        self._serve("publication", PublishResult, lambda r: _publication(box, r), durable=True)
+        rospy.Service("/core/judges", GetJudging, self._judging)
 
     def _serve(
         self, name: str, service: type, event_of: Callable[[Any], Tuple], durable: bool = False,
@@ -149,8 +173,14 @@ class CoreServices:
         return GetClockResponse(ros_time(found[0].utc))
 
     def _marked(self, request: Any) -> MarkItemResponse:
-        number, item = self._box.scores.outcome(_run_of(request), mark_of(request))
-        return MarkItemResponse(number, item.value, item.not_attempted, item.text)
+        return _marked(self._box.scores.outcome(_run_of(request), mark_of(request)))
+
+    def _judging(self, request: Any) -> GetJudgingResponse:
+        _check_texts(request)
+        found: List[Judging] = []
+        self._call(lambda: self._event(
+            lambda now: found.append(self._box.judges.judging(now, _run_of(request), request.judge))))
+        return judging_convert.answer(found[0])
 
     def _run_sheet(self, request: Any) -> GetRunSheetResponse:
         _check_texts(request)
@@ -195,6 +225,38 @@ def mark_of(request: Any) -> Mark:
     if request.change != MarkItemRequest.SET:
         raise Refused([f"change {request.change} is not known: this core knows SET, ADD and NOT_ATTEMPTED"])
     return mark._replace(value=request.value, text=request.text)
+
+
+def _marked(outcome: MarkOutcome) -> MarkItemResponse:
+    item = outcome.item
+    return MarkItemResponse(outcome.entry, item.value, item.not_attempted, item.text)
+
+
+def _decision(box: Box, request: Any) -> Tuple:
+    """The event of a request to /core/judges/decide. Raises `Refused`."""
+    judges, name, who = box.judges, _run_of(request), who_of(request, request.referee)
+    if request.decision == DecideJudgesRequest.HAND_BACK:
+        return judges.hand_back, name, request.judge, request.reason, who
+    if request.decision == DecideJudgesRequest.WITHDRAW:
+        return judges.withdraw, name, request.judge, request.reason, who
+    if request.decision == DecideJudgesRequest.WAIVE:
+        return judges.waive, name, request.reason, who
+    if request.decision != DecideJudgesRequest.SETTLE:
+        raise Refused([f"decision {request.decision} is not known: this core knows HAND_BACK, WITHDRAW, WAIVE, SETTLE"])
+    mark = Mark(request.group, request.desc, request.value, request.not_attempted, text=request.text)
+    return judges.settle, name, mark, request.reason, who
+
+
+def _publication(box: Box, request: Any) -> Tuple:
+    """The event of a request to /core/publication. Raises `Refused`."""
+    judges, name, who = box.judges, _run_of(request), who_of(request, request.referee)
+    if request.action == PublishResultRequest.PUBLISH:
+        return judges.publish, name, request.seconds, who
+    if request.action == PublishResultRequest.OBJECT:
+        return judges.object, name, request.by, request.text, who
+    if request.action != PublishResultRequest.ANSWER:
+        raise Refused([f"action {request.action} is not known: this core knows PUBLISH, OBJECT and ANSWER"])
+    return judges.answer, name, request.number, request.upheld, request.text, who
 
 
 def _run_of(request: Any) -> RunName:

@@ -12,8 +12,8 @@ from helpers.competition import BUMPS, DOOR, competition
 from helpers.examples import examples
 from helpers.jury import Jury, judged
 from roah_rsbb.core import effects
+from roah_rsbb.core.judges.agreement import Value, agreed
 from roah_rsbb.core.restart.saved import freeze, thaw
-from roah_rsbb.core.scoring.judges.agreement import Value, agreed
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
@@ -88,7 +88,7 @@ def test_sheets_count_when_all_judges_have_submitted(jury):
     assert (entry.who, entry.role, entry.value, entry.correction) == ("Ann, Ben", "judge", 1, False)
 
 
-def test_nobody_else_is_told_what_a_judge_marks(jury):
+def test_nobody_else_sees_what_a_judge_marks(jury):
     jury.driver.taken()
     jury.mark("Ann", BUMPS, 7)
     notices = [effect for effect in jury.driver.taken() if isinstance(effect, effects.Notice)]
@@ -160,7 +160,7 @@ def test_a_sheet_can_be_settled_only_when_the_judges_are_complete(jury):
     jury.submit("Ann")
     reasons = jury.refused(jury.desk.settle, jury.name, Mark(*BUMPS.key, 2), "why", "Hugo")
     assert reasons[0].startswith("1 of 2 judges have not submitted")
-    jury.driver.event(jury.desk.go_on, jury.name, "Ben is ill", "Hugo")
+    jury.driver.event(jury.desk.waive, jury.name, "Ben is ill", "Hugo")
     jury.settle(BUMPS, 2)
     assert jury.values()[BUMPS.desc] == 2
 
@@ -207,7 +207,7 @@ def test_the_run_is_not_signed_off_before_the_judges_are_done(jury):
     jury.submit("Ann")
     jury.finish()
     assert jury.refused(jury.driver.box.scores.sign_off, jury.name, "Hugo") == [
-        "1 of 2 judges have not submitted (Ben): wait for them, or go on without them with a reason"]
+        "1 of 2 judges have not submitted (Ben): wait for them, or decide with a reason not to wait"]
     jury.submit("Ben")
     assert jury.refused(jury.driver.box.scores.sign_off, jury.name, "Hugo") == [
         "the judges differ: the head referee settles Penalized: bumps"]
@@ -307,7 +307,7 @@ def _story(jury):
     yield lambda: jury.submit("Ben")
     yield lambda: jury.settle(BUMPS, 2)
     yield lambda: event_(jury.driver.box.judges.withdraw, name, "Ben", "left", "Hugo")
-    yield lambda: event_(jury.driver.box.judges.go_on, name, "no other judge", "Hugo")
+    yield lambda: event_(jury.driver.box.judges.waive, name, "no other judge", "Hugo")
     yield jury.finish
     yield lambda: event_(jury.driver.box.judges.publish, name, 5.0, "Olga")
     yield lambda: event_(jury.driver.box.judges.object, name, "Alpha", "why", "Olga")
@@ -334,7 +334,7 @@ def test_a_core_that_is_killed_after_every_event_keeps_everything(tmp_path):
         judging = record.judging
         return (
             [(s.judge, s.again, [i[:5] for i in s.items], bool(s.withdrawn_utc)) for s in judging.sheets],
-            [s[1:] for s in judging.settlements], [a[1:] for a in judging.acts], judging.went_on[1:],
+            [s[1:] for s in judging.settlements], [a[1:] for a in judging.acts], judging.waiver[1:],
             [o[2:5] + o[6:] for o in record.publication.objections], record.items, record.sign_off.who,
         )
 

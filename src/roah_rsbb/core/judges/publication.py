@@ -1,6 +1,6 @@
 """The way of a result from provisional to final: it is published, teams may object, and it is signed off.
 
-The time limit is a time of the day, because teams are told it and it must survive a restart of the computer.
+The time limit is a time of the day, because teams read it, and it must survive a restart of the computer.
 """
 
 from dataclasses import dataclass, field

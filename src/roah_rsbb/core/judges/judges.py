@@ -7,15 +7,15 @@ where the judges differ, by a settlement. `RunBook.take_verdicts` enters the ver
 remains the only one that counts.
 
 A settlement belongs to the values that it settled. If a judge looks again and submits another value of the item, the
-item is judged anew. Verdicts therefore do not depend on the order in which the judges submit.
+rule decides again. Verdicts therefore do not depend on the order in which the judges submit.
 """
 
 from dataclasses import dataclass, field
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
+from roah_rsbb.core.judges.agreement import Value, agreed, value_of
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.scoring.judges.agreement import Value, agreed, value_of
 from roah_rsbb.core.scoring.records import (
     By,
     ItemRecord,
@@ -23,7 +23,7 @@ from roah_rsbb.core.scoring.records import (
     JudgeSheet,
     JudgingRecord,
     Settlement,
-    WentOn,
+    Waiver,
 )
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState
 from roah_rsbb.rulebook.scoring import Key, ScoreKind, ScoringItem, SheetForm
@@ -33,7 +33,8 @@ from roah_rsbb.wording import sheets
 MAX_SHEETS = 60
 MAX_ACTS = 300
 # What was done with a judge's sheet.
-SUBMITTED, HANDED_BACK, WITHDRAWN, WENT_ON, SETTLED = "submitted", "handed back", "withdrawn", "went on", "settled"
+SUBMITTED, HANDED_BACK, WITHDRAWN, SETTLED = "submitted", "handed back", "withdrawn", "settled"
+WAIVED = "waived missing judges"
 
 
 @dataclass
@@ -42,13 +43,13 @@ class JudgesState:
 
     sheets: List[JudgeSheet] = field(default_factory=list)
     settlements: List[Settlement] = field(default_factory=list)
-    went_on: Optional[WentOn] = None
+    waiver: Optional[Waiver] = None
     acts: List[JudgeAct] = field(default_factory=list)
 
     @classmethod
     def of(cls, record: JudgingRecord) -> "JudgesState":
         """Return the state that a record has."""
-        return cls(list(record.sheets), list(record.settlements), record.went_on, list(record.acts))
+        return cls(list(record.sheets), list(record.settlements), record.waiver, list(record.acts))
 
 
 class Verdict(NamedTuple):
@@ -123,7 +124,7 @@ class Judges:
         by = _with_reason(by, "hand a sheet back")
         self._act(now, by, HANDED_BACK, mine.judge)
         self._put(mine._replace(submitted_utc=0.0, items=(), again=by.reason))
-        self.state.went_on = None  # the referee waits for this judge
+        self.state.waiver = None  # the referee waits for this judge
         return f"Sheet of {mine.judge} handed back: {by.reason}"
 
     def withdraw(self, now: Now, by: By, judge: str) -> str:
@@ -134,13 +135,13 @@ class Judges:
         self._put(mine._replace(withdrawn_utc=now.utc))
         return f"Sheet of {mine.judge} withdrawn: {by.reason}"
 
-    def go_on(self, now: Now, by: By) -> str:
+    def waive(self, now: Now, by: By) -> str:
         """Do not wait for judges who are missing. Raises `Refused`."""
         if not self.missing():
             raise Refused(["no judge is missing"])
-        by = _with_reason(by, "go on without missing judges")
-        self._act(now, by, WENT_ON)
-        self.state.went_on = WentOn(now.utc, by.who, by.reason)
+        by = _with_reason(by, "stop waiting for missing judges")
+        self._act(now, by, WAIVED)
+        self.state.waiver = Waiver(now.utc, by.who, by.reason)
         return f"Scored without waiting for missing judges: {by.reason}"
 
     def settle(self, now: Now, by: By, mark: Mark) -> str:
@@ -169,7 +170,7 @@ class Judges:
 
     def is_complete(self) -> bool:
         """Whether the items get their verdicts, and all may see the sheets."""
-        return self.rule is not None and (self.state.went_on is not None or not self.missing())
+        return self.rule is not None and (self.state.waiver is not None or not self.missing())
 
     def verdicts(self) -> Tuple[Verdict, ...]:
         """Return what became of each item; empty: the judges are not complete, or none has submitted or settled."""
@@ -199,7 +200,7 @@ class Judges:
     def record(self) -> JudgingRecord:
         """Return the state as a record of the run has it."""
         state = self.state
-        return JudgingRecord(tuple(state.sheets), tuple(state.settlements), state.went_on, tuple(state.acts))
+        return JudgingRecord(tuple(state.sheets), tuple(state.settlements), state.waiver, tuple(state.acts))
 
     # -- inside -------------------------------------------------------------------------------------
 
@@ -207,8 +208,8 @@ class Judges:
         assert self.rule is not None, "it has judges"
         late = [sheet.judge for sheet in self.active() if not sheet.submitted_utc]
         names = f" ({', '.join(late)})" if late else ""
-        return [f"{self.missing()} of {self.rule.count} judges have not submitted{names}: wait for them, or go on "
-                "without them with a reason"]
+        return [f"{self.missing()} of {self.rule.count} judges have not submitted{names}: wait for them, or "
+                "decide with a reason not to wait"]
 
     def _needed_rule(self) -> None:
         if self.rule is None:

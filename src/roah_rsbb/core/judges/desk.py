@@ -1,15 +1,16 @@
 """Takes what judges and the head referee enter for a run with several judges, and objections to its result."""
 
-from typing import Callable, NamedTuple, Optional, Tuple
+from typing import Callable, List, NamedTuple, Optional, Tuple, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.commands import CommandRecord
 from roah_rsbb.core.effects import Outbox
+from roah_rsbb.core.judges.judges import Verdict
 from roah_rsbb.core.referee import Refused, RunName, checked_note, checked_who
+from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRun, RunBook
 from roah_rsbb.core.scoring.desk import MarkOutcome, ScoreDesk, asked_of, check_mark_id
-from roah_rsbb.core.scoring.judges.judges import Verdict
 from roah_rsbb.core.scoring.records import By, ItemRecord, JudgeSheet, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import Zones
@@ -24,6 +25,7 @@ class Judging(NamedTuple):
     missing: int
     is_complete: bool
     verdicts: Tuple[Verdict, ...]  # empty: not complete
+    active: Tuple[JudgeSheet, ...]  # the sheets that were not withdrawn, by the judges' names
     own: Optional[JudgeSheet]
     own_items: Tuple[ItemRecord, ...]
 
@@ -46,14 +48,21 @@ class JudgeDesk:
 
     def judging(self, now: Now, name: RunName, judge: str = "") -> Judging:
         """Return the judging of a run, and the own sheet of a judge. Raises `Refused`."""
-        run = self._scores.named(name)
+        return self._judging(now, self._scores.named(name), checked_who(judge))
+
+    def unsigned(self, now: Now) -> List[Judging]:
+        """Return the judging of all runs with judges, or with a published result, that are not signed off."""
+        return [self._judging(now, run) for run in self._scores.unsigned()
+                if run.book.judges.rule is not None or run.book.publication.state.published is not None]
+
+    def _judging(self, now: Now, run: Union[ZoneRun, FinishedRun], judge: str = "") -> Judging:
         judges = run.book.judges
         rule = judges.rule
         has_own = rule is not None and bool(judge)
         return Judging(
-            self._scores.record_of(now, name), 0 if rule is None else rule.count,
+            run.record if isinstance(run, FinishedRun) else run.record(now), 0 if rule is None else rule.count,
             "" if rule is None else rule.agreement.value, judges.missing(), judges.is_complete(), judges.verdicts(),
-            judges.own_sheet(judge) if has_own else None, judges.own_items(judge) if has_own else (),
+            judges.active(), judges.own_sheet(judge) if has_own else None, judges.own_items(judge) if has_own else (),
         )
 
     # -- judges -------------------------------------------------------------------------------------
@@ -94,12 +103,12 @@ class JudgeDesk:
             by = By(checked_who(who), checked_note(reason))
             self._change(now, name, lambda book: book.judges.withdraw(now, by, checked_who(judge)))
 
-    def go_on(self, now: Now, name: RunName, reason: str, who: str = "") -> None:
+    def waive(self, now: Now, name: RunName, reason: str, who: str = "") -> None:
         """Do not wait for missing judges. Raises `Refused`."""
         self._tick(now)
-        with self._acts.of(name, who, "go_on", reason=reason):
+        with self._acts.of(name, who, "waive", reason=reason):
             by = By(checked_who(who), checked_note(reason))
-            self._change(now, name, lambda book: book.judges.go_on(now, by))
+            self._change(now, name, lambda book: book.judges.waive(now, by))
 
     def settle(self, now: Now, name: RunName, mark: Mark, reason: str, who: str = "") -> None:
         """Set the value of an item, with a reason. Raises `Refused`."""
@@ -154,5 +163,5 @@ class JudgeDesk:
 
 
 def _silent(_item: ItemRecord) -> str:
-    """What a judge marks is not told to others."""
+    """Others must not read what a judge marks."""
     return ""
