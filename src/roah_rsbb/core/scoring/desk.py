@@ -109,8 +109,8 @@ class ScoreDesk:
             if not name.identity:
                 raise Refused(["name the run: what arrives late must not count in another run"])
             by = By(checked_who(who), checked_note(note))
-            run = self._named(name)
-            self._report_correction(run, run.take_back(now, by, mark_id))
+            run = self.named(name)
+            self.report_correction(run, run.take_back(now, by, mark_id))
 
     def give_stop_reason(self, now: Now, name: RunName, reason: str, who: str = "", number: int = 0) -> None:
         """Set why a run was stopped, until it is signed off; see `RunBook.give_reason`. Raises `Refused`."""
