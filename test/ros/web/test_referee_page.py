@@ -8,11 +8,11 @@ import os
 import pathlib
 import signal
 import urllib.request
-from typing import Any, Dict
+from typing import Any, Dict, Optional
 
 import rospy
 from support.box_case import BoxCase
-from support.browser import NeedsBrowser, Page
+from support.browser import Browser, NeedsBrowser, Page, find
 from support.connections import kill, process_of
 from support.robots import RSBB_PORT
 from support.waiting import wait_until
@@ -59,11 +59,14 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         except OSError:
             return False
 
-    def paired(self, role: str = "referee", person: str = "Anna", language: str = "en") -> Page:
+    def paired(self, role: str = "referee", person: str = "Anna", language: str = "en",
+               browser: Optional[Browser] = None) -> Page:
         """A phone with the page of this role."""
         zone = "" if role == "organiser" else ZONE
         url = rospy.ServiceProxy("/web/pair", PairDevice)(role, zone).url
-        page = self._leaving(self.browser.page(url.replace("/pair", f"/pair?language={language}"), *PHONE))
+        page = (browser or self.browser).page(url.replace("/pair", f"/pair?language={language}"), *PHONE)
+        if browser is None:
+            self._leaving(page)
         page.wait("document.querySelector('#person') !== null", "the form is shown")
         page.get(f"document.querySelector('#person').value = {json.dumps(person)}")
         page.touch_at("form button")
@@ -174,13 +177,13 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         network = ("WebSocket", "Failed to load resource")  # while a gateway is killed
         self.assertEqual([error for error in self.browser.errors if not any(mark in error for mark in network)], [])
 
-    def running(self, language: str = "en") -> Page:
+    def running(self, language: str = "en", browser: Optional[Browser] = None) -> Page:
         """A run in progress, and a phone that shows it."""
         robot = self.robot("Delta")
         self.box.connect(ZONE)
         self.box.start(ZONE)
         robot.wait_did("execute HCFGAC")
-        page = self.paired(language=language)
+        page = self.paired(language=language, browser=browser)
         self.shows(page, DEVICE, "0")
         return page
 
@@ -243,6 +246,32 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.shows(page, DEVICE, "1")
         page.wait("marks.waiting.length === 0", "the mark is confirmed")
         self.assertEqual([(one.value, one.desc) for one in self.sheet(identity).history], [(1, DEVICE)])
+
+    def test_nothing_acknowledged_is_lost_with_the_core_or_the_browser(self) -> None:
+        browser = Browser(find())
+        self.addCleanup(lambda: browser.close())
+        page = self.running(browser=browser)
+        identity = self.box.zone_details(ZONE).identity
+        self.tap(page, item(DEVICE, 2))
+        page.wait("marks.waiting.length === 0", "the mark is confirmed")
+        # The core is killed while marks are on their way: whether they arrived before is not known.
+        page.get(f"[1, 2, 3].forEach(() => document.querySelector({json.dumps(item(DEVICE, 2))}).click())")
+        self.kill_core()
+        page.wait("marks.waiting.length === 0 && !document.body.classList.contains('old')", "all marks are confirmed")
+        self.shows(page, DEVICE, "4")
+        self.assertEqual((self.box.zone_details(ZONE).identity, self.values()[DEVICE]), (identity, 4))
+        page.get("window.fetch = () => Promise.reject(new TypeError('no network')), 0")
+        self.tap(page, item(DEVICE, 2))
+        for kept in ("roah_rsbb_session", page.get("marks.waiting[0].id")):
+            browser.wait_kept(kept)
+        browser = Browser(find(), browser.kill())
+        page = browser.page(f"{URL}/referee", *PHONE)
+        self.shows(page, DEVICE, "5")
+        page.wait("marks.waiting.length === 0", "what was not confirmed is")
+        self.hold_stop(page)
+        self.phase("ended")
+        history = self.sheet(identity).history
+        self.assertEqual((sum(entry.value - entry.old for entry in history), self.values()[DEVICE]), (5, 5))
 
     def test_a_phone_without_a_network_says_so_at_once(self) -> None:
         page = self.running()
