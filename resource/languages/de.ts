@@ -167,6 +167,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This connection is not encrypted: whoever can listen in this network can read and use it. Use a network of the referees only.</source>
+        <translation>Diese Verbindung ist nicht verschlüsselt: wer in diesem Netz mithören kann, kann sie lesen und benutzen. Verwenden Sie ein Netz nur für Schiedsrichter.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>This device may not do that: it is paired as {role}</source>
         <translation>Dieses Gerät darf das nicht: es ist gekoppelt als {role}</translation>
     </message>
@@ -174,6 +179,21 @@
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>No answer from the core: it may have been done. Check the state</source>
         <translation>Keine Antwort vom Core: vielleicht ist es geschehen. Prüfen Sie den Zustand</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This display is not connected</source>
+        <translation>Diese Anzeige ist nicht verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Too many displays are set: take some back first</source>
+        <translation>Für zu viele Anzeigen ist etwas eingestellt: Nehmen Sie zuerst einige Einstellungen zurück</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The setting cannot be saved ({error}): free or repair the disk of log_dir</source>
+        <translation>Die Einstellung kann nicht gespeichert werden ({error}): Schaffen Sie Platz auf dem Datenträger von log_dir oder reparieren Sie ihn</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -227,13 +247,113 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>This connection is not encrypted: whoever can listen in this network can read and use it. Use a network of the referees only.</source>
-        <translation>Diese Verbindung ist nicht verschlüsselt: wer in diesem Netz mithören kann, kann sie lesen und benutzen. Verwenden Sie ein Netz nur für Schiedsrichter.</translation>
+        <source>Referee&apos;s page</source>
+        <translation>Seite für Schiedsrichter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Referee&apos;s page</source>
-        <translation>Seite für Schiedsrichter</translation>
+        <source>Displays</source>
+        <translation>Anzeigen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Each /display and /overlay that is open. What you set here counts until you take it back. Its address may give a display its name: /display?name=Hall</source>
+        <translation>Jedes geöffnete /display und /overlay. Was Sie hier einstellen, gilt, bis Sie es zurücknehmen. Die Adresse kann einer Anzeige einen Namen geben: /display?name=Halle</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This page is for organisers. Pair this device with the role organiser.</source>
+        <translation>Diese Seite ist für die Organisation. Koppeln Sie dieses Gerät mit der Rolle Organisation.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No display is open, and none is set</source>
+        <translation>Keine Anzeige ist geöffnet, und für keine ist etwas eingestellt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>not connected</source>
+        <translation>nicht verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Displays without a place in the list: {number}</source>
+        <translation>Anzeigen ohne Platz in der Liste: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Show the names on all displays</source>
+        <translation>Namen auf allen Anzeigen zeigen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Name</source>
+        <translation>Name</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Without a name</source>
+        <translation>Ohne Namen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Shows</source>
+        <translation>Zeigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Language</source>
+        <translation>Sprache</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>as its address says</source>
+        <translation>wie in der Adresse</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Take back</source>
+        <translation>Zurücknehmen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>since {time}</source>
+        <translation>seit {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{number} windows</source>
+        <translation>{number} Fenster</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>all zones</source>
+        <translation>alle Zonen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>everything in turns</source>
+        <translation>alles im Wechsel</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>the run, explained</source>
+        <translation>den Lauf mit Erklärung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>the standings</source>
+        <translation>die Rangliste</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>the schedule</source>
+        <translation>den Zeitplan</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>the results</source>
+        <translation>die Ergebnisse</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -536,6 +656,106 @@
         <translation>Keine Antwort von der Box: prüfen Sie das Netz und versuchen Sie es noch einmal</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>The robot prepares</source>
+        <translation>Der Roboter bereitet sich vor</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>The robot carries out its task</source>
+        <translation>Der Roboter führt seine Aufgabe aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>The referee is at work</source>
+        <translation>Die Schiedsrichter sind bei der Arbeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>The robot carries out the goal</source>
+        <translation>Der Roboter führt das Ziel aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>The robot drives to the waypoint</source>
+        <translation>Der Roboter fährt zum Wegpunkt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>Robot: {words}</source>
+        <translation>Roboter: {words}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>Event: {words}</source>
+        <translation>Ereignis: {words}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>Visitor: {words}</source>
+        <translation>Besuch: {words}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>Command: {words}</source>
+        <translation>Befehl: {words}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>The robot drives to waypoint {number}</source>
+        <translation>Der Roboter fährt zu Wegpunkt {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>The robot carries out goal {number}</source>
+        <translation>Der Roboter führt Ziel {number} aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>All robots carry out the task at the same time</source>
+        <translation>Alle Roboter führen die Aufgabe gleichzeitig aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>The robot waits for the start</source>
+        <translation>Der Roboter wartet auf den Start</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>The next goal follows</source>
+        <translation>Das nächste Ziel folgt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>The referee starts and stops the clock</source>
+        <translation>Die Schiedsrichter starten und stoppen die Uhr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>The run is over</source>
+        <translation>Der Lauf ist zu Ende</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>Waypoints done: {number}</source>
+        <translation>Erledigte Wegpunkte: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>Goals done: {number}</source>
+        <translation>Erledigte Ziele: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>Waypoints reached: {number} of {all}</source>
+        <translation>Erreichte Wegpunkte: {number} von {all}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/explained.py"/>
+        <source>Goals completed: {number} of {all}</source>
+        <translation>Erreichte Ziele: {number} von {all}</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/module_scores.py"/>
         <source>Whole run</source>
         <translation>Ganzer Lauf</translation>
@@ -702,11 +922,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>
-        <source>all zones</source>
-        <translation>alle Zonen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/public.py"/>
         <source>Teams</source>
         <translation>Teams</translation>
     </message>
@@ -729,6 +944,16 @@
         <location filename="../../src/roah_rsbb/wording/public.py"/>
         <source>No results are public yet</source>
         <translation>Noch keine Ergebnisse veröffentlicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>No standings are public yet</source>
+        <translation>Noch keine Rangliste ist öffentlich</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>What each display shows</source>
+        <translation>Was jede Anzeige zeigt</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>

@@ -1,13 +1,16 @@
-// The public display. ?zone=… (several), ?layout=board or list, ?language=…
+// The public display. ?zone=… (several), ?show=run, standings, …, ?layout=board or list, ?language=…, ?name=…
 
 import {
-  Card, Line, Ticking, clockText, html, isChosen, lists, parameters, show, troubleText, useEffect, useLayoutEffect,
-  useRef, useState,
+  Card, EXPLAINED, Line, Ticking, clockText, html, isChosen, lists, parameters, show, shown, troubleText, useEffect,
+  useLayoutEffect, useRef, useState,
 } from "/assets/parts.js";
 
 const PAGE_MS = 8000;
 const CARDS_ON_A_PAGE = 6;
 const CARDS_IN_A_COLUMN = 3;
+const DOCUMENTS = ["page.words", "page.runs", "page.next", "page.results", "page.standings", EXPLAINED];
+// Displays that show something else have no space for runs.
+const WITH_RUNS = ["rotating", "run"];
 // Scores of one line of a list that stay on one page.
 const SCORES_TOGETHER = 4;
 
@@ -57,8 +60,15 @@ function mark(title, number, count) {
   return count > 1 ? `${title} ${number + 1}/${count}` : "";
 }
 
+function kindOf(list) {
+  return list.blocks ? "explained" : "table";
+}
+
 // Lines with their scores, in pieces that stay together.
 function blocks(list) {
+  if (list.blocks) {
+    return list.blocks;
+  }
   return list.lines.flatMap((line) => {
     const pieces = [line.scores.slice(0, SCORES_TOGETHER)];
     for (let begin = SCORES_TOGETHER; begin < line.scores.length; begin += SCORES_TOGETHER) {
@@ -97,6 +107,7 @@ function Board({all, turn}) {
     const shown = all[number].isFirst ? parts.slice(0, 1) : parts;
     return shown.map((part, i) => ({
       title: mark(all[number].title, i, shown.length) || all[number].title, part, nothing: all[number].nothing,
+      kind: kindOf(all[number]),
     }));
   });
   const page = pages.length ? pages[turn % pages.length] : {title: "", part: [], nothing: ""};
@@ -104,9 +115,9 @@ function Board({all, turn}) {
     <section class="below">
       <h2>${page.title}</h2>
       <div class="lines">
-        <ul>${page.part}</ul>
+        <ul class=${page.kind}>${page.part}</ul>
         ${page.part.length === 0 && html`<p class="nothing">${page.nothing}</p>`}
-        <div class="copy" aria-hidden="true" ref=${copy}>${made.map((part) => html`<ul>${part}</ul>`)}</div>
+        <div class="copy" aria-hidden="true" ref=${copy}>${made.map((part, i) => html`<ul class=${kindOf(all[i])}>${part}</ul>`)}</div>
       </div>
     </section>`;
 }
@@ -115,8 +126,8 @@ function Lists({all}) {
   return all.map((list) => html`
     <section class="below">
       <h2>${list.title}</h2>
-      <ul>${blocks(list)}</ul>
-      ${list.lines.length === 0 && html`<p class="nothing">${list.nothing}</p>`}
+      <ul class=${kindOf(list)}>${blocks(list)}</ul>
+      ${blocks(list).length === 0 && html`<p class="nothing">${list.nothing}</p>`}
     </section>`);
 }
 
@@ -135,17 +146,19 @@ function Display({live, words}) {
   const runs = live.data["page.runs"].runs.filter(isChosen);
   const pages = kind === "board" ? evenPages(runs, CARDS_ON_A_PAGE) : [runs];
   const number = turn % pages.length;
-  const shown = pages[number];
-  const columns = kind === "board" && shown.length > CARDS_IN_A_COLUMN ? 2 : 1;
-  const all = lists(live, words);
+  const cards = pages[number];
+  const columns = kind === "board" && cards.length > CARDS_IN_A_COLUMN ? 2 : 1;
+  const all = lists(live, words, shown());
+  const hasRuns = WITH_RUNS.includes(shown());
   return html`
-    <${Head} live=${live} words=${words} mark=${mark(words.runs, number, pages.length)} />
-    <section class="cards" data-columns=${columns} data-rows=${Math.ceil(shown.length / columns)}>
-      <h2 class="unseen">${words.runs}</h2>
-      ${shown.map((run) => html`<${Card} key=${run.zone} run=${run} live=${live} />`)}
-      ${shown.length === 0 && html`<p class="nothing">${words.nothing_runs}</p>`}
-    </section>
+    <${Head} live=${live} words=${words} mark=${hasRuns ? mark(words.runs, number, pages.length) : ""} />
+    ${hasRuns && html`
+      <section class="cards" data-columns=${columns} data-rows=${Math.ceil(cards.length / columns)}>
+        <h2 class="unseen">${words.runs}</h2>
+        ${cards.map((run) => html`<${Card} key=${run.zone} run=${run} live=${live} />`)}
+        ${cards.length === 0 && html`<p class="nothing">${words.nothing_runs}</p>`}
+      </section>`}
     ${kind === "board" ? html`<${Board} all=${all} turn=${turn} />` : html`<${Lists} all=${all} />`}`;
 }
 
-show(Display);
+show(Display, DOCUMENTS, "display");

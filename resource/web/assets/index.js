@@ -2,7 +2,7 @@
 
 import {address, html, show, troubleText} from "/assets/parts.js";
 
-const DATA = ["state", "schedule", "results", "standings"];
+const DATA = ["state", "schedule", "results", "standings", "explained"];
 
 function Links({title, links}) {
   return html`
@@ -33,7 +33,8 @@ function Index({live, words}) {
     <${Links} title=${words.overlay} links=${perZone("/overlay")} />
     ${teams.length > 0 && html`
       <${Links} title=${words.teams} links=${teams.map((team) => [team, address(`/team/${encodeURIComponent(team)}`)])} />`}
-    <${Links} title=${words.referees} links=${[[words.referee_page, address("/referee")]]} />
+    <${Links} title=${words.referees} links=${[
+      [words.referee_page, address("/referee")], [words.displays_page, address("/displays")]]} />
     <${Links} title=${words.data} links=${DATA.map((name) => [name, `/api/v1/${name}`])} />`;
 }
 

@@ -36,10 +36,25 @@ export class Live {
     this.numbers = {};
     this.heardAt = -Infinity;
     this.isHeard = false;
-    this.address = `${location.protocol === "https:" ? "wss:" : "ws:"}//${location.host}/api/v1/${path}?${
-      new URLSearchParams(query)}`;
+    this.path = path;
+    this.setQuery(query);
     this.connect();
     this.timer = setInterval(() => this.watch(), 250);
+  }
+
+  setQuery(query) {
+    this.address = `${location.protocol === "https:" ? "wss:" : "ws:"}//${location.host}/api/v1/${this.path}?${
+      new URLSearchParams(query)}`;
+  }
+
+  // Ask for something else, with a new connection.
+  reopen(query) {
+    this.setQuery(query);
+    const old = this.socket;
+    this.connect();
+    if (old) {
+      old.close();
+    }
   }
 
   connect() {
@@ -68,7 +83,7 @@ export class Live {
       this.socket = null;
       socket.close();
       // Not all pages of a hall at the same moment.
-      setTimeout(() => this.isClosed || this.connect(), RECONNECT_MS * (1 + Math.random()));
+      setTimeout(() => this.isClosed || this.socket || this.connect(), RECONNECT_MS * (1 + Math.random()));
       this.watch();
     }
   }

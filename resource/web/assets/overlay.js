@@ -32,4 +32,4 @@ function Overlay({live, words}) {
       </div>`}`;
 }
 
-show(Overlay);
+show(Overlay, undefined, "overlay");

@@ -9,16 +9,56 @@ export const parameters = new URLSearchParams(location.search);
 // A long text shrinks to at most this share of its size. Then it is shortened: it must stay legible.
 const SMALLEST = 0.7;
 const DOCUMENTS = ["page.words", "page.runs", "page.next", "page.results", "page.standings"];
+export const EXPLAINED = "page.explained";
+const RESIZED_MS = 1000;
+const DISPLAYS = "roah_rsbb_displays", DISPLAY_NAME = "roah_rsbb_display_name";
 
-// Show a page: `Page` gets the live data and the texts of the language.
-export function show(Page, documents = DOCUMENTS) {
+// What the organiser has set for this display. A field that is null is as the address of the page says.
+let central = {};
+
+// Show a page: `Page` gets the live data and the texts of the language. `display`: its name in the organiser's list.
+export function show(Page, documents = DOCUMENTS, display = "") {
   const place = document.getElementById("page");
-  const language = parameters.get("language") || navigator.languages.join(",");
+  const query = () => ({
+    documents: documents.join(","), language: central.language || parameters.get("language") || navigator.languages.join(","),
+    ...(display && {page: display, ...identity(), size: `${innerWidth}x${innerHeight}`, show: parameters.get("show") || ""}),
+  });
+  const open = () => [...Object.entries(query()), ...(display ? parameters.getAll("zone").map((zone) => ["zone", zone]) : [])];
   const draw = () => render(html`<${Whole} page=${Page} live=${live} />`, place);
-  const live = new Live("events", {documents: documents.join(","), language}, draw);
-  window.addEventListener("resize", draw);
+  const changed = () => {
+    const before = central.language || null;
+    central = live.data["page.display"] || {};
+    if ((central.language || null) !== before) {
+      live.reopen(open());
+    }
+    draw();
+  };
+  const live = new Live("events", open(), changed);
+  let resized;
+  window.addEventListener("resize", () => {
+    draw();
+    clearTimeout(resized);
+    resized = display && setTimeout(() => live.reopen(open()), RESIZED_MS);
+  });
   window.live = live;  // for the browser's console, and for tests
   draw();
+}
+
+// The identity of this display, which its browser keeps. Several windows of a browser differ by ?name=…
+function identity() {
+  const name = parameters.get("name") || localStorage.getItem(DISPLAY_NAME) || "";
+  const known = JSON.parse(localStorage.getItem(DISPLAYS) || "{}");
+  if (!known[name]) {
+    known[name] = [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+    localStorage.setItem(DISPLAYS, JSON.stringify(known));
+  }
+  localStorage.setItem(DISPLAY_NAME, name);
+  return {display: known[name], name};
+}
+
+// What a display shows: as the organiser has set, else as its address says.
+export function shown() {
+  return central.show || parameters.get("show") || "rotating";
 }
 
 function Whole({page, live}) {
@@ -28,12 +68,15 @@ function Whole({page, live}) {
   }
   document.documentElement.lang = words.language;
   document.body.classList.toggle("old", live.silentSince !== null);
-  return html`<${page} live=${live} words=${words} />`;
+  return html`
+    <${page} live=${live} words=${words} />
+    ${central.shows_name && html`<p class="identify" role="status">${central.name}</p>`}`;
 }
 
-// The zones that the address chooses, as in ?zone=Home+A&zone=Home+B; all without one.
+// The zones that the organiser or the address chooses, as in ?zone=Home+A&zone=Home+B; all without one.
 export function isChosen(line) {
-  const zones = parameters.getAll("zone");
+  const isSet = typeof central.zone === "string";
+  const zones = isSet ? [central.zone].filter(Boolean) : parameters.getAll("zone");
   return zones.length === 0 || zones.includes(line.zone);
 }
 
@@ -129,19 +172,47 @@ export function Line({line, scores = line.scores, isMore = false}) {
     </li>`;
 }
 
-// All lists in the order in which they take turns: title, lines, and whether only the first page is shown.
-export function lists(live, words) {
+// A run explained: what happens now, its steps, what it is about, and what the robot says.
+function explanation(run) {
+  const marks = {done: "✓", now: "▶", later: "○"};
+  const now = run.steps.some((step) => step.state === "now" && step.text === run.now) ? "" : run.now;
+  return [
+    (now || run.progress) && html`
+      <li class="line now">${now && html`<b>${now}</b> `}${run.progress && html`<span class="progress">${run.progress}</span>`}</li>`,
+    run.steps.length > 0 && html`
+      <li class="line stepped"><ol class="steps">${run.steps.map((step) => html`
+        <li class=${step.state} aria-current=${step.state === "now" ? "step" : undefined}>${marks[step.state]} ${step.text}</li>`)}
+      </ol></li>`,
+    run.about && html`<li class="line about">${run.about}</li>`,
+    ...run.said.slice().reverse().map((text) => html`<li class="line said">${text}</li>`),
+  ].filter(Boolean);
+}
+
+// The runs explained, each as a list of its own.
+function explanations(live) {
+  const {runs} = live.data["page.runs"];
+  const explained = live.data[EXPLAINED] ? live.data[EXPLAINED].runs : [];
+  return explained.filter(isChosen).flatMap((run) => {
+    const card = runs.find((one) => one.zone === run.zone);
+    return card ? [{title: `${card.team} · ${card.benchmark}`, lines: [], blocks: explanation(run)}] : [];
+  });
+}
+
+// All lists in the order in which they take turns: title, lines or blocks, and whether only the first page is shown.
+export function lists(live, words, show = "rotating") {
   const results = live.data["page.results"], standings = live.data["page.standings"];
   const following = live.data["page.next"].lines.filter(isChosen);
-  const found = [{title: words.next, lines: following, isFirst: true, nothing: words.schedule_is_done}];
-  for (const standing of standings ? standings.standings : []) {
-    found.push({title: standing.title, lines: standing.lines});
-  }
-  for (const [title, name] of [[words.results, "results"], [words.provisional, "provisional"]]) {
-    const lines = results ? results[name].filter(isChosen) : [];
-    if (lines.length > 0) {
-      found.push({title, lines});
-    }
-  }
-  return found;
+  const next = {title: words.next, lines: following, isFirst: show !== "schedule", nothing: words.schedule_is_done};
+  const explained = explanations(live);
+  const ranked = (standings ? standings.standings : []).map(({title, lines}) => ({title, lines}));
+  const ended = [[words.results, "results"], [words.provisional, "provisional"]]
+    .map(([title, name]) => ({title, lines: results ? results[name].filter(isChosen) : []}))
+    .filter(({lines}) => lines.length > 0);
+  const nothing = (title, text) => [{title, lines: [], nothing: text}];
+  return {
+    run: explained.length > 0 ? explained : [next],
+    schedule: [next],
+    standings: ranked.length > 0 ? ranked : nothing(words.standings, words.no_standings),
+    results: ended.length > 0 ? ended : nothing(words.results, words.no_results),
+  }[show] || [...explained, next, ...ranked, ...ended];
 }

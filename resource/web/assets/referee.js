@@ -337,6 +337,7 @@ function Page() {
     <header class="who">
       ${session.zone ? html`<strong>${session.zone}</strong>` : data["page.zones"] && html`
         <${Zones} zones=${data["page.zones"]} zone=${zone && zone.zone} texts=${texts} />`}
+      ${session.role === "organiser" && html`<a href=${address("/displays")}>${texts.displays}</a>`}
       <a href=${address("/pair")}>${session.person} · ${roleText(session, texts)}</a>
     </header>
     ${zone && html`

@@ -1,4 +1,5 @@
-"""The documents for browsers and programs, made from PublicDetails and PublicBoard (docs/web.md, "Data").
+"""The documents for browsers and programs, made from PublicDetails, PublicBoard and PublicExplained (docs/web.md,
+"Data").
 
 They contain what these messages contain and nothing else. The functions work on anything with the fields of the
 messages. Times are UTC seconds since 1970 of the box's clock.
@@ -7,15 +8,17 @@ messages. Times are UTC seconds since 1970 of the box's clock.
 from typing import Any, Dict, List, Optional
 
 from roah_rsbb.wording import public
+from roah_rsbb.wording.explained import explained as explained_texts
 
 Data = Dict[str, Any]
 
-STATE, SCHEDULE, RESULTS, STANDINGS = DATA = ("state", "schedule", "results", "standings")
+STATE, SCHEDULE, RESULTS, STANDINGS, EXPLAINED = DATA = ("state", "schedule", "results", "standings", "explained")
 # The texts of our pages, in the language of the reader.
-WORDS, DEVICE_WORDS, PAGE_RUNS, PAGE_NEXT, PAGE_RESULTS, PAGE_STANDINGS = TEXTS = (
-    "page.words", "page.device_words", "page.runs", "page.next", "page.results", "page.standings",
+WORDS, DEVICE_WORDS, PAGE_RUNS, PAGE_NEXT, PAGE_RESULTS, PAGE_STANDINGS, PAGE_EXPLAINED = TEXTS = (
+    "page.words", "page.device_words", "page.runs", "page.next", "page.results", "page.standings", "page.explained",
 )
 FIXED_TEXTS = (WORDS, DEVICE_WORDS)  # these need no message of the core
+DISPLAY = "page.display"  # what the organiser has set for a display: for this one only
 # The time at which a run ends is computed from two clocks. A smaller difference is no change.
 SAME_TIME_S = 0.05
 
@@ -55,6 +58,25 @@ def standings(board) -> Data:
         }
         for standing in board.standings
     ]}
+
+
+def explained(details, message) -> Data:
+    """Return the runs explained."""
+    return {"runs": [] if message is None else [
+        {
+            "zone": run.zone, "about": dict(zip(run.languages, run.about)), "kind": run.kind, "doing": run.doing,
+            "phases": list(run.phases), "phase": run.phase, "waypoints": bool(run.waypoints), "goals": run.goals,
+            "goals_ended": run.goals_ended,
+            "goals_completed": run.goals_completed if _shows_outcomes(details) else None,
+            "said": [{"robot": one.robot, "kind": one.kind, "text": one.text, "received": _time(one.received.to_sec())}
+                     for one in run.said],
+        }
+        for run in message.runs
+    ]}
+
+
+def _shows_outcomes(details) -> bool:
+    return details.results != "none"
 
 
 def _event(event) -> Data:
@@ -163,6 +185,15 @@ def page_standings(board) -> Data:
     return {"standings": [] if board is None else [
         {"title": public.standing_title(one.title), "lines": [line._asdict() for line in one.lines]}
         for one in public.standings(board)
+    ]}
+
+
+def page_explained(details, message, language: str) -> Data:
+    """Return the texts that explain the runs."""
+    return {"runs": [] if message is None else [
+        {"zone": run.zone, **texts._asdict(), "steps": [step._asdict() for step in texts.steps]}
+        for run in message.runs
+        for texts in [explained_texts(run, language, _shows_outcomes(details))]
     ]}
 
 

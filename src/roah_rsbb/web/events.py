@@ -9,7 +9,8 @@ from typing import Any, List, Optional
 
 from tornado import web, websocket
 
-from roah_rsbb.web.documents import DATA, TEXTS
+from roah_rsbb.web.displays import display_of
+from roah_rsbb.web.documents import DATA, DISPLAY, TEXTS
 from roah_rsbb.web.guarded import Guarded
 from roah_rsbb.web.numbered import Key
 from roah_rsbb.web.viewer import Viewer
@@ -115,4 +116,13 @@ class EventsHandler(Reader):
         """Send the snapshot."""
         store = self._server.store
         keys: List[Key] = store.keys(self._asked, self.language())
+        display = display_of(lambda name: self.get_query_argument(name, ""), self.get_query_arguments("zone"),
+                             self.language(), self.request.remote_ip or "", self._server.utc())
+        if display is not None and self._server.display_opened(self, display):
+            keys.append((DISPLAY, display.id))
         self.start(Viewer(store, keys))
+
+    def on_close(self) -> None:
+        """Free the place."""
+        super().on_close()
+        self._server.display_closed(self)

@@ -63,6 +63,11 @@ class Numbered:
     def _now(self, mono: float) -> str:
         return f'"clock":{json.dumps(self.clock(mono))},"heard":{json.dumps(self.is_heard(mono))}'
 
+    def _drop(self, key: Key) -> None:
+        """Forget a document that nobody reads any more."""
+        self._documents.pop(key, None)
+        self._pieces.pop(key, None)
+
     def _put(self, key: Key, data: Any) -> None:
         text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
         before = self.document(key)

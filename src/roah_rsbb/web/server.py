@@ -15,17 +15,19 @@ from tornado import web
 
 from roah_rsbb.web.commands import Command, Outcome
 from roah_rsbb.web.desk import Desk
+from roah_rsbb.web.displays import Display, Displays, Setting
 from roah_rsbb.web.documents import DATA
 from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.guarded import Guarded
 from roah_rsbb.web.limits import Places, Rates
+from roah_rsbb.web.organising import DisplaysHandler
 from roah_rsbb.web.pairing import Codes, Session, Sessions
 from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind, set_headers
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.tls import EncryptedServer
 from roah_rsbb.web.writing import CommandHandler, DeviceEventsHandler, PairHandler, SessionHandler
 
-PAGES = ("display", "overlay", "pair", "referee")
+PAGES = ("display", "overlay", "pair", "referee", "displays")
 # A device that scores makes some requests a second. A crowd behind the same address has other limits.
 REQUESTS_OF_DEVICE_A_SECOND, REQUESTS_OF_DEVICE_AT_ONCE = 20.0, 100.0
 MAX_DEVICES = 200
@@ -52,12 +54,14 @@ class WebServer:
         self, loop: asyncio.AbstractEventLoop, store: Store, folder: str, names: FrozenSet[str],
         sessions: Optional[Sessions] = None, command: Optional[Callable[[Command], Awaitable[Outcome]]] = None,
         on_devices: Callable[[bool], None] = lambda any_device: None, context: Optional[ssl.SSLContext] = None,
+        displays: Optional[Displays] = None,
     ) -> None:
         """`folder`: the files of the pages; `names`: of this computer (`limits.own_names`).
 
         `sessions`: the paired devices; None: they are forgotten at the end. `command` carries commands out; None:
         there is no answer. `on_devices` is called whenever devices come or go, with whether any is connected.
         `context`: the certificate; None: nothing is encrypted.
+        `displays`: what organisers have set for them; None: it is forgotten at the end.
         """
         self._loop = loop
         self.store = store
@@ -66,6 +70,7 @@ class WebServer:
         self.codes = Codes()
         self.sessions = sessions or Sessions(lambda records: None)
         self.desk = Desk(store)
+        self.displays = displays or Displays(lambda records: None, {})
         self.command = command or _no_answer
         self._on_devices = on_devices
         self.device_rates = Rates(REQUESTS_OF_DEVICE_A_SECOND, REQUESTS_OF_DEVICE_AT_ONCE)
@@ -86,6 +91,7 @@ class WebServer:
                 (r"/api/v1/session", SessionHandler, shared),
                 (r"/api/v1/commands/([a-z_]+)", CommandHandler, shared),
                 (r"/api/v1/device", DeviceEventsHandler, shared),
+                (r"/api/v1/displays", DisplaysHandler, shared),
                 (r"/api/v1/schemas/([a-z]+\.json)", SchemaHandler,
                  {**shared, "path": os.path.join(folder, "schemas")}),
                 (r"/assets/(.*)", FileHandler, {**shared, "path": os.path.join(folder, "assets")}),
@@ -147,6 +153,44 @@ class WebServer:
         """Make documents only for what devices show."""
         self.desk.show(device.key for device in self.devices)
         self._on_devices(len(self.devices) > 0)
+
+    def display_opened(self, window: Reader, display: Display) -> bool:
+        """A display is open; returns whether the organiser can set what it shows."""
+        is_listed = self.displays.add(window, display)
+        if is_listed:
+            self._put_display(display.id)
+        return is_listed
+
+    def display_closed(self, window: Reader) -> None:
+        """A page was closed, which may have been a display."""
+        closed = self.displays.remove(window)
+        if closed is not None:
+            self.store.drop_display(closed)
+
+    def set_display(self, display_id: str, setting: Setting) -> None:
+        """Set what a display shows; raises as `Displays.set` does."""
+        self.displays.set(display_id, setting)
+        if display_id in self.displays.ids():
+            self._put_display(display_id)
+            self.publish()
+
+    def show_display_names(self) -> None:
+        """Let all displays show their names for a moment."""
+        until = self.displays.show_names(self.now())
+        self._put_displays()
+        self._loop.call_at(until, self._put_displays)
+
+    def _put_displays(self) -> None:
+        for display_id in self.displays.ids():
+            self._put_display(display_id)
+        self.publish()
+
+    def _put_display(self, display_id: str) -> None:
+        setting = self.displays.setting(display_id)
+        self.store.put_display(display_id, {
+            **setting._asdict(), "name": self.displays.name(display_id),
+            "shows_name": self.displays.are_named(self.now()),
+        })
 
     def connected(self) -> Set[str]:
         """Return the ids of the sessions whose devices are connected."""

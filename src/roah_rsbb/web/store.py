@@ -27,6 +27,7 @@ class Store(Numbered):
         self._shown: Set[str] = set()  # languages that somebody has asked for
         self._details: Optional[Any] = None
         self._board: Optional[Any] = None
+        self._explained: Optional[Any] = None
         self._state: Optional[Data] = None
         self._heard_mono = float("-inf")
         self._clock = BoxClock()
@@ -57,6 +58,12 @@ class Store(Numbered):
         self._board = board
         if self._details is not None:
             self._make((documents.RESULTS, documents.STANDINGS, documents.PAGE_RESULTS, documents.PAGE_STANDINGS))
+
+    def on_explained(self, explained) -> None:
+        """Take PublicExplained."""
+        self._explained = explained
+        if self._details is not None:
+            self._make((documents.EXPLAINED, documents.PAGE_EXPLAINED))
 
     def is_heard(self, mono: float) -> bool:
         """Whether the core publishes."""
@@ -93,6 +100,18 @@ class Store(Numbered):
             self._make_texts(language, documents.FIXED_TEXTS if self._details is None else TEXTS)
         return keys
 
+    def put_display(self, display_id: str, data: Data) -> None:
+        """Make the document with what the organiser has set for a display."""
+        self._put((documents.DISPLAY, display_id), data)
+
+    def drop_display(self, display_id: str) -> None:
+        """Forget a display that is closed."""
+        self._drop((documents.DISPLAY, display_id))
+
+    def known_languages(self) -> List[str]:
+        """Return the names of all languages."""
+        return list(self._languages)
+
     def answer(self, name: str, mono: float) -> str:
         """Return a document of data as the answer to a request."""
         document = self.document((name, ""))
@@ -110,6 +129,7 @@ class Store(Numbered):
             documents.SCHEDULE: lambda: documents.schedule(details),
             documents.RESULTS: lambda: documents.results(details, board),
             documents.STANDINGS: lambda: documents.standings(board),
+            documents.EXPLAINED: lambda: documents.explained(details, self._explained),
         }
         for name in names:
             if name in makers:
@@ -128,6 +148,7 @@ class Store(Numbered):
             documents.PAGE_NEXT: lambda: documents.page_next(details, utc_s),
             documents.PAGE_RESULTS: lambda: documents.page_results(details, board, utc_s),
             documents.PAGE_STANDINGS: lambda: documents.page_standings(board),
+            documents.PAGE_EXPLAINED: lambda: documents.page_explained(details, self._explained, language),
         }
         with self.speaking(language):
             for name in names:

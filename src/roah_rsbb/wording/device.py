@@ -20,6 +20,10 @@ NOT_ENCRYPTED = tr_later(
 # Why a command of a device has no effect.
 NOT_ALLOWED = tr_later("This device may not do that: it is paired as {role}")
 NO_ANSWER = tr_later("No answer from the core: it may have been done. Check the state")
+# Why an organiser's setting of a display has no effect.
+NO_SUCH_DISPLAY = tr_later("This display is not connected")
+TOO_MANY_DISPLAYS = tr_later("Too many displays are set: take some back first")
+SETTING_NOT_SAVED = tr_later("The setting cannot be saved ({error}): free or repair the disk of log_dir")
 
 
 def role_text(role: str, zone: str) -> str:
@@ -50,6 +54,18 @@ def page_words() -> Dict[str, str]:
         "end_pairing": tr("End the pairing of this device"),
         "not_encrypted": tr(NOT_ENCRYPTED),
         "referee_page": tr("Referee's page"),
+        "displays": tr("Displays"), "displays_how": tr(
+            "Each /display and /overlay that is open. What you set here counts until you take it back. Its address may "
+            "give a display its name: /display?name=Hall"),
+        "for_organisers": tr("This page is for organisers. Pair this device with the role organiser."),
+        "no_displays": tr("No display is open, and none is set"), "not_connected": tr("not connected"),
+        "unlisted": tr("Displays without a place in the list: {number}", number="{number}"),
+        "show_names": tr("Show the names on all displays"), "name": tr("Name"), "unnamed": tr("Without a name"),
+        "show": tr("Shows"), "language": tr("Language"), "as_address": tr("as its address says"),
+        "take_back": tr("Take back"), "since": tr("since {time}", time="{time}"),
+        "windows": tr("{number} windows", number="{number}"), "all_zones": tr("all zones"),
+        "show_rotating": tr("everything in turns"), "show_run": tr("the run, explained"),
+        "show_standings": tr("the standings"), "show_schedule": tr("the schedule"), "show_results": tr("the results"),
         "not_paired": tr("This device is not paired"),
         "zone": tr("Zone"),
         "offline": tr("NO LINK TO THE BOX since {time}. This is its last known state", time="{time}"),

@@ -158,6 +158,8 @@ def page_words() -> Dict[str, str]:
         "all_zones": tr("all zones"), "teams": tr("Teams"), "standings": tr("Standings"),
         "referees": tr("Referees"), "referee_page": tr("Referee's page"),
         "data": tr("Data for programs"), "no_results": tr("No results are public yet"),
+        "no_standings": tr("No standings are public yet"),
+        "displays_page": tr("What each display shows"),
         "no_events": tr("No more events"), "not_in_schedule": tr("Nothing is known of this team"),
     }
 

@@ -47,3 +47,14 @@ def board(results=(), provisional=(), standings=()):
 def standing():
     return SimpleNamespace(benchmark="Visitors", criteria=["Achievements"],
                            ranks=[SimpleNamespace(rank="1", team="Alpha", numbers=["4.5"])])
+
+
+def explanation(zone="Home", doing="executing", kind="task", **fields):
+    said = SimpleNamespace(robot="", kind="visitor", text="Postman", received=Time(NOW - 5.0))
+    made = {"languages": ["en", "de"], "about": ["Visitors ring.", "Besucher klingeln."], "phases": [], "phase": 0,
+            "waypoints": False, "goals": 0, "goals_ended": 0, "goals_completed": 0, "said": [said], **fields}
+    return SimpleNamespace(zone=zone, doing=doing, kind=kind, **made)
+
+
+def explained(*runs):
+    return SimpleNamespace(box_uuid="box", runs=list(runs))

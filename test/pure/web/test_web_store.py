@@ -6,9 +6,9 @@ import pathlib
 import pytest
 
 from helpers import catalogues
-from helpers.public_messages import NOW, board, details, event, result, run, standing
+from helpers.public_messages import NOW, board, details, event, explained, explanation, result, run, standing
 from helpers.time_zones import local_time
-from roah_rsbb.web.documents import DATA, TEXTS
+from roah_rsbb.web.documents import DATA, PAGE_EXPLAINED, TEXTS
 from roah_rsbb.web.store import SILENT_S, Store
 from roah_rsbb.web.viewer import Viewer
 from roah_rsbb.wording.catalogues import read, translation
@@ -94,11 +94,11 @@ def test_time_alone_changes_nothing(store):
 def test_only_what_changed_gets_a_new_number(store):
     store.on_details(MONO, full())
     store.on_details(MONO + 1, full(NOW + 1.0, counting=False))
-    assert [number(store, name) for name in DATA] == [2, 1, 1, 1]
+    assert [number(store, name) for name in DATA] == [2, 1, 1, 1, 1]
     store.on_board(board([result()]))
-    assert [number(store, name) for name in DATA] == [2, 1, 2, 1]
+    assert [number(store, name) for name in DATA] == [2, 1, 2, 1, 1]
     store.on_board(board([result()]))
-    assert [number(store, name) for name in DATA] == [2, 1, 2, 1]
+    assert [number(store, name) for name in DATA] == [2, 1, 2, 1, 1]
 
 
 def test_texts_are_made_only_in_languages_that_somebody_reads(store):
@@ -129,6 +129,16 @@ def test_the_texts_name_another_day_at_midnight(store):
     store.on_details(MONO + 1, full(NOW + 86400.0))
     assert data(store, "page.next", "en")["lines"][0]["time"] == "Fri 08:15"
     assert data(store, "page.words", "en")["date"] == "Saturday, 16 January 2027"
+
+
+def test_a_run_is_explained_in_the_language_of_the_reader(store):
+    store.keys([PAGE_EXPLAINED], "de")
+    store.on_details(MONO, full())
+    store.on_explained(explained(explanation(phases=["Door", "Talk"], phase=2)))
+    (one,) = json.loads(store.document((PAGE_EXPLAINED, "de")).text)["runs"]
+    assert (one["zone"], one["about"]) == ("Home", "Besucher klingeln.")
+    assert [step["state"] for step in one["steps"]] == ["done", "now"]
+    assert len(one["said"]) == 1 and "Postman" in one["said"][0]
 
 
 def test_a_zone_more_changes_the_texts_of_the_others(store):
@@ -226,6 +236,7 @@ def test_what_is_sent_is_what_the_schemas_say(store, of_run):
     answers = [{name: json.loads(store.answer(name, MONO)) for name in DATA}]
     store.on_details(MONO, full(**of_run))
     store.on_board(board([result()], [result("Beta")], [standing()]))
+    store.on_explained(explained(explanation(), explanation("Lab", "between", "functionality", goals=3, goals_ended=2)))
     viewer.beat()
     messages += [sent(viewer), sent(viewer)]
     answers.append({name: json.loads(store.answer(name, MONO)) for name in DATA})

@@ -12,6 +12,7 @@ import urllib.request
 from typing import Any, Dict, List
 from unittest import mock
 
+import rospy
 from support.box_case import BoxCase
 from support.browser import NeedsBrowser, Page
 from support.connections import kill, process_of
@@ -19,13 +20,14 @@ from support.robots import RSBB_PORT
 from support.waiting import wait_until
 
 from roah_rsbb.nodes.web import node as web
+from roah_rsbb.srv import PairDevice
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"
 URL = f"http://127.0.0.1:{RSBB_PORT + 95}"
 ZONE, GATEWAY = "Room", "/roah_rsbb_web"
 # Width and height in CSS pixels.
-PHONE, TABLET, SCREEN = (360, 740), (1180, 820), (1920, 1080)
+PHONE, TABLET, LAPTOP, SCREEN = (360, 740), (1180, 820), (1366, 768), (1920, 1080)
 TEXT = "document.body.innerText"
 BIG = "(document.querySelector('.big') || {}).textContent"
 
@@ -97,7 +99,8 @@ class TestPages(NeedsBrowser, BoxCase):
         robot = self.robot("Delta")
         display, phone = self.open("/display", *SCREEN), self.open("/display?language=de", *PHONE)
         overlay, team = self.open(f"/overlay?zone={ZONE}", *SCREEN), self.open("/team/Delta", *PHONE)
-        pages = {"display": display, "phone": phone, "overlay": overlay, "team": team,
+        explained = self.open("/display?show=run&layout=list", *SCREEN)
+        pages = {"explained": explained, "display": display, "phone": phone, "overlay": overlay, "team": team,
                  "index": self.open("/", *PHONE), "tablet": self.open("/display?layout=board", *TABLET)}
         display.wait(f"{TEXT}.includes('Nothing is running at the moment')", "the display says that nothing runs")
         self.box.connect(ZONE)
@@ -105,6 +108,8 @@ class TestPages(NeedsBrowser, BoxCase):
         robot.wait_did("execute HCFGAC")
         for page, word in ((display, "running"), (phone, "läuft"), (overlay, "running"), (team, "running")):
             page.wait(f"{TEXT}.includes('Delta') && {TEXT}.includes('{word}')", "the run is shown")
+        explained.wait(f"{TEXT}.includes('The robot carries out its task') && {TEXT}.includes('Granny Annie calls')",
+                       "the run is explained")
         self.the_clock_is_the_box_s(display)
         for name, page in pages.items():
             self.assert_accessible(name, page)
@@ -118,6 +123,39 @@ class TestPages(NeedsBrowser, BoxCase):
         self.box.command("stop", ZONE)
         display.wait(f"{BIG} === 'ended' && {TEXT}.includes('stopped')", "the end and its reason are shown")
         self.assertEqual([error for error in self.browser.errors if "WebSocket" not in error], [])
+
+    def test_the_organiser_sets_what_a_display_shows(self) -> None:
+        display = self.open("/display?name=Hall&show=schedule", *LAPTOP)
+        display.wait(f"{TEXT}.includes('Next')", "it shows what its address says")
+        code = rospy.ServiceProxy("/web/pair", PairDevice)("organiser", "").code
+        organiser = self.open(f"/pair#{code}", *LAPTOP)
+        organiser.wait("document.querySelector('#person') !== null", "the form is shown")
+        organiser.get("document.querySelector('#person').value = 'Olga'")
+        organiser.touch_at("form button")
+        organiser.wait_address("/referee")
+        organiser = self.open("/displays", *LAPTOP)
+        row = "document.querySelector('[data-name=Hall]')"
+        organiser.wait(f"{row} !== null && {row}.innerText.includes('1366 × 768')", "the display is listed")
+        self.assert_accessible("displays", organiser)
+        organiser.screenshot(SHOTS / "web_displays.png")
+        self.choose(organiser, row, "show", "standings")
+        self.choose(organiser, row, "language", "de")
+        wanted = f"{TEXT}.includes('Noch keine Rangliste ist öffentlich')"
+        display.wait(wanted, "it shows what is set, in the language that is set")
+        self.assert_accessible("display that is set", display)
+        kill(GATEWAY)
+        display.wait("live.silentSince !== null", "the gateway is gone")
+        display.wait(f"live.silentSince === null && {wanted}", "a new gateway knows the setting")
+        again = self.open("/display?name=Hall&show=schedule", *PHONE)
+        again.wait(wanted, "so does a browser that was started again")
+        organiser.wait(f"{row}.querySelector('[data-command=take_back]') !== null", "it can be taken back")
+        organiser.get(f"{row}.querySelector('[data-command=take_back]').click()")
+        display.wait(f"{TEXT}.includes('Next')", "the address counts again")
+
+    def choose(self, page: Page, row: str, what: str, value: str) -> None:
+        """Choose in a list of the organiser's page."""
+        found = f"{row}.querySelector('[id^={what}-]')"
+        page.get(f"{found}.value = '{value}', {found}.dispatchEvent(new Event('change', {{bubbles: true}}))")
 
     def the_clock_is_the_box_s(self, page: Page) -> None:
         """The page counts by the box's clock, although the clock of its own computer is wrong."""

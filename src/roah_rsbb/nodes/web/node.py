@@ -7,9 +7,9 @@ a port of its own (docs/tablet.md).
 Parameters (private): web and tablet (what is served: the pages, and the tablet's page; default: only the pages);
 rsbb_host. Of the pages: web_port (TCP, 0: any free one), web_host (address at which it is served; default: all, or this
 computer's alone if rsbb_host is), web_names (further names of this computer, separated by spaces), title (of the
-competition), log_dir (for the list of paired devices), web_cert and web_key (PEM files of a certificate, see
-docs/web.md, "Encryption"; empty: the pages are not encrypted). Of the tablet: rsbb_port, bind_host; tablet_port (TCP,
-0: any free one), tablet_host (as web_host), map_file (as map_saver writes it).
+competition), log_dir (for the list of paired devices, and for what displays show), web_cert and web_key (PEM files of a
+certificate, see docs/web.md, "Encryption"; empty: the pages are not encrypted). Of the tablet: rsbb_port, bind_host;
+tablet_port (TCP, 0: any free one), tablet_host (as web_host), map_file (as map_saver writes it).
 """
 
 import asyncio
@@ -23,18 +23,22 @@ import rospkg
 import rospy
 
 from roah_rsbb.comm import sockets
-from roah_rsbb.msg import PublicBoard, PublicDetails
+from roah_rsbb.msg import PublicBoard, PublicDetails, PublicExplained
 from roah_rsbb.nodes.web.opening import LOOPBACK, hosts_of, retry_until_open
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.web.displays import FILE as DISPLAYS_FILE
+from roah_rsbb.web.displays import Displays
+from roah_rsbb.web.kept_file import open_kept
 from roah_rsbb.web.limits import own_names
 from roah_rsbb.web.session_file import open_sessions
 from roah_rsbb.web.store import Store
 from roah_rsbb.wording import catalogues
 
-DETAILS, BOARD = "/core/public_details", "/core/public_board"
+DETAILS, BOARD, EXPLAINED = "/core/public_details", "/core/public_board", "/core/public_explained"
+TOPICS = {DETAILS: PublicDetails, BOARD: PublicBoard, EXPLAINED: PublicExplained}
 # The core's computer may have lost its power: the connection then stays half open.
 RENEW_S = 5.0
 # How often the files of the certificate are checked.
@@ -67,14 +71,15 @@ class WebPart:
         self._reported = ""  # of the certificate
         self._store = Store(_languages(resource / "languages"), title)
         sessions = open_sessions(log_dir, rospy.logerr)
+        displays = open_kept(log_dir, DISPLAYS_FILE, Displays, {}, rospy.logerr, "set what the displays show again")
         self._certificate = _certificate(*files) if all(files) else None
         self._server = WebServer(self._ros.loop, self._store, str(resource / "web"), own_names(names), sessions,
                                  CoreCalls(self._ros).carry_out, lambda any_device: self._device_feed.want(any_device),
-                                 self._certificate and self._certificate.context)
+                                 self._certificate and self._certificate.context, displays)
         self._device_feed = DeviceFeed(self._ros, self._server.desk, self._server.publish)
         self._url = ""  # for paired devices
         PairingServices(self._ros, self._server, self._store.zones, lambda: self._url)
-        self._feed = Feed({DETAILS: PublicDetails, BOARD: PublicBoard}, lambda: self._ros.post(self._take))
+        self._feed = Feed(TOPICS, lambda: self._ros.post(self._take))
         self._renew_timer: Optional[asyncio.TimerHandle] = None
 
     def start(self) -> None:
@@ -91,12 +96,14 @@ class WebPart:
 
     def _take(self) -> None:
         """Take the newest messages. The board comes first: results and runs change together."""
-        board, details = self._feed.take(BOARD), self._feed.take(DETAILS)
+        board, explained, details = map(self._feed.take, (BOARD, EXPLAINED, DETAILS))
+        if explained is not None:
+            self._store.on_explained(explained.message)
         if board is not None:
             self._store.on_board(board.message)
         if details is not None:
             self._store.on_details(details.mono, details.message)
-        if board is not None or details is not None:
+        if board is not None or explained is not None or details is not None:
             self._server.publish()
 
     def _renew(self) -> None:

@@ -11,14 +11,18 @@ from roah_rsbb.msg import (
     PublicBoard,
     PublicDetails,
     PublicEvent,
+    PublicExplained,
+    PublicExplanation,
     PublicRank,
     PublicResult,
     PublicRun,
+    PublicSaid,
     PublicStanding,
     ZoneScoreGroup,
 )
 from roah_rsbb.rqt.public.display import BOARD_TOPIC, TOPIC
 
+EXPLAINED_TOPIC = "/core/public_explained"
 BENCHMARKS = ("Getting to know my home", "Welcoming visitors", "Catering for Granny Annie's Comfort")
 TEAMS = ("BrassButlers", "CopperKettle", "HomeAlone", "TeaAtFive")
 PERIOD_S = 0.5
@@ -57,6 +61,7 @@ class FakePublic:
         self.ahead_s = 0.0  # of the box's clock
         self._topic = rospy.Publisher(TOPIC, PublicDetails, queue_size=1, latch=True)
         self._board = rospy.Publisher(BOARD_TOPIC, PublicBoard, queue_size=1, latch=True)
+        self._explained = rospy.Publisher(EXPLAINED_TOPIC, PublicExplained, queue_size=1, latch=True)
         self._timer = rospy.Timer(rospy.Duration(PERIOD_S), self._tick)
 
     def close(self) -> None:
@@ -64,6 +69,7 @@ class FakePublic:
         self._timer.shutdown()
         self._topic.unregister()
         self._board.unregister()
+        self._explained.unregister()
 
     @property
     def silent(self) -> bool:
@@ -101,6 +107,15 @@ class FakePublic:
         standing = PublicStanding(BENCHMARKS[0], ["Achievements", "Distance error (less is better)"], [
             PublicRank(str(rank), team, [str(9 - rank), f"0.{rank} m"]) for rank, team in enumerate(teams, 1)])
         self._board.publish(PublicBoard(self.box_uuid, list(self.finished), list(provisional), [standing]))
+
+    def publish_explained(self) -> None:
+        """Publish what explains the first run."""
+        said = [PublicSaid("", kind, text, stamp(self.now())) for kind, text in (
+            ("notifications", "I have found a box that was moved"), ("final_command", "Bring the mug to the table"))]
+        self._explained.publish(PublicExplained(self.box_uuid, [PublicExplanation(
+            zone=self.event(0).zone, languages=["en"], kind="task", doing="executing", phases=["Explore", "Command"],
+            phase=2, about=["The robot explores the home and reports what has changed since it last saw it. Then it "
+                            "carries out a command."], said=said)]))
 
     def run(self, number: int = 0, phase: str = "running", left_s: float = 571.0, **fields: object) -> PublicRun:
         """A run in its own zone. Its clock counts while it runs."""

@@ -1,0 +1,184 @@
+"""The connected displays, and what the organiser sets for each of them (docs/web.md, "Displays"). No I/O and no clock.
+
+Anybody who reaches the port can open a display, or pretend to be one. So their names are bounded, and the list has a
+limit for each address and one for all. Displays that the organiser has set always have a place in it.
+"""
+
+import collections
+import re
+from typing import Any, Callable, Dict, Hashable, Iterable, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.web.pairing import plain
+
+ROTATING, RUN, STANDINGS, SCHEDULE, RESULTS = SHOWS = ("rotating", "run", "standings", "schedule", "results")
+PAGES = ("display", "overlay")
+MAX_LISTED = 100
+MAX_OF_ADDRESS = 20
+MAX_WINDOWS = 10  # of one display
+MAX_SET = 100
+MAX_ZONES = 10
+# How long displays show their names.
+NAMED_S = 10.0
+FILE = "web_displays.json"
+
+# A display makes its id itself, at random. Nobody but organisers is shown it.
+_ID = re.compile("[0-9a-f]{32}")
+_SIZE = re.compile("[1-9][0-9]{0,4}x[1-9][0-9]{0,4}")
+
+
+class TooMany(Exception):
+    """There are too many settings."""
+
+
+class Setting(NamedTuple):
+    """What the organiser has set for a display. None: as the address of its page says."""
+
+    name: str = ""  # empty: the one that the display gives
+    zone: Optional[str] = None  # empty: all zones
+    show: Optional[str] = None
+    language: Optional[str] = None
+
+
+NOTHING_SET = Setting()
+
+
+class Display(NamedTuple):
+    """A page that is open."""
+
+    id: str
+    page: str
+    name: str  # as its address says; may be empty
+    size: str  # such as 1920x1080; empty: not known
+    zones: Tuple[str, ...]  # as its address says; empty: all
+    show: str
+    language: str
+    address: str
+    since_utc: float
+
+
+class Row(NamedTuple):
+    """A line of the organiser's list."""
+
+    id: str
+    display: Optional[Display]  # the newest one; None: not connected
+    windows: int
+    setting: Setting
+
+    @property
+    def name(self) -> str:
+        """The name of the display; empty: none was given."""
+        return self.setting.name or ("" if self.display is None else self.display.name)
+
+
+def display_of(asked: Callable[[str], str], zones: Iterable[str], language: str, address: str,
+               utc: float) -> Optional[Display]:
+    """Read what a page says about itself; None: it is no display. `asked` returns a parameter of its address."""
+    page, display_id, size, show = asked("page"), asked("display"), asked("size"), asked("show")
+    if page not in PAGES or not _ID.fullmatch(display_id):
+        return None
+    return Display(
+        display_id, page, plain(asked("name")), size if _SIZE.fullmatch(size) else "",
+        tuple(plain(zone) for zone in list(zones)[:MAX_ZONES]), show if show in SHOWS else ROTATING,
+        language, address, utc)
+
+
+class Displays:
+    """All displays."""
+
+    def __init__(self, save: Callable[[Dict[str, Any]], None], saved: Dict[str, Any]) -> None:
+        """`save` keeps the settings and raises OSError; `saved`: what it kept before."""
+        self._save = save
+        self._settings: Dict[str, Setting] = {key: _setting_of(record) for key, record in saved.items()}
+        self._open: Dict[Hashable, Display] = {}  # oldest first
+        self._named_until = float("-inf")
+        self.unlisted = 0  # displays that found no place since the start
+
+    def add(self, window: Hashable, display: Display) -> bool:
+        """Note that a display is open; returns whether there is a place for it in the list."""
+        windows = [one for one in self._open.values() if one.id == display.id]
+        ids = {one.id: one.address for one in self._open.values()}
+        crowded = collections.Counter(ids.values())[display.address] >= MAX_OF_ADDRESS or len(ids) >= MAX_LISTED
+        is_set = display.id in self._settings
+        if len(windows) >= MAX_WINDOWS or (not windows and not is_set and crowded):
+            self.unlisted += 1
+            return False
+        self._open[window] = display
+        return True
+
+    def remove(self, window: Hashable) -> Optional[str]:
+        """Note that a window is closed; returns the id of its display if that has no other; None: it has."""
+        gone = self._open.pop(window, None)
+        is_last = gone is not None and all(one.id != gone.id for one in self._open.values())
+        return gone.id if is_last else None
+
+    def ids(self) -> List[str]:
+        """Return the ids of all displays that are open."""
+        return list(dict.fromkeys(one.id for one in self._open.values()))
+
+    def rows(self) -> List[Row]:
+        """Return the organiser's list: by name, then by time."""
+        newest = {one.id: one for one in self._open.values()}
+        windows = collections.Counter(one.id for one in self._open.values())
+        rows = [Row(key, newest.get(key), windows[key], self._settings.get(key, NOTHING_SET))
+                for key in dict.fromkeys([*newest, *self._settings])]
+        return sorted(rows, key=lambda row: (
+            row.display is None, not row.name, row.name.casefold(),
+            0.0 if row.display is None else row.display.since_utc))
+
+    def setting(self, display_id: str) -> Setting:
+        """Return what is set for a display."""
+        return self._settings.get(display_id, NOTHING_SET)
+
+    def name(self, display_id: str) -> str:
+        """Return the name of a display; without one, the beginning of its id."""
+        row = next((row for row in self.rows() if row.id == display_id), None)
+        return (row.name if row is not None else "") or display_id[:4]
+
+    def set(self, display_id: str, setting: Setting) -> None:
+        """Set what a display shows; `NOTHING_SET`: take it back. Raises `TooMany`, KeyError (there is no such display)
+        or OSError: then nothing changes."""
+        before = dict(self._settings)
+        if display_id not in before and display_id not in self.ids():
+            raise KeyError(display_id)
+        if setting == NOTHING_SET:
+            self._settings.pop(display_id, None)
+        elif display_id not in before and len(before) >= MAX_SET:
+            raise TooMany()
+        else:
+            self._settings[display_id] = setting
+        try:
+            self._save({key: _record(one) for key, one in self._settings.items()})
+        except OSError:
+            self._settings = before
+            raise
+
+    def show_names(self, mono: float) -> float:
+        """Let all displays show their names for a moment; returns until when."""
+        self._named_until = mono + NAMED_S
+        return self._named_until
+
+    def are_named(self, mono: float) -> bool:
+        """Whether displays show their names now."""
+        return mono < self._named_until
+
+
+def setting_of(body: Dict[str, Any], languages: Iterable[str]) -> Setting:
+    """Read a setting of the organiser; raises ValueError. A field that is missing or null is not set."""
+    name, zone, show, language = (body.get(field) for field in Setting._fields)
+    if any(value is not None and not isinstance(value, str) for value in (name, zone, show, language)):
+        raise ValueError("A field has the wrong type")
+    if show not in (None, *SHOWS) or language not in (None, *languages):
+        raise ValueError("A display cannot show that")
+    if zone is not None and len(zone) > 200:
+        raise ValueError("zone is too long")
+    return Setting(plain(name or ""), zone, show, language)
+
+
+def _record(setting: Setting) -> Dict[str, Any]:
+    return {name: value for name, value in setting._asdict().items() if value not in (None, "") or name == "zone"}
+
+
+def _setting_of(record: Dict[str, Any]) -> Setting:
+    """Read a saved setting; raises ValueError, TypeError or AttributeError."""
+    language = record.get("language")
+    return setting_of(record, [language] if isinstance(language, str) else [])

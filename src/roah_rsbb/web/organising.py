@@ -1,0 +1,75 @@
+"""What the organiser's page asks: the list of displays, and what each shows (docs/web.md, "Displays")."""
+
+from typing import Any, Dict
+
+from tornado import web
+
+from roah_rsbb.web.displays import NOTHING_SET, SHOWS, Row, TooMany, setting_of
+from roah_rsbb.web.pairing import ORGANISER
+from roah_rsbb.web.writing import FromOwnPage
+from roah_rsbb.wording import device
+from roah_rsbb.wording.language import tr
+
+
+class OfOrganiser(FromOwnPage):
+    """A request that only an organiser may make."""
+
+    def prepare(self) -> None:
+        """Refuse other devices."""
+        super().prepare()
+        if self.needed_session().grant.role != ORGANISER:
+            raise web.HTTPError(403, reason="Only an organiser may do this")
+
+
+class DisplaysHandler(OfOrganiser):
+    """The list of displays."""
+
+    def get(self) -> None:
+        """Return the list, and what can be chosen."""
+        server = self._server
+        self.finish({
+            "displays": [_row(row) for row in server.displays.rows()],
+            "unlisted": server.displays.unlisted,
+            "zones": server.store.zones(), "languages": server.store.known_languages(), "shows": SHOWS,
+            "clock": server.utc(),
+        })
+
+    def post(self) -> None:
+        """Change what is set for a display, or let all displays show their names.
+
+        A request has only the fields that change: so two organisers do not undo what the other one sets. With
+        `take_back` the page's own address counts again.
+        """
+        if self.body.get("show_names"):
+            self._server.show_display_names()
+            self.finish({})
+            return
+        display_id = self.text("id")
+        with self._server.store.speaking(self.language()):
+            try:
+                setting = NOTHING_SET if self.body.get("take_back") else setting_of(
+                    {**self._server.displays.setting(display_id)._asdict(), **self.body.get("setting", {})},
+                    self._server.store.known_languages())
+                self._server.set_display(display_id, setting)
+            except (ValueError, TypeError) as bad:
+                self.refuse(400, str(bad))
+            except KeyError:
+                self.refuse(409, tr(device.NO_SUCH_DISPLAY))
+            except TooMany:
+                self.refuse(409, tr(device.TOO_MANY_DISPLAYS))
+            except OSError as error:
+                self.refuse(500, tr(device.SETTING_NOT_SAVED, error=error))
+            else:
+                self.finish({})
+
+
+def _row(row: Row) -> Dict[str, Any]:
+    display = row.display
+    return {
+        "id": row.id, "name": row.name, "windows": row.windows, "setting": row.setting._asdict(),
+        "is_set": row.setting != NOTHING_SET,
+        "display": None if display is None else {
+            "page": display.page, "name": display.name, "address": display.address, "size": display.size,
+            "since": display.since_utc, "zones": display.zones, "show": display.show, "language": display.language,
+        },
+    }

@@ -1,0 +1,100 @@
+"""The texts that explain a run to spectators, made from PublicExplanation (docs/web.md, "Displays").
+
+The functions work on anything with the fields of the message; ROS is not imported.
+"""
+
+from typing import List, NamedTuple, Tuple
+
+from roah_rsbb.wording.language import tr, tr_later
+
+DONE, NOW, LATER = "done", "now", "later"
+_ENGLISH = "en"
+_PREPARES, _EXECUTES = tr_later("The robot prepares"), tr_later("The robot carries out its task")
+_REFEREE = tr_later("The referee is at work")
+_GOAL, _WAYPOINT = tr_later("The robot carries out the goal"), tr_later("The robot drives to the waypoint")
+_ORDER = {"waiting": 0, "referee": 1, "between": 1, "preparing": 2, "executing": 3, "ended": 4}
+_SAID = {
+    "notifications": tr_later("Robot: {words}"), "activation_event": tr_later("Event: {words}"),
+    "visitor": tr_later("Visitor: {words}"), "final_command": tr_later("Command: {words}"),
+}
+
+
+class Step(NamedTuple):
+    """A step of a run."""
+
+    text: str
+    state: str  # done, now or later
+
+
+class ExplainedTexts(NamedTuple):
+    """The texts of a run."""
+
+    about: str  # may be empty
+    steps: Tuple[Step, ...]
+    now: str  # one sentence
+    progress: str  # may be empty
+    said: Tuple[str, ...]  # the newest last
+
+
+def explained(run, language: str, shows_outcomes: bool) -> ExplainedTexts:
+    """Return the texts of a run. `shows_outcomes`: whether the public may see how runs end."""
+    return ExplainedTexts(
+        _about(run, language), tuple(_steps(run)), _now(run), _progress(run, shows_outcomes),
+        tuple(_said(one) for one in run.said))
+
+
+def _about(run, language: str) -> str:
+    """The text in a language; without it, in English; else the first one."""
+    texts = dict(zip(run.languages, run.about))
+    for name in (language, language.partition("_")[0], _ENGLISH):
+        if name in texts:
+            return texts[name]
+    return next(iter(texts.values()), "")
+
+
+def _steps(run) -> List[Step]:
+    """The phases of a task or, without them, what happens in every run. Goals repeat: no step of theirs is ever over
+    while the run continues."""
+    if run.phases:
+        is_over = run.doing == "ended"
+        return [Step(name, DONE if is_over or number < run.phase else NOW if number == run.phase else LATER)
+                for number, name in enumerate(run.phases, 1)]
+    if run.doing == "by_hand":
+        return []
+    now = _ORDER[run.doing]
+    if run.kind == "functionality":
+        texts = [(1, _REFEREE), (2, _PREPARES), (3, _WAYPOINT if run.waypoints else _GOAL)]
+        return [Step(tr(text), DONE if now == _ORDER["ended"] else NOW if number == now else LATER)
+                for number, text in texts]
+    return [Step(tr(text), DONE if number < now else NOW if number == now else LATER)
+            for number, text in ((2, _PREPARES), (3, _EXECUTES))]
+
+
+def _now(run) -> str:
+    if run.doing == "executing" and run.kind == "functionality":
+        if run.waypoints:
+            return tr("The robot drives to waypoint {number}", number=run.goals)
+        return tr("The robot carries out goal {number}", number=run.goals)
+    if run.doing == "executing" and run.kind == "all robots":
+        return tr("All robots carry out the task at the same time")
+    return {
+        "waiting": tr("The robot waits for the start"), "preparing": tr(_PREPARES), "executing": tr(_EXECUTES),
+        "referee": tr(_REFEREE), "between": tr("The next goal follows"),
+        "by_hand": tr("The referee starts and stops the clock"), "ended": tr("The run is over"),
+    }[run.doing]
+
+
+def _progress(run, shows_outcomes: bool) -> str:
+    if not run.goals_ended:
+        return ""
+    if not shows_outcomes:
+        return tr("Waypoints done: {number}", number=run.goals_ended) if run.waypoints else tr(
+            "Goals done: {number}", number=run.goals_ended)
+    if run.waypoints:
+        return tr("Waypoints reached: {number} of {all}", number=run.goals_completed, all=run.goals_ended)
+    return tr("Goals completed: {number} of {all}", number=run.goals_completed, all=run.goals_ended)
+
+
+def _said(one) -> str:
+    text = tr(_SAID.get(one.kind, _SAID["notifications"]), words=one.text)
+    return f"{one.robot}: {text}" if one.robot else text

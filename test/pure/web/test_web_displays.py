@@ -1,0 +1,265 @@
+"""The list of displays, and what the organiser sets for them."""
+
+import json
+import pathlib
+
+import pytest
+from tornado import websocket
+
+from helpers.http_clients import HOST, HttpClients
+from helpers.public_messages import NOW, details, event, run
+from roah_rsbb.web.displays import (
+    FILE,
+    MAX_LISTED,
+    MAX_OF_ADDRESS,
+    MAX_SET,
+    MAX_WINDOWS,
+    NOTHING_SET,
+    Displays,
+    Setting,
+    TooMany,
+    display_of,
+    setting_of,
+)
+from roah_rsbb.web.kept_file import open_kept
+from roah_rsbb.web.pairing import MAX_NAME, Grant
+from roah_rsbb.web.server import WebServer
+from roah_rsbb.web.store import Store
+from roah_rsbb.web.writing import COOKIE
+
+FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
+UTC = 1_800_000_000.0
+
+
+def id_of(number):
+    return f"{number:032x}"
+
+
+def display(number=1, address="10.0.0.1", zones=(), **asked):
+    known = {"page": "display", "display": id_of(number), "size": "1920x1080", **asked}
+    return display_of(lambda name: known.get(name, ""), zones, "en", address, UTC + number)
+
+
+def nothing_kept():
+    return Displays(lambda records: None, {})
+
+
+@pytest.mark.parametrize("asked", [
+    {"page": ""}, {"page": "referee"}, {"display": ""}, {"display": "x" * 32}, {"display": "a" * 31},
+])
+def test_other_readers_are_no_displays(asked):
+    assert display(**asked) is None
+
+
+def test_what_a_display_says_about_itself_is_bounded_and_plain():
+    found = display(name="Hall\n\x1b[31m\u202e<b>" + "x" * 1000, size="1e9x-1", show="secrets", zones=["y" * 1000] * 99)
+    assert found.name.startswith("Hall [31m <b>x") and len(found.name) <= MAX_NAME and found.name.isprintable()
+    assert (found.size, found.show) == ("", "rotating")
+    assert len(found.zones) == 10 and len(found.zones[0]) <= MAX_NAME
+
+
+def test_windows_of_a_display_are_one_line():
+    displays = nothing_kept()
+    for window in range(MAX_WINDOWS):
+        assert displays.add(window, display())
+    assert not displays.add("one more", display())
+    (row,) = displays.rows()
+    assert (row.windows, displays.unlisted) == (MAX_WINDOWS, 1)
+    assert displays.remove("one more") is None
+    assert [displays.remove(window) for window in range(MAX_WINDOWS)][-2:] == [None, id_of(1)]
+    assert displays.rows() == []
+
+
+def test_an_address_cannot_fill_the_list():
+    displays = nothing_kept()
+    assert [displays.add(number, display(number)) for number in range(1, MAX_OF_ADDRESS + 2)] == [
+        *[True] * MAX_OF_ADDRESS, False]
+    assert displays.add("other", display(999, "10.0.0.2"))
+
+
+def test_the_list_is_bounded_and_a_display_that_is_set_has_a_place():
+    displays = Displays(lambda records: None, {id_of(999): {"show": "run"}})
+    for number in range(1, MAX_LISTED + 1):
+        assert displays.add(number, display(number, f"10.0.1.{number % 50}"))
+    assert not displays.add("crowd", display(998, "10.0.2.1"))
+    assert displays.add("set", display(999, "10.0.2.1"))
+
+
+def test_a_setting_counts_until_it_is_taken_back():
+    kept = []
+    displays = Displays(kept.append, {})
+    displays.add("window", display(name="Hall"))
+    displays.set(id_of(1), Setting(zone="", show="standings"))
+    assert displays.setting(id_of(1)) == Setting(zone="", show="standings")
+    displays.remove("window")
+    again = Displays(kept.append, kept[-1])
+    assert again.setting(id_of(1)) == Setting(zone="", show="standings"), "also after a restart"
+    (row,) = again.rows()
+    assert row.display is None
+    again.set(id_of(1), NOTHING_SET)
+    assert (again.rows(), kept[-1]) == ([], {})
+
+
+def test_a_setting_that_cannot_be_saved_has_no_effect():
+    def fails(_records):
+        raise OSError("full")
+    displays = Displays(fails, {})
+    displays.add("window", display())
+    with pytest.raises(OSError):
+        displays.set(id_of(1), Setting(show="run"))
+    assert displays.setting(id_of(1)) == NOTHING_SET
+
+
+def test_settings_are_bounded():
+    displays = Displays(lambda records: None, {id_of(number): {"show": "run"} for number in range(MAX_SET)})
+    displays.add("window", display(5000))
+    with pytest.raises(TooMany):
+        displays.set(id_of(5000), Setting(show="run"))
+    displays.set(id_of(1), Setting(show="results"))
+    with pytest.raises(KeyError):
+        displays.set(id_of(6000), Setting(show="run"))
+
+
+def test_the_name_of_the_organiser_comes_first():
+    displays = nothing_kept()
+    displays.add("window", display(name="Hall"))
+    assert displays.name(id_of(1)) == "Hall"
+    displays.set(id_of(1), Setting(name="Entrance"))
+    assert displays.name(id_of(1)) == "Entrance"
+    displays.add("unnamed", display(2))
+    assert displays.name(id_of(2)) == id_of(2)[:4]
+
+
+@pytest.mark.parametrize("body", [
+    {"show": "secrets"}, {"language": "xx"}, {"zone": 5}, {"name": ["Hall"]}, {"zone": "x" * 201},
+])
+def test_bad_settings_are_refused(body):
+    with pytest.raises(ValueError):
+        setting_of(body, ["en", "de"])
+
+
+@pytest.mark.parametrize("content", ["[]", '{"a": 5}', '{"a": {"show": "secrets"}}', "{", '{"a": {"zone": 5}}'])
+def test_a_damaged_file_is_moved_aside(tmp_path, content):
+    (tmp_path / FILE).write_text(content)
+    reports = []
+    displays = open_kept(str(tmp_path), FILE, Displays, {}, reports.append, "set them again")
+    assert displays.rows() == [] and len(reports) == 1 and "set them again" in reports[0]
+    assert (tmp_path / f"{FILE}.damaged").read_text() == content
+
+
+# -- on real loopback sockets -----------------------------------------------------------------------
+
+
+class Served(HttpClients):
+    """A server, its displays, and an organiser."""
+
+    def __init__(self, running):
+        self.running = running
+        self.store = Store({"de": lambda text, n: f"auf Deutsch: {text}"})
+        self.store.on_details(running.loop.time(), details([run()], [event()], NOW))
+        self.kept = []
+        self.displays = Displays(self.kept.append, {})
+        self.server = WebServer(running.loop, self.store, FOLDER, frozenset({"localhost"}), displays=self.displays)
+        self.port = self.server.open(HOST, 0)
+
+    def cookie(self, role):
+        zone = "" if role == "organiser" else "Home"
+        return self.server.sessions.add(self.server.utc(), Grant(role, zone), "Olga", "phone")
+
+    def ask(self, body=None, role="organiser", **headers):
+        headers = {"Origin": f"http://{HOST}:{self.port}", "Content-Type": "application/json", **headers}
+        if role:
+            headers["Cookie"] = f"{COOKIE}={self.cookie(role)}"
+        return self.get("/api/v1/displays", headers=headers, method="GET" if body is None else "POST",
+                        body=None if body is None else json.dumps(body))
+
+    def listed(self):
+        return json.loads(self.ask().body)["displays"]
+
+    def opened(self, number=1, more="&name=Hall&zone=Home"):
+        return self.running.do(websocket.websocket_connect(
+            f"ws://{HOST}:{self.port}/api/v1/events?documents=page.words&language=en&page=display"
+            f"&display={id_of(number)}&size=1920x1080{more}"))
+
+    def read(self, connection):
+        """What the organiser has set, as the display gets it."""
+        while True:
+            documents = json.loads(self.running.do(connection.read_message())).get("documents", {})
+            if "page.display" in documents:
+                return documents["page.display"]["data"]
+
+
+@pytest.fixture
+def served(running):
+    made = Served(running)
+    yield made
+    made.server.close()
+    running.turn()
+
+
+def test_a_display_is_listed_and_gets_what_is_set(served):
+    window = served.opened()
+    assert served.read(window) == {
+        "name": "Hall", "zone": None, "show": None, "language": None, "shows_name": False}
+    (row,) = served.listed()
+    assert (row["name"], row["is_set"]) == ("Hall", False)
+    shown = row["display"]
+    assert (shown["page"], shown["address"], shown["size"], shown["zones"], shown["show"], shown["language"]) == (
+        "display", HOST, "1920x1080", ["Home"], "rotating", "en")
+    assert abs(shown["since"] - served.server.utc()) < 60.0
+    assert served.ask({"id": id_of(1), "setting": {"zone": "", "show": "run", "language": "de"}}).code == 200
+    assert served.read(window) == {"name": "Hall", "zone": "", "show": "run", "language": "de", "shows_name": False}
+    assert served.kept == [{id_of(1): {"zone": "", "show": "run", "language": "de"}}]
+    assert served.ask({"id": id_of(1), "setting": {"show": "results"}}).code == 200
+    assert served.read(window) == {"name": "Hall", "zone": "", "show": "results", "language": "de", "shows_name": False}
+    assert served.ask({"id": id_of(1), "take_back": True}).code == 200
+    assert served.read(window)["show"] is None
+
+
+def test_what_is_set_for_a_display_is_for_no_other(served):
+    first, second = served.opened(1), served.opened(2, "")
+    served.ask({"id": id_of(1), "setting": {"show": "run"}})
+    served.ask({"id": id_of(2), "setting": {"show": "results"}})
+    assert served.read(first)["show"] is None and served.read(first)["show"] == "run"
+    assert served.read(second)["show"] is None and served.read(second)["show"] == "results"
+
+
+def test_a_display_that_is_closed_leaves_the_list(served):
+    window = served.opened()
+    served.read(window)
+    window.close()
+    served.running.until(lambda: not served.displays.rows())
+    again = served.opened()
+    assert served.read(again)["name"] == "Hall"
+
+
+def test_displays_show_their_names_for_a_moment(served, monkeypatch):
+    monkeypatch.setattr("roah_rsbb.web.displays.NAMED_S", 0.0)
+    window = served.opened()
+    assert served.read(window)["shows_name"] is False
+    monkeypatch.setattr("roah_rsbb.web.displays.NAMED_S", 0.05)
+    assert served.ask({"show_names": True}).code == 200
+    assert [served.read(window)["shows_name"] for _ in range(2)] == [True, False]
+
+
+@pytest.mark.parametrize("role, code", [("", 401), ("referee", 403), ("judge", 403), ("organiser", 200)])
+def test_the_list_is_for_organisers(served, role, code):
+    window = served.opened()
+    served.read(window)
+    assert served.ask(role=role).code == code
+    assert served.ask({"id": id_of(1), "setting": {"show": "run"}}, role=role).code == code
+    assert (served.displays.setting(id_of(1)).show == "run") == (role == "organiser")
+
+
+def test_pages_of_other_sites_set_nothing(served):
+    assert served.ask({"show_names": True}, Origin="https://evil.example").code == 403
+
+
+@pytest.mark.parametrize("body, code", [
+    ({"id": id_of(7), "setting": {"show": "run"}}, 409), ({"id": id_of(1), "setting": {"show": "secrets"}}, 400),
+    ({"id": 5, "setting": {}}, 400), ({"id": id_of(1), "setting": [5]}, 400),
+])
+def test_wrong_settings_are_refused(served, body, code):
+    served.read(served.opened())
+    assert served.ask(body).code == code
+    assert served.kept == []
