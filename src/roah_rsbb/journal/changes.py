@@ -43,8 +43,8 @@ def difference(old: Any, new: Any) -> Any:
 def changed(old: Any, by: Any) -> Any:
     """Return `old` changed by a difference. Unchanged parts are shared with `old`. Raises ValueError."""
     try:
-        if isinstance(by, dict):
-            new = dict(old)
+        if by.__class__ is dict:
+            new = {**old}
             for key, change in by.items():
                 if change is None:
                     del new[key]

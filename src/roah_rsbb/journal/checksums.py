@@ -5,12 +5,16 @@ texts that recur. The bytes of both are kept, so that only the last column is ne
 is verified again by `row_crc`, which decides.
 """
 
+import contextlib
 import itertools
+import pathlib
 import sqlite3
 import zlib
-from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
+from functools import partial
+from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 from roah_rsbb.journal import schema
+from roah_rsbb.journal.processes import shared_out
 
 # The columns that number rows without gaps.
 NUMBERS = {"entries": "id", "links": "rowid"}
@@ -21,6 +25,9 @@ _BEGINNING = {"entries": 3, "links": 1}
 _BATCH = 64
 # Values whose bytes are kept.
 _KEPT = 5000
+# Rows that a process verifies at once, and the maximum number of these parts, whatever a damaged number says.
+_PART = 20_000
+_MOST_PARTS = 1000
 _Row = Tuple[object, ...]
 
 
@@ -53,6 +60,51 @@ def verified_rows(connection: sqlite3.Connection, table: str, first: int, last: 
                 break
             yield Verified([number for number, _ in batch], [number for number, is_damaged in batch if is_damaged])
             first = max(first, batch[-1][0]) + 1
+
+
+@contextlib.contextmanager
+def verified_parts(
+    connection: sqlite3.Connection, path: str, tables: Sequence[str], processes: int
+) -> Iterator[Iterator[Tuple[str, Verified]]]:
+    """Verify all rows of numbered tables, in several processes that work at once. The results are in order.
+
+    `path`: the file of the connection, which nothing may change. Raises sqlite3.Error.
+    """
+    parts = [part for table in tables for part in _parts(connection, table)]
+    with shared_out(partial(_verifier, path), parts, processes) as found:
+        yield zip((table for table, _, _ in parts), found)
+
+
+def _parts(connection: sqlite3.Connection, table: str) -> Iterator[Tuple[str, int, int]]:
+    """Return the first and last numbers of parts of a table."""
+    key = NUMBERS[table]
+    low, high = connection.execute(f"SELECT min({key}), max({key}) FROM {table}").fetchone()
+    if low is not None:
+        step = max(_PART, (high - low) // _MOST_PARTS)
+        for first in range(low, high + 1, step):
+            yield table, first, min(high, first + step - 1)
+
+
+@contextlib.contextmanager
+def _verifier(path: str) -> Iterator[Callable[[Tuple[str, int, int]], Verified]]:
+    with contextlib.closing(sqlite3.connect(immutable(path), uri=True)) as connection:
+        schema.add_functions(connection)
+        yield lambda part: _verified_part(connection, *part)
+
+
+def _verified_part(connection: sqlite3.Connection, table: str, first: int, last: int) -> Verified:
+    numbers: List[int] = []
+    damaged: List[int] = []
+    for rows in verified_rows(connection, table, first, last):
+        numbers += rows.numbers
+        damaged += rows.damaged
+    has_holes = not numbers or len(numbers) != numbers[-1] - numbers[0] + 1
+    return Verified(numbers if has_holes else range(numbers[0], numbers[-1] + 1), damaged)
+
+
+def immutable(path: str) -> str:
+    """Return the address under which SQLite reads a file without locks."""
+    return f"{pathlib.Path(path).absolute().as_uri()}?immutable=1"
 
 
 def _are_good(starts: Iterator[int], texts: Sequence[object], sums: Sequence[object]) -> bool:

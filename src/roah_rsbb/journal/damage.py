@@ -4,12 +4,13 @@ Each row has a checksum (`schema.row_crc`). Entries and link samples are numbere
 found. SQLite itself only detects damage to the structure of its pages.
 """
 
+import itertools
 import sqlite3
 import time
-from typing import Iterator, List, NamedTuple, Optional
+from typing import Iterable, Iterator, List, NamedTuple, Optional
 
 from roah_rsbb.journal import schema
-from roah_rsbb.journal.checksums import HIGHEST, NUMBERS, Verified, verified_rows
+from roah_rsbb.journal.checksums import HIGHEST, NUMBERS, Verified, verified_parts, verified_rows
 
 NAMES = {
     "sessions": "starts of the core", "runs": "records of runs", "members": "robots of runs", "entries": "entries",
@@ -28,9 +29,16 @@ class Damage(NamedTuple):
     to_utc: Optional[float]  # of the first good row after
 
 
-def find_damage(connection: sqlite3.Connection) -> List[Damage]:
-    """Return all damage in a journal of the present version. Raises sqlite3.Error."""
-    found = [*_holes(connection, "entries"), *_holes(connection, "links")]
+def find_damage(connection: sqlite3.Connection, path: str = "", processes: int = 1) -> List[Damage]:
+    """Return all damage in a journal of the present version. `processes`: how many verify rows at the same time; then
+    nothing may change the connection's file at `path`. Raises sqlite3.Error and ProcessEnded."""
+    found: List[Damage] = []
+    if processes > 1:
+        with verified_parts(connection, path, tuple(NUMBERS), processes) as parts:
+            read = {table: [rows for _, rows in of] for table, of in itertools.groupby(parts, lambda part: part[0])}
+    for table in NUMBERS:
+        rows = read.get(table, ()) if processes > 1 else verified_rows(connection, table, 1, HIGHEST)
+        found += _holes(connection, table, rows)
     for table in ("sessions", "runs", "members", "states"):
         found += damaged_rows(connection, table)
     return found
@@ -38,7 +46,7 @@ def find_damage(connection: sqlite3.Connection) -> List[Damage]:
 
 def missing_rows(connection: sqlite3.Connection) -> List[Damage]:
     """Return what is missing in a journal whose rows are all good. Raises sqlite3.Error."""
-    return [hole for table in NUMBERS for hole in _holes(connection, table, checks_rows=False)]
+    return [hole for table in NUMBERS for hole in _holes(connection, table, _unverified_rows(connection, table))]
 
 
 def damaged_rows(connection: sqlite3.Connection, table: str, where: str = "true", *values: object) -> List[Damage]:
@@ -63,18 +71,20 @@ def damage_in_run(connection: sqlite3.Connection, identity: str) -> List[Damage]
     ):
         first, last = connection.execute(rows, (identity,)).fetchone()
         if first is not None:
-            found += _holes(connection, table, first, last)
+            found += _holes(connection, table, verified_rows(connection, table, first, last), first, last)
     return found
 
 
 def _holes(
-    connection: sqlite3.Connection, table: str, first: int = 1, end: Optional[int] = None, checks_rows: bool = True
+    connection: sqlite3.Connection, table: str, verified: Iterable[Verified], first: int = 1,
+    end: Optional[int] = None,
 ) -> Iterator[Damage]:
-    """Return the damaged and missing rows of a table whose rows are numbered. `end`: the last number; None: all rows
-    that were ever written."""
+    """Return the damaged and missing rows of a table whose rows are numbered. `verified`: the rows from `first` to
+    `end`; without it, all rows that were ever written."""
     last, bad = first - 1, 0
-    read = verified_rows if checks_rows else _unverified_rows
-    for rows in read(connection, table, first, HIGHEST if end is None else end):
+    for rows in verified:
+        if not rows.numbers:
+            continue
         numbers, damaged = rows.numbers, set(rows.damaged)
         if not bad and not damaged and numbers[0] == last + 1 and numbers[-1] == last + len(numbers):
             last = numbers[-1]
@@ -92,17 +102,17 @@ def _holes(
         yield _hole(table, last + 1, max(end, last + bad), bad, _utc(connection, table, last, first), None)
 
 
-def _unverified_rows(connection: sqlite3.Connection, table: str, first: int, last: int) -> Iterator[Verified]:
+def _unverified_rows(connection: sqlite3.Connection, table: str) -> Iterator[Verified]:
     """Return the numbers of rows that are known to be good."""
     key = NUMBERS[table]
-    where = f"FROM {table} WHERE {key} BETWEEN ? AND ?"
-    count, low, high = connection.execute(f"SELECT count(*), min({key}), max({key}) {where}", (first, last)).fetchone()
+    where = f"FROM {table} WHERE {key} > 0"
+    count, low, high = connection.execute(f"SELECT count(*), min({key}), max({key}) {where}").fetchone()
     if count == 0:
         return
     if count == high - low + 1:
         yield Verified(range(low, high + 1), [])
         return
-    rows = connection.execute(f"SELECT {key} {where} ORDER BY {key}", (first, last))
+    rows = connection.execute(f"SELECT {key} {where} ORDER BY {key}")
     yield Verified([number for (number,) in rows], [])
 
 

@@ -14,8 +14,9 @@ import tempfile
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.journal import kinds, schema
-from roah_rsbb.journal.damage import damage_in_run, damaged_rows, find_damage, last_moment, text_of
+from roah_rsbb.journal.damage import Damage, damage_in_run, damaged_rows, find_damage, last_moment, text_of
 from roah_rsbb.journal.pages import has_damaged_log, has_torn_log
+from roah_rsbb.journal.processes import usable_processors
 
 # The box may lock the file for this time if its file system supports no write-ahead log.
 BUSY_S = 5.0
@@ -101,7 +102,7 @@ class JournalLink(NamedTuple):
 
 _OUTLINE = "identity, zone, benchmark, team, round, run, scheduled, opened_utc"
 _RUN = f"{_OUTLINE}, closed_utc, outcome"
-_ENTRY = "id, session, utc, mono, zone, identity, port, who, kind, value"
+_ENTRY = "id, session, utc, mono, zone, identity, port, who, kind"  # and the value
 
 
 class JournalReader:
@@ -115,6 +116,7 @@ class JournalReader:
         self.path = path
         self._checks_all = checks_all or self._is_small()
         self._cleanup = contextlib.ExitStack()
+        self.is_at_rest = False  # no box has the file open, and it is read without locks
         try:
             self._connection = self._open()
         except BaseException:
@@ -180,13 +182,18 @@ class JournalReader:
             "SELECT max(utc) FROM sessions UNION ALL SELECT utc FROM (SELECT utc FROM entries ORDER BY id DESC LIMIT 1)"
             " UNION ALL SELECT utc FROM (SELECT utc FROM links ORDER BY rowid DESC LIMIT 1)"))
 
-    def entries(self, identity: str) -> List[JournalEntry]:
-        """All entries of a run, in order, except its states."""
-        return self._entries("identity = ? AND kind != ?", identity, kinds.STATE)
+    def entries(self, identity: str, without: Sequence[str] = ()) -> List[JournalEntry]:
+        """All entries of a run, in order, except its states and the entries `without` which the caller can do."""
+        omitted = kinds.STATE, *without
+        return self._entries(f"identity = ? AND kind NOT IN ({', '.join('?' * len(omitted))})", identity, *omitted)
 
-    def states(self, identity: str) -> List[JournalEntry]:
-        """The states of a run, in order, for `changes.ChangesReader`."""
-        return self._entries("identity = ? AND kind = ?", identity, kinds.STATE)
+    def states(self, identity: str, without: Sequence[str] = ()) -> List[JournalEntry]:
+        """The states of a run, in order, for `changes.ChangesReader`. `without`: parts of the state, such as
+        `zone.run.link`, that are left out; to read them would take most of the time."""
+        # A complete state is the only item of a list (`changes.py`).
+        paths = ", ".join(f"'$.change.{part}', '$.change[0].{part}'" for part in without)
+        value = f"json_remove(value, {paths})" if without else "value"
+        return self._entries("identity = ? AND kind = ?", identity, kinds.STATE, value=value)
 
     def commands(self, zone: str) -> List[JournalEntry]:
         """The referees' commands to a zone, including refused ones, in order."""
@@ -197,8 +204,8 @@ class JournalReader:
         rows = self._rows("SELECT port, utc, mono, sample FROM links WHERE port = ? ORDER BY rowid", port)
         return [JournalLink(*row[:3], self._json(row[3])) for row in rows]
 
-    def _entries(self, where: str, *values: object) -> List[JournalEntry]:
-        rows = self._rows(f"SELECT {_ENTRY} FROM entries WHERE {where} ORDER BY id", *values)
+    def _entries(self, where: str, *values: object, value: str = "value") -> List[JournalEntry]:
+        rows = self._rows(f"SELECT {_ENTRY}, {value} FROM entries WHERE {where} ORDER BY id", *values)
         return [JournalEntry(*row[:-1], self._json(row[-1])) for row in rows]
 
     def _run(self, row: Tuple[Any, ...]) -> JournalRun:
@@ -224,7 +231,7 @@ class JournalReader:
         Of a journal that is not checked completely, these are the records of runs; `damage_of` checks a run.
         """
         try:
-            tables = find_damage(self._connection) if self._checks_all else damaged_rows(self._connection, "runs")
+            tables = self._all_damage() if self._checks_all else damaged_rows(self._connection, "runs")
             found = [text_of(damage) for damage in tables]
             if self._has(has_damaged_log):
                 found.append(f"the write-ahead log: what happened after {last_moment(self._connection)} cannot be read")
@@ -234,6 +241,10 @@ class JournalReader:
         except (sqlite3.Error, UnicodeDecodeError) as error:
             raise self._damaged(str(error)) from None
         return found
+
+    def _all_damage(self) -> List[Damage]:
+        shares = self.is_at_rest and not self._is_small()
+        return find_damage(self._connection, self.path, usable_processors() if shares else 1)
 
     def damage_of(self, identity: str) -> List[str]:
         """Return what is damaged or missing in the period of a run, if `damage` did not check it."""
@@ -264,15 +275,19 @@ class JournalReader:
                 "name it with --journal FILE"
             )
         try:
-            connection = self._connect(self.path, "immutable=1" if self._is_at_rest() else "mode=ro")
+            is_at_rest = self._has_no_log()
+            connection = self._connect(self.path, "immutable=1" if is_at_rest else "mode=ro")
             version = self._check(connection)
         except sqlite3.OperationalError:
             return self._open_copy()
         except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
             raise self._damaged(str(error)) from None
-        return connection if version == schema.VERSION else self._open_copy()
+        if version != schema.VERSION:
+            return self._open_copy()
+        self.is_at_rest = is_at_rest
+        return connection
 
-    def _is_at_rest(self) -> bool:
+    def _has_no_log(self) -> bool:
         """Whether the file is not in use, so SQLite need not create files next to it."""
         try:
             with open(self.path, "rb") as file:

@@ -13,13 +13,14 @@ import tempfile
 from typing import Container, Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 from roah_rsbb.journal import pages, schema
-from roah_rsbb.journal.checksums import HIGHEST, NUMBERS, verified_rows
+from roah_rsbb.journal.checksums import HIGHEST, NUMBERS, immutable, verified_parts, verified_rows
 from roah_rsbb.journal.damage import Damage, missing_rows
 from roah_rsbb.journal.reader import JournalError
 
 Row = Tuple[object, ...]
 # By table: the row's number, or the first column if the table has no numbers.
 Keys = Dict[str, Set[object]]
+_INDEXES = tuple(statement for statement in schema.SCHEMA if statement.startswith("CREATE INDEX"))
 _NUMBERED = ("entries", "links", "members", "sessions")
 # A search beyond an unreadable row ends here.
 _LARGEST_STEP = 1 << 32
@@ -47,13 +48,14 @@ class Recovered(NamedTuple):
     damage: List[Damage]  # in the new journal
 
 
-def recover(path: str, new: str) -> Recovered:
-    """Copy the readable part of the journal at `path` to a new one. Raises JournalError."""
+def recover(path: str, new: str, processes: int = 1) -> Recovered:
+    """Copy the readable part of the journal at `path` to a new one. `processes`: how many verify rows at the same time.
+    Raises JournalError and ProcessEnded."""
     if os.path.exists(new):
         raise JournalError(f"{new}: the file exists: name another one")
     draft = f"{new}.draft"
     try:
-        recovered = _write(path, draft)
+        recovered = _write(path, draft, processes)
         if not any(recovered.rows[table] for table in schema.CHECKED):
             raise JournalError(
                 f"{path}: no part of this journal is readable. Look for another copy, and for the run logs (.bag)")
@@ -73,46 +75,51 @@ def _remove(draft: str) -> None:
             os.remove(path)
 
 
-def _write(path: str, draft: str) -> Recovered:
+def _write(path: str, draft: str, processes: int) -> Recovered:
     """Write the new journal to a draft."""
     is_whole_log = all(frame.is_good for frame in pages.read_frames(f"{path}-wal"))
     with contextlib.ExitStack() as stack:
-        address = _address(path, stack)
+        readable = _readable(path, stack)
         _remove(draft)
         out = stack.enter_context(contextlib.closing(sqlite3.connect(_uri(draft), uri=True, isolation_level=None)))
-        return _recover(path, address, is_whole_log, out)
+        return _recover(path, readable, is_whole_log, processes, out)
 
 
 def _uri(path: str) -> str:
     return pathlib.Path(path).absolute().as_uri()
 
 
-def _address(path: str, stack: contextlib.ExitStack) -> str:
-    """Return the address of a file for SQLite: the journal, or a temporary copy that SQLite accepts. Raises OSError."""
+def _readable(path: str, stack: contextlib.ExitStack) -> str:
+    """Return the path of a file for SQLite: the journal, or a temporary copy that SQLite accepts. Raises OSError."""
     if pages.is_closed(path):
-        return f"{_uri(path)}?immutable=1"
+        return path
     directory = stack.enter_context(tempfile.TemporaryDirectory(prefix="roah_rsbb_journal_"))
     copy = os.path.join(directory, "journal.sqlite3")
     with open(copy, "wb") as file:
         file.write(pages.read_image(path))
-    return f"{_uri(copy)}?immutable=1"
+    return copy
 
 
-def _recover(path: str, address: str, is_whole_log: bool, out: sqlite3.Connection) -> Recovered:
+def _recover(
+    path: str, readable: str, is_whole_log: bool, processes: int, out: sqlite3.Connection
+) -> Recovered:
     schema.create(out)
     out.execute("PRAGMA synchronous = OFF")  # a draft that is not complete is removed
-    indexes = [statement for statement in schema.SCHEMA if statement.startswith("CREATE INDEX")]
-    for statement in indexes:
+    for statement in _INDEXES:
         out.execute(f"DROP INDEX {statement.split()[2]}")  # it is quicker to build them at the end
-    with contextlib.closing(sqlite3.connect(address, uri=True)) as damaged:
-        is_complete = _take_from_sqlite(damaged, address, out)
+    with contextlib.closing(sqlite3.connect(immutable(readable), uri=True)) as damaged:
+        is_complete = _take_from_sqlite(damaged, readable, processes, out)
     holes = missing_rows(out)
     if holes or not (is_complete and is_whole_log):
         _take_from_pages(pages.read_image(path), out)
         holes = missing_rows(out)
-    for statement in indexes:
-        out.execute(statement)
+    _create_indexes(out)
     return Recovered(_counts(out), holes)
+
+
+def _create_indexes(out: sqlite3.Connection) -> None:
+    for statement in _INDEXES:
+        out.execute(statement.replace("CREATE INDEX", "CREATE INDEX IF NOT EXISTS"))
 
 
 def _counts(connection: sqlite3.Connection) -> Dict[str, int]:
@@ -131,27 +138,55 @@ def _newest(table: str, rows: List[Row]) -> Optional[Row]:
 # -- through SQLite ---------------------------------------------------------------------------------
 
 
-def _take_from_sqlite(damaged: sqlite3.Connection, address: str, out: sqlite3.Connection) -> bool:
+def _take_from_sqlite(damaged: sqlite3.Connection, readable: str, processes: int, out: sqlite3.Connection) -> bool:
     """Take all rows that SQLite can read. Returns whether these are all, and good."""
-    is_attached = _attach(damaged, address, out)
+    is_attached = _attach(damaged, readable, out)
+    all_good = _copy_sound(damaged, readable, processes, out) if is_attached else None
     damaged.text_factory = bytes
-    is_complete = True
+    is_complete = all_good if all_good is not None else _is_sound(damaged)
     for table in COLUMNS:
-        is_large = is_attached and table in NUMBERS
-        is_complete &= _copy_table(damaged, table, out) if is_large else _take_table(damaged, table, out)
+        if table not in NUMBERS or not is_attached:
+            is_complete &= _take_table(damaged, table, out)
+        elif all_good is None:
+            is_complete &= _copy_table(damaged, table, out)
     for (number,) in _last_number(damaged):
         _set_last_number(out, number)
-    return is_complete and _is_sound(damaged)
+    return is_complete
 
 
-def _attach(damaged: sqlite3.Connection, address: str, out: sqlite3.Connection) -> bool:
+def _attach(damaged: sqlite3.Connection, readable: str, out: sqlite3.Connection) -> bool:
     """Attach the damaged journal to the new one if it has the present tables. Returns whether it has."""
     schema.add_functions(damaged)
     with contextlib.suppress(sqlite3.DatabaseError, UnicodeDecodeError):
         if schema.is_whole(damaged):
-            out.execute("ATTACH ? AS damaged", (address,))
+            out.execute("ATTACH ? AS damaged", (immutable(readable),))
             return True
     return False
+
+
+def _copy_sound(
+    damaged: sqlite3.Connection, readable: str, processes: int, out: sqlite3.Connection
+) -> Optional[bool]:
+    """Copy the numbered tables of a file whose pages are sound, while other processes verify the rows. Returns whether
+    all rows are good; None: some pages or rows cannot be read, and nothing is copied."""
+    try:
+        with verified_parts(damaged, readable, tuple(NUMBERS), processes) as parts:
+            if not _is_sound(damaged):
+                return None
+            for table in NUMBERS:
+                columns = f"{', '.join(COLUMNS[table])}, crc"
+                out.execute(f"INSERT INTO main.{table} ({columns}) SELECT {columns} FROM damaged.{table}")
+            _create_indexes(out)
+            bad = [(table, number) for table, rows in parts for number in rows.damaged]
+    except sqlite3.OperationalError:
+        raise  # the new journal cannot be written
+    except sqlite3.DatabaseError:
+        for table in NUMBERS:
+            out.execute(f"DELETE FROM main.{table}")
+        return None
+    for table, number in bad:
+        out.execute(f"DELETE FROM main.{table} WHERE {NUMBERS[table]} = ?", (number,))
+    return not bad
 
 
 def _copy_table(damaged: sqlite3.Connection, table: str, out: sqlite3.Connection) -> bool:
@@ -201,8 +236,8 @@ def _last_number(connection: sqlite3.Connection) -> List[Row]:
 
 
 def _is_sound(connection: sqlite3.Connection) -> bool:
-    with contextlib.suppress(sqlite3.DatabaseError):
-        return connection.execute("PRAGMA quick_check(1)").fetchone()[0] == b"ok"
+    with contextlib.suppress(sqlite3.DatabaseError, UnicodeDecodeError):
+        return connection.execute("PRAGMA quick_check(1)").fetchone()[0] in ("ok", b"ok")
     return False
 
 

@@ -1,7 +1,7 @@
 """What happened in a run: the journal's entries as lines of text, grouped by subject."""
 
 import json
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import run_log
 from roah_rsbb.journal import kinds
@@ -40,10 +40,16 @@ class Stretch(NamedTuple):
 
 def sections(result: RunResult) -> List[Section]:
     """Return all sections that are not empty."""
-    found: Dict[str, List[RunEvent]] = {title: [] for title in TITLES}
-    for title, event in in_order(result):
-        found[title].append(event)
-    return [Section(title, tuple(events)) for title, events in found.items() if events]
+    return sections_of(in_order(result))
+
+
+def sections_of(events: Iterable[Tuple[str, RunEvent]]) -> List[Section]:
+    """Return the sections of `in_order`, without the scores, which stand on the sheet."""
+    found: Dict[str, List[RunEvent]] = {title: [] for title in TITLES if title != SCORES}
+    for title, event in events:
+        if title != SCORES:
+            found[title].append(event)
+    return [Section(title, tuple(shown)) for title, shown in found.items() if shown]
 
 
 def in_order(result: RunResult, with_scores: bool = False) -> Iterator[Tuple[str, RunEvent]]:
@@ -90,11 +96,11 @@ def _run_event(result: RunResult, entry: JournalEntry, text: str) -> RunEvent:
     return RunEvent(entry.utc, entry.who, result.robot_at(entry.port), text, entry.kind, entry.port, bad)
 
 
+_ROBOT_STATES = {state.value: state.name for state in RobotState}
+
+
 def _robot_state(value: object) -> str:
-    try:
-        return RobotState(value).name
-    except ValueError:
-        return value_text(value)
+    return _ROBOT_STATES[value] if value.__class__ is int and value in _ROBOT_STATES else value_text(value)
 
 
 def _dict(value: object) -> Dict[str, object]:

@@ -81,7 +81,15 @@ class _Column(NamedTuple):
 
     begin_utc: float
     end_utc: float
-    sample: LinkSample
+    begin_x: float
+    end_x: float
+    lost: int
+    unanswered: int
+    gap_s: float
+    late_s: float
+    round_trip_s: Optional[float]
+    round_trip_max_s: Optional[float]
+    skew_s: Optional[float]
 
 
 class _Scale(NamedTuple):
@@ -129,7 +137,7 @@ def link_plot(link: Sequence[LinkSecond], begin_utc: float, end_utc: float, rows
     parts: List[Markup] = []
     top = 4.0
     for draw in (_silence, _losses, _delays, _skews):
-        parts.append(draw(columns, scale, top))
+        parts.append(draw(columns, top))
         top += STRIP + SPACE
     parts.append(_no_record(link, scale, top - SPACE))
     parts += [_states("Box", rows.box, scale, top), _states("Robot", rows.robot, scale, top + ROW + 3)]
@@ -144,78 +152,75 @@ def link_plot(link: Sequence[LinkSecond], begin_utc: float, end_utc: float, rows
 def _columns(link: Sequence[LinkSecond], scale: _Scale) -> List[_Column]:
     """Combine neighbouring samples so that there are at most `MAX_COLUMNS`."""
     together = max(1, math.ceil(len(link) / MAX_COLUMNS))
+    fields = LinkSample(*zip(*(second.sample for second in link)))  # each field has the values of all samples
     found: List[_Column] = []
     for i in range(0, len(link), together):
-        part = link[i:i + together]
-        samples = [second.sample for second in part]
-        begin = part[0].utc - part[0].sample.seconds
-        found.append(_Column(max(begin, scale.begin), part[-1].utc, LinkSample(
-            seconds=part[-1].utc - begin,
-            lost=sum(s.lost for s in samples), unanswered=sum(s.unanswered for s in samples),
-            gap_s=max(s.gap_s for s in samples), late_s=max(s.late_s for s in samples),
-            round_trip_s=_extreme(min, [s.round_trip_s for s in samples]),
-            round_trip_max_s=_extreme(max, [s.round_trip_max_s for s in samples]),
-            skew_s=_extreme(max, [s.skew_s for s in samples]),
-        )))
+        part = slice(i, i + together)
+        last = min(i + together, len(link)) - 1
+        begin, end = max(link[i].utc - link[i].sample.seconds, scale.begin), link[last].utc
+        found.append(_Column(
+            begin, end, _n(scale.x(begin)), _n(scale.x(end)), sum(fields.lost[part]), sum(fields.unanswered[part]),
+            max(fields.gap_s[part]), max(fields.late_s[part]), _extreme(min, fields.round_trip_s[part]),
+            _extreme(max, fields.round_trip_max_s[part]), _extreme(max, fields.skew_s[part]),
+        ))
     return found
 
 
-def _extreme(of: Callable[..., float], values: List[Optional[float]]) -> Optional[float]:
-    return of((value for value in values if value is not None), default=None)
+def _extreme(of: Callable[..., float], values: Sequence[Optional[float]]) -> Optional[float]:
+    known = [value for value in values if value is not None]
+    return of(known) if known else None
 
 
-def _bars(columns: List[_Column], scale: _Scale, strip: _Strip, value: Callable[[LinkSample], float],
-          fill: str) -> Markup:
+def _bars(columns: List[_Column], strip: _Strip, value: Callable[[_Column], float], fill: str) -> Markup:
     """A bar from 0 to the value of each column."""
     path, base = [], _n(strip.y(0.0))
     for column in columns:
-        height = value(column.sample)
+        height = value(column)
         if height:
-            x, right = scale.x(column.begin_utc), scale.x(column.end_utc)
-            path.append(f"M{_n(x)} {base}H{_n(max(right, x + 0.6))}V{_n(strip.y(height))}H{_n(x)}Z")
+            x = column.begin_x
+            path.append(f"M{x} {base}H{max(column.end_x, _n(x + 0.6))}V{_n(strip.y(height))}H{x}Z")
     return tag("path", d="".join(path), fill=fill) if path else Markup("")
 
 
-def _silence(columns: List[_Column], scale: _Scale, top: float) -> Markup:
-    strip = _Strip(top, 0.0, max([4.0, *(c.sample.gap_s for c in columns)]))
+def _silence(columns: List[_Column], top: float) -> Markup:
+    strip = _Strip(top, 0.0, max([4.0, *(c.gap_s for c in columns)]))
     return joined((
-        _bars(columns, scale, strip, lambda s: s.gap_s, "#555"), strip.level(SILENT_S), strip.frame("Silence", "s"),
+        _bars(columns, strip, lambda c: c.gap_s, "#555"), strip.level(SILENT_S), strip.frame("Silence", "s"),
     ))
 
 
-def _losses(columns: List[_Column], scale: _Scale, top: float) -> Markup:
+def _losses(columns: List[_Column], top: float) -> Markup:
     """Bars above the middle: lost on the way to the box. Below: lost on the way to the robot."""
-    most = max([5, *(max(c.sample.lost, c.sample.unanswered) for c in columns)])
+    most = max([5, *(max(c.lost, c.unanswered) for c in columns)])
     strip = _Strip(top, -most, most)
     return joined((
-        _bars(columns, scale, strip, lambda s: s.lost, "#c33"),
-        _bars(columns, scale, strip, lambda s: -s.unanswered, "#36c"), strip.frame("Lost", "datagrams"),
+        _bars(columns, strip, lambda c: c.lost, "#c33"),
+        _bars(columns, strip, lambda c: -c.unanswered, "#36c"), strip.frame("Lost", "datagrams"),
         _text(2, top + 33, "above: to the box"), _text(2, top + 43, "below: to the robot"),
     ))
 
 
-def _delays(columns: List[_Column], scale: _Scale, top: float) -> Markup:
-    trips = [(c, t) for c in columns for t in {c.sample.round_trip_s, c.sample.round_trip_max_s} if t is not None]
-    strip = _Strip(top, 0.0, max([0.2, *(c.sample.late_s for c in columns), *(t for _, t in trips)]))
+def _delays(columns: List[_Column], top: float) -> Markup:
+    trips = [(c, t) for c in columns for t in {c.round_trip_s, c.round_trip_max_s} if t is not None]
+    strip = _Strip(top, 0.0, max([0.2, *(c.late_s for c in columns), *(t for _, t in trips)]))
     dots = [
-        tag("circle", cx=_n((scale.x(c.begin_utc) + scale.x(c.end_utc)) / 2), cy=_n(strip.y(t)), r=1.8, fill="#36c")
+        tag("circle", cx=_n((c.begin_x + c.end_x) / 2), cy=_n(strip.y(t)), r=1.8, fill="#36c")
         for c, t in trips
     ]
     return joined((
-        _bars(columns, scale, strip, lambda s: s.late_s, "#888"), *dots, strip.frame("Delay", "s"),
+        _bars(columns, strip, lambda c: c.late_s, "#888"), *dots, strip.frame("Delay", "s"),
         _text(2, top + 33, "bars: late messages"), _text(2, top + 43, "dots: round trips"),
     ))
 
 
-def _skews(columns: List[_Column], scale: _Scale, top: float) -> Markup:
-    known = [c for c in columns if c.sample.skew_s is not None]
-    most = max([1.2 * ALLOWED_SKEW_S, *(abs(c.sample.skew_s) for c in known)])
+def _skews(columns: List[_Column], top: float) -> Markup:
+    known = [c for c in columns if c.skew_s is not None]
+    most = max([1.2 * ALLOWED_SKEW_S, *(abs(c.skew_s) for c in known)])
     strip = _Strip(top, -most, most)
     path, before = [], -math.inf
     for c in known:
         joins = c.begin_utc - before < NO_RECORD_S
-        path.append(f"{'L' if joins else 'M'}{_n(scale.x(c.begin_utc))} {_n(strip.y(c.sample.skew_s))}"
-                    f"H{_n(scale.x(c.end_utc))}")
+        path.append(f"{'L' if joins else 'M'}{c.begin_x} {_n(strip.y(c.skew_s))}H{c.end_x}")
         before = c.end_utc
     return joined((
         strip.level(ALLOWED_SKEW_S), strip.level(-ALLOWED_SKEW_S),

@@ -27,6 +27,8 @@ LATEST = {
     run_log.ACTIVATION_EVENT: "Last activation event", run_log.VISITOR: "Last visitor",
     run_log.COMMAND: "Last final command", kinds.NOTICE: "Last warning",
 }
+# The parts of the state that change most often, and that the page does not show: it has them from the entries.
+NOT_SHOWN = tuple(f"zone.run.{part}" for part in ("message", "link", "online_data", "strings"))
 DISCONNECTED = "disconnected"
 # A clock that was only read again differs by less than this (s).
 _SAME_S = 0.002
@@ -34,11 +36,15 @@ _SAME_S = 0.002
 Track = List[List[Any]]
 
 
-def replay_data(result: RunResult, moments: Sequence[RunMoment], in_utc: bool) -> Dict[str, Any]:
-    """Return what the page needs, as JSON. `moments`: the states of the run; empty: they were not recorded."""
+def replay_data(
+    result: RunResult, moments: Sequence[RunMoment], in_utc: bool,
+    known_events: Optional[Sequence[Tuple[str, RunEvent]]] = None,
+) -> Dict[str, Any]:
+    """Return what the page needs, as JSON. `moments`: the states of the run; empty: they were not recorded.
+    `known_events`: what `in_order` returns with the scores, if the caller has it."""
     record = result.record
     begin, end = record.opened_utc, _end_utc(result, moments)
-    events = list(in_order(result, with_scores=True))
+    events = list(in_order(result, with_scores=True)) if known_events is None else known_events
     titles = [title for title in TITLES if any(title == each for each, _ in events)]
     known = [moment for moment in moments if run_state_of(moment)]
     return {

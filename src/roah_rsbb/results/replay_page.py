@@ -8,12 +8,13 @@ import html
 import os
 import re
 import urllib.parse
-from typing import Any, Callable, Dict, NamedTuple
+from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.results.events import RunEvent
 from roah_rsbb.results.page import checksum, json_text
-from roah_rsbb.results.replay import replay_data
+from roah_rsbb.results.replay import NOT_SHOWN, replay_data
 from roah_rsbb.results.runs import RunResult, file_name, run_moments
 from roah_rsbb.wording.texts import visible
 
@@ -44,11 +45,12 @@ def replay_name(number: int, record: RunRecord) -> str:
 
 def replay_of(
     reader: JournalReader, result: RunResult, parts: PageParts, in_utc: bool, warn: Callable[[str], None],
-    video: str = "",
+    video: str = "", events: Optional[Sequence[Tuple[str, RunEvent]]] = None,
 ) -> str:
-    """Return the page of a run. `video`: address of the video that it shows, if any."""
-    moments = run_moments(reader, result.record.identity, warn)
-    return replay_page(replay_data(result, moments, in_utc), parts, video)
+    """Return the page of a run. `video`: address of the video that it shows, if any; `events`: what `in_order` returns
+    with the scores, if the caller has it."""
+    moments = run_moments(reader, result.record.identity, warn, NOT_SHOWN)
+    return replay_page(replay_data(result, moments, in_utc, events), parts, video)
 
 
 def replay_page(data: Dict[str, Any], parts: PageParts, video: str = "") -> str:

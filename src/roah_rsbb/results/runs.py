@@ -4,6 +4,7 @@ import re
 from functools import partial
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.core import run_log
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.restart.saved import BadState, thaw
 from roah_rsbb.core.scoring.records import RunRecord
@@ -110,19 +111,26 @@ def find_record(reader: JournalReader, word: str, warn: Callable[[str], None]) -
     return place + 1, _record(reader.run(known[place]), warn)
 
 
-def run_result(reader: JournalReader, number: int, record: RunRecord, warn: Callable[[str], None]) -> RunResult:
-    """Read the rest of a run whose record is known."""
+def run_result(
+    reader: JournalReader, number: int, record: RunRecord, warn: Callable[[str], None], with_payloads: bool = True
+) -> RunResult:
+    """Read the rest of a run whose record is known. `with_payloads`: also the payloads of states, which no page shows,
+    and which are as many entries as most runs have otherwise."""
     robots = tuple(
         RobotPart(m.port, m.team, m.robot, m.log_file, _link(reader, m.port, warn))
         for m in reader.members(record.identity)
     )
-    return RunResult(number, record, robots, tuple(reader.entries(record.identity)))
+    without = () if with_payloads else (run_log.BOX_PAYLOAD, run_log.CLIENT_PAYLOAD)
+    return RunResult(number, record, robots, tuple(reader.entries(record.identity, without)))
 
 
-def run_moments(reader: JournalReader, identity: str, warn: Callable[[str], None]) -> List[RunMoment]:
-    """Return all states of a run, in order. They share what did not change. Journals before 2026-11 have none."""
+def run_moments(
+    reader: JournalReader, identity: str, warn: Callable[[str], None], without: Sequence[str] = ()
+) -> List[RunMoment]:
+    """Return all states of a run, in order. They share what did not change. Journals before 2026-11 have none.
+    `without`: parts of the state that are left out (`JournalReader.states`)."""
     changes, found, unreadable = ChangesReader(), [], 0
-    for entry in reader.states(identity):
+    for entry in reader.states(identity, without):
         state = changes.take(entry.value)
         try:
             found.append(RunMoment(entry.utc, entry.mono, state["zone"], state["clock"]))

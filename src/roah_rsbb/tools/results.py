@@ -10,6 +10,7 @@ from roah_rsbb.arguments import Parser
 from roah_rsbb.core import run_log
 from roah_rsbb.journal.damage import text_of
 from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.processes import ProcessEnded, usable_processors
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.recover import recover
 from roah_rsbb.results.bags import bag_lines
@@ -97,7 +98,7 @@ def main(config_dir: str, arguments: Optional[List[str]] = None) -> NoReturn:
     options.config_dir = config_dir
     try:
         status = options.do(options)
-    except (JournalError, _NoBag, NoSuchRun, Usage, CannotPrint) as error:
+    except (JournalError, ProcessEnded, _NoBag, NoSuchRun, Usage, CannotPrint) as error:
         status = _fail(str(error))
     except ConfigErrors as error:
         status = _fail(f"a file of the competition is invalid:\n{error}")
@@ -331,7 +332,7 @@ def _journals(options: argparse.Namespace) -> int:
 
 
 def _recover(options: argparse.Namespace) -> int:
-    counts, damage = recover(options.damaged, options.new)
+    counts, damage = recover(options.damaged, options.new, usable_processors())
     for missing in damage:
         warn(f"not recovered: {text_of(missing)}")
     found = ", ".join(f"{count} of {name}" for name, count in counts.items())

@@ -1,19 +1,23 @@
 """Commands of `results` that rank runs and write files. Loading what they need takes longer than to list all runs."""
 
 import argparse
+import contextlib
 import json
 import os
 import sys
-from typing import Callable, Dict, Iterable, Iterator, List, Optional, TextIO
+from functools import partial
+from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, TextIO, Tuple
 
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.processes import shared_out, usable_processors
+from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results import checklist as checklists
 from roah_rsbb.results import dataset
 from roah_rsbb.results import standings as ranking
 from roah_rsbb.results.anonymous import names_of
 from roah_rsbb.results.dataset import write_dataset
-from roah_rsbb.results.events import sections
+from roah_rsbb.results.events import in_order, sections_of
 from roah_rsbb.results.export import (
     RESULT_COLUMNS,
     STANDING_COLUMNS,
@@ -26,8 +30,8 @@ from roah_rsbb.results.export import (
 from roah_rsbb.results.page import Competition, page, picture_address
 from roah_rsbb.results.paper import blank_front, front_markup
 from roah_rsbb.results.printing import Printer, browser, print_pdf
-from roah_rsbb.results.replay_page import page_parts, replay_name, replay_of
-from roah_rsbb.results.report.facts import facts_of
+from roah_rsbb.results.replay_page import PageParts, page_parts, replay_name, replay_of
+from roah_rsbb.results.report.facts import RunFacts, facts_of
 from roah_rsbb.results.report.pages import Compared, Site, all_pages, comparison
 from roah_rsbb.results.report.plots import Assets, assets
 from roah_rsbb.results.runs import RunResult, file_name, find, find_record, records, run_result
@@ -159,21 +163,66 @@ def _write_site(
     with open_journal(options) as reader:
         known = records(reader, warn)
         ranked = _ranked(options, known)
-        for number, record in enumerate(known, 1):
-            result = run_result(reader, number, record, warn)
-            shown = sections(result)
-            runs.append(facts_of(result, sum(event.bad for section in shown for event in section.events)))
-            sheets[record.identity] = name = f"runs/{file_name(number, record)}.html"
-            _write_html(sheet_page(result, options.utc, rules.get(record.benchmark), titles.get(record.benchmark, ""),
-                                   competition=competition, shown=shown), os.path.join(folder, name))
-            if parts is not None:
-                replays[record.identity] = name = f"runs/{replay_name(number, record)}"
-                _write_html(replay_of(reader, result, parts, options.utc, warn), os.path.join(folder, name))
         as_of = reader.as_of()
+        about = _AboutRuns(folder, rules, titles, competition, parts, options.utc)
+        # A box that writes to the journal would show another moment to each process.
+        processes = usable_processors() if reader.is_at_rest else 1
+        with shared_out(partial(_run_pages, reader, about), list(enumerate(known, 1)), processes) as all_written:
+            for record, written in zip(known, all_written):
+                for text in written.warnings:
+                    warn(text)
+                runs.append(written.facts)
+                sheets[record.identity] = written.sheet
+                if written.replay:
+                    replays[record.identity] = written.replay
     site = Site(runs, ranked, sheets, replays, titles, as_of, options.utc, shared, competition, home)
     for name, text in all_pages(site).items():
         _write_html(text, os.path.join(folder, name))
     return site
+
+
+class _AboutRuns(NamedTuple):
+    """What the pages of all runs need."""
+
+    folder: str
+    rules: Dict[str, Rules]
+    titles: Dict[str, str]
+    competition: Competition
+    replay_parts: Optional[PageParts]  # None: without replays
+    in_utc: bool
+
+
+class _WrittenRun(NamedTuple):
+    """What the report needs of a run whose pages are written."""
+
+    facts: RunFacts
+    sheet: str  # file in the report's folder
+    replay: str  # the same; empty: none
+    warnings: List[str]
+
+
+@contextlib.contextmanager
+def _run_pages(reader: JournalReader, about: _AboutRuns) -> Iterator[Callable[[Tuple[int, RunRecord]], _WrittenRun]]:
+    """Return a function that writes the pages of a run. Each process calls this."""
+    with JournalReader(reader.path, checks_all=False) if reader.is_at_rest else contextlib.nullcontext(reader) as own:
+        yield lambda item: _write_run(own, about, *item)
+
+
+def _write_run(reader: JournalReader, about: _AboutRuns, number: int, record: RunRecord) -> _WrittenRun:
+    warnings: List[str] = []
+    result = run_result(reader, number, record, warnings.append, with_payloads=False)
+    events = list(in_order(result, with_scores=True))
+    shown = sections_of(events)
+    facts = facts_of(result, sum(event.bad for section in shown for event in section.events))
+    sheet, replay_file = f"runs/{file_name(number, record)}.html", ""
+    rules, title = about.rules.get(record.benchmark), about.titles.get(record.benchmark, "")
+    _write_html(sheet_page(result, about.in_utc, rules, title, competition=about.competition, shown=shown),
+                os.path.join(about.folder, sheet))
+    if about.replay_parts is not None:
+        replay_file = f"runs/{replay_name(number, record)}"
+        _write_html(replay_of(reader, result, about.replay_parts, about.in_utc, warnings.append, events=events),
+                    os.path.join(about.folder, replay_file))
+    return _WrittenRun(facts, sheet, replay_file, warnings)
 
 
 def _write_html(text: str, path: str) -> None:

@@ -186,8 +186,8 @@ def optional_date_time(utc_s: Optional[float], in_utc: bool = False) -> str:
 
 def time_with_tenths(utc_s: float, in_utc: bool = False) -> str:
     """Return the time of day with tenths of a second, where the day and the offset are shown elsewhere."""
-    moment = _moment(utc_s, in_utc)
-    return f"{moment:%H:%M:%S}.{moment.microsecond // 100_000}"
+    moment = datetime.datetime.fromtimestamp(utc_s, datetime.timezone.utc if in_utc else None)
+    return moment.isoformat(timespec="milliseconds")[11:21]  # in a fraction of the time of strftime
 
 
 def iso(utc_s: float, in_utc: bool = False) -> str:

@@ -1,14 +1,15 @@
 """Verifying many rows at once finds the same rows as the checksum of each row."""
 
 import contextlib
+import shutil
 import sqlite3
 
 import pytest
 
 from helpers.journals import Writer
 from roah_rsbb.core.link.record import LinkSample
-from roah_rsbb.journal import schema
-from roah_rsbb.journal.checksums import HIGHEST, NUMBERS, verified_rows
+from roah_rsbb.journal import checksums, schema
+from roah_rsbb.journal.checksums import HIGHEST, NUMBERS, verified_parts, verified_rows
 
 COUNT = 200
 CHANGED = 70
@@ -43,6 +44,24 @@ def verified(connection, table):
         damaged += rows.damaged
     assert numbers == list(range(1, COUNT + 1))
     return damaged
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_parts_of_tables(written, processes, tmp_path, monkeypatch):
+    monkeypatch.setattr(checksums, "_PART", 30)
+    path = shutil.copy(written, tmp_path)
+    with contextlib.closing(sqlite3.connect(path)) as connection:
+        connection.execute("PRAGMA journal_mode = DELETE")
+        connection.execute("UPDATE entries SET kind = 'other' WHERE id IN (3, 31, 200)")
+        connection.execute("DELETE FROM entries WHERE id BETWEEN 90 AND 125")
+        connection.execute("UPDATE links SET port = 1 WHERE rowid = 60")
+        connection.commit()
+        with verified_parts(connection, path, tuple(NUMBERS), processes) as parts:
+            found = list(parts)
+    for table, present, damaged in (("entries", [*range(1, 90), *range(126, COUNT + 1)], [3, 31, 200]),
+                                    ("links", list(range(1, COUNT + 1)), [60])):
+        assert [number for of, rows in found if of == table for number in rows.numbers] == present
+        assert [number for of, rows in found if of == table for number in rows.damaged] == damaged
 
 
 def row_by_row(connection, table):

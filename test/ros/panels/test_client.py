@@ -121,7 +121,7 @@ class TestReplay(CoreCase):
     def test_every_panel_is_marked_until_a_live_core_is_heard(self) -> None:
         panels = [self.open(kind) for kind in (LogDisplayPanel, CoreStatusPanel)]
         for panel in panels:
-            wait_until(lambda panel=panel: panel._news.text() == "⏵ REPLAY: not live", "the panel is marked")
+            wait_until(lambda panel=panel: panel._news.text() == "▶ REPLAY: not live", "the panel is marked")
             self.assertEqual(panel.windowTitle(), f"REPLAY – {panel.TITLE}")
         self.core.close()
         self.core = FakeCore()

@@ -126,8 +126,8 @@ def _thaw_of(hint: Any) -> _Thaw:
     if hasattr(hint, "_fields") or dataclasses.is_dataclass(hint):
         return _thaw_of_fields(hint)
     origin, args = getattr(hint, "__origin__", None), getattr(hint, "__args__", ())
-    if origin is Union and len(args) == 2 and type(None) in args:
-        inner = _thaw_of(next(arg for arg in args if arg is not type(None)))
+    if _not_none(hint) is not hint:
+        inner = _thaw_of(_not_none(hint))
         return lambda data, shift: None if data is None else inner(data, shift)
     if origin is tuple:
         return _tuple_of_items(args)
@@ -148,6 +148,13 @@ def _exactly(kind: type, data: Any, _shift: float) -> Any:
     return data
 
 
+def _not_none(hint: Any) -> Any:
+    """Return the other type of an Optional; any other type as it is."""
+    args = getattr(hint, "__args__", ())
+    is_optional = getattr(hint, "__origin__", None) is Union and len(args) == 2 and type(None) in args
+    return next(arg for arg in args if arg is not type(None)) if is_optional else hint
+
+
 def _thaw_of_fields(hint: Any) -> _Thaw:
     fields: Optional[Dict[str, _Thaw]] = None
     kinds: Dict[str, type] = {}  # of the fields whose values need no conversion: most of a large journal
@@ -157,7 +164,8 @@ def _thaw_of_fields(hint: Any) -> _Thaw:
         if fields is None:
             hints = get_type_hints(hint)
             fields = {name: _thaw_of(hints[name]) for name, _ in _defaults(hint)}
-            kinds.update((name, hints[name]) for name in fields if hints[name] in (bool, int, str))
+            found = {name: _not_none(hints[name]) for name in fields}
+            kinds.update((name, kind) for name, kind in found.items() if kind in (bool, int, str, float))
         values = {}
         for name, item in data.items():
             if item.__class__ is kinds.get(name):

@@ -116,7 +116,7 @@ class Panel(QWidget):
         if self.model.is_old:
             self._news.show_text(f"⚠ {times.silence(self.model.silence_s)}", basic.OLD)
         elif self.model.is_replay:
-            self._news.show_text(f"⏵ {tr(NOT_LIVE)}", basic.OLD)
+            self._news.show_text(f"▶ {tr(NOT_LIVE)}", basic.OLD)
         else:
             self._news.show_text(tr("● live"), basic.OFF)
         self._title.show(self.model.is_replay)

@@ -368,9 +368,14 @@ for arguments in (
 """
 
 
+def _use_one_processor():
+    os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])
+
+
 @pytest.mark.long
 def test_the_same_journal_gives_the_same_bytes_in_every_format(tmp_path):
-    """In another folder, with another seed of Python's hashes, another time zone and language of the computer."""
+    """In another folder, with another seed of Python's hashes, another time zone and language of the computer, and
+    with one processor."""
     ReplayedCompetition(tmp_path / "log").play()
     written = []
     for number_, (seed, zone, language) in enumerate((("1", "UTC", "C.UTF-8"), ("2", "Asia/Tokyo", "C"))):
@@ -379,7 +384,7 @@ def test_the_same_journal_gives_the_same_bytes_in_every_format(tmp_path):
         environment = {**os.environ, "PYTHONHASHSEED": seed, "TZ": zone, "LC_ALL": language,
                        "PYTHONPATH": os.pathsep.join(sys.path)}
         subprocess.run([sys.executable, "-c", SCRIPT, str(ROOT / "config")], cwd=str(folder), env=environment,
-                       check=True, stdout=subprocess.DEVNULL)
+                       check=True, stdout=subprocess.DEVNULL, preexec_fn=_use_one_processor if number_ else None)
         shutil.rmtree(str(folder / "log"))
         written.append({str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*")
                         if path.is_file()})
