@@ -1,5 +1,6 @@
 """Speed of the results program with a journal of many runs, which the real core writes in simulated time."""
 
+import contextlib
 import os
 import pathlib
 import subprocess
@@ -15,13 +16,14 @@ from helpers.many_runs import write_journal  # noqa: E402
 
 PROGRAM = ROOT / "scripts" / "results"
 REPEATS = 3
+SAMPLE_S = 0.2  # from one look at the memory to the next
 
 
 class Taken(NamedTuple):
     """What a command took."""
 
     seconds: float
-    memory_mb: float
+    memory_mb: float  # of all its processes at the same time
 
 
 def measure(runs: int, commands: Dict[str, List[str]], recovers: bool) -> Dict[str, Taken]:
@@ -50,8 +52,22 @@ def _command(words: List[str], folder: str, repeats: int) -> Taken:
 def _once(command: List[str], folder: str) -> Taken:
     began = time.monotonic()
     process = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL)
-    _, status, used = os.wait4(process.pid, 0)
-    process.returncode = status
-    if status:
+    most_kb = 0.0
+    while process.poll() is None:
+        most_kb = max(most_kb, _memory_kb(process.pid))
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(SAMPLE_S)
+    if process.returncode:
         raise SystemExit(f"bench: failed: {' '.join(command)}")
-    return Taken(time.monotonic() - began, used.ru_maxrss / 1024.0)
+    return Taken(time.monotonic() - began, most_kb / 1024.0)
+
+
+def _memory_kb(pid: int) -> float:
+    """Return the memory of a process and its children; what they share counts once."""
+    found = 0.0
+    with contextlib.suppress(OSError):  # it has ended
+        lines = pathlib.Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
+        found = sum(float(line.split()[1]) for line in lines if line.startswith("Pss:"))
+        children = pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+        found += sum(_memory_kb(int(child)) for child in children)
+    return found
