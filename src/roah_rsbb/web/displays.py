@@ -37,8 +37,11 @@ class Setting(NamedTuple):
     zone: Optional[str] = None  # empty: all zones
     show: Optional[str] = None
     language: Optional[str] = None
+    called: str = ""  # the name that the display gave when it was set
 
 
+# What the organiser sets.
+FIELDS = ("name", "zone", "show", "language")
 NOTHING_SET = Setting()
 
 
@@ -67,7 +70,7 @@ class Row(NamedTuple):
     @property
     def name(self) -> str:
         """The name of the display; empty: none was given."""
-        return self.setting.name or ("" if self.display is None else self.display.name)
+        return self.setting.name or (self.setting.called if self.display is None else self.display.name)
 
 
 def display_of(asked: Callable[[str], str], zones: Iterable[str], language: str, address: str,
@@ -145,7 +148,9 @@ class Displays:
         elif display_id not in before and len(before) >= MAX_SET:
             raise TooMany()
         else:
-            self._settings[display_id] = setting
+            given = [one.name for one in self._open.values() if one.id == display_id]
+            called = given[-1] if given else self.setting(display_id).called
+            self._settings[display_id] = setting._replace(called=called)
         try:
             self._save({key: _record(one) for key, one in self._settings.items()})
         except OSError:
@@ -164,7 +169,7 @@ class Displays:
 
 def setting_of(body: Dict[str, Any], languages: Iterable[str]) -> Setting:
     """Read a setting of the organiser; raises ValueError. A field that is missing or null is not set."""
-    name, zone, show, language = (body.get(field) for field in Setting._fields)
+    name, zone, show, language = (body.get(field) for field in FIELDS)
     if any(value is not None and not isinstance(value, str) for value in (name, zone, show, language)):
         raise ValueError("A field has the wrong type")
     if show not in (None, *SHOWS) or language not in (None, *languages):
@@ -181,4 +186,5 @@ def _record(setting: Setting) -> Dict[str, Any]:
 def _setting_of(record: Dict[str, Any]) -> Setting:
     """Read a saved setting; raises ValueError, TypeError or AttributeError."""
     language = record.get("language")
-    return setting_of(record, [language] if isinstance(language, str) else [])
+    setting = setting_of(record, [language] if isinstance(language, str) else [])
+    return setting._replace(called=plain(record.get("called", "")))

@@ -188,7 +188,8 @@ class WebServer:
     def _put_display(self, display_id: str) -> None:
         setting = self.displays.setting(display_id)
         self.store.put_display(display_id, {
-            **setting._asdict(), "name": self.displays.name(display_id),
+            "zone": setting.zone, "show": setting.show, "language": setting.language,
+            "name": self.displays.name(display_id),
             "shows_name": self.displays.are_named(self.now()),
         })
 

@@ -90,12 +90,12 @@ def test_a_setting_counts_until_it_is_taken_back():
     displays = Displays(kept.append, {})
     displays.add("window", display(name="Hall"))
     displays.set(id_of(1), Setting(zone="", show="standings"))
-    assert displays.setting(id_of(1)) == Setting(zone="", show="standings")
+    assert displays.setting(id_of(1)) == Setting(zone="", show="standings", called="Hall")
     displays.remove("window")
     again = Displays(kept.append, kept[-1])
-    assert again.setting(id_of(1)) == Setting(zone="", show="standings"), "also after a restart"
+    assert again.setting(id_of(1)) == Setting(zone="", show="standings", called="Hall"), "also after a restart"
     (row,) = again.rows()
-    assert row.display is None
+    assert (row.display, row.name) == (None, "Hall")
     again.set(id_of(1), NOTHING_SET)
     assert (again.rows(), kept[-1]) == ([], {})
 
@@ -209,7 +209,7 @@ def test_a_display_is_listed_and_gets_what_is_set(served):
     assert abs(shown["since"] - served.server.utc()) < 60.0
     assert served.ask({"id": id_of(1), "setting": {"zone": "", "show": "run", "language": "de"}}).code == 200
     assert served.read(window) == {"name": "Hall", "zone": "", "show": "run", "language": "de", "shows_name": False}
-    assert served.kept == [{id_of(1): {"zone": "", "show": "run", "language": "de"}}]
+    assert served.kept == [{id_of(1): {"zone": "", "show": "run", "language": "de", "called": "Hall"}}]
     assert served.ask({"id": id_of(1), "setting": {"show": "results"}}).code == 200
     assert served.read(window) == {"name": "Hall", "zone": "", "show": "results", "language": "de", "shows_name": False}
     assert served.ask({"id": id_of(1), "take_back": True}).code == 200
