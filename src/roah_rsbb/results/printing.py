@@ -16,8 +16,8 @@ import time
 from types import TracebackType
 from typing import Any, Dict, List, Optional, Type
 
-# The first one that is installed is used.
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+# The first one that is installed is used. The headless shell has no window and starts in a quarter of the time.
+BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 TIMEOUT_S = 120.0  # for a page
 CLOSE_S = 5.0  # for the browser to end
 # The browser reads commands from the first of these descriptors, and answers on the second.

@@ -236,7 +236,7 @@ def test_nothing_is_cut_and_the_signatures_are_at_the_bottom(document, chromium,
 
 @pytest.mark.long
 def test_many_pages_need_one_browser(chromium, monkeypatch, tmp_path):
-    counting = tmp_path / "bin" / "chromium"
+    counting = tmp_path / "bin" / printing.BROWSERS[0]
     counting.parent.mkdir()
     counting.write_text(f'#!/bin/sh\necho >> {tmp_path}/starts\nexec {chromium} "$@"\n')
     counting.chmod(0o755)
@@ -252,7 +252,7 @@ def test_many_pages_need_one_browser(chromium, monkeypatch, tmp_path):
 
 
 def test_a_browser_that_hangs(monkeypatch, tmp_path):
-    fake = tmp_path / "chromium"
+    fake = tmp_path / printing.BROWSERS[0]
     fake.write_text("#!/bin/sh\nexec sleep 1000\n")
     fake.chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
@@ -270,7 +270,7 @@ def test_without_a_browser_the_remedy_is_reported(monkeypatch, tmp_path):
 
 
 def test_a_browser_that_prints_nothing(monkeypatch, tmp_path):
-    fake = tmp_path / "chromium"
+    fake = tmp_path / printing.BROWSERS[0]
     fake.write_text("#!/bin/sh\necho 'it broke' >&2\nexit 3\n")
     fake.chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")

@@ -20,9 +20,9 @@ from typing import Any, ClassVar, Dict, List, Optional, Tuple
 
 from tornado import websocket
 
+from roah_rsbb.results.printing import BROWSERS
 from support.waiting import LIMIT_S, wait_until
 
-NAMES = ("chromium", "chromium-browser", "google-chrome")
 LOOK_AGAIN_S = 0.05
 # Chromium writes cookies to the disk after 30 s.
 KEPT_LIMIT_S = 120.0
@@ -33,7 +33,7 @@ _MAX_ANSWER_BYTES = 64 * 1024 * 1024
 
 def find() -> Optional[str]:
     """The browser's program; None: there is none that runs (on Ubuntu 20.04 it is only the way to a snap)."""
-    for name in NAMES:
+    for name in BROWSERS:
         path = shutil.which(name)
         if path is not None:
             asked = subprocess.run([path, "--version"], capture_output=True, text=True, check=False)
@@ -262,7 +262,7 @@ class NeedsBrowser(unittest.TestCase):
         program = find()
         if program is None:
             print("\n" + "!" * 100 + f"\n!!! NOT TESTED: {cls.PAGES}. There is no Chromium here ("
-                  + ", ".join(NAMES) + ").\n!!! On Debian: apt-get install chromium\n" + "!" * 100,
+                  + ", ".join(BROWSERS) + ").\n!!! On Debian: apt-get install chromium-headless-shell\n" + "!" * 100,
                   file=sys.stderr, flush=True)
         else:
             cls.browser = Browser(program)
@@ -270,5 +270,5 @@ class NeedsBrowser(unittest.TestCase):
 
     def setUp(self) -> None:
         if self.browser is None:
-            self.skipTest("no Chromium: on Debian apt-get install chromium")
+            self.skipTest("no Chromium: on Debian apt-get install chromium-headless-shell")
         super().setUp()
