@@ -212,7 +212,7 @@ class CheckBox(NetworkDriver):
                 self._record.states.append(said)
                 self._news()
         elif isinstance(effect, effects.GiveUp):
-            self.another = effect.reason
+            self.another = another_box(effect.host)
             self._news()
         elif isinstance(effect, effects.SetDevice):
             self._record.commands.append(effect)
@@ -249,6 +249,12 @@ class CheckBox(NetworkDriver):
         infos = tuple(ModuleInfo(code) for code in PROFILES)
         progress = tuple(self.goals.progress(run) for run in self.box.modules.runs() if run.running)
         self.event(self.box.modules.on_modules, ModulesState("check", infos, progress))
+
+
+def another_box(host: str) -> str:
+    """Why a program of a team must not run beside another box, and the remedy."""
+    return (f"Another box is running at {host}, and two boxes disturb each other: end that one, or give this program "
+            "and the robot another public port")
 
 
 def configuration(team: str, password: str) -> Config:

@@ -21,6 +21,7 @@ from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, Pose2D, Pose3
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
+from roah_rsbb.check.box import another_box
 from roah_rsbb.check.shipped import NotShipped, shipped_folder
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.channels import MakePeer
@@ -149,7 +150,7 @@ class DummyBox(NetworkDriver):
         elif isinstance(effect, effects.ModuleRunsChanged):
             self._loop.call_soon(self._modules)
         elif isinstance(effect, effects.GiveUp):
-            self.gave_up = effect.reason
+            self.gave_up = another_box(effect.host)
 
     async def _press(self, command: str, robot: str = "") -> None:
         """Press a button as soon as it is possible, and show why it is not."""

@@ -300,8 +300,7 @@ class Box:
             self._outbox.emit(effects.GiveUp(
                 f"Another RSBB is running at {host}: stop that one, or give this one another rsbb_host or "
                 "rsbb_port. If none of your boxes is there, someone forges its beacons: start with take_over:=true, "
-                f"and take {host} off the network"
-            ))
+                f"and take {host} off the network", host))
             return
         text = self.watches.foreign_box(now, host)
         if text:

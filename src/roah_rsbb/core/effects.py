@@ -152,6 +152,7 @@ class GiveUp(NamedTuple):
     """This box must not run: report why, and end the process."""
 
     reason: str
+    host: str  # of the other box
 
 
 Effect = Union[

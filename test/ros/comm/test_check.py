@@ -16,7 +16,7 @@ from roah_rsbb.check.scenarios import boxes
 TEAM = "Alpha"
 # How long the check waits for the robot. Here it waits for events: a busy machine is no fault.
 _LIMITS = {
-    play: ("ANSWER_S", "OBEY_S", "LEAVE_S", "STOP_S", "STOP_LOST_S"),
+    play: ("ANSWER_S", "OBEY_S", "LEAVE_S", "STOP_S", "STOP_LOST_S", "SILENT_S", "GONE_S"),
     boxes: ("LEAVE_S", "REPEATED_S"), monitor: ("SILENT_S", "SAVING_S"),
 }
 
