@@ -130,7 +130,7 @@ class CopyFolder(Copy):
         # Some file systems cannot have a write-ahead log. SQLite then uses another way that is as safe.
         self._connection.execute("PRAGMA journal_mode = WAL").fetchone()
         self._connection.execute("PRAGMA synchronous = FULL")
-        if not files.is_readable(self._connection):
+        if not schema.is_readable(self._connection):
             schema.create(self._connection)
             durable.sync(self._folder)
         self._file = files.identity(self.path)
@@ -146,7 +146,7 @@ def _is_journal(path: str) -> bool:
     """Whether a file is an undamaged journal of this version."""
     try:
         with contextlib.closing(sqlite3.connect(path, timeout=BUSY_S, isolation_level=None)) as connection:
-            return (files.is_readable(connection) and schema.is_whole(connection)
+            return (schema.is_readable(connection) and schema.is_whole(connection)
                     and connection.execute("PRAGMA quick_check(1)").fetchone()[0] == "ok")
     except sqlite3.OperationalError:
         raise

@@ -173,7 +173,7 @@ class JournalRows:
             raise CannotReadJournal(f"{self._path}: {error}") from None
 
     def _check(self, known: Known) -> None:
-        if not files.is_readable(self._connection):
+        if not schema.is_readable(self._connection):
             raise CannotReadJournal(f"{self._path} is not a journal of this version of roah_rsbb yet")
         for number, crc in known.rest["sessions"].items():
             if self._crc("sessions", number) != (crc,):

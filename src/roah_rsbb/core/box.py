@@ -18,7 +18,7 @@ from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.messages import Beacon, DevicesState, RobotReport, TabletState
 from roah_rsbb.core.modules.desk import ModuleDesk
 from roah_rsbb.core.modules.presence import Modules
-from roah_rsbb.core.referee import RunName, cut_note
+from roah_rsbb.core.referee import Refused, RunName, cut_note
 from roah_rsbb.core.reload import Reload
 from roah_rsbb.core.restart.restart import BoxSaved, Restart, Saved
 from roah_rsbb.core.robots import ActiveRobots, RobotId
@@ -68,7 +68,7 @@ class Box:
         self._connections.version = version
         self._reload = Reload(zones, self.robots, self.finished, self._connections, outbox)
         self._restart = Restart(zones, self.finished, self._connections, self.watches, outbox)
-        record = CommandRecord(zones, outbox)
+        self._record = record = CommandRecord(zones, outbox)
         self.commands = Commands(
             settings, zones, self.robots, self.watches, self._connections, self.finished, record, outbox)
         self.scores = ScoreDesk(self.tick, zones, self.finished, record, outbox)
@@ -78,6 +78,7 @@ class Box:
         self._clock = ClockWatch()
         self._calm_until: Optional[float] = None  # see `_tick_if_due`
         self._replay = ""  # see `begin_replay`
+        self._superseded = ""  # see `supersede`
 
     # -- driving ------------------------------------------------------------------------------------
 
@@ -90,6 +91,8 @@ class Box:
 
         After a robot's report, it may be earlier than needed. `tick` then has nothing to do.
         """
+        if self._superseded:
+            return None
         runs = self._runs_deadline() if self._calm_until is None else self._calm_until
         others = (self.modules.deadline(), self._connections.deadline())
         deadline = min((t for t in others if t is not None), default=math.inf)
@@ -98,6 +101,8 @@ class Box:
 
     def tick(self, now: Now) -> None:
         """Do what is due by now. Every other event does this first, so that timeouts keep their order."""
+        if self._superseded:
+            return  # the runs continue in another box
         self._calm_until = None
         self._look_at_clock(now)
         self.modules.tick(now)
@@ -137,6 +142,8 @@ class Box:
 
     def listening_left(self, now: Now) -> float:
         """Return for how many more seconds the box only listens (docs/protocol.md, "Timing"); 0.0: it transmits."""
+        if self._superseded:
+            return 0.0
         return self.watches.listening_left(now)
 
     def beacon(self) -> Beacon:
@@ -145,8 +152,8 @@ class Box:
 
     def warnings(self, now: Now) -> List[str]:
         """Return the current warnings for every referee."""
-        if self._replay:
-            return [self._replay]
+        if self._replay or self._superseded:
+            return [self._replay or self._superseded]
         uses = frozenset().union(*(zone.event.benchmark.profile.uses for zone in self.zones.values()))
         devices = self.watches.devices_warnings() if DEVICES in uses else []
         ports = self._connections.warnings()
@@ -155,6 +162,8 @@ class Box:
 
     def warnings_of(self, now: Now, zone_name: str) -> List[str]:
         """Return the current warnings for the referee of a zone."""
+        if self._superseded:
+            return []
         zone = self.zones[zone_name]
         of_run = [] if zone.run is None else (
             self._restart.warnings(now, zone.run) + zone.run.times.warnings() + zone.run.warnings(now))
@@ -189,21 +198,43 @@ class Box:
     def begin_replay(self, run: str) -> None:
         """Only show earlier states of a run from now on. That is the only warning, and why every command is refused."""
         self._replay = f"This is a replay of {run}: nothing here is live, and commands have no effect"
-        self.commands.close(self._replay)
+        self._record.close(self._replay)
 
     def show(self, now: Now, zone_name: str, state: Optional[ZoneState]) -> None:
         """Put an earlier state into a zone; None: the zone had no run. Raises ValueError. Do not call `tick`."""
         self._restart.show(now, self.zones[zone_name], state)
 
+    # -- another box takes over ---------------------------------------------------------------------
+
+    @property
+    def is_superseded(self) -> bool:
+        """Whether another box took over."""
+        return bool(self._superseded)
+
+    def supersede(self, epoch: int, cut: int, by: str) -> None:
+        """A standby took over, with this epoch: stop at once. `cut`: see `effects.Superseded`; `by`: its address."""
+        if not self._superseded:
+            self._outbox.emit(effects.Superseded(epoch, cut, by))
+            self.stay_superseded(by)
+            self._outbox.notice(Level.ERROR, self._superseded)
+
+    def stay_superseded(self, by: str) -> None:
+        """A standby took over before the restart. Nothing is sent, and the runs stay as they were."""
+        self._superseded = (f"This box is superseded: the box at {by} has taken over. Nothing is sent to robots, and "
+                            "commands are refused. Use the panels of the other box")
+        self._record.close(self._superseded)
+
     # -- the organiser ------------------------------------------------------------------------------
 
     def reload_off(self, config: Config) -> List[str]:
         """Return why a configuration cannot be taken now; empty: it can."""
-        return self._reload.off(config)
+        return [self._superseded] if self._superseded else self._reload.off(config)
 
     def reload(self, now: Now, config: Config, version: int, changes: Sequence[str], who: str = "") -> None:
         """Put another configuration into force; raises `Refused`. `changes` lists what it changes."""
         self.tick(now)
+        if self._superseded:
+            raise Refused([self._superseded])
         self._reload.take(config, version, changes, who)
 
     # -- the referee --------------------------------------------------------------------------------

@@ -41,6 +41,11 @@ class CommandRecord:
         self._zones = zones
         self._outbox = outbox
         self._kind = kind
+        self.closed = ""  # see `close`
+
+    def close(self, reason: str) -> None:
+        """Refuse every command from now on, for this reason."""
+        self.closed = reason
 
     @contextlib.contextmanager
     def of(self, name: RunName, who: str, command: str, **arguments: object) -> Iterator[None]:
@@ -50,6 +55,8 @@ class CommandRecord:
         run = None if zone is None else zone.run
         place = self._outbox.place()
         try:
+            if self.closed:
+                raise Refused([self.closed])
             yield
         except Refused as refused:
             value["refused"] = [_short(reason) for reason in refused.reasons]
@@ -104,7 +111,6 @@ class Commands:
         self._finished = finished
         self._record = record
         self._outbox = outbox
-        self._closed = ""  # see `close`
         self._reasons_off: Dict[str, Callable[[Now, Zone], List[str]]] = {
             "connect": self._connect_off, "disconnect": self._disconnect_off, "start": self._start_off,
             "stop": self._stop_off, "previous": self._previous_off, "next": self._next_off,
@@ -134,7 +140,7 @@ class Commands:
         with self._record.of(RunName(zone_name), who, command, reason=reason):
             zone = self._zones.named(zone_name)
             reasons = self.reasons_off(now, zone, command)
-            if reasons and command == "stop" and zone.run is not None and not self._closed:
+            if reasons and command == "stop" and zone.run is not None:
                 return  # nothing to stop: scripts for the original box rely on no error here
             if reasons:
                 raise Refused(reasons)
@@ -214,11 +220,7 @@ class Commands:
 
     def reasons_off(self, now: Now, zone: Zone, command: str) -> List[str]:
         """Return every reason why a command to a zone would be refused now; empty: it is allowed."""
-        return [self._closed] if self._closed else self._reasons_off[command](now, zone)
-
-    def close(self, reason: str) -> None:
-        """Refuse every command from now on, for this reason."""
-        self._closed = reason
+        return [self._record.closed] if self._record.closed else self._reasons_off[command](now, zone)
 
     # -- connect ------------------------------------------------------------------------------------
 

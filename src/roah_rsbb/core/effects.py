@@ -128,6 +128,14 @@ class Recorded(NamedTuple):
     who: str
 
 
+class Superseded(NamedTuple):
+    """A standby took over from this box: stop sending at once, and record it."""
+
+    epoch: int  # of the new box
+    cut: int  # number of the last entry of this journal that the new box has
+    by: str  # its address
+
+
 class ModuleRunsChanged(NamedTuple):
     """Something changed that benchmarking modules need: publish `Box.module_runs` at once."""
 
@@ -158,7 +166,7 @@ class GiveUp(NamedTuple):
 Effect = Union[
     PortTaken, OpenChannel, AimChannel, CloseChannel, SendState, SendBeacon, TimeoutRung, SetDevice,
     RunOpened, SheetOpened, RunResumed, RunLogged, RunClosed, RecordChanged, Recorded,
-    ModuleRunsChanged, Notice, GiveUp,
+    Superseded, ModuleRunsChanged, Notice, GiveUp,
 ]
 
 # The name of the state that belongs to no zone, in `Outbox.take_changed`.

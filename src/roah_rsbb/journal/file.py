@@ -160,12 +160,6 @@ def has_log(connection: sqlite3.Connection) -> bool:
     return connection.execute("PRAGMA journal_mode").fetchone()[0] == "wal"
 
 
-def is_readable(connection: sqlite3.Connection) -> bool:
-    """Whether the tables are those of this version, also before `prepare`."""
-    return (_number(connection, "application_id"), _number(connection, "user_version")) == (
-        schema.APPLICATION_ID, schema.VERSION)
-
-
 def prepare(connection: sqlite3.Connection, competition: str) -> None:
     """Bring an open journal up to date. Raises sqlite3.Error."""
     if not _number(connection, "application_id"):
@@ -213,7 +207,7 @@ def _damage(path: str) -> List[str]:
     """Warnings about damage in a journal that the core resumes from."""
     try:
         with contextlib.closing(_connect(path)) as connection:
-            found = find_damage(connection) if is_readable(connection) else []
+            found = find_damage(connection) if schema.is_readable(connection) else []
     except (sqlite3.Error, UnicodeDecodeError):
         return []  # it cannot be read yet
     return [f"The journal {path} is damaged: {'; '.join(map(text_of, found))}"] if found else []

@@ -9,3 +9,4 @@ NOTICE = "notice"  # a warning or an error that the referee saw
 ADDRESS = "address"  # a robot's address
 TIMEOUT = "timeout"  # a run timed out
 STATE = "state"  # of a zone with a run, with the times of the run: how it changed (`journal/changes.py`)
+EPOCH = "epoch"  # a standby took over: here, or from the box of this journal (`journal/epochs.py`)

@@ -13,7 +13,7 @@ import sqlite3
 import tempfile
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.journal import kinds, schema
+from roah_rsbb.journal import epochs, kinds, schema
 from roah_rsbb.journal.damage import Damage, damage_in_run, damaged_rows, find_damage, last_moment, text_of
 from roah_rsbb.journal.pages import has_damaged_log, has_torn_log
 from roah_rsbb.journal.processes import usable_processors
@@ -245,6 +245,20 @@ class JournalReader:
     def _all_damage(self) -> List[Damage]:
         shares = self.is_at_rest and not self._is_small()
         return find_damage(self._connection, self.path, usable_processors() if shares else 1)
+
+    def standing(self) -> epochs.Standing:
+        """Whether the box of this journal was superseded, and where the journals fork."""
+        try:
+            return epochs.read_standing(self._connection)
+        except (sqlite3.Error, UnicodeDecodeError) as error:
+            raise self._damaged(str(error)) from None
+
+    def only_here(self) -> List[Tuple[str, int]]:
+        """The runs with entries that the box which took over does not have, and how many."""
+        try:
+            return epochs.only_here(self._connection, epochs.read_standing(self._connection))
+        except (sqlite3.Error, UnicodeDecodeError) as error:
+            raise self._damaged(str(error)) from None
 
     def damage_of(self, identity: str) -> List[str]:
         """Return what is damaged or missing in the period of a run, if `damage` did not check it."""

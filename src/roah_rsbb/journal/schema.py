@@ -113,6 +113,12 @@ def migrate(connection: sqlite3.Connection, version: int) -> None:
         version += 1
 
 
+def is_readable(connection: sqlite3.Connection) -> bool:
+    """Whether the tables are those of this version, also before they are migrated."""
+    found = [connection.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version")]
+    return found == [APPLICATION_ID, VERSION]
+
+
 def is_whole(connection: sqlite3.Connection) -> bool:
     """Whether a file of the present version has the right tables, and no triggers or views."""
     return _shape(connection) == _whole_shape()

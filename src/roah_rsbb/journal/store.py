@@ -180,7 +180,7 @@ class Journal:
         connection = self._connection
         self._begin_log()
         try:
-            if self.previous is NOTHING and files.is_readable(connection):
+            if self.previous is NOTHING and schema.is_readable(connection):
                 self.previous = read_previous_session(connection)
             files.prepare(connection, self._competition)
             if self.previous is NOTHING:

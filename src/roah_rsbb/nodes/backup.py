@@ -23,12 +23,18 @@ from roah_rsbb.msg import CopyState
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.standby.box_end import BoxEnd
+from roah_rsbb.standby.herald import Herald
 from roah_rsbb.standby.messages import NETWORK, PASSWORDS
 
 PERIOD_S = 1.0
 # A stick that hangs must not keep the node from ending.
 END_S = 5.0
 NO_FOLDER = "none"
+
+
+def own_address(bind_host: str) -> str:
+    """Return the address at which the core of this computer hears datagrams of this computer."""
+    return "127.0.0.1" if bind_host == "0.0.0.0" else bind_host
 
 
 class _Reported:
@@ -68,7 +74,7 @@ class BackupNode:
         bind_host = params.text("bind_host", "0.0.0.0")
         passwords = params.path("passwords_file", "none")
         network = {"rsbb_host": params.text("rsbb_host", "10.255.255.255"),
-                   "rsbb_port": params.whole("rsbb_port", 6666, 1, 65000)}
+                   "rsbb_port": params.whole("rsbb_port", 6666, 1, 65000), "standby_port": port}
         params.done()
         if not backup_dir and not port:
             raise BadParams(f"{rospy.get_name()}: set backup_dir, standby_port or both")
@@ -79,7 +85,10 @@ class BackupNode:
             self._add(backup_dir, Follower(self._log_dir, Stick(backup_dir, self._log_dir).open))
         self._box_end: Optional[BoxEnd] = None
         if port:
-            self._box_end = BoxEnd(self._log_dir, bind_host, port, lambda text: rospy.logwarn("%s", text))
+            self._herald = Herald(self._log_dir, (own_address(bind_host), port))
+            self._box_end = BoxEnd(self._log_dir, bind_host, port, lambda text: rospy.logwarn("%s", text),
+                                   self._herald.answer)
+            self._herald.start()
             network_file = os.path.join(self._box_end.folder, NETWORK)
             with open(network_file, "w", encoding="utf-8") as file:
                 json.dump(network, file)
@@ -99,6 +108,7 @@ class BackupNode:
             except rospy.ROSInterruptException:
                 break
         if self._box_end is not None:
+            self._herald.end()
             self._box_end.close()
         for copy in self._copies:
             copy.follower.end(END_S)

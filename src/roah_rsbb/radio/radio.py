@@ -81,6 +81,7 @@ class CoreRadio:
         self._box = box
         self._event = event
         self._listening = True
+        self._is_closed = False
         self._privates: Dict[int, _Private] = {}
         self._seen = Seen()  # of all channels, for as long as the box runs
         self._beacon_timer: Optional[asyncio.TimerHandle] = None
@@ -104,7 +105,8 @@ class CoreRadio:
         self._beacon_timer = self._loop.call_later(listen_duration, self._begin_to_send)
 
     def close(self) -> None:
-        """Close all channels."""
+        """Close all channels, for good."""
+        self._is_closed = True
         for timer in (self._beacon_timer, self._beacon_soon):
             if timer is not None:
                 timer.cancel()
@@ -123,7 +125,7 @@ class CoreRadio:
 
         Shortly after another beacon, it is delayed until `BEACON_GAP_S` has passed, and then has the present state.
         """
-        if self._listening or self._beacon_soon is not None:
+        if self._listening or self._is_closed or self._beacon_soon is not None:
             return
         gap_left = self._last_beacon + BEACON_GAP_S - self._loop.time()
         if gap_left > 0:
@@ -138,6 +140,8 @@ class CoreRadio:
 
     def open_channel(self, port: int, team: str, host: Optional[str], version: int) -> None:
         """Open a private channel with the team's key of a version; raises OSError whose text names the remedy."""
+        if self._is_closed:
+            return
         network = self._network
         channel = PrivateChannel(
             self._loop, network.rsbb_host, port, self._keys[version][team],

@@ -4,7 +4,6 @@ It runs in threads of its own, in a process of its own: the core never waits for
 """
 
 import contextlib
-import json
 import os
 import secrets
 import socket
@@ -12,14 +11,17 @@ import ssl
 import threading
 from typing import Callable, Optional
 
-from roah_rsbb import durable
 from roah_rsbb.copies.copy import CannotWriteCopy
+from roah_rsbb.journal import epochs
+from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.standby.channel import TIMEOUT_S, Channel, Lost, box_context
 from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage, Message
+from roah_rsbb.standby.pair import Side
 from roah_rsbb.standby.pairing import KEY_BYTES, NONCE_BYTES, Codes, Exchange, hashed, is_same
+from roah_rsbb.standby.partners import FOLDER, PairedStandby, partners_of, read_standby, write_standby
 from roah_rsbb.standby.remote import RemoteCopy
+from roah_rsbb.standby.words import rejoin_proof
 
-FOLDER, PAIRED = "standby", "paired.json"
 # Connections of strangers that are served at a time.
 MAX_STRANGERS = 8
 MAX_NAME = 60
@@ -29,8 +31,14 @@ _NOT_CONNECTED = "the standby is not connected. Check that it runs and that its 
 class BoxEnd:
     """Serves one standby."""
 
-    def __init__(self, log_dir: str, host: str, port: int, on_event: Callable[[str], None]) -> None:
-        """`on_event` is called in any thread with a text for the log. Raises OSError."""
+    def __init__(
+        self, log_dir: str, host: str, port: int, on_event: Callable[[str], None],
+        on_word: Callable[[bytes], bytes] = lambda word: b"",
+    ) -> None:
+        """`on_event` is called in any thread with a text for the log, and `on_word` with a word of an end of a pair; it
+        returns the answer, or nothing. Raises OSError."""
+        self._log_dir = log_dir
+        self._on_word = on_word
         self.folder = os.path.join(log_dir, FOLDER)
         os.makedirs(self.folder, mode=0o700, exist_ok=True)
         self._context, self._fingerprint = box_context(self.folder)
@@ -39,7 +47,8 @@ class BoxEnd:
         self._lock = threading.Lock()  # of codes, the pairing and the channel
         self._channel: Optional[Channel] = None
         self._strangers = threading.BoundedSemaphore(MAX_STRANGERS)
-        self.name, self._key_sha256 = _read_paired(os.path.join(self.folder, PAIRED))
+        standby = read_standby(log_dir)
+        self.name, self._key_sha256 = ("", "") if standby is None else (standby.name, standby.key_sha256)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -123,6 +132,13 @@ class BoxEnd:
         if hello.get("do") == "pair":
             self._pair(channel, hello, host)
             return False
+        if hello.get("do") == "word":
+            answer = self._on_word(str(hello.get("word")).encode("ascii", "replace"))
+            channel.send({"word": answer.decode("ascii")})
+            return False
+        if hello.get("do") == "rejoin":
+            channel.send(self._rejoined(hello))
+            return False
         if hello.get("do") != "copy":
             return False
         with self._lock:
@@ -130,10 +146,32 @@ class BoxEnd:
         if not is_right:
             channel.send({"refused": "this standby is not paired with the box: pair it again, with a new code"})
             return False
+        if epochs.standing_in(os.path.join(self._log_dir, FILE_NAME)).is_superseded:
+            channel.send({"refused": "this box is superseded: its journal must not replace the one of its successor"})
+            return False
         channel.send({})
+        self._note_host(host)
         self._use(channel)
         self._on_event(f"The standby {self.name} is connected from {host}")
         return True
+
+    def _note_host(self, host: str) -> None:
+        """Save where the standby is: the box asks it before it starts again."""
+        standby = read_standby(self._log_dir)
+        if standby is not None and (standby.host, standby.port) != (host, self.port):
+            with contextlib.suppress(OSError):
+                write_standby(self._log_dir, standby._replace(host=host, port=self.port))
+
+    def _rejoined(self, hello: Message) -> Message:
+        """Prove to the box before a takeover that this box took over."""
+        partner = partners_of(self._log_dir).get(str(hello.get("pair")))
+        try:
+            nonce = bytes.fromhex(str(hello.get("nonce")))
+        except ValueError:
+            raise BadMessage("nonce") from None
+        if partner is None or partner.own_side is not Side.STANDBY or len(nonce) != NONCE_BYTES:
+            return {"refused": "this box did not take over from that one"}
+        return {"proof": rejoin_proof(partner.secret, nonce, self._fingerprint)}
 
     def _pair(self, channel: Channel, hello: Message, host: str) -> None:
         nonce = secrets.token_bytes(NONCE_BYTES)
@@ -152,8 +190,7 @@ class BoxEnd:
         key = secrets.token_hex(KEY_BYTES)
         name = _plain(str(hello.get("name"))) or host
         try:
-            durable.write_file(os.path.join(self.folder, PAIRED), json.dumps(
-                {"name": name, "key_sha256": hashed(key)}).encode("ascii"))
+            write_standby(self._log_dir, PairedStandby(name, hashed(key), host, self.port))
         except OSError as error:
             channel.send({"refused": f"the box cannot save the pairing: {error.strerror}"})
             return
@@ -180,13 +217,3 @@ class BoxEnd:
 
 def _plain(name: str) -> str:
     return "".join(sign for sign in name if sign.isprintable())[:MAX_NAME].strip()
-
-
-def _read_paired(path: str) -> "tuple[str, str]":
-    """Return the name of the paired standby and the hash of its key; empty: none."""
-    try:
-        with open(path, encoding="utf-8") as file:
-            found = json.load(file)
-        return str(found["name"]), str(found["key_sha256"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return "", ""

@@ -1,43 +1,24 @@
 """The standby's end: connects to the box, pairs once, and keeps the copy."""
 
-import json
-import os
 import secrets
 import socket
 import threading
-from typing import Callable, NamedTuple, Optional
+from typing import Callable, Optional
 
-from roah_rsbb import durable
+from roah_rsbb.journal.epochs import FIRST
 from roah_rsbb.standby.channel import Channel, Lost, connect
 from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage
-from roah_rsbb.standby.pairing import BOX, NONCE_BYTES, STANDBY, Exchange, is_same
+from roah_rsbb.standby.pair import Side, Word
+from roah_rsbb.standby.pairing import BOX, NONCE_BYTES, STANDBY, Exchange, hashed, is_same
+from roah_rsbb.standby.partners import PairedBox, PairedStandby, read_standby, write_box
 from roah_rsbb.standby.remote import Receiver
+from roah_rsbb.standby.words import pair_name, rejoin_key, rejoin_proof, seal, unseal
 
-BOX_FILE = "box.json"
 RETRY_S = 1.0
 
 
 class CannotPair(Exception):
     """The standby cannot use this box. The text says why, and what to do. Another attempt needs the organiser."""
-
-
-class PairedBox(NamedTuple):
-    """The box of a standby."""
-
-    host: str
-    port: int
-    fingerprint: str  # of its certificate
-    key: str
-
-
-def read_box(folder: str) -> Optional[PairedBox]:
-    """Return the box with which a standby is paired; None: none."""
-    try:
-        with open(os.path.join(folder, BOX_FILE), encoding="utf-8") as file:
-            found = json.load(file)
-        return PairedBox(str(found["host"]), int(found["port"]), str(found["fingerprint"]), str(found["key"]))
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
 
 
 def pair(folder: str, host: str, port: int, code: str) -> PairedBox:
@@ -58,26 +39,76 @@ def pair(folder: str, host: str, port: int, code: str) -> PairedBox:
         raise CannotPair(f"{host}:{port} does not answer as a box does: check the address and the port") from None
     finally:
         channel.close()
-    os.makedirs(folder, mode=0o700, exist_ok=True)
-    durable.write_file(os.path.join(folder, BOX_FILE), json.dumps(box._asdict()).encode("ascii"))
+    write_box(folder, box)
+    return box
+
+
+def rejoin(log_dir: str, folder: str) -> PairedBox:
+    """Make the box that has its journal in `log_dir` the standby of the box that took over from it.
+
+    `folder`: of the new copy. Raises `CannotPair`, `Lost` or OSError.
+    """
+    standby: Optional[PairedStandby] = read_standby(log_dir)
+    if standby is None or not standby.host:
+        raise CannotPair(f"{log_dir} is not the log_dir of a box that had a standby")
+    channel, fingerprint = connect(standby.host, standby.port)
+    try:
+        nonce = secrets.token_bytes(NONCE_BYTES)
+        channel.send({"do": "rejoin", "pair": pair_name(standby.key_sha256), "nonce": nonce.hex()})
+        answer = channel.receive(MAX_BYTES_OF_STRANGERS)
+    except BadMessage:
+        answer = {}
+    finally:
+        channel.close()
+    if not is_same(rejoin_proof(standby.key_sha256, nonce, fingerprint), str(answer.get("proof"))):
+        raise CannotPair(f"{standby.host}:{standby.port} is not the box that took over from this one: pair with the "
+                         "present box, with a new code")
+    box = PairedBox(standby.host, standby.port, fingerprint.hex(), rejoin_key(standby.key_sha256))
+    write_box(folder, box)
     return box
 
 
 def is_alive(box: PairedBox, timeout: float) -> bool:
-    """Whether the box of the standby answers at its address."""
+    """Whether the box of the standby answers at its address, and claims to be the box."""
+    secret = hashed(box.key)
     try:
         channel, fingerprint = connect(box.host, box.port, timeout)
     except Lost:
         return False
+    try:
+        if fingerprint.hex() != box.fingerprint:
+            return False
+        channel.send({"do": "word", "word": seal(secret, Word(Side.STANDBY, FIRST, claims=False)).decode("ascii")})
+        answer = str(channel.receive(MAX_BYTES_OF_STRANGERS).get("word")).encode("ascii", "replace")
+    except (Lost, BadMessage):
+        return True
+    finally:
+        channel.close()
+    heard = unseal({pair_name(secret): secret}, answer)
+    return heard is None or heard[1].claims
+
+
+def is_open(host: str, port: int, timeout: float) -> bool:
+    """Whether a box, or anything else, answers there."""
+    try:
+        channel, _ = connect(host, port, timeout)
+    except Lost:
+        return False
     channel.close()
-    return fingerprint.hex() == box.fingerprint
+    return True
 
 
 class StandbyEnd:
     """Keeps the copy. Call `run` in one thread."""
 
-    def __init__(self, folder: str, box: PairedBox, on_state: Callable[[str], None]) -> None:
-        """`on_state` is called with each change of the state: what is wrong, or empty if the copy is kept."""
+    def __init__(
+        self, folder: str, box: PairedBox, on_state: Callable[[str], None], on_heard: Callable[[], None] = lambda: None,
+    ) -> None:
+        """`on_state` is called with each change of the state: what is wrong, or empty if the copy is kept.
+
+        `on_heard` is called with each message of the box.
+        """
+        self._on_heard = on_heard
         self._box = box
         self._receiver = Receiver(folder)
         self._on_state = on_state
@@ -117,7 +148,9 @@ class StandbyEnd:
             if "refused" in answer:
                 raise CannotPair(str(answer["refused"]))
             while True:
-                answer = self._receiver.answer(channel.receive())
+                request = channel.receive()
+                self._on_heard()
+                answer = self._receiver.answer(request)
                 channel.send(answer)
                 self._report(str(answer.get("error", "")))
         except (Lost, BadMessage) as error:

@@ -22,6 +22,7 @@ def open_journal(options: argparse.Namespace, checks_all: bool = True) -> Journa
     reader = JournalReader(options.journal or os.path.join(os.path.expanduser(options.log_dir), FILE_NAME), checks_all)
     try:
         _warn_of_damage(reader, reader.damage)
+        _warn_of_fork(reader)
     except JournalError:
         reader.close()
         raise
@@ -39,6 +40,17 @@ def _warn_of_damage(reader: JournalReader, damage: List[str]) -> None:
     for text in damage:
         warn(f"{reader.path} is damaged: {text}. More may be recovered with: rosrun roah_rsbb results recover "
               f"'{reader.path}' NEW_FILE")
+
+
+def _warn_of_fork(reader: JournalReader) -> None:
+    """Name what is only in the journal of a box from which a standby took over (docs/standby.md, "The old box")."""
+    standing = reader.standing()
+    if not standing.is_superseded:
+        return
+    numbers = {identity: number for number, identity in enumerate(reader.identities(), 1)}
+    runs = ", ".join(f"run {numbers.get(run, 0)} ({count} entries)" for run, count in reader.only_here())
+    warn(f"{reader.path} forks: the box at {standing.by} took over. It continues without what this one recorded after "
+         f"entry {standing.cut}: {runs or 'no run'}")
 
 
 def warn(text: str) -> None:

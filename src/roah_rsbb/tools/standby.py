@@ -2,6 +2,7 @@
 
     rosrun roah_rsbb standby follow 192.168.1.2 --code ABCD-EFGH
     rosrun roah_rsbb standby takeover
+    rosrun roah_rsbb standby rejoin ~/competition/log
 """
 
 import argparse
@@ -11,19 +12,25 @@ import fcntl
 import json
 import os
 import signal
+import socket
 import sqlite3
 import sys
 import threading
 import time
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, Iterator, List, Optional, Sequence
 
 from roah_rsbb.arguments import Parser, number
-from roah_rsbb.journal import in_force
+from roah_rsbb.journal import epochs, in_force
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.standby.channel import Lost
 from roah_rsbb.standby.messages import NETWORK, PASSWORDS
-from roah_rsbb.standby.standby_end import CannotPair, PairedBox, StandbyEnd, is_alive, pair, read_box
+from roah_rsbb.standby.pairing import hashed
+from roah_rsbb.standby.partners import PairedBox, PairedStandby, forget_standby, read_box, read_standby, write_standby
+from roah_rsbb.standby.standby_end import CannotPair, StandbyEnd, is_alive, is_open, pair, rejoin
+from roah_rsbb.standby.words import rejoin_key
 from roah_rsbb.tools.preflight_checks import Severity, check_other_box
+from roah_rsbb.tools.standby_ears import Automatic, Ears
+from roah_rsbb.tools.standby_network import NoAddress, take_address
 
 PROGRAM = "standby"
 DEFAULT_PORT = 8083
@@ -31,6 +38,8 @@ LOG_DIR = "~/.ros/roah_rsbb_standby"
 # Arguments of roah_rsbb.launch, in the order of the files in configuration.json.
 FILE_ARGUMENTS = ("benchmarks_file", "schedule_file", "passwords_file", "standings_file")
 CONFIGURATION = "configuration"
+# Locked by the program that keeps the copy.
+LOCK = "standby_follow.lock"
 ALIVE_S = 2.0
 # Seconds to wait until the program that keeps the copy has ended.
 END_S = 10.0
@@ -39,6 +48,7 @@ A standby: a second computer that has a copy of the box's journal, and takes ove
 
   follow    pair with the box, once, and keep the copy
   takeover  start the box here, with the copy. Refused while the box is heard
+  rejoin    on the computer that was the box: become the standby of the box that took over
 """
 _EPILOG = """\
 Start the box with standby_port:=8083. Its log shows the code. docs/standby.md explains everything else.
@@ -56,12 +66,22 @@ def _parser() -> argparse.ArgumentParser:
     follow.add_argument("box", nargs="?", metavar="ADDRESS", help="the box's address; needed once")
     follow.add_argument("--port", type=int, default=DEFAULT_PORT, help="the box's standby_port (default: %(default)s)")
     follow.add_argument("--code", help="the code in the box's log; needed once")
+    follow.add_argument("--automatic", type=number(2, 3600), metavar="SECONDS",
+                        help="take over without being asked when nothing is heard of the box for this long")
+    follow.add_argument("--witness", metavar="ADDRESS", default="",
+                        help="with --automatic: a third computer or access point that must answer a ping")
     takeover = commands.add_parser("takeover", help="start the box here, with the copy")
     takeover.add_argument("--anyway", action="store_true", help="also while a box is heard: robots obey both")
     takeover.add_argument("--listen", type=number(0, 60), default=4.0, metavar="SECONDS",
                           help="time to listen for a box; 0: do not listen (default: %(default)s)")
-    takeover.add_argument("arguments", nargs="*", metavar="NAME:=VALUE", help="further arguments of roah_rsbb.launch")
-    for command in (follow, takeover):
+    takeover.add_argument("--take-address", action="store_true",
+                          help="also take over the box's address, for robots that were given it. Needs root")
+    rejoin = commands.add_parser("rejoin", help="become the standby of the box that took over from this computer")
+    rejoin.add_argument("old_log_dir", metavar="OLD_LOG_DIR", help="log_dir of the box on this computer")
+    for command in (follow, takeover, rejoin):
+        command.add_argument("arguments", nargs="*", metavar="NAME:=VALUE", help=(
+            "further arguments of roah_rsbb.launch" if command is takeover else
+            "further arguments of roah_rsbb.launch, for an automatic takeover; bind_host:= is used at once"))
         command.add_argument("--log-dir", default=LOG_DIR, metavar="DIR",
                              help="folder of the copy (default: %(default)s)")
     return parser
@@ -75,6 +95,9 @@ def _sub_parser(prog: str, **options: Any) -> Parser:
 
 
 def _follow(options: argparse.Namespace, folder: str) -> int:
+    if options.box and ":=" in options.box:  # an argument of the launch file
+        options.arguments.insert(0, options.box)
+        options.box = None
     box = read_box(folder)
     if options.code:
         if not options.box:
@@ -83,11 +106,65 @@ def _follow(options: argparse.Namespace, folder: str) -> int:
         print(f"Paired with the box at {box.host}", flush=True)
     if box is None:
         raise Refused("this standby is not paired: give the box's address and --code with the code in the box's log")
-    end = StandbyEnd(folder, box if not options.box else box._replace(host=options.box, port=options.port), _show)
+    box = box if not options.box else box._replace(host=options.box, port=options.port)
+    automatic = Automatic(options.automatic, options.witness) if options.automatic else None
+    return _keep_copy(folder, box, options.arguments, automatic)
+
+
+def _rejoin(options: argparse.Namespace, folder: str) -> int:
+    old = os.path.abspath(os.path.expanduser(options.old_log_dir))
+    if old == folder:
+        raise Refused("OLD_LOG_DIR must not be the folder of the new copy: give another --log-dir")
+    _check_unused(old)
+    _check_unused(folder)
+    box = rejoin(old, folder)
+    print(f"This computer is the standby of the box at {box.host} now. {old} stays as it is: 'results' shows what only "
+          "it has", flush=True)
+    return _keep_copy(folder, box, options.arguments, None)
+
+
+def _keep_copy(folder: str, box: PairedBox, arguments: Sequence[str], automatic: Optional[Automatic]) -> int:
+    """Keep the copy until the program is ended, or take over."""
+    _check_unused(folder)
+    forget_standby(folder)  # this computer may have been the box
+    is_silent = threading.Event()
+
+    def on_silence() -> None:
+        is_silent.set()
+        end.end()
+
+    ears = Ears(box, lambda: _network(folder, arguments) if _network_of_box(folder) else {},
+                lambda: epochs.standing_in(os.path.join(folder, FILE_NAME)).epoch, automatic, on_silence, _show)
+    end = StandbyEnd(folder, box, _show, ears.heard)
     for number_ in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number_, lambda *_: threading.Thread(target=end.end).start())
-    end.run()
+    ears.start()
+    try:
+        with _locked(folder):
+            end.run()
+    finally:
+        ears.end()
+    if is_silent.is_set():
+        print(f"Nothing was heard of the box for {automatic.silence_s:g} s: taking over", flush=True)
+        _take_over(folder, box, arguments)
     return 0
+
+
+def _check_unused(folder: str) -> None:
+    for name in (LOCK, f"{FILE_NAME}.lock"):
+        lock = os.path.join(folder, name)
+        if os.path.exists(lock) and not _is_free(lock):
+            raise Refused(f"another program uses {folder} (process {_holder(lock) or 'unknown'}): end it first")
+
+
+@contextlib.contextmanager
+def _locked(folder: str) -> Iterator[None]:
+    """Note that this program keeps the copy, also while the box is not connected."""
+    with open(os.path.join(folder, LOCK), "w", encoding="ascii") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        file.write(f"{os.getpid()}\n")
+        file.flush()
+        yield
 
 
 def _show(state: str) -> None:
@@ -98,15 +175,58 @@ def _show(state: str) -> None:
 
 
 def _takeover(options: argparse.Namespace, folder: str) -> int:
-    command = launch_command(folder, options.arguments)
+    box = read_box(folder)
+    standby = read_standby(folder)
+    if box is None and standby is not None:
+        return _claim_again(folder, standby, options.anyway)
+    launch_command(folder, options.arguments)  # refuses if there is nothing to start
+    standing = epochs.standing_in(os.path.join(folder, FILE_NAME))
+    if standing.is_superseded and not options.anyway:
+        raise Refused(f"this computer was the box, and the one at {standing.by} took over. If that one is lost, and "
+                      "the runs shall continue from the journal here: --anyway")
     network = _network(folder, options.arguments)
     heard = [] if options.anyway else why_not(folder, network, options.listen)
     if heard:
         raise Refused("\n".join([*heard, "Robots obey both boxes. If the box must not continue, switch it off. "
                                  "To take over in any case: --anyway"]))
     end_follower(folder)
-    print(f"{last_moment(folder)}\n{' '.join(command)}", flush=True)
+    if options.take_address and box is not None:
+        try:
+            print(f"This computer has the address {box.host} now, on {take_address(box.host)}", flush=True)
+        except NoAddress as error:
+            raise Refused(f"the box's address cannot be taken over: {error}\nRobots that were given the box's address "
+                          "would not hear this computer. To take over without it, omit --take-address") from None
+    _take_over(folder, box, options.arguments)
+    return 0
+
+
+def _take_over(folder: str, box: Optional[PairedBox], arguments: Sequence[str]) -> None:
+    """Become the box, with a higher epoch than the one before."""
+    command = launch_command(folder, arguments)
+    print(last_moment(folder), flush=True)
+    standing = epochs.standing_in(os.path.join(folder, FILE_NAME))
+    is_box = read_standby(folder) is not None  # this computer took over before, and starts again
+    if not is_box or standing.is_superseded:
+        standing = epochs.raise_epoch(os.path.join(folder, FILE_NAME), time.time(), socket.gethostname())
+    if box is not None and not is_box:
+        # The box before can become the standby of this one.
+        write_standby(folder, PairedStandby(f"the box before, at {box.host}", hashed(rejoin_key(hashed(box.key))),
+                                            box.host, box.port))
+    print(f"Epoch {standing.epoch}: the box before stops when it hears this one\n{' '.join(command)}", flush=True)
     os.execvp(command[0], command)
+
+
+def _claim_again(folder: str, standby: PairedStandby, anyway: bool) -> int:
+    """Let the box that was superseded be the box again, because the one that took over is lost."""
+    _check_unused(folder)
+    if not epochs.standing_in(os.path.join(folder, FILE_NAME)).is_superseded:
+        raise Refused(f"{folder} is the log_dir of a box from which nobody took over: start it with roslaunch")
+    if not anyway and is_open(standby.host, standby.port, ALIVE_S):
+        raise Refused(f"The box at {standby.host} answers. If it must not continue, switch it off. To take over in any "
+                      "case: --anyway")
+    standing = epochs.raise_epoch(os.path.join(folder, FILE_NAME), time.time(), socket.gethostname())
+    print(f"Epoch {standing.epoch}. Start the box as before. What the other box recorded is not here", flush=True)
+    return 0
 
 
 def why_not(folder: str, network: Dict[str, str], listen_s: float) -> List[str]:
@@ -127,7 +247,9 @@ def launch_command(folder: str, arguments: Sequence[str]) -> List[str]:
     if not os.path.exists(os.path.join(folder, FILE_NAME)):
         raise Refused(f"there is no copy in {folder}: 'standby follow' has not been connected to the box yet")
     given = {argument.partition(":=")[0] for argument in arguments}
-    own = {"log_dir": folder, "resume": "always", **_network_of_box(folder), **_write_files(folder)}
+    # A box that hears the one before must not give up: that one stops.
+    own = {"log_dir": folder, "resume": "always", "take_over": "true", **_network_of_box(folder),
+           **_write_files(folder)}
     return ["roslaunch", "roah_rsbb", "roah_rsbb.launch",
             *(f"{name}:={value}" for name, value in own.items() if name not in given), *arguments]
 
@@ -166,10 +288,10 @@ def _network(folder: str, arguments: Sequence[str]) -> Dict[str, str]:
 
 def end_follower(folder: str) -> None:
     """End the program that keeps the copy. Raises `Refused`."""
-    path = os.path.join(folder, f"{FILE_NAME}.lock")
+    paths = [os.path.join(folder, name) for name in (LOCK, f"{FILE_NAME}.lock")]
     deadline, asked = time.monotonic() + END_S, 0
-    while not _is_free(path):
-        pid = _holder(path)
+    while not all(map(_is_free, paths)):
+        pid = next(filter(None, map(_holder, paths)), 0)
         if not pid or time.monotonic() > deadline:
             raise Refused(f"another program uses the copy in {folder} (process {pid}): end it first")
         if pid != asked:
@@ -194,7 +316,8 @@ def _holder(path: str) -> int:
             pid = int(file.read())
         with open(f"/proc/{pid}/cmdline", "rb") as file:
             words = file.read().split(b"\0")
-        if any(os.path.basename(word) == PROGRAM.encode("ascii") for word in words) and b"follow" in words:
+        if any(os.path.basename(word) == PROGRAM.encode("ascii") for word in words) and {b"follow", b"rejoin"} & {
+                *words}:
             return pid
     return 0
 
@@ -218,8 +341,8 @@ def main() -> None:
     folder = os.path.abspath(os.path.expanduser(options.log_dir))
     try:
         os.makedirs(folder, mode=0o700, exist_ok=True)
-        sys.exit((_follow if options.command == "follow" else _takeover)(options, folder))
-    except (Refused, CannotPair, Lost, OSError) as error:
+        sys.exit({"follow": _follow, "takeover": _takeover, "rejoin": _rejoin}[options.command](options, folder))
+    except (Refused, CannotPair, Lost, OSError, sqlite3.Error) as error:
         for line in str(error).splitlines():
             print(f"{PROGRAM}: {line}", file=sys.stderr)
         sys.exit(1)

@@ -11,12 +11,19 @@ import pytest
 from helpers.copied import contents
 from helpers.journals import Writer
 from roah_rsbb.copies.follower import Follower
+from roah_rsbb.journal import kinds
+from roah_rsbb.journal.epochs import raise_epoch, superseded_value
+from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.standby import channel as channels
 from roah_rsbb.standby import standby_end
 from roah_rsbb.standby.box_end import BoxEnd
+from roah_rsbb.standby.herald import Herald
 from roah_rsbb.standby.messages import LENGTH, MAX_BYTES_OF_STRANGERS
-from roah_rsbb.standby.pairing import MAX_GUESSES
-from roah_rsbb.standby.standby_end import CannotPair, StandbyEnd, is_alive, pair, read_box
+from roah_rsbb.standby.pair import Side
+from roah_rsbb.standby.pairing import MAX_GUESSES, hashed
+from roah_rsbb.standby.partners import PairedStandby, partners_of, read_box, read_standby, write_standby
+from roah_rsbb.standby.standby_end import CannotPair, StandbyEnd, is_alive, pair, rejoin
+from roah_rsbb.standby.words import rejoin_key, unseal
 
 HOST = "127.0.0.1"
 
@@ -216,3 +223,98 @@ def test_secrets_are_for_their_owner(ends):
     files = [ends.far / "box.json", *(ends.log_dir / "standby").iterdir()]
     assert len(files) == 4
     assert {path.stat().st_mode & 0o077 for path in files} == {0}
+
+
+# -- after a takeover ---------------------------------------------------------------------------------
+
+
+def taken_over(ends):
+    """Pair, copy, and take over: the folder of the standby is the log_dir of a box now."""
+    box = ends.pair()
+    end = ends.follow()
+    ends.wait_connected()
+    ends.writer.entry("/notification", "now")
+    assert ends.is_complete()
+    end.end()
+    ends.follower.close()
+    raise_epoch(str(ends.far / FILE_NAME), 0.0, "second")
+    write_standby(str(ends.far), PairedStandby("first", hashed(rejoin_key(hashed(box.key))), HOST, box.port))
+
+
+def heard_by(core, log_dir):
+    """The next word that a core at this socket hears, from the partner of the box in `log_dir`."""
+    core.settimeout(60.0)
+    secrets = {name: partner.secret for name, partner in partners_of(str(log_dir)).items()}
+    return unseal(secrets, core.recv(1024))[1]
+
+
+@pytest.fixture
+def core():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as made:
+        made.bind((HOST, 0))
+        yield made
+
+
+def test_words_pass_in_both_directions(ends, core):
+    """The new box speaks to the old one, and learns what that one says."""
+    taken_over(ends)
+    old = Herald(str(ends.log_dir), core.getsockname())
+    ends.box._on_word = old.answer
+    new = Herald(str(ends.far), core.getsockname())
+    new.say()
+    to_old, to_new = heard_by(core, ends.log_dir), heard_by(core, ends.far)
+    assert (to_old.side, to_old.epoch, to_old.claims, to_old.cut) == (Side.STANDBY, 2, True, 1)
+    assert (to_new.side, to_new.epoch, to_new.claims) == (Side.BOX, 1, True)
+    assert is_alive(read_box(str(ends.far)), 5.0)
+    ends.writer.entry(kinds.EPOCH, superseded_value(2, 1, HOST), port=None)
+    assert not is_alive(read_box(str(ends.far)), 5.0)
+
+
+def test_a_word_of_a_stranger_is_not_passed_on(ends, core):
+    ends.pair()
+    assert Herald(str(ends.log_dir), core.getsockname()).answer(b"nonsense") == b""
+    core.setblocking(False)
+    with pytest.raises(BlockingIOError):
+        core.recv(1024)
+
+
+def test_the_old_box_becomes_the_new_standby(ends, tmp_path):
+    taken_over(ends)
+    ends.writer.entry("/notification", "only in the old journal")
+    before = contents(ends.log_dir)
+    ends.box.close()
+    old, ends.log_dir, ends.far = ends.log_dir, ends.far, tmp_path / "third"
+    ends.start_box()
+    rejoin(str(old), str(ends.far))
+    ends.follow()
+    ends.wait_connected()
+    assert ends.is_complete()
+    assert contents(old) == before, "nothing is merged"
+
+
+def test_only_the_box_that_took_over_can_be_rejoined(ends, tmp_path):
+    with pytest.raises(CannotPair, match="is not the log_dir of a box that had a standby"):
+        rejoin(str(ends.log_dir), str(tmp_path / "third"))
+    ends.pair()
+    with pytest.raises(CannotPair, match="is not the box that took over"):
+        rejoin(str(ends.log_dir), str(tmp_path / "third"))
+    assert not (tmp_path / "third").exists()
+
+
+def test_a_superseded_box_gives_no_copy(ends):
+    """It would replace the journal of its successor."""
+    box = ends.pair()
+    ends.writer.entry(kinds.EPOCH, superseded_value(2, 1, HOST), port=None)
+    channel, _ = channels.connect(HOST, ends.box.port)
+    channel.send({"do": "copy", "key": box.key})
+    assert "superseded" in channel.receive()["refused"]
+    channel.close()
+
+
+def test_a_box_notes_where_its_standby_is(ends):
+    ends.pair()
+    write_standby(str(ends.log_dir), read_standby(str(ends.log_dir))._replace(host="", port=0))
+    ends.follow()
+    ends.wait_connected()
+    found = read_standby(str(ends.log_dir))
+    assert (found.host, found.port) == (HOST, ends.box.port)

@@ -10,7 +10,7 @@ import pytest
 from helpers.copied import Copied
 from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
-from roah_rsbb.standby.standby_end import PairedBox
+from roah_rsbb.standby.partners import PairedBox
 from roah_rsbb.tools import standby
 from roah_rsbb.tools.preflight_checks import Finding, Severity
 
@@ -39,7 +39,8 @@ def test_the_box_starts_with_everything_that_was_copied(copied):
     stick = str(copied.stick)
     found = arguments(standby.launch_command(stick, ["gui:=none", "rsbb_host:=10.9.255.255"]))
     assert found == {
-        "log_dir": stick, "resume": "always", "rsbb_host": "10.9.255.255", "rsbb_port": "7000", "gui": "none",
+        "log_dir": stick, "resume": "always", "take_over": "true", "rsbb_host": "10.9.255.255",
+        "rsbb_port": "7000", "gui": "none",
         "benchmarks_file": f"{stick}/configuration/benchmarks.yaml",
         "schedule_file": f"{stick}/configuration/schedule.yaml",
         "passwords_file": f"{stick}/passwords.yaml", "standings_file": "none"}

@@ -1,12 +1,15 @@
 """The journal's copy on a stick: a core on it continues the run, and referees are warned while it is missing."""
 
+import os
 import pathlib
 import re
 import tempfile
-from typing import Any, Optional
+from typing import Any, Dict, Optional
 
 import rospy
-from support.own_core import PARAMS, OwnCoreCase
+from support.box_case import LISTENER
+from support.box_client import BoxClient, Refusal
+from support.own_core import OTHER, OTHER_CORE, PARAMS, OwnCoreCase
 from support.programs import Program, own, run
 from support.robots import BOX, BROADCAST, RSBB_PORT
 from support.waiting import LIMIT_S, wait_until
@@ -17,6 +20,7 @@ from roah_rsbb.msg import CopyState
 
 ZONE = "Home"
 PORT = RSBB_PORT + 94
+STANDBY = "127.0.0.7"
 DOOR = ("Achievements", "Detects the door whose state has changed")
 COPY = "The copy of the journal"
 
@@ -82,13 +86,13 @@ class TestBackup(OwnCoreCase):
         self.box.command("disconnect", ZONE)
         self.assertGreater(self.box.connect(ZONE), port)
 
-    def test_a_core_continues_from_the_copy_on_a_standby(self) -> None:
+    def test_a_standby_takes_over(self) -> None:
         far = self.folder / "far"
         self.start_with(standby_port=PORT)
         self.backup.wait_printed("with the code")
         code = re.search("with the code ([A-Z0-9-]+)", self.backup.text).group(1)
         follower = self._leaving(Program(
-            own("standby"), "follow", BOX, "--port", str(PORT), "--code", code, "--log-dir", str(far)))
+            "env", own("standby"), "follow", BOX, "--port", str(PORT), "--code", code, "--log-dir", str(far)))
         robot = self.robot("Alpha")
         port = self.box.connect(ZONE)
         self.box.start(ZONE)
@@ -100,16 +104,62 @@ class TestBackup(OwnCoreCase):
         # On a busy machine, one of both may be late.
         self.assertRegex(refused.stderr, f"The box at {BOX} answers|another RSBB transmits")
 
-        self.core.kill()
+        # The box hangs, and its standby takes over.
+        self.core.stop()
+        self.addCleanup(self.core.proceed)
         self.backup.close()
-        follower.close()
-        self.log_dir.rename(self.folder / "burnt")
-        self.start_core(far, passwords_file=far / "passwords.yaml")
-        details = self.box.zone_details(ZONE)
+        taken = self.take_over(far)
+        follower.wait_ended()
+        other = self.start_other_core(taken)
+        details = wait_until(lambda: other.zone_details(ZONE), "the other core has the zone")
         self.assertEqual((details.phase, details.port), ("running", port))
-        self.box.wait_scored(ZONE, (*DOOR, 0, 1))
+        other.wait_scored(ZONE, (*DOOR, 0, 1))
+
+        # When the box continues, it hears its successor, and stops.
+        self.core.proceed()
+        self.assert_superseded()
+        listener = self.participant(LISTENER)
+        with self.assertRaisesRegex(Refusal, "has taken over"):
+            self.box.set_score(ZONE, *DOOR, 2)
+        robot.wait_did("execute HGTKMH", 2)  # after 5 s without its first box
         robot.let("execute")
-        self.box.wait_text(ZONE, "Benchmark completed by the robot")
+        other.wait_text(ZONE, "Benchmark completed by the robot")
+
+        # When it starts again, it does not send anything either.
+        self.core.kill()
+        self.start_core(self.log_dir, standby_port=PORT)
+        self.assert_superseded()
+        # A beacon of the other box that is later than that shows that the listener hears boxes.
+        clock = other.gui.clock
+        heard = len(listener.heard)
+        wait_until(lambda: STANDBY in {host for _, host in listener.heard[heard:]} and other.gui.clock > clock,
+                   "the other box is heard")
+        self.assertNotIn(BOX, {host for _, host in listener.heard})
+
+    def take_over(self, far: pathlib.Path) -> Dict[str, str]:
+        """Take over with the copy in a folder; returns the arguments with which roslaunch would start the box."""
+        programs = self.folder / "bin"
+        programs.mkdir()
+        (programs / "roslaunch").write_text("#!/bin/sh\nprintf '%s\\n' \"$@\"\n")
+        (programs / "roslaunch").chmod(0o755)
+        done = run(own("standby"), "takeover", "--anyway", "--log-dir", str(far), f"bind_host:={STANDBY}",
+                   PATH=f"{programs}:{os.environ['PATH']}")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("Epoch 2", done.stdout)
+        words = done.stdout.splitlines()
+        return dict(word.split(":=") for word in words[words.index("roah_rsbb.launch") + 1:])
+
+    def start_other_core(self, params: Dict[str, str]) -> BoxClient:
+        """Start the core of another computer."""
+        params = {**PARAMS, **params}
+        self._leaving(Program(own("roah_rsbb_core"), *OTHER_CORE, *(
+            f"_{name}:={value}" for name, value in params.items())))
+        return self._leaving(BoxClient(prefix=OTHER)).wait_heard()
+
+    def assert_superseded(self) -> None:
+        """The box says on each panel that it was superseded, and by whom."""
+        warning = self.wait_warned("This box is superseded")
+        wait_until(lambda: warning in self.box.gui.status, "the status says so, too")
 
     def test_a_stick_that_is_pulled_out(self) -> None:
         self.start_with(backup_dir=self.stick)

@@ -7,14 +7,12 @@ import rospy
 from std_srvs.srv import Empty
 from support.box_case import LISTENER, BoxCase
 from support.box_client import BoxClient
+from support.own_core import OTHER, OTHER_CORE
 from support.programs import Program, own
 from support.robots import BOX, CONFIG
 from support.waiting import wait_until
 
 EARLY_BOX, LATER_BOX = "127.0.0.5", "127.0.0.6"
-OTHER = "/other"
-NAMES = ("to_gui", "to_public", "details", "connect", "disconnect", "start", "stop", "previous", "next", "set_score",
-         "manual_operation_complete", "omf_switches/complete", "omf_switches/damaged", "omf_switches/button")
 LISTENING_S = 5.0
 SHUTDOWN = f"{OTHER}/roah_rsbb_shutdown"
 
@@ -30,9 +28,7 @@ class TestTwoBoxes(BoxCase):
             "listen_duration": listen_duration, "end_launch": True,
         }
         return self._leaving(Program(
-            own("roah_rsbb_core"), "__name:=other_core", f"/timeout:={OTHER}/timeout",
-            f"roah_rsbb_shutdown:={SHUTDOWN}",
-            *(f"/core/{name}:={OTHER}/core/{name}" for name in NAMES),
+            own("roah_rsbb_core"), *OTHER_CORE, f"roah_rsbb_shutdown:={SHUTDOWN}",
             *(f"_{name}:={value}" for name, value in params.items()),
         ))
 

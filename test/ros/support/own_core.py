@@ -24,6 +24,13 @@ PARAMS: Dict[str, Any] = {
 }
 
 
+# The names in ROS of a second core with the same master.
+OTHER = "/other"
+OTHER_CORE = ("__name:=other_core", f"/timeout:={OTHER}/timeout", *(f"/core/{name}:={OTHER}/core/{name}" for name in (
+    "to_gui", "to_public", "details", "connect", "disconnect", "start", "stop", "previous", "next", "set_score",
+    "manual_operation_complete", "omf_switches/complete", "omf_switches/damaged", "omf_switches/button")))
+
+
 class Core(Program):
     """A core; `inside`: see `SmallDisk`."""
 
@@ -39,6 +46,10 @@ class Core(Program):
     def stop(self) -> None:
         """Make it hang: the process exists, but does nothing."""
         self._process.send_signal(signal.SIGSTOP)
+
+    def proceed(self) -> None:
+        """Let a core that hangs continue."""
+        self._process.send_signal(signal.SIGCONT)
 
 
 class OwnCoreCase(NetworkCase):

@@ -71,6 +71,8 @@ class ModuleDesk:
     def on_modules(self, now: Now, state: ModulesState) -> None:
         """A node of benchmarking modules reports its benchmarks and its progress in runs."""
         self._tick(now)
+        if self._record.closed:
+            return
         self._modules.hear(now, state)
         self._update_runs(now)
 

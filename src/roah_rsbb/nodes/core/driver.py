@@ -71,6 +71,7 @@ class CoreDriver:
             effects.RunLogged: lambda e: self._run_logs.logged(e, self._moment.utc),
             effects.RunClosed: lambda e: self._run_logs.closed(e),
             effects.ModuleRunsChanged: self._want_module_runs,
+            effects.Superseded: lambda e: self._radio.close(),
             effects.Notice: self._notice,
             effects.GiveUp: lambda e: self._give_up(e.reason),
         }

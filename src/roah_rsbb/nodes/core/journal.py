@@ -17,7 +17,7 @@ from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.unsaved import Unsaved, UnsavedParts
 from roah_rsbb.core.views.views import ClockView, clock_of
 from roah_rsbb.core.zones import ZoneState, key_of
-from roah_rsbb.journal import kinds
+from roah_rsbb.journal import epochs, kinds
 from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
 from roah_rsbb.journal.changes import ChangesWriter
 from roah_rsbb.journal.previous_session import PreviousSession
@@ -70,6 +70,7 @@ class CoreJournal:
             effects.RunClosed: self._closed,
             effects.AimChannel: self._aimed,
             effects.TimeoutRung: self._rung,
+            effects.Superseded: self._superseded,
             effects.Notice: self._noticed,
             effects.Recorded: self._recorded,
             effects.RecordChanged: self._record_changed,
@@ -213,6 +214,10 @@ class CoreJournal:
         if effect.zone and effect.level >= Level.WARNING:
             said = {"level": effect.level.name, "text": effect.text}
             self._add(now, self._place_of_zone(effect.zone), None, "", kinds.NOTICE, said)
+
+    def _superseded(self, now: Now, effect: effects.Superseded) -> None:
+        self._add(now, _Place("", ""), None, effect.by, kinds.EPOCH,
+                  epochs.superseded_value(effect.epoch, effect.cut, effect.by))
 
     def _recorded(self, now: Now, effect: effects.Recorded) -> None:
         self._add(now, _Place(effect.zone, effect.identity), effect.port, effect.who, effect.kind, effect.value)

@@ -56,6 +56,7 @@ from roah_rsbb.nodes.core import public_convert
 from roah_rsbb.nodes.core.configuration import Configuration, Content
 from roah_rsbb.nodes.core.device_calls import DeviceCalls, devices_of
 from roah_rsbb.nodes.core.driver import CoreDriver
+from roah_rsbb.nodes.core.fence import Fence
 from roah_rsbb.nodes.core.journal import CoreJournal, competition, saved_state
 from roah_rsbb.nodes.core.judging_convert import JudgingBoard
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
@@ -142,7 +143,8 @@ class CoreNode:
         self._public_robot_texts = params.flag("public_robot_texts", False)
         standings_file = params.text("standings_file", NO_FILE)
         copies = [params.path("backup_dir")] if params.text("backup_dir", NO_FILE) != NO_FILE else []
-        copies += [STANDBY] if params.whole("standby_port", 0, 0, 65535) else []
+        standby_port = params.whole("standby_port", 0, 0, 65535)
+        copies += [STANDBY] if standby_port else []
         params.done()
         launch = rospy.get_param("/run_id", "")
         standings = None if standings_file == NO_FILE else os.path.expanduser(standings_file)
@@ -188,6 +190,10 @@ class CoreNode:
         self._modules = Newest(self._ros.post, lambda state: self._event(box.modules.on_modules, state), MAX_NODES)
         self._network = network
         self._log_dir = log_dir
+        self._fence = Fence(
+            self._ros.loop, log_dir, self._store.path, network.rsbb_host, network.bind_host, standby_port,
+            lambda *by: self._event(lambda now: box.supersede(*by)),
+            lambda text: self._event(box.on_trouble, text))
         for warning in (*self._configuration.notices, *port_warnings, *self._store.warnings):
             self._driver.event(box.on_notice, warning)
         self._check_log_dir()
@@ -209,6 +215,10 @@ class CoreNode:
 
     def run(self) -> int:
         """Run until shut down; returns the process's exit status."""
+        self._fence.open()
+        self._ros.loop.run_until_complete(self._fence.ask())
+        if self._fence.by:
+            self._box.stay_superseded(self._fence.by)
         self._topics = {
             "gui": rospy.Publisher("/core/to_gui", CoreToGui, queue_size=1, latch=True),
             "public": rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True),
@@ -235,7 +245,8 @@ class CoreNode:
         # From here on, robots are heard. A delay in the loop would look as if their clocks were behind.
         self._resume()
         self._driver.tick()
-        self._radio.open(self._box.listening_left(self._driver.now()))
+        if not self._box.is_superseded:
+            self._radio.open(self._box.listening_left(self._driver.now()))
         rospy.loginfo("Listening on UDP %s:%d, private channels above; log in %s",
                       self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
         self._publish_module_runs()
@@ -243,6 +254,7 @@ class CoreNode:
         # Exclude the present objects from garbage collection: a full collection of them stops the box for about 15 ms.
         gc.freeze()
         self._ros.run()
+        self._fence.close()
         self._radio.close()
         self._run_logs.stop()
         self._store.close()

@@ -1,0 +1,120 @@
+"""Box and standby as a pair: which of them is the box. No I/O and no clock.
+
+Theory of operation. The journal has an epoch, which each takeover raises. Both ends of a pair say *words*: which end
+they are, their epoch, and whether they claim to be the box. A box repeats its word every `SAY_S` seconds. Words are
+true for ever: a box that took over stays the successor of the one before, so a late, doubled or repeated word does no
+harm.
+
+A box is superseded when its partner claims to be the box with a higher rank. The rank is the epoch; of two equal ones,
+the standby's end has the higher rank. So of two boxes that hear each other, exactly one stops. A superseded box never
+begins again by itself.
+
+A box that starts asks its partners first, and sends nothing to robots until each has answered, or for `ASK_S` seconds.
+"""
+
+import enum
+from typing import Dict, List, Mapping, NamedTuple, Optional, Set
+
+# Period of a box's words. Three can be lost in the second in which two boxes may be active.
+SAY_S = 0.25
+# A box that starts waits this long for its partners.
+ASK_S = 0.5
+
+
+class Side(enum.Enum):
+    """The ends of a pair, as they were when they were paired."""
+
+    BOX = "box"
+    STANDBY = "standby"
+
+
+class Word(NamedTuple):
+    """What an end of a pair says."""
+
+    side: Side  # of the end that says it
+    epoch: int
+    claims: bool  # that it is the box
+    asks: bool = False  # for an answer
+    cut: int = 0  # number of the last entry that it has of the journal of the box before it
+
+    @property
+    def rank(self) -> "tuple[int, bool]":
+        """The higher one is the box."""
+        return self.epoch, self.side is Side.STANDBY
+
+
+class State(enum.Enum):
+    """Of a computer that is, or was, the box."""
+
+    ASKING = "asking"  # silent, until the partners have answered
+    ACTIVE = "active"
+    SUPERSEDED = "superseded"  # silent, for good
+
+
+class Superseded(NamedTuple):
+    """By which word the box was superseded."""
+
+    pair: str
+    word: Word
+
+
+class Claim:
+    """The claim of one computer to be the box, against the other ends of all pairs to which it belongs."""
+
+    def __init__(self, epoch: int, cut: int, sides: Mapping[str, Side], is_superseded: bool = False) -> None:
+        """`sides`: this computer's side of each pair, by the pair's name."""
+        self.epoch = epoch
+        self.state = State.SUPERSEDED if is_superseded else State.ASKING if sides else State.ACTIVE
+        self.by: Optional[Superseded] = None
+        self._cut = cut
+        self._sides: Dict[str, Side] = dict(sides)
+        self._unanswered: Set[str] = set(sides)
+        self._asked: Optional[float] = None
+        self._said: Optional[float] = None
+
+    def word(self, pair: str, asks: bool = False) -> Word:
+        """What this computer says to the other end of a pair now."""
+        return Word(self._sides[pair], self.epoch, self.state is not State.SUPERSEDED, asks, self._cut)
+
+    def hear(self, pair: str, word: Word) -> Optional[Word]:
+        """Take a word of the other end of a pair; returns the answer, if it asks for one."""
+        if pair not in self._sides or word.side is self._sides[pair]:
+            return None  # an echo of an own word
+        self._unanswered.discard(pair)
+        own = self.word(pair)
+        if word.claims and own.claims and word.rank > own.rank:
+            self.state, self.by = State.SUPERSEDED, Superseded(pair, word)
+        elif self.state is State.ASKING and not self._unanswered:
+            self.state = State.ACTIVE
+        return self.word(pair) if word.asks else None
+
+    def use(self, sides: Mapping[str, Side]) -> None:
+        """Belong to these pairs from now on."""
+        self._sides = dict(sides)
+        self._unanswered &= set(sides)
+
+    def tick(self, now: float) -> List["tuple[str, Word]"]:
+        """Return the words that are to be said now, each with its pair. `now`: monotonic seconds."""
+        if self._asked is None:
+            self._asked = now
+        if self.state is State.ASKING and now >= self._asked + ASK_S:
+            self.state = State.ACTIVE
+        if self.state is State.SUPERSEDED or (self._said is not None and now < self._said + SAY_S):
+            return []
+        self._said = now
+        return [(pair, self.word(pair, asks=self.state is State.ASKING)) for pair in self._sides]
+
+
+class Silence:
+    """How long the standby has not heard the box, in any way."""
+
+    def __init__(self) -> None:
+        self._heard: Optional[float] = None
+
+    def hear(self, now: float) -> None:
+        """The box was heard: its copy, its word or its beacon."""
+        self._heard = now if self._heard is None else max(now, self._heard)
+
+    def lasts(self, now: float, seconds: float) -> bool:
+        """Whether the box has been silent for that long, after it was heard at least once."""
+        return self._heard is not None and now - self._heard >= seconds

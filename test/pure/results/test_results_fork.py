@@ -1,0 +1,29 @@
+"""What is only in the journal of a box from which a standby took over is named, and never merged."""
+
+from helpers.competition import run_record
+from helpers.journals import Writer
+from roah_rsbb.journal import kinds
+from roah_rsbb.journal.epochs import superseded_value
+from roah_rsbb.tools import results
+
+
+def warnings_of(writer, capsys, monkeypatch):
+    monkeypatch.setattr("sys.argv", ["results", "--journal", writer.path, "list"])
+    try:
+        results.main("")
+    except SystemExit as end:
+        assert not end.code
+    return capsys.readouterr().err
+
+
+def test_the_runs_that_only_the_old_box_has(tmp_path, capsys, monkeypatch):
+    writer = Writer(tmp_path)
+    writer.run(run_record())
+    writer.run(run_record(identity="second"), robots=((6668, "r1"),))
+    writer.entry("/notification", "in both")
+    assert warnings_of(writer, capsys, monkeypatch) == ""
+    writer.entry("/notification", "only here", identity="second")
+    writer.entry(kinds.EPOCH, superseded_value(2, 1, "10.0.0.3"), port=None)
+    writer.close()
+    warning = warnings_of(writer, capsys, monkeypatch)
+    assert "the box at 10.0.0.3 took over" in warning and "after entry 1: run 2 (1 entries)" in warning

@@ -1,0 +1,252 @@
+"""Box and standby as two linked state machines in simulated time: never two boxes that hear each other."""
+
+import heapq
+import itertools
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from helpers.examples import examples
+from roah_rsbb.standby.pair import ASK_S, Claim, Side, Silence, State, Word
+
+STEP_S = 0.05
+# Two boxes that hear each other are active at the same time for at most this long.
+BOTH_S = 1.0
+# The links lose at most two words in a row, and delay them by at most this.
+DELAY_S = 0.2
+PAIR = "pair"
+
+
+class Computer:
+    """One end of a pair: what its journal says survives its restarts."""
+
+    def __init__(self, side):
+        self.side = side
+        self.epoch, self.is_superseded = 1, False
+        self.claim = None
+
+    def start(self):
+        self.claim = Claim(self.epoch, 0, {PAIR: self.side}, self.is_superseded)
+
+    def take_over(self, known):
+        """What the program `standby takeover` does."""
+        self.epoch, self.is_superseded = known + 1, False
+        self.start()
+
+    @property
+    def is_active(self):
+        return self.claim is not None and self.claim.state is State.ACTIVE
+
+    @property
+    def is_silent_for_good(self):
+        return self.claim is not None and self.claim.state is State.SUPERSEDED
+
+    def note(self):
+        self.is_superseded = self.is_silent_for_good
+
+
+class World:
+    """Two computers, and the words on their ways."""
+
+    def __init__(self, fates=()):
+        self.now = 0.0
+        self.box, self.standby = Computer(Side.BOX), Computer(Side.STANDBY)
+        self.is_cut = {Side.BOX: False, Side.STANDBY: False}  # by the side that says
+        self.fates = iter(fates)
+        self.lost_in_a_row = 0
+        self.on_the_way = []
+        self.numbers = itertools.count()
+        self.both_since = None
+        self.box.start()
+
+    def other(self, side):
+        return self.standby if side is Side.BOX else self.box
+
+    def say(self, word):
+        if self.is_cut[word.side]:
+            return
+        fate = next(self.fates, "")
+        if fate == "lost" and self.lost_in_a_row < 2:
+            self.lost_in_a_row += 1
+            return
+        self.lost_in_a_row = 0
+        for delay in {"late": (DELAY_S,), "doubled": (0.0, DELAY_S)}.get(fate, (0.0,)):
+            heapq.heappush(self.on_the_way, (self.now + delay, next(self.numbers), word))
+
+    def run(self, seconds):
+        for _ in range(round(seconds / STEP_S)):
+            self.now += STEP_S
+            while self.on_the_way and self.on_the_way[0][0] <= self.now:
+                word = heapq.heappop(self.on_the_way)[2]
+                hearer = self.other(word.side)
+                answer = hearer.claim.hear(PAIR, word) if hearer.claim is not None else None
+                if answer is not None:
+                    self.say(answer)
+            for computer in (self.box, self.standby):
+                if computer.claim is not None:
+                    for _, word in computer.claim.tick(self.now):
+                        self.say(word)
+                    computer.note()
+            self.check()
+
+    def check(self):
+        hear_each_other = not any(self.is_cut.values())
+        if not (self.box.is_active and self.standby.is_active and hear_each_other):
+            self.both_since = None
+        elif self.both_since is None:
+            self.both_since = self.now
+        else:
+            assert self.now - self.both_since <= BOTH_S
+        assert not (self.box.is_silent_for_good and self.standby.is_silent_for_good), "there is no box any more"
+
+    def happen(self, what):
+        if what == "takeover":
+            self.standby.take_over(max(self.standby.epoch, 1))
+        elif what == "box again" and self.box.is_superseded:
+            self.box.take_over(max(self.box.epoch, self.standby.epoch))
+        elif what == "box restarts":
+            self.box.start()
+        elif what == "standby restarts" and self.standby.claim is not None:
+            self.standby.start()
+        elif what == "box off":
+            self.box.claim = None
+        elif what == "split":
+            self.is_cut = dict.fromkeys(self.is_cut, True)
+        elif what == "box is not heard":
+            self.is_cut[Side.BOX] = True
+        elif what == "standby is not heard":
+            self.is_cut[Side.STANDBY] = True
+        elif what == "heal":
+            self.is_cut = dict.fromkeys(self.is_cut, False)
+
+
+EVENTS = st.sampled_from(["takeover", "box again", "box restarts", "standby restarts", "box off", "split", "heal",
+                          "heal", "box is not heard", "standby is not heard"])
+FATES = st.sampled_from(["", "", "lost", "late", "doubled"])
+
+
+@examples(240)
+@given(st.lists(st.tuples(EVENTS, st.sampled_from([0.1, 0.3, 1.2])), max_size=14), st.lists(FATES, max_size=200))
+def test_two_boxes_that_hear_each_other_are_never_active_for_long(story, fates):
+    world = World(fates)
+    world.run(1.0)
+    for what, seconds in story:
+        world.happen(what)
+        world.run(seconds)
+    world.happen("heal")
+    world.run(2 * BOTH_S)
+    active = [computer for computer in (world.box, world.standby) if computer.is_active]
+    assert len(active) == 1 or world.box.claim is None
+
+
+def test_a_box_whose_cable_is_plugged_in_again_stops():
+    world = World()
+    world.run(1.0)
+    world.happen("split")
+    world.happen("takeover")
+    world.run(5.0)
+    assert world.box.is_active and world.standby.is_active, "which nobody can exclude"
+    world.happen("heal")
+    world.run(0.5)
+    assert world.box.is_silent_for_good and world.standby.is_active
+    by = world.box.claim.by
+    assert (by.pair, by.word.epoch) == (PAIR, 2)
+
+
+def test_both_took_over_while_they_did_not_hear_each_other():
+    world = World()
+    world.happen("takeover")
+    world.run(1.0)
+    world.happen("split")
+    world.happen("box again")
+    world.happen("takeover")
+    world.run(1.0)
+    assert world.box.epoch == world.standby.epoch == 3
+    world.happen("heal")
+    world.run(1.0)
+    assert world.box.is_silent_for_good and world.standby.is_active
+
+
+def test_a_box_that_only_hears_stops_too():
+    """The standby does not hear the box, but the box hears the standby."""
+    world = World()
+    world.happen("box is not heard")
+    world.happen("takeover")
+    world.run(1.0)
+    assert world.box.is_silent_for_good and world.standby.is_active
+
+
+def test_a_box_that_starts_again_asks_before_it_sends():
+    world = World()
+    world.happen("box off")
+    world.happen("takeover")
+    world.run(2.0)
+    world.happen("box restarts")
+    for _ in range(40):
+        world.run(STEP_S)
+        assert not world.box.is_active
+    assert world.box.is_silent_for_good
+
+
+def test_a_box_whose_standby_is_off_waits_for_a_moment_only():
+    world = World()
+    world.happen("split")
+    world.run(ASK_S - STEP_S)
+    assert not world.box.is_active
+    world.run(3 * STEP_S)
+    assert world.box.is_active
+
+
+def test_a_box_whose_standby_answers_does_not_wait():
+    claim = Claim(1, 0, {PAIR: Side.BOX})
+    ((_, asked),) = claim.tick(0.0)
+    assert asked.asks and claim.state is State.ASKING
+    assert claim.hear(PAIR, Word(Side.STANDBY, 1, claims=False)) is None
+    assert claim.state is State.ACTIVE
+
+
+def test_a_superseded_box_answers_and_stays_silent():
+    claim = Claim(1, 0, {PAIR: Side.BOX}, is_superseded=True)
+    assert claim.tick(0.0) == [] and claim.tick(100.0) == []
+    answer = claim.hear(PAIR, Word(Side.STANDBY, 2, claims=True, asks=True))
+    assert not answer.claims
+    claim.hear(PAIR, Word(Side.STANDBY, 1, claims=False))
+    assert claim.state is State.SUPERSEDED
+
+
+@pytest.mark.parametrize("word", [
+    Word(Side.STANDBY, 2, claims=False),  # a copy that nobody started
+    Word(Side.BOX, 2, claims=True),  # an echo
+    Word(Side.STANDBY, 1, claims=False, asks=True)])
+def test_words_that_do_not_stop_a_box(word):
+    claim = Claim(1, 0, {PAIR: Side.BOX})
+    claim.tick(0.0)
+    claim.tick(ASK_S)
+    claim.hear(PAIR, word)
+    assert claim.state is State.ACTIVE
+
+
+def test_words_of_no_pair_do_not_stop_a_box():
+    claim = Claim(1, 0, {PAIR: Side.BOX})
+    claim.hear("another", Word(Side.STANDBY, 9, claims=True))
+    assert claim.state is State.ASKING
+
+
+def test_another_pair():
+    """The standby was replaced: only the new one can take over."""
+    claim = Claim(1, 0, {PAIR: Side.BOX})
+    claim.use({"new": Side.BOX})
+    claim.hear(PAIR, Word(Side.STANDBY, 2, claims=True))
+    assert claim.state is not State.SUPERSEDED
+    claim.hear("new", Word(Side.STANDBY, 2, claims=True))
+    assert claim.state is State.SUPERSEDED
+
+
+def test_a_box_that_was_never_heard_is_not_silent():
+    """The standby may have been started first, or on another network."""
+    silence = Silence()
+    assert not silence.lasts(1000.0, 5.0)
+    silence.hear(1000.0)
+    assert not silence.lasts(1004.0, 5.0)
+    assert silence.lasts(1005.0, 5.0)
