@@ -72,7 +72,7 @@ class Box:
         self.commands = Commands(
             settings, zones, self.robots, self.watches, self._connections, self.finished, record, outbox)
         self.scores = ScoreDesk(self.tick, zones, self.finished, record, outbox)
-        self.judges = JudgeDesk(self.tick, zones, self.scores, outbox)
+        self.judges = JudgeDesk(self.tick, self.scores, record, outbox)
         self.modules = ModuleDesk(self.tick, zones, self._modules, record)
         # Time.
         self._clock = ClockWatch()

@@ -41,11 +41,22 @@ class CommandRecord:
         self._zones = zones
         self._outbox = outbox
         self._kind = kind
-        self.closed = ""  # see `close`
+        self._closed: List[str] = []  # see `close`; shared by all kinds
+
+    def of_kind(self, kind: str) -> "CommandRecord":
+        """Return a record for another kind of entries, which is closed when this one is."""
+        made = CommandRecord(self._zones, self._outbox, kind)
+        made._closed = self._closed
+        return made
+
+    @property
+    def closed(self) -> str:
+        """Why every command is refused; empty: it is not."""
+        return self._closed[0] if self._closed else ""
 
     def close(self, reason: str) -> None:
         """Refuse every command from now on, for this reason."""
-        self.closed = reason
+        self._closed[:] = [reason]
 
     @contextlib.contextmanager
     def of(self, name: RunName, who: str, command: str, **arguments: object) -> Iterator[None]:

@@ -13,7 +13,6 @@ from roah_rsbb.core.scoring.book import FinishedRun, RunBook
 from roah_rsbb.core.scoring.desk import MarkOutcome, ScoreDesk, asked_of, check_mark_id
 from roah_rsbb.core.scoring.records import By, ItemRecord, JudgeSheet, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.core.zones import Zones
 
 
 class Judging(NamedTuple):
@@ -34,15 +33,15 @@ class JudgeDesk:
     """Takes what judges and the head referee enter. Each run is named by its identity."""
 
     def __init__(
-        self, tick: Callable[[Now], None], zones: Zones, scores: ScoreDesk, outbox: Outbox
+        self, tick: Callable[[Now], None], scores: ScoreDesk, record: CommandRecord, outbox: Outbox
     ) -> None:
         """`tick` does what is due by now. Every event calls it first."""
         self._tick = tick
         self._scores = scores
         self._outbox = outbox
-        self._marks = CommandRecord(zones, outbox, "judge_mark")
-        self._acts = CommandRecord(zones, outbox, "judging")
-        self._publications = CommandRecord(zones, outbox, "publication")
+        self._marks = record.of_kind("judge_mark")
+        self._acts = record.of_kind("judging")
+        self._publications = record.of_kind("publication")
 
     # -- looking ------------------------------------------------------------------------------------
 

@@ -1,0 +1,77 @@
+"""A box from which a standby took over: it stops, refuses everything, and leaves its runs as they were."""
+
+import pytest
+
+from helpers.box_driver import BoxDriver
+from roah_rsbb.core import effects
+from roah_rsbb.core.commands import COMMANDS
+from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.core.views import views
+
+HOST = "10.0.0.3"
+RUN = RunName("tbm")
+MARK = Mark("Achievements", "Detects the door", 1, id="1", role="referee")
+
+
+@pytest.fixture
+def driver():
+    made = BoxDriver()
+    made.executing()
+    made.event(lambda now: made.box.supersede(2, 17, HOST))
+    return made
+
+
+def test_it_is_recorded_once(driver):
+    driver.event(lambda now: driver.box.supersede(3, 18, HOST))
+    assert driver.taken(effects.Superseded) == [effects.Superseded(2, 17, HOST)]
+
+
+def test_every_panel_shows_it(driver):
+    (warning,) = driver.box.warnings(driver.now)
+    assert warning.startswith(f"This box is superseded: the box at {HOST}")
+    assert views.box_status(driver.box, driver.now) == warning
+    assert all(driver.off(command) == [warning] for command in COMMANDS)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_is_refused(driver, command):
+    with pytest.raises(Refused, match="has taken over"):
+        driver.command(command)
+
+
+@pytest.mark.parametrize("call", [
+    lambda box, now: box.scores.mark(now, RUN, MARK),
+    lambda box, now: box.scores.sign_off(now, RUN, "who"),
+    lambda box, now: box.scores.stop(now, RUN, "who"),
+    lambda box, now: box.judges.mark(now, RUN, MARK, "judge"),
+    lambda box, now: box.judges.submit(now, RUN, "judge"),
+    lambda box, now: box.judges.publish(now, RUN),
+    lambda box, now: box.modules.complete_operation(now, "tbm"),
+    lambda box, now: box.reload(now, None, 2, ()),
+], ids=range(8))
+def test_scores_are_refused(driver, call):
+    """They would be lost: the other box does not have them."""
+    record = driver.run_in().record(driver.now)
+    with pytest.raises(Refused, match="has taken over"):
+        driver.event(lambda now: call(driver.box, now))
+    assert driver.run_in().record(driver.now)._replace(elapsed_s=0.0) == record._replace(elapsed_s=0.0)
+
+
+def test_the_runs_do_not_continue(driver):
+    """Neither does a run time out, nor is anything sent."""
+    state = driver.box_state()
+    driver.effects.clear()
+    assert driver.box.deadline() is None
+    driver.jump(10_000.0)
+    driver.event(driver.box.tick)
+    assert driver.box_state() == state
+    assert driver.effects == []
+
+
+def test_after_a_restart_it_is_not_recorded_again():
+    driver = BoxDriver()
+    driver.effects.clear()
+    driver.box.stay_superseded(HOST)
+    driver.event(driver.box.tick)
+    assert driver.effects == [] and driver.box.is_superseded
