@@ -1,6 +1,7 @@
 """Measures the gateway for browsers: from a change in the core to its readers, and what it costs gateway and core."""
 
 import json
+import os
 import pathlib
 import random
 import socket
@@ -35,7 +36,7 @@ class Gateway:
             self.port = free.getsockname()[1]
         self.process = Measured(
             sys.executable, str(ROOT / "scripts" / "roah_rsbb_web"), f"_rsbb_host:={BROADCAST}",
-            f"_web_port:={self.port}")
+            f"_web_port:={self.port}", f"_log_dir:={os.environ['ROS_HOME']}/web")
         wait(self._answers, "the gateway answers")
 
     def close(self) -> None:

@@ -116,7 +116,7 @@ class Box:
             "schedule": "".join(
                 f"- zone: zone {i}\n  schedule:\n" + "".join(
                     f"    - {{benchmark: HWV, team: Team{i}, round: 1, run: {run}, "
-                    "scheduled_time: 2026-01-01 00:00:00}\n" for run in (1, 2))
+                    f"scheduled_time: 2026-01-01 0{run}:00:00}}\n" for run in (1, 2))
                 for i in range(self.zones)),
         }
         for name, text in files.items():

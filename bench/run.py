@@ -12,7 +12,7 @@ import pstats
 import sys
 import tempfile
 import time
-from typing import Callable, Dict, Iterator, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -21,6 +21,7 @@ sys.path.insert(0, str(ROOT / "test" / "ros"))
 import gateway  # noqa: E402
 import hostile  # noqa: E402
 import load  # noqa: E402
+import pages  # noqa: E402
 import processes  # noqa: E402
 import reaction  # noqa: E402
 import results_speed  # noqa: E402
@@ -245,6 +246,69 @@ class Bench:
         results.add(f"gateway, {MANY_VIEWERS} readers: CPU", "% of a core", costs[3][1].gateway_percent, 40)
         results.add(f"gateway, after {MANY_VIEWERS} readers: memory", "MB", memory, 80)
 
+    def browser(self) -> None:
+        """The pages in Chromium: what is painted when, START by phone, and the first page on a slow link."""
+        count, results = self.extent.starts, self.results
+        with Box(1) as box:
+            served = gateway.Gateway()
+            try:
+                with pages.Pages(served) as shown:
+                    visits = shown.first(max(3, self.extent.clicks // 4))
+                    results.add("first page, all files and data", "kB", max(one.kilobytes for one in visits), 150)
+                    results.add_spread("first page over 1 Mbit/s: painted after", "s",
+                                       [one.seconds for one in visits], {0.5: 1})
+                    results.add_spread("call that changes the core to painted, 1 browser", "ms",
+                                       shown.painted(box, count), {0.95: 100})
+                    viewers = gateway.Viewers(served.port, MANY_VIEWERS - 1)
+                    taken = shown.painted(box, count)
+                    viewers.close()
+                    name = f"call that changes the core to painted, beside {MANY_VIEWERS - 1} readers"
+                    results.add_spread(name, "ms", taken, {0.95: 100})
+            finally:
+                served.close()
+        with box_in_runs(1) as (box, fleet):
+            served = gateway.Gateway()
+            try:
+                self._phone(box, fleet, served)
+                self._beside_readers(box, fleet, served)
+            finally:
+                served.close()
+
+    def _phone(self, box: Box, fleet: Fleet, served: gateway.Gateway) -> None:
+        """START, by a command as the page sends it and by a finger on the page."""
+        robot, send = fleet.robots[0], pages.commander(served)
+
+        def command(word: str) -> None:
+            if word == "start":
+                send("start", {"zone": "zone 0"})
+            else:
+                box.command(word, 0)
+
+        taken = reaction.starts(fleet, robot, command, self.extent.starts)
+        self.results.add_spread("START as the page sends it to PREPARE on the wire", "ms", taken, {0.99: 30})
+        with pages.Pages(served) as shown:
+            taken = shown.taps(box, fleet, robot, self.extent.clicks)
+        self.results.add_spread("finger lifted from START to PREPARE on the wire", "ms", taken, {0.99: 30})
+        self._settle(fleet)
+
+    def _beside_readers(self, box: Box, fleet: Fleet, served: gateway.Gateway) -> None:
+        """The core's reaction and CPU with many readers and without them, in turns."""
+        taken: Dict[int, List[float]] = {0: [], MANY_VIEWERS: []}
+        cpu_s: Dict[int, float] = dict.fromkeys(taken, 0.0)
+        seconds: Dict[int, float] = dict.fromkeys(taken, 0.0)
+        for readers in [0, MANY_VIEWERS] * 3:
+            viewers = gateway.Viewers(served.port, readers) if readers else None
+            began, used = time.monotonic(), box.process.cpu_s()
+            taken[readers] += reaction.react(fleet, fleet.robots, self.extent.probes // 6)
+            cpu_s[readers] += box.process.cpu_s() - used
+            seconds[readers] += time.monotonic() - began
+            if viewers is not None:
+                viewers.close()
+        for readers, values in taken.items():
+            name = f"beside {readers or 'no'} readers"
+            self.results.add_spread(f"reaction, 1 robot, {name}", "ms", values, {0.99: 10})
+            self.results.add(f"core, 1 robot, {name}: CPU", "% of a core", 100.0 * cpu_s[readers] / seconds[readers])
+
     # -- time ---------------------------------------------------------------------------------------
 
     def day(self) -> None:
@@ -297,7 +361,7 @@ def profile(robots: int, seconds: float) -> None:
 
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
-    "one", "resume", "many", "hundred", "hostile", "messages", "window", "web", "day", "journal")}
+    "one", "resume", "many", "hundred", "hostile", "messages", "window", "web", "browser", "day", "journal")}
 
 
 def main() -> int:

@@ -40,6 +40,7 @@ async function begin() {
 }
 
 function open(zone) {
+  state.zone = zone;
   if (state.live) {
     state.live.close();
   }
@@ -59,7 +60,11 @@ function openWords() {
 }
 
 function changed() {
-  const zone = state.live.data["page.zone"];
+  const zone = state.live.data["page.zone"], zones = state.live.data["page.zones"];
+  if (!state.zone && !zone && zones && zones.length > 0) {
+    open(zones[0].zone);  // an organiser, and the gateway did not know the zones before
+    return;
+  }
   if (zone && state.live.silentSince === null) {
     if (state.stop && (zone.identity !== state.stop.identity || zone.phase !== "running")) {
       state.stop.end();
