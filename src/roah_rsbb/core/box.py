@@ -140,6 +140,18 @@ class Box:
 
     # -- looking ------------------------------------------------------------------------------------
 
+    @property
+    def revision(self) -> int:
+        """A number that rises whenever the state of a zone, or the record of a run, changes.
+
+        A report of a robot that only repeats its state does not raise it, nor does time that only passes.
+        """
+        return self._outbox.revision
+
+    def revision_of(self, zone_name: str) -> int:
+        """Return a number that rises whenever the state of a zone changes."""
+        return self._outbox.revisions.get(zone_name, 0)
+
     def listening_left(self, now: Now) -> float:
         """Return for how many more seconds the box only listens (docs/protocol.md, "Timing"); 0.0: it transmits."""
         if self._superseded:

@@ -186,11 +186,17 @@ class Outbox:
     def __init__(self) -> None:
         self._effects: List[Effect] = []
         self._changed: Set[str] = set()
+        self.revisions: Dict[str, int] = {}
+        """For each zone a number that rises whenever the zone's state changes."""
+        self.revision = 0
+        """Rises with each of them, and with each record of a finished run."""
 
     def emit(self, effect: Effect) -> None:
         """Add an effect that belongs to no run."""
         if isinstance(effect, SendBeacon):
             self._changed.add(BOX)
+        elif isinstance(effect, RecordChanged):
+            self.revision += 1
         self._effects.append(effect)
 
     def of_zone(self, zone: str) -> Callable[[Effect], None]:
@@ -198,7 +204,7 @@ class Outbox:
 
         def emit(effect: Effect) -> None:
             if _changes_state(effect):
-                self._changed.add(zone)
+                self.mark_changed(zone)
             self.emit(effect)
 
         return emit
@@ -210,6 +216,8 @@ class Outbox:
     def mark_changed(self, zone: str) -> None:
         """Mark the zone's state as changed, for changes outside its run."""
         self._changed.add(zone)
+        self.revisions[zone] = self.revisions.get(zone, 0) + 1
+        self.revision += 1
 
     def place(self) -> int:
         """Return the position after the effects so far."""

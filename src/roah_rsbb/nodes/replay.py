@@ -128,6 +128,7 @@ class ReplayNode:
         self._panels = PanelMessages(box, self._uuid, "")
         self._results = ResultsBoard(box, self._uuid)
         self._schedule = ScheduleBoard(box, self._uuid)
+        self._public = public_convert.PublicSchedule(box)
         self._board = PublicBoardMaker(box, self._uuid, {}, {})
         self._topics = {
             kind: rospy.Publisher(name, kind, queue_size=1, latch=True) for name, kind in (
@@ -188,7 +189,7 @@ class ReplayNode:
             self._results.take(now) if self._ticks % PUBLIC_EVERY == 0 else None,
         ]
         if self._ticks % PUBLIC_EVERY == 0:
-            public = public_convert.to_public(box, now)
+            public = self._public.to_public(now)
             public.clock = f"{PREFIX}{public.clock}"
             view = public_view(box, now, PublicResults.NONE)
             messages += [public, public_convert.public_details(view, now, self._uuid), self._board.take(view),

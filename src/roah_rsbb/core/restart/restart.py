@@ -83,6 +83,7 @@ class Restart:
 
     def show(self, now: Now, zone: Zone, state: Optional[ZoneState]) -> None:
         """Put an earlier state into a zone, to look at it; None: the zone has no run. Raises ValueError."""
+        self._outbox.mark_changed(zone.name)
         if state is None:
             if zone.run is not None:
                 zone.leave(auto_next=False)

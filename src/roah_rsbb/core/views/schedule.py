@@ -6,6 +6,7 @@ time from an event of this benchmark to the zone's next one, but at most its tim
 `SETUP_S` unless the rules have one. A run that takes longer is assumed to end now. Zones do not delay each other.
 """
 
+import bisect
 import enum
 import math
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
@@ -62,6 +63,27 @@ def schedule(box: Box, now: Now) -> List[EventLine]:
     last = _last_runs(box)
     lines = [line for zone in box.zones.values() for line in _zone_lines(zone, last, slots, now)]
     return sorted(lines, key=lambda line: line.event.scheduled)
+
+
+class ScheduleView:
+    """The schedule of a box, for a caller that needs it often. It is only made again when it can differ."""
+
+    def __init__(self, box: Box) -> None:
+        self._box = box
+        self._made_of: Optional[Tuple[int, int, int]] = None
+        self._times: List[float] = []  # scheduled ones, rising
+        self._lines: List[EventLine] = []
+
+    def look(self, now: Now) -> List[EventLine]:
+        """Return what `schedule` returns."""
+        revision = self._box.revision
+        if self._made_of is None or self._made_of[0] != revision:
+            self._times = sorted(event.scheduled for zone in self._box.zones.values() for event in zone.events)
+        # Time changes estimates at a scheduled time, and at each whole minute.
+        made_of = revision, math.ceil(now.utc / MINUTE_S), bisect.bisect_left(self._times, now.utc)
+        if self._made_of != made_of:
+            self._made_of, self._lines = made_of, schedule(self._box, now)
+        return self._lines
 
 
 def _last_runs(box: Box) -> Dict[Tuple[str, int], RunRecord]:

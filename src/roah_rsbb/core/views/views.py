@@ -1,6 +1,6 @@
 """What the referees see of the box at one moment, as plain values."""
 
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
@@ -168,6 +168,38 @@ def zones(box: Box, now: Now) -> List[ZoneView]:
     return [_zone(box, zone, now) for zone in box.zones.values()]
 
 
+class ZoneViews:
+    """The views of all zones, for a caller that needs them often.
+
+    A box may have many runs of task benchmarks in progress, which hardly change. The view of such a run is only made
+    again when more than its times changed. These changes come from events, which raise the zone's revision, from the
+    robot's reports, or from time that passes, which only adds and removes warnings. All other views are made each time.
+    """
+
+    def __init__(self, box: Box) -> None:
+        self._box = box
+        self._kept: Dict[str, Tuple[object, ZoneView]] = {}  # by zone, of runs in progress
+
+    def look(self, now: Now) -> List[ZoneView]:
+        """Return all zones, in the order of the schedule file. Without their times, they are as they are now.
+
+        For the present times, see `timer_of`, `clock_of` and `robot_of`.
+        """
+        before, self._kept = self._kept, {}
+        return [self._look(zone, before.get(zone.name), now) for zone in self._box.zones.values()]
+
+    def _look(self, zone: Zone, before: Optional[Tuple[object, ZoneView]], now: Now) -> ZoneView:
+        run = zone.run
+        if type(run) is not Run or run.phase is not Phase.RUNNING:
+            return _zone(self._box, zone, now)
+        made_of = (run, self._box.revision_of(zone.name), run.robot_state, run.link.messages_saved,
+                   self._box.warnings_of(now, zone.name))
+        if before is None or before[0] != made_of:
+            before = made_of, _zone(self._box, zone, now)
+        self._kept[zone.name] = before
+        return before[1]
+
+
 def coming_events(box: Box) -> List[ScheduleLine]:
     """Return the current and coming events of all zones, by scheduled time."""
     lines = [
@@ -187,7 +219,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         zone=zone.name,
         event=zone.event,
         timeout=zone.event.benchmark.limit if run is None else run.limit(),
-        timer=_timer(zone, now),
+        timer=timer_of(zone, now),
         state="",
         off=off,
         log=log,
@@ -201,7 +233,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         end_reason="" if run is None else _end(run),
         module=_module(run) if isinstance(run, FunctionalityRun) else NO_MODULE,
         clock=clock_of(run, zone.event.benchmark, now),
-        robot=_robot(run) if isinstance(run, Run) else None,
+        robot=robot_of(run),
         all_robots=_all_robots(run, now) if isinstance(run, AllRobotsRun) else None,
         by_hand=isinstance(run, HandRun),
         attempt=box.commands.attempt(zone) if zone.event.benchmark.rules.attempts else 0,
@@ -214,7 +246,8 @@ def _end(run: ZoneRun) -> str:
     return "" if run.end_reason is None else run.end_reason.name.lower()
 
 
-def _timer(zone: Zone, now: Now) -> float:
+def timer_of(zone: Zone, now: Now) -> float:
+    """Return the timer of a zone's view."""
     left = zone.event.benchmark.total_timeout if zone.run is None else zone.run.timer(now)
     if left != NO_LIMIT:
         return left
@@ -265,7 +298,10 @@ def clock_of(run: Optional[ZoneRun], benchmark: Benchmark, now: Now) -> ClockVie
     )
 
 
-def _robot(run: Run) -> RobotInRunView:
+def robot_of(run: Optional[ZoneRun]) -> Optional[RobotInRunView]:
+    """Return the robot of a run of one robot; None: the run is no such run, or there is no run."""
+    if not isinstance(run, Run):
+        return None
     link = run.link
     return RobotInRunView(
         robot=run.robot.robot,

@@ -15,7 +15,7 @@ import signal
 import sys
 import threading
 import uuid
-from typing import Callable, Dict, Optional, Tuple
+from typing import Callable, Dict, List, Optional, Tuple
 
 import rospy
 from std_msgs.msg import Empty
@@ -24,12 +24,13 @@ from std_srvs.srv import EmptyResponse
 
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.copies import STANDBY, CopyReport
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules.presence import MAX_NODES
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.explained import explanations
-from roah_rsbb.core.views.public import PublicResults, public_view
+from roah_rsbb.core.views.public import PublicResults, PublicView, public_view
 from roah_rsbb.journal.file import CoreSession, Resume, boot_id
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.store import Journal
@@ -159,7 +160,8 @@ class CoreNode:
         self._gave_up = ""
         self._ticks = 0
         self._public_results = PublicResults(results)
-        self._last_public_view = None
+        self._last_public_view: Optional[PublicView] = None
+        self._public_revision: Optional[int] = None  # of the box, to which that view belongs
         self._last_explained: Optional[Tuple[object, ...]] = None
         self._last_unsaved: Optional[Tuple[object, ...]] = None
         ports = PortRecord(log_dir)
@@ -177,6 +179,7 @@ class CoreNode:
         self._results = ResultsBoard(box, self._uuid)
         self._judging = JudgingBoard(box, self._uuid)
         self._schedule = ScheduleBoard(box, self._uuid)
+        self._public_schedule = public_convert.PublicSchedule(box)
         self._public_board = PublicBoardMaker(box, self._uuid, content.rules, _titles(content))
         self._panels = PanelMessages(box, self._uuid, network.rsbb_host)
         self._heard_from = self._ros.loop.time() + HEARD_AFTER_S
@@ -351,6 +354,20 @@ class CoreNode:
     def _publish_tick(self) -> None:
         self._ros.loop.call_later(GUI_PERIOD_S, self._publish_tick)
         self._driver.tick()
+        self._do_in_turn([
+            self._publish_for_panels, self._publish_schedule, self._publish_public, self._publish_results,
+            self._write_links, self._end_tick,
+        ])
+
+    def _do_in_turn(self, todo: List[Callable[[], None]]) -> None:
+        """Do one thing, and the others in later turns of the loop, so that no datagram waits for all of them."""
+        try:
+            todo[0]()
+        finally:
+            if todo[1:]:
+                self._ros.loop.call_soon(self._do_in_turn, todo[1:])
+
+    def _publish_for_panels(self) -> None:
         now = self._driver.now()
         self._publish("gui", self._panels.to_gui(now, self._run_logs.files))
         details = self._panels.details(now)
@@ -359,43 +376,58 @@ class CoreNode:
         clocks = self._panels.clocks(now)
         if clocks is not None:
             self._publish("clocks", clocks)
-        if self._ticks % PUBLIC_EVERY == 0:
-            self._publish("public", public_convert.to_public(self._box, now))
-            schedule = self._schedule.take(now)
-            if schedule is not None:
-                self._publish("schedule", schedule)
-        self._publish_public_details(now)
+
+    def _publish_schedule(self) -> None:
+        if self._ticks % PUBLIC_EVERY:
+            return
+        now = self._driver.now()
+        self._publish("public", self._public_schedule.to_public(now))
+        schedule = self._schedule.take(now)
+        if schedule is not None:
+            self._publish("schedule", schedule)
+
+    def _publish_public(self) -> None:
+        self._publish_public_details(self._driver.now())
+
+    def _publish_results(self) -> None:
+        now = self._driver.now()
         results = self._results.take(now)
         if results is not None:
             self._publish("results", results)
         judging = self._judging.take(now)
         if judging is not None:
             self._publish("judging", judging)
-        self._publish_unsaved(now)
-        if self._ticks % JOURNAL_EVERY == 0:
-            self._journal.each_second(now, self._radio.unreadable())
-        self._ticks += 1
-
-    def _publish_unsaved(self, now) -> None:
         unsaved = self._journal.unsaved(now)
         if unsaved != self._last_unsaved:
             self._last_unsaved = unsaved
             self._publish("unsaved", Unsaved(self._uuid, [UnsavedParts(*parts) for parts in unsaved]))
 
-    def _publish_public_details(self, now) -> None:
+    def _write_links(self) -> None:
+        if self._ticks % JOURNAL_EVERY == 0:
+            self._journal.each_second(self._driver.now(), self._radio.unreadable())
+
+    def _end_tick(self) -> None:
+        self._ticks += 1
+
+    def _publish_public_details(self, now: Now) -> None:
+        is_due, is_changed = self._ticks % PUBLIC_EVERY == 0, self._box.revision != self._public_revision
+        if not is_due and not is_changed:
+            return
+        self._public_revision = self._box.revision
         view = public_view(self._box, now, self._public_results, self._public_provisional)
         timeless = view.without_time()
-        if timeless != self._last_public_view or self._ticks % PUBLIC_EVERY == 0:
+        if timeless != self._last_public_view or is_due:
             self._last_public_view = timeless
             self._publish("public_details", public_convert.public_details(view, now, self._uuid))
-        if self._ticks % PUBLIC_EVERY == 0:
+        if is_due:
             board = self._public_board.take(view)
             if board is not None:
                 self._publish("public_board", board)
-        explained = explanations(self._box, self._public_results, self._public_robot_texts)
-        if explained != self._last_explained:
-            self._last_explained = explained
-            self._publish("public_explained", public_convert.public_explained(explained, self._uuid))
+        if is_changed:
+            explained = explanations(self._box, self._public_results, self._public_robot_texts)
+            if explained != self._last_explained:
+                self._last_explained = explained
+                self._publish("public_explained", public_convert.public_explained(explained, self._uuid))
 
     def _publish(self, topic: str, message: object) -> None:
         try:

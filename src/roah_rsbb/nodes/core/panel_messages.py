@@ -1,6 +1,6 @@
 """The messages for the referees' panels: /core/to_gui ten times a second, /core/details when something changed.
 
-Most of a zone's content stays the same for many ticks, so it is cached until it changes.
+Most of a zone's content stays the same for many ticks, so it is cached until it changes. Only times are always new.
 """
 
 from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
@@ -8,20 +8,32 @@ from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.commands import OWN_COMMANDS
+from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.views import views
+from roah_rsbb.core.zones import Zone
 from roah_rsbb.msg import CoreDetails, CoreToGui, RobotInfo, RunClock, RunClocks, ZoneDetails, ZoneState
 from roah_rsbb.nodes.core.score_convert import group_message, has_old_form, points_message, score_message, sheet_items
-from roah_rsbb.nodes.core.serialised import SerialisedToGui, SerialisedZone
+from roah_rsbb.nodes.core.serialised import (
+    NO_DURATION,
+    Serialised,
+    SerialisedClocks,
+    SerialisedDetails,
+    SerialisedToGui,
+    bool_bytes,
+    duration_bytes,
+    time_bytes,
+)
 from roah_rsbb.ros.times import ros_duration, ros_limit, ros_time, ros_wire_time
 
 
 class _Zone(NamedTuple):
     """The cached messages of a zone."""
 
+    view: views.ZoneView
     shown: Tuple[views.ZoneView, str]  # view without time, and path of the run's log
-    state: SerialisedZone
-    details: ZoneDetails
-    robot: Optional[views.RobotInRunView]
+    state: Serialised
+    details: Serialised
+    clock: Serialised
 
 
 class PanelMessages:
@@ -35,26 +47,25 @@ class PanelMessages:
         self._box = box
         self._box_uuid = box_uuid
         self._addr = addr
-        self._robots: Dict[views.RobotView, RobotInfo] = {}
+        self._views = views.ZoneViews(box)
+        self._robots: Dict[RobotId, Serialised] = {}
         self._zones: Dict[str, _Zone] = {}
         self._warnings: List[str] = []
-        self._details_due_in = 0  # ticks
-        self._views: List[views.ZoneView] = []  # of this tick
-        self._timeless: Tuple[object, ...] = ()  # the published clocks
-        self._clocks_due_in = 0  # ticks
+        self._details_due_in = self._clocks_due_in = 0  # ticks
 
     def to_gui(self, now: Now, log_files: Mapping[int, str]) -> CoreToGui:
         """The message of this tick. `log_files`: path of each run's log by its port."""
         box = self._box
         tablet = box.tablet.state
-        self._views = views.zones(box, now)
+        self._look_at_zones(now, log_files)
         return SerialisedToGui(
-            [self._zone(view, log_files) for view in self._views],
+            self._robot_infos(now),
+            [kept.state.with_values(duration_bytes(views.timer_of(box.zones[name], now)))
+             for name, kept in self._zones.items()],
             clock=ros_time(now.utc),
             status=views.box_status(box, now),
             addr=self._addr,
             port=str(box.settings.rsbb_port),
-            active_robots=self._robot_infos(now),
             tablet_last_beacon=ros_time(0.0 if box.tablet.heard is None else box.tablet.heard.utc),
             tablet_display_map=tablet.display_map,
             tablet_call_time=ros_wire_time(tablet.call_time),
@@ -64,7 +75,7 @@ class PanelMessages:
         )
 
     def details(self, now: Now) -> Optional[CoreDetails]:
-        """Return what `to_gui`, which was called before, has no field for; None: unchanged since the last message."""
+        """Return what `to_gui`, which was called at `now`, has no field for; None: unchanged since the last message."""
         warnings = self._box.warnings(now)
         if warnings != self._warnings:
             self._warnings, self._details_due_in = warnings, 0
@@ -72,42 +83,79 @@ class PanelMessages:
         if self._details_due_in >= 0:
             return None
         self._details_due_in = self.DETAILS_EVERY - 1
-        for zone in self._zones.values():
-            if zone.robot is not None:
-                _set_times(zone.details, zone.robot)
-        return CoreDetails(
+        return SerialisedDetails(
+            [kept.details.with_values(*_robot_bytes(views.robot_of(self._box.zones[name].run)))
+             for name, kept in self._zones.items()],
             clock=ros_time(now.utc),
             box_uuid=self._box_uuid,
             warnings=warnings,
-            zones=[zone.details for zone in self._zones.values()],
         )
 
     def clocks(self, now: Now) -> Optional[RunClocks]:
-        """Return the times of all runs at `now`, for which `to_gui` was called before; None: they are unchanged."""
-        timeless = tuple((view.zone, view.identity, view.phase, view.clock.without_time()) for view in self._views)
+        """Return the times of all runs at `now`, at which `to_gui` was called; None: only time has passed."""
         self._clocks_due_in -= 1
-        if timeless == self._timeless and self._clocks_due_in > 0:
+        if self._clocks_due_in >= 0:
             return None
-        self._timeless, self._clocks_due_in = timeless, self.DETAILS_EVERY
-        return RunClocks(ros_time(now.utc), self._box_uuid, [_run_clock(view) for view in self._views])
+        self._clocks_due_in = self.DETAILS_EVERY - 1
+        return SerialisedClocks(
+            [kept.clock.with_values(*_clock_bytes(self._box.zones[name], now)) for name, kept in self._zones.items()],
+            clock=ros_time(now.utc),
+            box_uuid=self._box_uuid,
+        )
 
-    def _robot_infos(self, now: Now) -> List[RobotInfo]:
+    def _robot_infos(self, now: Now) -> List[bytes]:
         robots = views.robots(self._box, now)
-        self._robots = {robot: self._robots.get(robot) or _robot_info(robot) for robot in robots}
-        return list(self._robots.values())
+        before, self._robots = self._robots, {}
+        for robot in robots:
+            name = RobotId(robot.team, robot.robot)
+            self._robots[name] = before.get(name) or Serialised(RobotInfo(*name, ros_duration(0.0), ros_time(0.0)),
+                                                                "skew", "beacon")
+        return [kept.with_values(duration_bytes(robot.skew), time_bytes(robot.last_heard))
+                for robot, kept in zip(robots, self._robots.values())]
 
-    def _zone(self, view: views.ZoneView, log_files: Mapping[int, str]) -> bytes:
-        shown = view.without_time(), "" if view.robot is None else log_files.get(view.robot.port, "")
-        kept = self._zones.get(view.zone)
-        if kept is None or kept.shown != shown:
-            kept = _Zone(shown, SerialisedZone(_zone_state(view)), _zone_details(*shown), view.robot)
-            self._details_due_in = 0
-        self._zones[view.zone] = kept._replace(robot=view.robot)
-        return kept.state.with_timer(ros_duration(view.timer))
+    def _look_at_zones(self, now: Now, log_files: Mapping[int, str]) -> None:
+        """Make the messages of the zones that changed."""
+        before, self._zones = self._zones, {}
+        for view in self._views.look(now):
+            self._zones[view.zone] = self._zone(view, before.get(view.zone), log_files)
+        if list(before) != list(self._zones):
+            self._details_due_in = self._clocks_due_in = 0
+
+    def _zone(self, view: views.ZoneView, kept: Optional[_Zone], log_files: Mapping[int, str]) -> _Zone:
+        log_file = "" if view.robot is None else log_files.get(view.robot.port, "")
+        if kept is not None and view is kept.view and log_file == kept.shown[1]:
+            return kept
+        shown = view.without_time(), log_file
+        if kept is not None and kept.shown == shown:
+            return kept._replace(view=view)
+        self._details_due_in = 0
+        clock = kept.clock if kept is not None and _of_clock(kept.shown[0]) == _of_clock(shown[0]) else None
+        if clock is None:
+            self._clocks_due_in = 0
+            clock = Serialised(
+                _run_clock(view), "elapsed", "goal_elapsed", "after_stop", "setup_elapsed", "phase_elapsed")
+        return _Zone(
+            view, shown, Serialised(_zone_state(view), "timer"),
+            Serialised(_zone_details(*shown), "skew_known", "skew", "last_message"), clock,
+        )
 
 
-def _robot_info(view: views.RobotView) -> RobotInfo:
-    return RobotInfo(view.team, view.robot, ros_duration(view.skew), ros_time(view.last_heard))
+def _of_clock(view: views.ZoneView) -> Tuple[object, ...]:
+    """Return the part of a view that a RunClock shows."""
+    return view.identity, view.phase, view.clock
+
+
+def _robot_bytes(robot: Optional[views.RobotInRunView]) -> Tuple[bytes, bytes, bytes]:
+    """Return the present values of a zone's details."""
+    skew, heard = (None, None) if robot is None else (robot.skew, robot.last_heard)
+    return bool_bytes(skew is not None), duration_bytes(skew or 0.0), time_bytes(heard or 0.0)
+
+
+def _clock_bytes(zone: Zone, now: Now) -> Tuple[bytes, ...]:
+    """Return the present values of a run's clock."""
+    clock = views.clock_of(zone.run, zone.event.benchmark, now)
+    times = (clock.elapsed, clock.goal_elapsed, clock.after_stop, clock.setup_elapsed, clock.phase_elapsed)
+    return tuple(duration_bytes(seconds) if seconds else NO_DURATION for seconds in times)
 
 
 def _run_clock(view: views.ZoneView) -> RunClock:
@@ -210,12 +258,6 @@ def _add_robot(message: ZoneDetails, view: views.RobotInRunView, log_file: str) 
     message.robot_state = view.robot_state
     message.messages_saved = view.messages_saved
     message.log_file = log_file
-
-
-def _set_times(message: ZoneDetails, view: views.RobotInRunView) -> None:
-    message.skew_known = view.skew is not None
-    message.skew = ros_duration(view.skew or 0.0)
-    message.last_message = ros_time(view.last_heard or 0.0)
 
 
 def _add_all_robots(message: ZoneDetails, view: views.AllRobotsView) -> None:

@@ -1,7 +1,7 @@
 """Builds the messages for public displays, the original's and ours."""
 
 import time
-from typing import Iterable
+from typing import Iterable, List, Optional
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
@@ -25,18 +25,26 @@ from roah_rsbb.ros.times import ros_duration, ros_limit, ros_time
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, ScheduledEvent
 
 
-def to_public(box: Box, now: Now) -> CoreToPublic:
-    """The message for the public display, with local times."""
-    return CoreToPublic(
-        clock=_local(now.utc),
-        schedule=[
-            ScheduleInfo(
-                line.event.team, line.event.benchmark.desc, line.event.round, line.event.run,
-                _local(line.event.scheduled), line.running,
-            )
-            for line in views.coming_events(box)
-        ],
-    )
+class PublicSchedule:
+    """Builds the message for the original's public display, with local times."""
+
+    def __init__(self, box: Box) -> None:
+        self._box = box
+        self._revision: Optional[int] = None  # of the box, to which the lines belong
+        self._lines: List[ScheduleInfo] = []
+
+    def to_public(self, now: Now) -> CoreToPublic:
+        """Return the message of this moment."""
+        if self._revision != self._box.revision:
+            self._revision = self._box.revision
+            self._lines = [
+                ScheduleInfo(
+                    line.event.team, line.event.benchmark.desc, line.event.round, line.event.run,
+                    _local(line.event.scheduled), line.running,
+                )
+                for line in views.coming_events(self._box)
+            ]
+        return CoreToPublic(clock=_local(now.utc), schedule=self._lines)
 
 
 def public_details(view: PublicView, now: Now, box_uuid: str) -> PublicDetails:

@@ -4,7 +4,7 @@ from typing import List, Optional
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.views.schedule import EventLine, schedule
+from roah_rsbb.core.views.schedule import EventLine, ScheduleView
 from roah_rsbb.msg import Schedule, ScheduleEvent
 from roah_rsbb.nodes.core.results_convert import sums_of_record
 from roah_rsbb.ros.times import ros_time
@@ -14,13 +14,13 @@ class ScheduleBoard:
     """Builds /core/schedule of a box when it has changed."""
 
     def __init__(self, box: Box, box_uuid: str) -> None:
-        self._box = box
+        self._view = ScheduleView(box)
         self._box_uuid = box_uuid
         self._lines: Optional[List[EventLine]] = None
 
     def take(self, now: Now) -> Optional[Schedule]:
         """Return the message if it differs from the one at the last call."""
-        lines = schedule(self._box, now)
+        lines = self._view.look(now)
         if lines == self._lines:
             return None
         self._lines = lines
