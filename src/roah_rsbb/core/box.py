@@ -111,10 +111,10 @@ class Box:
             run.tick(now)
 
     def _tick_if_due(self, now: Now) -> None:
-        """As `tick`, for reports, which are too frequent to check every run each time.
+        """As `tick`, for beacons and reports, which are too frequent to check every run each time.
 
-        No run has anything to do until `_calm_until` (monotonic, s). A report only moves the deadline of its own run.
-        Every other event sets `_calm_until` to None; then all runs are checked again.
+        No run has anything to do until `_calm_until` (monotonic, s). A report only moves the deadline of its own run, a
+        beacon none. Every other event sets `_calm_until` to None; then all runs are checked again.
         """
         modules = self.modules.deadline()
         calm = self._calm_until is not None and now.mono < self._calm_until and (modules is None or now.mono < modules)
@@ -280,7 +280,7 @@ class Box:
 
     def on_robot_beacon(self, now: Now, host: str, team: str, robot: str, time: WireTime) -> None:
         """A RobotBeacon arrived from `host`."""
-        self.tick(now)
+        self._tick_if_due(now)
         robot_id = RobotId(team, robot)
         known = self.robots.find(robot_id)
         heard = self.robots.hear(now, robot_id, host, time)

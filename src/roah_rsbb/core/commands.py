@@ -284,7 +284,7 @@ class Commands:
             reasons += self._nobody_off(now, zone)
         else:
             reasons += self._robot_off(now, zone, robots, name)
-        return reasons + self._connections.capacity().off([robot.id for robot in robots])
+        return reasons + self._connections.off([robot.id for robot in robots])
 
     def attempt(self, zone: Zone) -> int:
         """Return the number of the attempt that the zone's run is, or that the next one will be."""
@@ -408,17 +408,17 @@ class Commands:
     def _open_sheet_off(self, _now: Now, zone: Zone) -> List[str]:
         if zone.run is not None:
             return [DISCONNECT_FIRST]
-        return self._attempts_off(zone) + self._connections.capacity().off([])
+        return self._attempts_off(zone) + self._connections.off([])
 
     def _no_show_off(self, _now: Now, zone: Zone) -> List[str]:
         if zone.run is not None and zone.run.phase is not Phase.CONNECTED:
             return ["The run was started, so its team appeared"]
-        return self._connections.capacity().off([]) if zone.run is None else []
+        return list(self._connections.off([])) if zone.run is None else []
 
     def _withdrawn_off(self, _now: Now, zone: Zone) -> List[str]:
         if zone.run is not None and zone.run.phase is Phase.RUNNING:
             return ["A run is running: stop it first"]
-        return self._connections.capacity().off([]) if zone.run is None else []
+        return list(self._connections.off([])) if zone.run is None else []
 
     # -- previous, next -----------------------------------------------------------------------------
 

@@ -13,7 +13,7 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import How, Level, Outbox
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot
 from roah_rsbb.core.modules.presence import Modules
-from roah_rsbb.core.robots import ActiveRobot, ActiveRobots
+from roah_rsbb.core.robots import MAX_ROBOTS, ActiveRobot, ActiveRobots, RobotId
 from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
@@ -62,16 +62,30 @@ class Connections:
         self.version = 0  # of the configuration with which runs are connected
         self._failures_left: Dict[str, int] = {}  # by zone, of channels of the run being connected
         self._reopen_at: Dict[int, float] = {}  # port -> monotonic time (s)
+        self._listed: Tuple[BenchmarkingRobot, ...] = ()
+        self._listed_of: List[Run] = []
+        self._off: Dict[Tuple[RobotId, ...], List[str]] = {}  # see `off`
+        self._off_after = 0  # the port to which that belongs
 
     # -- looking ------------------------------------------------------------------------------------
 
     def listed(self) -> Tuple[BenchmarkingRobot, ...]:
         """The robots in runs, as the beacon lists them."""
-        return tuple(BenchmarkingRobot(r.robot.team, r.robot.robot, r.port) for r in self._zones.members())
+        members = self._zones.members()
+        if members is not self._listed_of:
+            self._listed_of, self._off = members, {}
+            self._listed = tuple(BenchmarkingRobot(r.robot.team, r.robot.robot, r.port) for r in members)
+        return self._listed
 
-    def capacity(self) -> Capacity:
-        """Return the capacity that the present runs leave."""
-        return Capacity(self._beacon_size, self._settings.max_datagram, self._last_port, self.listed())
+    def off(self, robots: Sequence[RobotId]) -> List[str]:
+        """Return why a run of these robots is not possible besides the present runs; empty: it is."""
+        listed, key = self.listed(), tuple(robots)
+        if self._off_after != self._last_port or len(self._off) > MAX_ROBOTS:
+            self._off_after, self._off = self._last_port, {}
+        if key not in self._off:
+            capacity = Capacity(self._beacon_size, self._settings.max_datagram, self._last_port, listed)
+            self._off[key] = capacity.off(robots)
+        return self._off[key]
 
     def warnings(self) -> List[str]:
         """Return the warnings about ports for every referee."""
@@ -138,8 +152,9 @@ class Connections:
         self._outbox.emit(effects.PortTaken(port))
         self._outbox.emit(effects.OpenChannel(port, robot.id.team, robot.id.robot, robot.host, zone.version))
         if zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
-            zone.run = zone.run or AllRobotsRun(now, assignment, context)
-            zone.run.add(now, assignment)
+            whole = zone.run or AllRobotsRun(now, assignment, context)
+            whole.add(now, assignment)
+            zone.run = whole
         else:
             zone.run = run = self._make_run(now, assignment, context)
             run.open(now)

@@ -127,6 +127,8 @@ class ActiveRobots:
         self._teams = teams
         self._in_runs = in_runs
         self._robots: Dict[RobotId, ActiveRobot] = {}
+        self._by_team: Dict[str, List[ActiveRobot]] = {}
+        self._forgot_mono = -math.inf  # when robots that were not heard were dropped last
         self._squatter: Optional[Squatter] = None
         self._full = _Pauses()
 
@@ -141,6 +143,7 @@ class ActiveRobots:
             if not name_fits or not self._make_room(now, robot_id, host, certain):
                 return None
             robot = self._robots[robot_id] = ActiveRobot(robot_id, host, now)
+            self._by_team.setdefault(robot_id.team, []).append(robot)
         robot.hear(now, host, time, certain)
         return robot
 
@@ -180,13 +183,21 @@ class ActiveRobots:
         at_host = collections.Counter(robot.host for robot in loose)
         dropped = max(group, key=lambda robot: (at_host[robot.host], -robot.last_heard.mono))
         self._squatter = Squatter(dropped.host, dropped.id.team, at_host[dropped.host])
-        del self._robots[dropped.id]
+        self._remove(dropped.id)
 
     def forget(self, now: Now) -> None:
         """Drop the robots that were not heard within the timeout."""
+        if now.mono == self._forgot_mono:
+            return
+        self._forgot_mono = now.mono
         gone = [i for i, r in self._robots.items() if now.mono - r.last_heard.mono > self._timeout]
         for robot_id in gone:
-            del self._robots[robot_id]
+            self._remove(robot_id)
+
+    def _remove(self, robot_id: RobotId) -> None:
+        self._by_team[robot_id.team].remove(self._robots.pop(robot_id))
+        if not self._by_team[robot_id.team]:
+            del self._by_team[robot_id.team]
 
     def use_teams(self, teams: Container[str]) -> None:
         """Take other teams. The robots that were heard stay."""
@@ -213,5 +224,4 @@ class ActiveRobots:
     def of_team(self, now: Now, team: str) -> List[ActiveRobot]:
         """Return a team's active robots in the order of preference: heard recently, then known longest."""
         self.forget(now)
-        robots = [robot for robot in self._robots.values() if robot.id.team == team]
-        return sorted(robots, key=lambda r: (r.is_late(now), r.first_heard.mono, r.id))
+        return sorted(self._by_team.get(team, ()), key=lambda r: (r.is_late(now), r.first_heard.mono, r.id))

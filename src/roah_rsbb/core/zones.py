@@ -1,7 +1,7 @@
 """Zones: their scheduled events, the current event, and the run in it (docs/organiser.md, "schedule.yaml")."""
 
 from dataclasses import dataclass
-from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.robots import RobotId
@@ -71,14 +71,26 @@ class Zone:
     `planned`, until the run is left (`roah_rsbb.core.reload`).
     """
 
-    def __init__(self, plan: ZonePlan) -> None:
+    def __init__(self, plan: ZonePlan, run_set: Callable[[], None] = lambda: None) -> None:
+        """`run_set` is called whenever `run` is set."""
         self.name = plan.name
         self.planned = plan.events
         self.index = 0
-        self.run: Optional[ZoneRun] = None
+        self._run: Optional[ZoneRun] = None
+        self._run_set = run_set
         self.version = 0  # of the configuration with which the run was connected
         self._set_events(plan.events)
         self.last_run: Optional[LastRun] = None  # until the zone shows another event
+
+    @property
+    def run(self) -> Optional[ZoneRun]:
+        """The run in the zone. Set it again when its members change."""
+        return self._run
+
+    @run.setter
+    def run(self, run: Optional[ZoneRun]) -> None:
+        self._run = run
+        self._run_set()
 
     @property
     def event(self) -> ScheduledEvent:
@@ -184,20 +196,39 @@ class Zone:
             self.move(1)
 
 
+class _Runs:
+    """The runs in all zones. They are needed for each datagram, and change rarely."""
+
+    def __init__(self, zones: Iterable[Zone]) -> None:
+        self.runs = [zone.run for zone in zones if zone.run is not None]
+        self.members = [member for run in self.runs for member in run.members()]
+        self.at = {member.port: member for member in self.members}
+        self.of = {member.robot: member for member in reversed(self.members)}
+
+
 class Zones(Dict[str, Zone]):
     """All zones by name, in the order of the schedule file, and the runs in them."""
 
     def __init__(self, plans: Iterable[ZonePlan]) -> None:
-        super().__init__((plan.name, Zone(plan)) for plan in plans)
-        self._run_at: Dict[int, Run] = {}  # see `run_at`
+        super().__init__((plan.name, Zone(plan, self._forget_runs)) for plan in plans)
+        self._runs: Optional[_Runs] = None
+
+    def _forget_runs(self) -> None:
+        self._runs = None
+
+    def _known(self) -> _Runs:
+        if self._runs is None:
+            self._runs = _Runs(self.values())
+        return self._runs
 
     def reschedule(self, plans: Sequence[ZonePlan]) -> None:
         """Take another schedule. No zone with a run may be missing in it."""
         before = dict(self)
         self.clear()
         for plan in plans:
-            self[plan.name] = before.get(plan.name) or Zone(plan)
+            self[plan.name] = before.get(plan.name) or Zone(plan, self._forget_runs)
             self[plan.name].reschedule(plan)
+        self._forget_runs()
 
     def named(self, name: str) -> Zone:
         """Return the zone of that name. Raises `Refused` with the existing names if there is none."""
@@ -215,25 +246,16 @@ class Zones(Dict[str, Zone]):
 
     def runs(self) -> List[ZoneRun]:
         """Return the runs in all zones."""
-        return [zone.run for zone in self.values() if zone.run is not None]
+        return self._known().runs
 
     def members(self) -> List[Run]:
-        """Return all runs of single robots. Each has a private channel."""
-        return [member for run in self.runs() for member in run.members()]
+        """Return all runs of single robots. Each has a private channel. The list stays the same until one changes."""
+        return self._known().members
 
     def run_of(self, robot_id: RobotId) -> Optional[Run]:
         """Return the run that a robot is in. A robot is in at most one run of the box."""
-        return next((run for run in self.members() if run.robot == robot_id), None)
+        return self._known().of.get(robot_id)
 
     def run_at(self, port: int) -> Optional[Run]:
         """Return the run whose private channel has this port."""
-        run = self._run_at.get(port)
-        if run is None or not self._contains(run):
-            # Called for each datagram. An answer stays valid until a zone's run changes, which is rare.
-            self._run_at = {member.port: member for member in self.members()}
-            run = self._run_at.get(port)
-        return run
-
-    def _contains(self, run: Run) -> bool:
-        whole = self[run.zone].run
-        return whole is run or (whole is not None and run in whole.members())
+        return self._known().at.get(port)

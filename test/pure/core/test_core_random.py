@@ -8,17 +8,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from helpers.box_driver import BoxDriver
-from helpers.competition import competition, event
+from helpers.competition import TEAMS, UTC0, competition, event
 from helpers.examples import examples
 from helpers.linked_world import FakeLink, World, assert_legal
 from helpers.random_events import ZONES, apply_event, random_competition, random_events
 from roah_rsbb.core import effects
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.link.timeline import Timeline, Verdict
-from roah_rsbb.core.referee import Refused
+from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.records import EndReason, Phase
+from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
+from roah_rsbb.core.views.public import PublicResults, public_view
+from roah_rsbb.core.views.schedule import ScheduleView, schedule
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.machine import IllegalEvent
 
@@ -59,6 +62,66 @@ def test_no_order_of_events_breaks_the_box(sequence):
             assert view.state
             assert view.timer >= 0
         assert views.box_status(driver.box, driver.now)
+
+
+class _Kept:
+    """What a box and its views keep until it changes, beside what they would find now."""
+
+    def __init__(self, driver):
+        self._driver = driver
+        self._views, self._schedule = views.ZoneViews(driver.box), ScheduleView(driver.box)
+        self._revision, self._public, self._coming = None, None, None
+
+    def check(self):
+        box, now = self._driver.box, self._driver.now
+        kept = self._views.look(now)
+        assert [view.without_time() for view in kept] == [view.without_time() for view in views.zones(box, now)]
+        assert self._schedule.look(now) == schedule(box, now)
+        public = public_view(box, now, PublicResults.SCORES, provisional=True).without_time()
+        coming = views.coming_events(box)
+        assert box.revision != self._revision or (public, coming) == (self._public, self._coming)
+        self._revision, self._public, self._coming = box.revision, public, coming
+        runs = [zone.run for zone in box.zones.values() if zone.run is not None]
+        members = [member for run in runs for member in run.members()]
+        assert box.zones.runs() == runs and box.zones.members() == members
+        assert box.beacon().robots == tuple((*run.robot, run.port) for run in members)
+        for member in members:
+            assert box.zones.run_of(member.robot) is member is box.zones.run_at(member.port)
+        robots = box.robots.all(now)
+        for team in TEAMS:
+            assert {r.id for r in box.robots.of_team(now, team)} == {r.id for r in robots if r.id.team == team}
+
+
+@examples(100)
+@given(st.lists(random_events(), max_size=60))
+def test_what_is_kept_is_what_would_be_found_now(sequence):
+    driver = BoxDriver(random_competition())
+    kept = _Kept(driver)
+    for name, arguments in sequence:
+        apply_event(driver, name, arguments)
+        kept.check()
+
+
+def test_what_is_kept_of_a_run_in_progress_is_what_would_be_found_now():
+    other = [event("HWV", team="Beta", scheduled=UTC0 + 40.0)]
+    driver = BoxDriver(competition(tbm=["HWV", event("HWV", run=2, scheduled=UTC0 + 70.0)], other=other))
+    kept = _Kept(driver)
+    robot = driver.executing()
+    shown = views.ZoneViews(driver.box)
+    assert shown.look(driver.now)[0] is shown.look(driver.now)[0]
+    name = RunName("tbm", driver.run_in().identity)
+    for act in (
+        lambda: robot.says(after=0.05), lambda: robot.says(messages_saved=2), lambda: robot.says(notifications=("a",)),
+        lambda: setattr(robot, "skew", 5.0), robot.says, lambda: robot.lives(3), lambda: driver.run(4.0), robot.says,
+        lambda: driver.event(driver.box.on_unreadable, robot.port, "bad"), lambda: driver.run(20.0),
+        lambda: driver.score("Penalized", "bumps", 1), lambda: robot.says(RobotState.PREPARING), robot.executes,
+        lambda: driver.event(driver.box.reload, competition(tbm=["HGTKMH", "HWV"], other=other), 1, ["all"]),
+        lambda: driver.command("stop"), lambda: driver.run(1.0), robot.says, lambda: driver.command("disconnect"),
+        robot.beacon, lambda: driver.event(driver.box.scores.mark, name, Mark("Penalized", "bumps", 3)),
+        lambda: driver.event(driver.box.scores.sign_off, name, "Ada"), *[lambda: driver.run(7.0)] * 15,
+    ):
+        act()
+        kept.check()
 
 
 @examples(150)
