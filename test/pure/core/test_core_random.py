@@ -20,6 +20,7 @@ from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
+from roah_rsbb.core.views.explained import explanations
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.core.views.schedule import ScheduleView, schedule
 from roah_rsbb.protocol import BoxState, RobotState
@@ -70,17 +71,17 @@ class _Kept:
     def __init__(self, driver):
         self._driver = driver
         self._views, self._schedule = views.ZoneViews(driver.box), ScheduleView(driver.box)
-        self._revision, self._public, self._coming = None, None, None
+        self._revision, self._public = None, ()
 
     def check(self):
         box, now = self._driver.box, self._driver.now
         kept = self._views.look(now)
         assert [view.without_time() for view in kept] == [view.without_time() for view in views.zones(box, now)]
         assert self._schedule.look(now) == schedule(box, now)
-        public = public_view(box, now, PublicResults.SCORES, provisional=True).without_time()
-        coming = views.coming_events(box)
-        assert box.revision != self._revision or (public, coming) == (self._public, self._coming)
-        self._revision, self._public, self._coming = box.revision, public, coming
+        public = (public_view(box, now, PublicResults.SCORES, provisional=True).without_time(),
+                  views.coming_events(box), explanations(box, PublicResults.SCORES, with_texts=True))
+        assert box.revision != self._revision or public == self._public
+        self._revision, self._public = box.revision, public
         runs = [zone.run for zone in box.zones.values() if zone.run is not None]
         members = [member for run in runs for member in run.members()]
         assert box.zones.runs() == runs and box.zones.members() == members
