@@ -2,6 +2,7 @@
 
 import pytest
 
+from helpers import simulated_air
 from helpers.checked_robot import Checked, usual_robot
 from roah_rsbb.check.engine import all_scenarios, scenarios_of
 from roah_rsbb.check.findings import Verdict
@@ -48,3 +49,17 @@ def test_only_the_given_benchmarks_are_run():
     assert [name for name in names if name.startswith("run")] == ["run", "run-hwv"]
     assert "next-waypoint" in names and "goal-timeout" not in names and "burst" not in names
     assert "unknown-code" in names
+
+
+def test_a_robot_that_obeys_a_timeout_before_the_check_looks_is_judged(monkeypatch):
+    def call_at(loop, when, *arguments, **fields):
+        handle = usual(loop, when, *arguments, **fields)
+        if when - loop.time() < 1e-6:
+            loop.stall(1e-6)  # a datagram has arrived before the loop continues
+        return handle
+
+    usual = simulated_air.SimulatedLoop.call_at
+    monkeypatch.setattr(simulated_air, "DELAY_S", 0.0)
+    monkeypatch.setattr(simulated_air.SimulatedLoop, "call_at", call_at)
+    checked = Checked(monkeypatch, names=["next-waypoint", "goal-timeout"])
+    assert [result.verdict for result in checked.engine.results] == [Verdict.PASSED] * 3, checked.findings

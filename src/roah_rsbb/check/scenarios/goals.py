@@ -8,7 +8,7 @@ from roah_rsbb.check.play import OBEY_S, GaveUp, Play, goals_of
 from roah_rsbb.check.scenarios import basic
 from roah_rsbb.check.scenarios.scenario import Scenario
 from roah_rsbb.core.modules.messages import OutcomeKind
-from roah_rsbb.protocol import RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.registry import PROFILES
 
 # A goal ends this long after the robot began to execute it.
@@ -18,8 +18,8 @@ SAME_MOMENT_S = 0.3
 UNKNOWN_S = 3.0
 
 
-async def _time_out(play: Play, code: str) -> bool:
-    """Lead the robot into a goal that times out while it executes. Returns whether it did."""
+async def _time_out(play: Play, code: str) -> None:
+    """Lead the robot into a goal that times out while it executes. Skips the scenario if the robot is too quick."""
     first, second = goals_of(code)
     # The first goal shows how long the robot prepares. The timeout of the second one counts from PREPARE on.
     goals = [dict(first), dict(second), dict(first)]
@@ -30,20 +30,28 @@ async def _time_out(play: Play, code: str) -> bool:
     prepare_s = play.loop.time() - began
     play.box.goals.requests[1]["timeout"] = round(1.1 * prepare_s + INTO_EXECUTING_S, 2)
     limit_s = 2 * (play.options.patience + prepare_s)
-    if not await play.until_robot(lambda: play.over or len(play.box.outcomes(code)) > 1, limit_s):
+    state = play.state  # before the timeout: afterwards, the robot may have obeyed before this check looks
+
+    def ended() -> bool:
+        nonlocal state
+        if play.over or len(play.box.outcomes(code)) > 1:
+            return True
+        state = play.state
+        return False
+
+    if not await play.until_robot(ended, limit_s):
         play.give_up(Cause.NEVER_DONE, f"RESULT_TX within {play.options.patience:g} s", play.state_name)
-    return play.box.outcomes(code)[1:2] == [OutcomeKind.TIMED_OUT] and play.state is RobotState.EXECUTING
+    if play.box.outcomes(code)[1:2] != [OutcomeKind.TIMED_OUT] or state is not RobotState.EXECUTING:
+        play.skip("The robot completes its goals too quickly for a timeout in EXECUTING")
 
 
 async def next_waypoint(play: Play, code: str) -> None:
     """PREPARE in the middle of EXECUTING: the waypoint timed out."""
-    if not await _time_out(play, code):
-        play.skip("The robot completes its goals too quickly for a timeout in EXECUTING")
-    since, began = len(play.record.reports), play.loop.time()
+    await _time_out(play, code)
     await play.until(lambda: play.state is not RobotState.EXECUTING, OBEY_S)
-    seconds = play.loop.time() - began
-    ended = play.record.reports[since:] and play.record.reports[-1].report.state
-    if play.state is RobotState.EXECUTING or (ended is RobotState.RESULT_TX and seconds > SAME_MOMENT_S):
+    began = next(said.mono for said in reversed(play.record.states) if said.state is BoxState.PREPARE)
+    seconds = max(0.0, play.record.reports[-1].mono - began)
+    if play.state is RobotState.EXECUTING or (play.state is RobotState.RESULT_TX and seconds > SAME_MOMENT_S):
         play.give_up(Cause.TIMEOUT_IGNORED, f"PREPARING within {OBEY_S:g} s of PREPARE in EXECUTING",
                      f"{play.state.name} after {seconds:.1f} s")
     play.measured("PREPARE in EXECUTING to PREPARING", seconds)
@@ -52,8 +60,7 @@ async def next_waypoint(play: Play, code: str) -> None:
 
 async def goal_timeout(play: Play, code: str) -> None:
     """A goal without a waypoint times out: the robot may finish it, then prepares for the next one."""
-    if not await _time_out(play, code):
-        play.skip("The robot completes its goals too quickly for a timeout in EXECUTING")
+    await _time_out(play, code)
     if not await play.until_robot(lambda: play.state in (RobotState.PREPARING, RobotState.WAITING_GOAL),
                                   play.options.patience):
         play.give_up(Cause.NEXT_GOAL_IGNORED, "PREPARING after the goal that timed out", play.state_name)
