@@ -182,6 +182,21 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This code is wrong</source>
+        <translation>Dieser Code ist falsch</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Too many wrong codes: wait a minute, then try again</source>
+        <translation>Zu viele falsche Codes: Warten Sie eine Minute und versuchen Sie es dann noch einmal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The codes cannot be saved ({error}): free or repair the disk of log_dir</source>
+        <translation>Die Codes können nicht gespeichert werden ({error}): Schaffen Sie Platz auf dem Datenträger von log_dir oder reparieren Sie ihn</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>This display is not connected</source>
         <translation>Diese Anzeige ist nicht verbunden</translation>
     </message>
@@ -249,6 +264,46 @@
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Referee&apos;s page</source>
         <translation>Seite für Schiedsrichter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Our robot</source>
+        <translation>Unser Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Code of the team</source>
+        <translation>Code des Teams</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Show what the box sees of our robot</source>
+        <translation>Zeigen, was die Box von unserem Roboter sieht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Codes of the teams</source>
+        <translation>Codes der Teams</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>New codes</source>
+        <translation>Neue Codes</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Print</source>
+        <translation>Drucken</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Each team sees its link and its clock on its own page with this code.</source>
+        <translation>Mit diesem Code sieht jedes Team auf seiner Seite seine Verbindung und seine Uhr.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Everybody sees the links and clocks of all teams (team_pages is all). Codes are not needed.</source>
+        <translation>Alle sehen Verbindungen und Uhren aller Teams (team_pages ist all). Codes sind nicht nötig.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -1600,6 +1655,51 @@
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>{withdrawn}, a correction</source>
         <translation>{withdrawn}, eine Korrektur</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
+        <source>The box does not hear the robot</source>
+        <translation>Die Box hört den Roboter nicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
+        <source>Next event: {benchmark} in zone {zone}, about {time}</source>
+        <translation>Nächster Termin: {benchmark} in Zone {zone}, etwa um {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
+        <source>The box hears {robot}, last {seconds} s ago</source>
+        <translation>Die Box hört {robot}, zuletzt vor {seconds} s</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
+        <source>Its clock is {seconds} s ahead of the box</source>
+        <translation>Seine Uhr geht gegenüber der Box {seconds} s vor</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
+        <source>Its clock is {seconds} s behind the box</source>
+        <translation>Seine Uhr geht gegenüber der Box {seconds} s nach</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
+        <source>In zone {zone}, connect is off: {reasons}</source>
+        <translation>In Zone {zone} ist das Verbinden nicht möglich: {reasons}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
+        <source>In zone {zone}, the robot can be connected now</source>
+        <translation>In Zone {zone} kann der Roboter jetzt verbunden werden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
+        <source>In zone {zone}, the robot is connected. No message of it has come yet</source>
+        <translation>In Zone {zone} ist der Roboter verbunden. Noch ist keine Nachricht von ihm gekommen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
+        <source>In zone {zone}, the robot is connected. Its state: {state}. Last message {seconds} s ago</source>
+        <translation>In Zone {zone} ist der Roboter verbunden. Sein Zustand: {state}. Letzte Nachricht vor {seconds} s</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/times.py"/>

@@ -103,6 +103,7 @@ function Displays({live, words}) {
     ${trouble && html`<p class="alarm" role="alert">${trouble}</p>`}
     <h1 class="title">${texts.displays}</h1>
     <p class="nothing">${texts.displays_how}</p>
+    <p><a class="button" href=${address("/codes")}>${texts.codes}</a></p>
     ${list && html`
       <button type="button" data-command="show_names" onClick=${() => send({show_names: true})}>${texts.show_names}</button>
       <ul class="rows">${list.displays.map((row) => html`

@@ -9,6 +9,7 @@ from roah_rsbb.box_clock import BoxClock
 from roah_rsbb.web import documents, zone_documents
 from roah_rsbb.web.numbered import Document, Key, Numbered
 from roah_rsbb.web.store import Store
+from roah_rsbb.wording import team_page
 
 # The core publishes the zones ten times a second.
 SILENT_S = 1.5
@@ -24,6 +25,7 @@ class Desk(Numbered):
         self._gui: Optional[Any] = None
         self._details: Optional[Any] = None
         self._clocks: Optional[Any] = None
+        self._schedule: Optional[Any] = None
         self._runs: List[Any] = []
         self._heard_mono = float("-inf")
         self._clock = BoxClock()
@@ -34,6 +36,10 @@ class Desk(Numbered):
     def on_results(self, results) -> None:
         """Take Results."""
         self._runs = list(results.runs)
+
+    def on_schedule(self, schedule) -> None:
+        """Take Schedule."""
+        self._schedule = schedule
 
     def on_clocks(self, clocks) -> None:
         """Take RunClocks."""
@@ -65,6 +71,13 @@ class Desk(Numbered):
     def zones(self) -> List[str]:
         """Return all zones, in the order of the schedule."""
         return [] if self._gui is None else [zone.zone for zone in self._gui.zones]
+
+    def team_facts(self, team: str, language: str) -> Optional[List[str]]:
+        """Return what the box knows of a team's robot; None: the core was not heard yet."""
+        if self._gui is None or self._details is None:
+            return None
+        with self._store.speaking(language):
+            return team_page.facts(team, self._gui, self._details, self._schedule)
 
     def show(self, zones: Iterable[Key]) -> None:
         """Make documents for these pairs of language and zone from now on, and for no others."""

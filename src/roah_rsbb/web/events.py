@@ -9,7 +9,7 @@ from typing import Any, List, Optional
 
 from tornado import web, websocket
 
-from roah_rsbb.web.displays import display_of
+from roah_rsbb.web.displays.listed import display_of
 from roah_rsbb.web.documents import DATA, DISPLAY, TEXTS
 from roah_rsbb.web.guarded import Guarded
 from roah_rsbb.web.numbered import Key

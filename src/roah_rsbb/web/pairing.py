@@ -17,8 +17,8 @@ REFEREE, JUDGE, ORGANISER = ROLES = ("referee", "judge", "organiser")
 
 CODE_VALID_S = 120.0
 # Letters and digits that cannot be mistaken for each other. A code has 39 bits.
-_SIGNS = "ABCDEFGHJKMNPQRSTUVWXYZ23456789"
-_CODE_LENGTH = 8
+SIGNS = "ABCDEFGHJKMNPQRSTUVWXYZ23456789"
+CODE_LENGTH = 8
 MAX_CODES = 20
 
 # Guesses of an address, and of all addresses together.
@@ -67,32 +67,45 @@ class Session(NamedTuple):
         return sheets.author(self.person, self.grant.role, self.device)
 
 
+class Guesses:
+    """Limits guesses of codes."""
+
+    def __init__(self, message: str) -> None:
+        """`message`: what somebody reads who guesses too often."""
+        self._message = message
+        self._of_address = Rates(GUESSES_A_SECOND, GUESSES_AT_ONCE)
+        self._of_all = Rates(ALL_GUESSES_A_SECOND, ALL_GUESSES_AT_ONCE)
+
+    def check(self, mono: float, address: str) -> None:
+        """Count a guess; raises `TooManyGuesses`."""
+        if not self._of_address.allows(mono, address) or not self._of_all.allows(mono, ""):
+            raise TooManyGuesses(tr(self._message))
+
+
 class Codes:
     """The codes that can be used now. They are kept in memory only."""
 
     def __init__(self) -> None:
         self._codes: Dict[str, tuple[Grant, float]] = {}  # by hash: what it gives, and until when; oldest first
-        self._of_address = Rates(GUESSES_A_SECOND, GUESSES_AT_ONCE)
-        self._of_all = Rates(ALL_GUESSES_A_SECOND, ALL_GUESSES_AT_ONCE)
+        self._guesses = Guesses(device.TOO_MANY_GUESSES)
 
     def make(self, mono: float, grant: Grant) -> str:
         """Return a new code. If there are too many, the oldest one becomes invalid."""
         self._forget_old(mono)
         while len(self._codes) >= MAX_CODES:
             del self._codes[next(iter(self._codes))]
-        code = "".join(secrets.choice(_SIGNS) for _ in range(_CODE_LENGTH))
+        code = "".join(secrets.choice(SIGNS) for _ in range(CODE_LENGTH))
         self._codes[_hash(code)] = (grant, mono + CODE_VALID_S)
         return f"{code[:4]}-{code[4:]}"
 
     def check_guess(self, mono: float, address: str) -> None:
         """Count a guess; raises `TooManyGuesses`."""
-        if not self._of_address.allows(mono, address) or not self._of_all.allows(mono, ""):
-            raise TooManyGuesses(tr(device.TOO_MANY_GUESSES))
+        self._guesses.check(mono, address)
 
     def take(self, mono: float, typed: str) -> Grant:
         """Use a code up, and return what it gives; raises `Refused`. Call `check_guess` first."""
         self._forget_old(mono)
-        found = self._codes.pop(_hash("".join(sign for sign in typed.upper() if sign.isalnum())), None)
+        found = self._codes.pop(_hash(signs_of(typed)), None)
         if found is None:
             raise Refused(tr(device.WRONG_CODE))
         return found[0]
@@ -181,6 +194,11 @@ class Sessions:
 def plain(text: str) -> str:
     """Return a name that fits in a line: printable, and not too long."""
     return " ".join("".join(sign if sign.isprintable() else " " for sign in text).split())[:MAX_NAME].rstrip()
+
+
+def signs_of(typed: str) -> str:
+    """Return the signs of a code as somebody typed it."""
+    return "".join(sign for sign in typed.upper() if sign.isalnum())
 
 
 def _is_old(session: Session, utc: float) -> bool:

@@ -15,24 +15,29 @@ from tornado import web
 
 from roah_rsbb.web.commands import Command, Outcome
 from roah_rsbb.web.desk import Desk
-from roah_rsbb.web.displays import Display, Displays, Setting
+from roah_rsbb.web.displays.listed import Display, Displays, Setting
+from roah_rsbb.web.displays.requests import DisplaysHandler
 from roah_rsbb.web.documents import DATA
 from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.guarded import Guarded
 from roah_rsbb.web.limits import Places, Rates
-from roah_rsbb.web.organising import DisplaysHandler
-from roah_rsbb.web.pairing import Codes, Session, Sessions
+from roah_rsbb.web.pairing import Codes, Guesses, Session, Sessions
 from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind, set_headers
 from roah_rsbb.web.store import Store
+from roah_rsbb.web.teams.codes import TeamCodes
+from roah_rsbb.web.teams.requests import CODE, CodesHandler, TeamHandler
 from roah_rsbb.web.tls import EncryptedServer
 from roah_rsbb.web.writing import CommandHandler, DeviceEventsHandler, PairHandler, SessionHandler
+from roah_rsbb.wording.device import TOO_MANY_TEAM_GUESSES
 
-PAGES = ("display", "overlay", "pair", "referee", "displays")
+PAGES = ("display", "overlay", "pair", "referee", "displays", "codes")
 # A device that scores makes some requests a second. A crowd behind the same address has other limits.
 REQUESTS_OF_DEVICE_A_SECOND, REQUESTS_OF_DEVICE_AT_ONCE = 20.0, 100.0
 MAX_DEVICES = 200
 # Why a WebSocket is closed.
 NOT_PAIRED = 4401
+# A team's page asks more often. The state of robots comes ten times a second: nobody else needs it here.
+TEAM_ASKS_S = 10.0
 # How often readers get the clock. Pages report silence after three of these periods.
 BEAT_S = 1.0
 # How often the server checks whether the core is silent.
@@ -54,14 +59,15 @@ class WebServer:
         self, loop: asyncio.AbstractEventLoop, store: Store, folder: str, names: FrozenSet[str],
         sessions: Optional[Sessions] = None, command: Optional[Callable[[Command], Awaitable[Outcome]]] = None,
         on_devices: Callable[[bool], None] = lambda any_device: None, context: Optional[ssl.SSLContext] = None,
-        displays: Optional[Displays] = None,
+        displays: Optional[Displays] = None, team_codes: Optional[TeamCodes] = None, team_pages: str = CODE,
     ) -> None:
         """`folder`: the files of the pages; `names`: of this computer (`limits.own_names`).
 
         `sessions`: the paired devices; None: they are forgotten at the end. `command` carries commands out; None:
-        there is no answer. `on_devices` is called whenever devices come or go, with whether any is connected.
+        there is no answer. `on_devices` is called whenever devices come or go, with whether their topics are wanted.
         `context`: the certificate; None: nothing is encrypted.
-        `displays`: what organisers have set for them; None: it is forgotten at the end.
+        `displays`: what organisers have set for them, `team_codes`: of the teams; None: forgotten at the end.
+        `team_pages`: who sees what the box knows of a team's robot: `all`, or who has the team's `code`.
         """
         self._loop = loop
         self.store = store
@@ -70,6 +76,10 @@ class WebServer:
         self.codes = Codes()
         self.sessions = sessions or Sessions(lambda records: None)
         self.desk = Desk(store)
+        self.team_codes = team_codes or TeamCodes(lambda secret: None, {})
+        self.team_pages = team_pages
+        self.team_guesses = Guesses(TOO_MANY_TEAM_GUESSES)
+        self._teams_until_mono = float("-inf")  # until then, pages of teams want to know the state of robots
         self.displays = displays or Displays(lambda records: None, {})
         self.command = command or _no_answer
         self._on_devices = on_devices
@@ -92,6 +102,8 @@ class WebServer:
                 (r"/api/v1/commands/([a-z_]+)", CommandHandler, shared),
                 (r"/api/v1/device", DeviceEventsHandler, shared),
                 (r"/api/v1/displays", DisplaysHandler, shared),
+                (r"/api/v1/codes", CodesHandler, shared),
+                (r"/api/v1/teams/([^/]+)", TeamHandler, shared),
                 (r"/api/v1/schemas/([a-z]+\.json)", SchemaHandler,
                  {**shared, "path": os.path.join(folder, "schemas")}),
                 (r"/assets/(.*)", FileHandler, {**shared, "path": os.path.join(folder, "assets")}),
@@ -152,7 +164,15 @@ class WebServer:
     def devices_changed(self) -> None:
         """Make documents only for what devices show."""
         self.desk.show(device.key for device in self.devices)
-        self._on_devices(len(self.devices) > 0)
+        self._want_devices()
+
+    def team_asked(self) -> None:
+        """A page of a team asks for the state of its robot, and will ask again."""
+        self._teams_until_mono = self.now() + TEAM_ASKS_S
+        self._want_devices()
+
+    def _want_devices(self) -> None:
+        self._on_devices(len(self.devices) > 0 or self.now() < self._teams_until_mono)
 
     def display_opened(self, window: Reader, display: Display) -> bool:
         """A display is open; returns whether the organiser can set what it shows."""
@@ -205,6 +225,8 @@ class WebServer:
         """Send the clock each second, and at once when the core falls silent or is heard again."""
         self._timer = self._loop.call_later(LOOK_S, self._look)
         now = self.now()
+        if 0.0 <= now - self._teams_until_mono < BEAT_S:
+            self._want_devices()
         is_heard = (self.store.is_heard(now), self.desk.is_heard(now))
         if now < self._beat_due_mono and is_heard == self._was_heard:
             return

@@ -9,6 +9,7 @@ from roah_rsbb.web.documents import DATA, TEXTS, Data
 from roah_rsbb.web.numbered import Key, Numbered
 from roah_rsbb.wording import device
 from roah_rsbb.wording.language import Translate, in_language
+from roah_rsbb.wording.public import ALL_TEAMS
 
 # The core publishes twice a second, with its clock in every message. A repeated message may be the latched one of a
 # core that hangs.
@@ -76,6 +77,18 @@ class Store(Numbered):
     def zones(self) -> List[str]:
         """Return all zones, in alphabetical order."""
         return [] if self._details is None else sorted(_zones(self._details))
+
+    def teams(self) -> List[str]:
+        """Return all teams that are known, in alphabetical order."""
+        details, board = self._details, self._board
+        if details is None:
+            return []
+        ended = list(details.finished) if board is None else [*board.results, *board.provisional]
+        ranked = () if board is None else board.standings
+        teams = {team for run in details.runs for team in run.teams}
+        teams.update(event.team for event in [*details.following, *(result.event for result in ended)])
+        teams.update(rank.team for standing in ranked for rank in standing.ranks)
+        return sorted(teams - {ALL_TEAMS})
 
     # -- for readers ----------------------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ from tornado import web
 from roah_rsbb.web.commands import BadCommand, command_of, may
 from roah_rsbb.web.events import Reader
 from roah_rsbb.web.guarded import TOO_MANY_REQUESTS, Guarded
-from roah_rsbb.web.pairing import SESSION_VALID_S, Refused, Session, TooManyGuesses, plain
+from roah_rsbb.web.pairing import ORGANISER, SESSION_VALID_S, Refused, Session, TooManyGuesses, plain
 from roah_rsbb.web.viewer import Viewer
 from roah_rsbb.wording import device
 from roah_rsbb.wording.device import role_text
@@ -121,6 +121,16 @@ class FromOwnPage(OfDevice):
         if not isinstance(body, dict):
             raise web.HTTPError(400, reason="A JSON object is expected")
         return body
+
+
+class OfOrganiser(FromOwnPage):
+    """A request that only an organiser may make."""
+
+    def prepare(self) -> None:
+        """Refuse other devices."""
+        super().prepare()
+        if self.needed_session().grant.role != ORGANISER:
+            raise web.HTTPError(403, reason="Only an organiser may do this")
 
 
 class PairHandler(FromOwnPage):

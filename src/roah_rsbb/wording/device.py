@@ -20,6 +20,10 @@ NOT_ENCRYPTED = tr_later(
 # Why a command of a device has no effect.
 NOT_ALLOWED = tr_later("This device may not do that: it is paired as {role}")
 NO_ANSWER = tr_later("No answer from the core: it may have been done. Check the state")
+# Why a team does not see its robot.
+WRONG_TEAM_CODE = tr_later("This code is wrong")
+TOO_MANY_TEAM_GUESSES = tr_later("Too many wrong codes: wait a minute, then try again")
+CODES_NOT_SAVED = tr_later("The codes cannot be saved ({error}): free or repair the disk of log_dir")
 # Why an organiser's setting of a display has no effect.
 NO_SUCH_DISPLAY = tr_later("This display is not connected")
 TOO_MANY_DISPLAYS = tr_later("Too many displays are set: take some back first")
@@ -54,6 +58,12 @@ def page_words() -> Dict[str, str]:
         "end_pairing": tr("End the pairing of this device"),
         "not_encrypted": tr(NOT_ENCRYPTED),
         "referee_page": tr("Referee's page"),
+        "our_robot": tr("Our robot"), "team_code": tr("Code of the team"),
+        "see_robot": tr("Show what the box sees of our robot"),
+        "codes": tr("Codes of the teams"), "new_codes": tr("New codes"), "print": tr("Print"),
+        "codes_how": tr("Each team sees its link and its clock on its own page with this code."),
+        "codes_for_all": tr(
+            "Everybody sees the links and clocks of all teams (team_pages is all). Codes are not needed."),
         "displays": tr("Displays"), "displays_how": tr(
             "Each /display and /overlay that is open. What you set here counts until you take it back. Its address may "
             "give a display its name: /display?name=Hall"),

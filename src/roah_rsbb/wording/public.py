@@ -240,8 +240,13 @@ def _end(end_reason: str) -> str:
 
 
 def _when(moment, utc_s: float) -> str:
+    return local_time(moment.to_sec(), utc_s)
+
+
+def local_time(utc_s: float, now_utc_s: float) -> str:
+    """Return a time of today, or a date and time."""
     pattern = "%Y-%m-%d %H:%M:%S"
-    return times.short_time(_local(pattern, moment.to_sec()), _local(pattern, utc_s))
+    return times.short_time(_local(pattern, utc_s), _local(pattern, now_utc_s))
 
 
 def date(utc_s: float) -> str:

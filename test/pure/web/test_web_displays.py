@@ -8,7 +8,7 @@ from tornado import websocket
 
 from helpers.http_clients import HOST, HttpClients
 from helpers.public_messages import NOW, details, event, run
-from roah_rsbb.web.displays import (
+from roah_rsbb.web.displays.listed import (
     FILE,
     MAX_LISTED,
     MAX_OF_ADDRESS,
@@ -234,10 +234,10 @@ def test_a_display_that_is_closed_leaves_the_list(served):
 
 
 def test_displays_show_their_names_for_a_moment(served, monkeypatch):
-    monkeypatch.setattr("roah_rsbb.web.displays.NAMED_S", 0.0)
+    monkeypatch.setattr("roah_rsbb.web.displays.listed.NAMED_S", 0.0)
     window = served.opened()
     assert served.read(window)["shows_name"] is False
-    monkeypatch.setattr("roah_rsbb.web.displays.NAMED_S", 0.05)
+    monkeypatch.setattr("roah_rsbb.web.displays.listed.NAMED_S", 0.05)
     assert served.ask({"show_names": True}).code == 200
     assert [served.read(window)["shows_name"] for _ in range(2)] == [True, False]
 

@@ -1,14 +1,16 @@
-"""The topics for paired devices. They are subscribed to only while one is connected: they come ten times a second."""
+"""The topics for paired devices. They are subscribed to only while one is connected, or a team's page
+asks: they come ten times a second."""
 
 from typing import Callable, Optional
 
-from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunClocks
+from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunClocks, Schedule
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.web.desk import Desk
 
-GUI, DETAILS, CLOCKS, RESULTS = "/core/to_gui", "/core/details", "/core/clocks", "/core/results"
-TOPICS = {GUI: CoreToGui, DETAILS: CoreDetails, CLOCKS: RunClocks, RESULTS: Results}
+GUI, DETAILS, CLOCKS, RESULTS, SCHEDULE = (
+    "/core/to_gui", "/core/details", "/core/clocks", "/core/results", "/core/schedule")
+TOPICS = {GUI: CoreToGui, DETAILS: CoreDetails, CLOCKS: RunClocks, RESULTS: Results, SCHEDULE: Schedule}
 
 
 class DeviceFeed:
@@ -39,7 +41,9 @@ class DeviceFeed:
         if self._feed is None:
             return
         desk, feed = self._desk, self._feed
-        results, clocks, details, gui = (feed.take(topic) for topic in (RESULTS, CLOCKS, DETAILS, GUI))
+        results, clocks, schedule, details, gui = map(feed.take, (RESULTS, CLOCKS, SCHEDULE, DETAILS, GUI))
+        if schedule is not None:
+            desk.on_schedule(schedule.message)
         if results is not None:
             desk.on_results(results.message)
         if clocks is not None:

@@ -7,9 +7,10 @@ a port of its own (docs/tablet.md).
 Parameters (private): web and tablet (what is served: the pages, and the tablet's page; default: only the pages);
 rsbb_host. Of the pages: web_port (TCP, 0: any free one), web_host (address at which it is served; default: all, or this
 computer's alone if rsbb_host is), web_names (further names of this computer, separated by spaces), title (of the
-competition), log_dir (for the list of paired devices, and for what displays show), web_cert and web_key (PEM files of a
-certificate, see docs/web.md, "Encryption"; empty: the pages are not encrypted). Of the tablet: rsbb_port, bind_host;
-tablet_port (TCP, 0: any free one), tablet_host (as web_host), map_file (as map_saver writes it).
+competition), log_dir (for the list of paired devices, for what displays show and for the codes of teams), team_pages
+(who sees the state of a team's robot: all, or code), web_cert and web_key (PEM files of a certificate, see docs/web.md,
+"Encryption"; empty: the pages are not encrypted). Of the tablet: rsbb_port, bind_host; tablet_port (TCP, 0: any free
+one), tablet_host (as web_host), map_file (as map_saver writes it).
 """
 
 import asyncio
@@ -29,12 +30,14 @@ from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
-from roah_rsbb.web.displays import FILE as DISPLAYS_FILE
-from roah_rsbb.web.displays import Displays
+from roah_rsbb.web.displays.listed import FILE as DISPLAYS_FILE
+from roah_rsbb.web.displays.listed import Displays
 from roah_rsbb.web.kept_file import open_kept
 from roah_rsbb.web.limits import own_names
 from roah_rsbb.web.session_file import open_sessions
 from roah_rsbb.web.store import Store
+from roah_rsbb.web.teams.codes import FILE as CODES_FILE
+from roah_rsbb.web.teams.codes import TeamCodes
 from roah_rsbb.wording import catalogues
 
 DETAILS, BOARD, EXPLAINED = "/core/public_details", "/core/public_board", "/core/public_explained"
@@ -55,6 +58,7 @@ class WebPart:
         from roah_rsbb.nodes.web.device_feed import DeviceFeed
         from roah_rsbb.nodes.web.pairing import PairingServices
         from roah_rsbb.web.server import WebServer
+        from roah_rsbb.web.teams.requests import CODE, TEAM_PAGES
 
         self._rsbb_host = params.text("rsbb_host", "10.255.255.255")
         everywhere = LOOPBACK if self._rsbb_host.startswith("127.") else sockets.ANY_HOST
@@ -63,6 +67,7 @@ class WebPart:
         title = str(rospy.get_param("~title", ""))
         log_dir = params.path("log_dir", "~/.ros/roah_rsbb")
         files = [params.path(name) if rospy.get_param(f"~{name}", "") else "" for name in ("web_cert", "web_key")]
+        team_pages = params.choice("team_pages", CODE, list(TEAM_PAGES))
         params.done()
         if any(files) and not all(files):
             raise BadParams("web_cert and web_key belong together: give both, or none of them")
@@ -71,11 +76,12 @@ class WebPart:
         self._reported = ""  # of the certificate
         self._store = Store(_languages(resource / "languages"), title)
         sessions = open_sessions(log_dir, rospy.logerr)
+        team_codes = open_kept(log_dir, CODES_FILE, TeamCodes, {}, rospy.logerr, "the teams have new codes")
         displays = open_kept(log_dir, DISPLAYS_FILE, Displays, {}, rospy.logerr, "set what the displays show again")
         self._certificate = _certificate(*files) if all(files) else None
         self._server = WebServer(self._ros.loop, self._store, str(resource / "web"), own_names(names), sessions,
                                  CoreCalls(self._ros).carry_out, lambda any_device: self._device_feed.want(any_device),
-                                 self._certificate and self._certificate.context, displays)
+                                 self._certificate and self._certificate.context, displays, team_codes, team_pages)
         self._device_feed = DeviceFeed(self._ros, self._server.desk, self._server.publish)
         self._url = ""  # for paired devices
         PairingServices(self._ros, self._server, self._store.zones, lambda: self._url)

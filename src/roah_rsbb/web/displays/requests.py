@@ -2,23 +2,10 @@
 
 from typing import Any, Dict
 
-from tornado import web
-
-from roah_rsbb.web.displays import NOTHING_SET, SHOWS, Row, TooMany, setting_of
-from roah_rsbb.web.pairing import ORGANISER
-from roah_rsbb.web.writing import FromOwnPage
+from roah_rsbb.web.displays.listed import NOTHING_SET, SHOWS, Row, TooMany, setting_of
+from roah_rsbb.web.writing import OfOrganiser
 from roah_rsbb.wording import device
 from roah_rsbb.wording.language import tr
-
-
-class OfOrganiser(FromOwnPage):
-    """A request that only an organiser may make."""
-
-    def prepare(self) -> None:
-        """Refuse other devices."""
-        super().prepare()
-        if self.needed_session().grant.role != ORGANISER:
-            raise web.HTTPError(403, reason="Only an organiser may do this")
 
 
 class DisplaysHandler(OfOrganiser):

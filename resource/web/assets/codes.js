@@ -1,0 +1,47 @@
+// The codes of all teams, for the organiser, to be printed (docs/web.md, "Pages of teams").
+
+import {address, html, parameters, show, useEffect, useState} from "/assets/parts.js";
+import {ask, reasonsText} from "/assets/device.js";
+import {Twice} from "/assets/buttons.js";
+
+function Codes({live, words}) {
+  const texts = live.data["page.device_words"];
+  const [list, setList] = useState(null);
+  const [trouble, setTrouble] = useState("");
+  const [isPaired, setPaired] = useState(true);
+  const send = async (method) => {
+    const body = method === "POST" ? {language: parameters.get("language") || words.language} : undefined;
+    const answer = await ask(method, "codes", body);
+    setPaired(![401, 403].includes(answer.status));
+    setTrouble(answer.status === 200 ? "" : reasonsText(answer, texts));
+    if (answer.status === 200) {
+      setList(answer.body);
+    }
+  };
+  useEffect(() => {
+    send("GET");
+  }, []);
+  document.title = texts.codes;
+  document.body.dataset.layout = "list";
+  if (!isPaired) {
+    return html`
+      <h1 class="title">${texts.codes}</h1>
+      <p class="nothing">${texts.for_organisers}</p>
+      <p><a class="button main" href=${address("/pair")}>${texts.pair_title}</a></p>`;
+  }
+  return html`
+    ${trouble && html`<p class="alarm" role="alert">${trouble}</p>`}
+    <h1 class="title">${texts.codes}</h1>
+    ${list && html`
+      <p class="nothing">${list.team_pages === "all" ? texts.codes_for_all : texts.codes_how}</p>
+      <ul class="rows">${list.codes.map(({team, code}) => html`
+        <li class="line" data-team=${team}><strong>${team}</strong> <code>${code}</code>
+          <span class="at">${location.origin}/team/${encodeURIComponent(team)}</span></li>`)}
+      </ul>
+      <div class="grid unprinted">
+        <button type="button" class="main" onClick=${() => print()}>${texts.print}</button>
+        <${Twice} label=${texts.new_codes} question=${texts.really} act=${() => send("POST")} name="new_codes" />
+      </div>`}`;
+}
+
+show(Codes, ["page.words", "page.device_words"]);

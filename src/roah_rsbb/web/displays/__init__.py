@@ -1,0 +1,1 @@
+"""The displays: their list, and what the organiser sets for them."""

@@ -1,0 +1,1 @@
+"""The pages of teams: their codes, and what they ask."""

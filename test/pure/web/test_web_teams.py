@@ -1,0 +1,230 @@
+"""Pages of teams: their codes, and what the box knows of their robots."""
+
+import json
+import pathlib
+from types import SimpleNamespace
+from urllib.parse import quote
+
+import pytest
+
+from helpers.http_clients import HOST, HttpClients
+from helpers.public_messages import NOW, Time, board, details, event, result, run, standing
+from roah_rsbb.web.kept_file import open_kept
+from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant
+from roah_rsbb.web.server import WebServer
+from roah_rsbb.web.store import Store
+from roah_rsbb.web.teams.codes import FILE, TeamCodes
+from roah_rsbb.web.teams.requests import ALL, CODE
+from roah_rsbb.web.teams.requests import COOKIE as TEAM_COOKIE
+from roah_rsbb.web.writing import COOKIE
+from roah_rsbb.wording.team_page import facts
+
+FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
+TEAM = "Team & Söhne 100%"
+
+
+def codes(kept=None):
+    return TeamCodes((kept if kept is not None else []).append, {})
+
+
+def gui(team=TEAM, skew=0.25, heard=NOW - 2.0):
+    robot = SimpleNamespace(team=team, robot="R1", skew=Time(skew), beacon=Time(heard))
+    zones = [SimpleNamespace(zone="Home", team=team), SimpleNamespace(zone="Lab", team="Others")]
+    return SimpleNamespace(clock=Time(NOW), active_robots=[robot], zones=zones)
+
+
+def core_details(phase="idle", off=("Robot not active",), last=0.0):
+    zones = [SimpleNamespace(zone=name, phase=phase, connect_off=list(off), last_message=Time(last),
+                             robot_state="EXECUTING") for name in ("Home", "Lab")]
+    return SimpleNamespace(zones=zones)
+
+
+# -- codes ------------------------------------------------------------------------------------------
+
+
+def test_each_team_has_its_code_which_stays_the_same():
+    kept = []
+    made = codes(kept)
+    assert made.code(TEAM) == made.code(TEAM) != made.code("Other")
+    assert len(made.code(TEAM)) == 9
+    again = TeamCodes(kept.append, kept[-1])
+    assert again.code(TEAM) == made.code(TEAM) and again.is_token(TEAM, made.token(TEAM))
+    assert len(kept) == 1 and made.code(TEAM) not in json.dumps(kept), "no code is kept"
+
+
+def test_a_code_may_be_typed_in_other_ways():
+    made = codes()
+    code = made.code(TEAM)
+    assert made.is_code(TEAM, code.lower().replace("-", " "))
+    assert not any(made.is_code(TEAM, wrong) for wrong in ("", code[:-1], made.code("Other"), "é" * 8))
+
+
+def test_new_codes_end_the_old_ones():
+    made = codes()
+    code, token = made.code(TEAM), made.token(TEAM)
+    made.renew()
+    assert not made.is_code(TEAM, code) and not made.is_token(TEAM, token)
+
+
+def test_codes_that_cannot_be_saved_are_not_shown():
+    def fails(_secret):
+        raise OSError("full")
+    with pytest.raises(OSError):
+        TeamCodes(fails, {}).code(TEAM)
+    kept = TeamCodes(fails, {"secret": "ab" * 32})
+    code = kept.code(TEAM)
+    with pytest.raises(OSError):
+        kept.renew()
+    assert kept.code(TEAM) == code
+
+
+@pytest.mark.parametrize("content", ["[1]", "{", '{"secret": "ab"}', '{"secret": 5}', '{"other": 5}'])
+def test_a_damaged_file_is_moved_aside(tmp_path, content):
+    (tmp_path / FILE).write_text(content)
+    reports = []
+    made = open_kept(str(tmp_path), FILE, TeamCodes, {}, reports.append, "the teams have new codes")
+    assert len(made.code(TEAM)) == 9 and len(reports) == 1
+    assert (tmp_path / FILE).stat().st_mode & 0o777 == 0o600
+
+
+# -- what the box knows -----------------------------------------------------------------------------
+
+
+def test_what_a_team_reads_before_its_run():
+    lines = facts(TEAM, gui(), core_details(), None)
+    assert lines == ["The box hears R1, last 2 s ago", "Its clock is 0.250 s ahead of the box",
+                     "In zone Home, connect is off: Robot not active"]
+    assert facts(TEAM, gui(skew=-0.5), core_details(off=()), None)[1:] == [
+        "Its clock is 0.500 s behind the box", "In zone Home, the robot can be connected now"]
+    assert facts("Unknown", gui(), core_details(), None) == ["The box does not hear the robot"]
+
+
+def test_what_a_team_reads_in_its_run():
+    assert facts(TEAM, gui(), core_details("running", last=NOW - 1.0), None)[-1].endswith(
+        "Its state: EXECUTING. Last message 1 s ago")
+    assert facts(TEAM, gui(), core_details("connected"), None)[-1].endswith("No message of it has come yet")
+
+
+def test_the_next_event_with_its_estimated_time():
+    def line(team, state, begins):
+        return SimpleNamespace(team=team, state=state, begins=Time(begins), benchmark="Visitors", zone="Lab")
+    schedule = SimpleNamespace(events=[line(TEAM, "done", NOW - 50.0), line("Others", "next", NOW + 5.0),
+                                       line(TEAM, "later", NOW + 900.0), line(TEAM, "later", NOW + 300.0)])
+    found = facts(TEAM, gui(), core_details(), schedule)[-1]
+    assert found.startswith("Next event: Visitors in zone Lab, about ")
+    schedule.events.pop()
+    assert facts(TEAM, gui(), core_details(), schedule)[-1] != found
+
+
+# -- on real loopback sockets -----------------------------------------------------------------------
+
+
+class Served(HttpClients):
+    """A server whose core was heard just now."""
+
+    def __init__(self, running):
+        self.running = running
+        self.wanted = []
+        self.store = Store({"de": lambda text, n: f"auf Deutsch: {text}"})
+        self.store.on_details(running.loop.time(), details([run()], [event(team=TEAM)], NOW))
+        self.store.on_board(board([result("Beta")], [result("Gamma")], [standing()]))
+        self.server = WebServer(running.loop, self.store, FOLDER, frozenset({"localhost"}),
+                                on_devices=self.wanted.append)
+        self.server.desk.on_details(core_details())
+        self.server.desk.on_gui(running.loop.time(), gui())
+        self.port = self.server.open(HOST, 0)
+
+    def ask(self, path, body=None, cookie="", **headers):
+        headers = {"Origin": f"http://{HOST}:{self.port}", "Content-Type": "application/json", "Cookie": cookie,
+                   **headers}
+        return self.get(path, headers=headers, method="GET" if body is None else "POST",
+                        body=None if body is None else json.dumps(body))
+
+    def team(self, name=TEAM, **how):
+        return self.ask(f"/api/v1/teams/{quote(name, safe='')}", **how)
+
+    def facts(self, name=TEAM, cookie=""):
+        return json.loads(self.team(name, cookie=cookie).body)
+
+    def paired(self, role, zone=""):
+        return f"{COOKIE}={self.server.sessions.add(self.server.utc(), Grant(role, zone), 'Olga', 'phone')}"
+
+
+@pytest.fixture
+def served(running):
+    made = Served(running)
+    yield made
+    made.server.close()
+    running.turn()
+
+
+def test_the_code_of_the_team_shows_its_robot_and_no_other(served):
+    assert served.facts() == {"is_allowed": False, "facts": None}
+    assert served.wanted == [], "nobody needs the state of robots"
+    answer = served.team(body={"code": served.server.team_codes.code(TEAM)})
+    assert answer.code == 200
+    cookie = answer.headers["Set-Cookie"]
+    assert "HttpOnly" in cookie and "SameSite=Strict" in cookie
+    cookie = cookie.partition(";")[0]
+    assert cookie.startswith(TEAM_COOKIE)
+    found = served.facts(cookie=cookie)
+    assert found["is_allowed"] and found["facts"][0] == "The box hears R1, last 2 s ago"
+    assert served.wanted[-1] is True
+    assert served.facts("Other", cookie=cookie) == {"is_allowed": False, "facts": None}
+
+
+def test_the_organisers_may_show_it_to_all(served):
+    served.server.team_pages = ALL
+    assert served.facts()["is_allowed"]
+    served.server.team_pages = CODE
+    assert not served.facts()["is_allowed"]
+
+
+def test_paired_devices_see_every_team(served):
+    assert served.facts(cookie=served.paired("referee", "Home"))["is_allowed"]
+
+
+def test_a_silent_box_is_not_known_to_hear_anything(served):
+    served.server.team_pages = ALL
+    served.server.desk._heard_mono = float("-inf")
+    assert served.facts() == {"is_allowed": True, "facts": None}
+
+
+def test_the_state_of_robots_is_wanted_while_a_page_asks(served, monkeypatch):
+    monkeypatch.setattr("roah_rsbb.web.server.TEAM_ASKS_S", 0.05)
+    served.server.team_pages = ALL
+    served.facts()
+    assert served.wanted == [True]
+    served.running.until(lambda: served.wanted[-1] is False)
+
+
+def test_wrong_codes_are_refused_and_limited(served):
+    answers = [served.team(body={"code": "AAAA-AAAA", "language": "de"}) for _ in range(int(GUESSES_AT_ONCE) + 1)]
+    assert [answer.code for answer in answers] == [403] * int(GUESSES_AT_ONCE) + [429]
+    assert json.loads(answers[0].body)["reasons"] == ["auf Deutsch: This code is wrong"]
+    assert served.team(body={"code": served.server.team_codes.code(TEAM)}).code == 429
+    pairing = served.ask("/api/v1/pair", body={"code": "AAAA-AAAA", "person": "Anna"})
+    assert pairing.code == 403, "referees can still pair"
+
+
+@pytest.mark.parametrize("path", ["x" * 101, "%ff" * 101])
+def test_names_are_bounded(served, path):
+    assert served.ask(f"/api/v1/teams/{path}").code in (400, 404)
+
+
+def test_organisers_see_the_codes_of_all_teams(served):
+    answer = served.ask("/api/v1/codes", cookie=served.paired("organiser"))
+    found = {line["team"]: line["code"] for line in json.loads(answer.body)["codes"]}
+    assert set(found) == {"Alpha", "Beta", "Gamma", TEAM}
+    assert found[TEAM] == served.server.team_codes.code(TEAM)
+    renewed = served.ask("/api/v1/codes", body={}, cookie=served.paired("organiser"))
+    assert json.loads(renewed.body)["codes"] != json.loads(answer.body)["codes"]
+
+
+@pytest.mark.parametrize("role, code", [("referee", 403), ("judge", 403), (None, 401)])
+def test_the_codes_are_for_organisers(served, role, code):
+    cookie = served.paired(role, "Home") if role else ""
+    assert served.ask("/api/v1/codes", cookie=cookie).code == code
+    before = served.server.team_codes.code(TEAM)
+    assert served.ask("/api/v1/codes", body={}, cookie=cookie).code == code
+    assert served.server.team_codes.code(TEAM) == before
