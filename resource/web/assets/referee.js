@@ -6,6 +6,7 @@ import {Live} from "/assets/live.js";
 import {ask, reasonsText, roleText} from "/assets/device.js";
 import {Marks, Stop, send, signal} from "/assets/commands.js";
 import {Command, Hold, Twice} from "/assets/buttons.js";
+import {Correction} from "/assets/correction.js";
 import {ADD, Sheet} from "/assets/sheet.js";
 
 const SILENT_S = 2.2;
@@ -239,6 +240,7 @@ function Unsigned({zone, texts}) {
         <li key=${run.identity}>
           <p><strong>${run.title}</strong></p>
           <p>${run.end}${run.score && ` · ${run.score}`}</p>
+          <${Correction} zone=${zone} run=${run} marks=${state.marks} texts=${texts} undo=${(last) => undo(last, texts)} />
           <${Twice} name="sign_off" label=${texts.sign_off} question=${texts.really}
             act=${() => give("sign_off", texts, texts.sign_off, {identity: run.identity})} />
         </li>`)}</ul>

@@ -18,6 +18,7 @@ FIELDS: Dict[str, Dict[str, type]] = {
     "leave": {"identity": str},
     "stop_reason": {"identity": str, "reason": str},
     "sign_off": {"identity": str},
+    "sheet": {"identity": str},
     "mark": {"identity": str, "id": str, "group": str, "desc": str, "change": int, "value": int, "text": str,
              "judge": str, "note": str},
     "take_back": {"identity": str, "id": str},
@@ -27,6 +28,7 @@ FIELDS: Dict[str, Dict[str, type]] = {
 }
 STOP = "stop"
 MARK = "mark"
+SHEET = "sheet"
 
 
 class BadCommand(Exception):

@@ -11,11 +11,12 @@ from urllib.parse import urlsplit
 
 from tornado import web
 
-from roah_rsbb.web.commands import BadCommand, command_of, may
+from roah_rsbb.web.commands import SHEET, BadCommand, command_of, may
 from roah_rsbb.web.events import Reader
 from roah_rsbb.web.guarded import TOO_MANY_REQUESTS, Guarded
 from roah_rsbb.web.pairing import ORGANISER, SESSION_VALID_S, Refused, Session, TooManyGuesses, plain
 from roah_rsbb.web.viewer import Viewer
+from roah_rsbb.web.zone_documents import sheet_page
 from roah_rsbb.wording import device
 from roah_rsbb.wording.device import role_text
 from roah_rsbb.wording.language import tr
@@ -206,7 +207,8 @@ class CommandHandler(FromOwnPage):
             elif reasons:
                 self.refuse(409, *reasons)
             else:
-                self.finish(outcome.result or {})
+                result = outcome.result or {}
+                self.finish(sheet_page(result["sheet"]) if name == SHEET else result)
 
 
 class DeviceEventsHandler(OfDevice, Reader):

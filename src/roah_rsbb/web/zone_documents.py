@@ -61,6 +61,11 @@ def zone_page(zone, details, box_warnings: Iterable[str], clock, runs: Iterable[
     }
 
 
+def sheet_page(sheet) -> Data:
+    """Return the score sheet of a run (RunSheet), as `zone_page` has that of the run in the zone."""
+    return {"items": [_item(item) for item in sheet.items], "points": _points(sheet.points)}
+
+
 def clock_page(message, passed_s: float) -> Data:
     """Return the times of a run, `passed_s` seconds after `message` (RunClock)."""
     clock = clock_of(message, passed_s)
@@ -107,5 +112,5 @@ def _is_unsigned(run, zone: str) -> bool:
 def _run(run, moments: Moments, utc_s: float) -> Data:
     name = sheets.run_name(run.code, run.team, run.round, run.run)
     when = moments.scheduled(run.opened.to_sec(), utc_s)
-    return {"identity": run.identity, "title": f"{when}  {name}",
+    return {"identity": run.identity, "revision": run.revision, "title": f"{when}  {name}",
             "end": sheets.run_state(run.started.to_sec(), run.closed.to_sec(), run.end_reason), "score": run.score}

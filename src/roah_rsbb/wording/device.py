@@ -104,7 +104,7 @@ def page_words() -> Dict[str, str]:
         "refused": tr("Refused: {what}: {reasons}", what="{what}", reasons="{reasons}"),
         "undo": tr("Undo: {mark}", mark="{mark}"),
         "stop_reason": tr("Reason for the stop"), "save": tr("Save"), "saved": tr("Saved"),
-        "unsigned": tr("Score sheets to sign off"), "sign_off": tr("Sign off"),
+        "unsigned": tr("Score sheets to sign off"), "sign_off": tr("Sign off"), "correct": tr("Correct"),
         "ratings_of": tr("Ratings of {judge}", judge="{judge}"),
         "not_a_judge": tr("No rating is asked of {judge} now", judge="{judge}"),
         "no_answer": tr("No answer from the box: check the network, and try again"),

@@ -41,6 +41,14 @@ def test_a_page_has_no_script_or_style_within_it(path):
     assert "<style" not in text and "style=" not in text and not re.search(r"\son\w+=", text)
 
 
+@pytest.mark.parametrize("path", sorted((WEB / "assets").glob("*.js")), ids=lambda path: path.name)
+def test_texts_of_others_never_become_html_or_scripts(path):
+    """Robots, teams and visitors write some of the texts. Templates of htm make text of them."""
+    wrong = re.findall(r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\(|new Function|javascript:",
+                       path.read_text(encoding="utf-8"))
+    assert wrong == []
+
+
 def test_the_first_page_is_small():
     files = [path for path in WEB.rglob("*") if path.suffix in (".html", ".js", ".css", ".svg")]
     assert sum(path.stat().st_size for path in files) < FIRST_PAGE_BYTES, "uncompressed, with all pages"

@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+from types import SimpleNamespace
 
 import pytest
 from tornado import httpclient, websocket
@@ -129,6 +130,17 @@ def test_nothing_is_carried_out_for_others(served):
     assert served.commands == []
 
 
+def test_a_sheet_of_a_run_that_is_over_is_shown_to_referees(served):
+    item = SimpleNamespace(group="G", desc="cups", type=1, value=2, text="", not_attempted=False, points="4", min="",
+                           max="3", choices=(), judges=(), ratings=())
+    points = SimpleNamespace(total="", groups=())
+    served.outcome = Outcome(result={"sheet": SimpleNamespace(items=[item], points=points)})
+    body = {"zone": "Home", "identity": "run"}
+    shown = json.loads(served.send("sheet", body, served.token()).body)
+    assert [(one["desc"], one["shown"], one["max"]) for one in shown["items"]] == [("cups", "2", "3")]
+    assert served.send("sheet", body, served.token("judge")).code == 403
+
+
 def test_the_session_says_who_it_was_and_not_the_request(served):
     served.send("mark", {**MARK, "person": "Eve", "role": "organiser"}, served.token())
     assert served.commands[0].session.who == "Anna, iPhone"
@@ -174,6 +186,16 @@ def test_a_device_is_shown_its_zone_until_its_pairing_ends(served):
         pass
     assert device.close_code == NOT_PAIRED
     served.running.until(lambda: served.any_device == [True, False])
+
+
+@pytest.mark.parametrize("message", ["hello", "x" * 5000], ids=["short", "long"])
+def test_a_device_that_speaks_is_closed_alone(served, message):
+    bad, good = served.device(served.token()), served.device(served.token())
+    bad.write_message(message)
+    while served.running.do(bad.read_message()) is not None:
+        pass
+    served.running.until(lambda: len(served.server.devices) == 1)
+    assert json.loads(served.running.do(good.read_message()))["type"] == "snapshot"
 
 
 def test_spectators_take_no_places_of_devices(served):

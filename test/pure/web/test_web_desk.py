@@ -44,7 +44,8 @@ def clocks(identity="run 1", elapsed=10.0, clock=NOW):
 
 def closed_run(identity, zone="Home", closed=NOW, signed=0.0):
     return SimpleNamespace(identity=identity, zone=zone, code="HWV", team="Alpha", round=1, run=1, opened=Time(NOW),
-                           started=Time(NOW), closed=Time(closed), signed=Time(signed), end_reason="stopped", score="2")
+                           started=Time(NOW), closed=Time(closed), signed=Time(signed), end_reason="stopped", score="2",
+                           revision=7)
 
 
 @pytest.fixture
@@ -106,7 +107,7 @@ def test_score_sheets_that_wait_for_a_signature(desk):
         closed_run("open", closed=0.0), closed_run("a"), closed_run("signed", signed=NOW), closed_run("b", zone="Hall"),
     ]))
     desk.on_gui(MONO + 0.1, gui(NOW + 0.1))
-    assert [run["identity"] for run in data(desk)["unsigned"]] == ["a"]
+    assert [(run["identity"], run["revision"]) for run in data(desk)["unsigned"]] == [("a", 7)]
 
 
 def test_a_message_names_each_document_once(desk):

@@ -273,6 +273,15 @@ def test_silent_connections_do_not_keep_others_out(served, monkeypatch):
         connection.close()
 
 
+@pytest.mark.parametrize("data", [b"", b"GET / HT", b"POST / HTTP/1.1\r\nContent-Length: 9\r\n\r\n"])
+def test_a_connection_that_stays_silent_is_ended(running, monkeypatch, data):
+    monkeypatch.setattr(serving, "IDLE_S", 0.05)
+    served = Served(running)
+    assert b"200 OK" not in served.raw(data), "it ends, or this would wait for ever"
+    served.server.close()
+    running.turn()
+
+
 @pytest.mark.long
 def test_a_thousand_silent_connections(served):
     resource = pytest.importorskip("resource")

@@ -8,7 +8,6 @@ import base64
 import contextlib
 import itertools
 import json
-import os
 import pathlib
 import shutil
 import subprocess
@@ -24,9 +23,6 @@ from roah_rsbb.results.printing import BROWSERS
 from support.waiting import LIMIT_S, wait_until
 
 LOOK_AGAIN_S = 0.05
-# Chromium writes cookies to the disk after 30 s.
-KEPT_LIMIT_S = 120.0
-_PORT_FILE = "DevToolsActivePort"
 _AXE = pathlib.Path(__file__).resolve().parents[2] / "data" / "axe" / "axe.min.js"
 _MAX_ANSWER_BYTES = 64 * 1024 * 1024
 
@@ -45,11 +41,8 @@ def find() -> Optional[str]:
 class Browser:
     """A Chromium that reaches only this machine. Close it at the end of the test."""
 
-    def __init__(self, program: str, profile: str = "") -> None:
-        """`profile`: the folder of a browser that was killed, which this one continues."""
-        self._folder = profile or tempfile.mkdtemp(prefix="roah_browser_")
-        with contextlib.suppress(FileNotFoundError):
-            os.unlink(os.path.join(self._folder, _PORT_FILE))
+    def __init__(self, program: str) -> None:
+        self._folder = tempfile.mkdtemp(prefix="roah_browser_")
         self._process = subprocess.Popen(
             [program, "--headless=new", "--remote-debugging-port=0", f"--user-data-dir={self._folder}", "--no-sandbox",
              "--no-first-run", "--no-default-browser-check", "--disable-background-networking", "--disable-sync",
@@ -71,22 +64,10 @@ class Browser:
             self.close()
             raise
 
-    def kill(self) -> str:
-        """End the browser as a crash does; returns its profile."""
+    def kill(self) -> None:
+        """End the browser as a crash does. Close it all the same."""
         self._process.kill()
-        self._end()
-        return self._folder
-
-    def wait_kept(self, text: str) -> None:
-        """Wait until the browser has a text in the files of its profile: it writes them some seconds later."""
-        wait_until(lambda: any(text.encode() in path.read_bytes() for path in self._files()), f"{text} is kept",
-                   KEPT_LIMIT_S)
-
-    def _files(self) -> List[pathlib.Path]:
-        """The files with cookies and with what pages keep."""
-        folder = pathlib.Path(self._folder, "Default")
-        found = [*folder.rglob("Cookies*"), *folder.glob("Local Storage/leveldb/*")]
-        return [path for path in found if path.is_file()]
+        self._process.wait()
 
     def close(self) -> None:
         """End the browser."""
@@ -94,13 +75,10 @@ class Browser:
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(LIMIT_S)
         self._process.kill()
-        self._end()
-        shutil.rmtree(self._folder, ignore_errors=True)
-
-    def _end(self) -> None:
         self._process.wait()
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(LIMIT_S)
+        shutil.rmtree(self._folder, ignore_errors=True)
 
     def page(self, url: str, width: int, height: int, scale: float = 1.0) -> "Page":
         """A page on a touch screen of this size, in CSS pixels."""
@@ -122,7 +100,7 @@ class Browser:
         return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(LIMIT_S)
 
     async def _connect(self) -> websocket.WebSocketClientConnection:
-        reported = pathlib.Path(self._folder, _PORT_FILE)
+        reported = pathlib.Path(self._folder, "DevToolsActivePort")
         while not (reported.exists() and len(reported.read_text().splitlines()) == 2):
             await asyncio.sleep(LOOK_AGAIN_S)  # a file cannot be awaited
         port, path = reported.read_text().splitlines()

@@ -11,6 +11,7 @@ from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.srv import (
     ConnectRobot,
+    GetRunSheet,
     LeaveRun,
     ManualOperationAnswer,
     MarkItem,
@@ -64,6 +65,7 @@ CALLS: Dict[str, _Call] = {
     "stop_reason": _Call("stop_reason", StopReason, lambda c: (
         c.zone, c.fields["identity"], 0, c.fields["reason"], c.session.who)),
     "sign_off": _Call("sign_off", SignOff, _fields("identity", with_who=True)),
+    "sheet": _Call("run_sheet", GetRunSheet, _fields("identity")),
     "mark": _Call("mark", MarkItem, _mark),
     "take_back": _Call("take_back", TakeBackMark, lambda c: (
         c.zone, c.fields["identity"], c.fields["id"], "", c.session.who)),
