@@ -6,8 +6,9 @@ from typing import Dict, Mapping, Tuple
 from roah_rsbb.copies.rows import CannotReadJournal, Known, Rows
 from roah_rsbb.journal import in_force, ports
 
-# What a restart needs besides the journal.
-FILES = (ports.FILE_NAME, in_force.FILE_NAME)
+# What a restart needs besides the journal. The last file has the hashes of the keys of paired browsers.
+SESSIONS = "web_sessions.json"
+FILES = (ports.FILE_NAME, in_force.FILE_NAME, SESSIONS)
 
 FileContent = Dict[str, bytes]
 

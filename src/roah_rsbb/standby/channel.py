@@ -25,6 +25,7 @@ from roah_rsbb.standby.messages import LENGTH, MAX_BYTES, BadMessage, Message, d
 TIMEOUT_S = 5.0
 CERTIFICATE, KEY = "certificate.pem", "key.pem"
 _VALID_DAYS = 3650
+ANY_HOST = "0.0.0.0"
 
 
 class Lost(Exception):
@@ -91,15 +92,15 @@ def box_context(folder: str) -> Tuple[ssl.SSLContext, bytes]:
         return context, _fingerprint(ssl.PEM_cert_to_DER_cert(file.read()))
 
 
-def connect(host: str, port: int, timeout: float = TIMEOUT_S) -> Tuple[Channel, bytes]:
+def connect(host: str, port: int, timeout: float = TIMEOUT_S, source: str = ANY_HOST) -> Tuple[Channel, bytes]:
     """Connect to a box; returns the channel and the fingerprint of the box's certificate, which the caller must
-    compare. Raises `Lost`."""
+    compare. `source`: own address to use. Raises `Lost`."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     context.check_hostname = False
     context.verify_mode = ssl.CERT_NONE  # the fingerprint is compared instead
     try:
-        plain = socket.create_connection((host, port), timeout)
+        plain = socket.create_connection((host, port), timeout, (source, 0))
         try:
             connection = context.wrap_socket(plain)
         except BaseException:

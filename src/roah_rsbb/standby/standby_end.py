@@ -6,7 +6,7 @@ import threading
 from typing import Callable, Optional
 
 from roah_rsbb.journal.epochs import FIRST
-from roah_rsbb.standby.channel import Channel, Lost, connect
+from roah_rsbb.standby.channel import ANY_HOST, Channel, Lost, connect
 from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage
 from roah_rsbb.standby.pair import Side, Word
 from roah_rsbb.standby.pairing import BOX, NONCE_BYTES, STANDBY, Exchange, hashed, is_same
@@ -103,11 +103,13 @@ class StandbyEnd:
 
     def __init__(
         self, folder: str, box: PairedBox, on_state: Callable[[str], None], on_heard: Callable[[], None] = lambda: None,
+        bind_host: str = ANY_HOST,
     ) -> None:
         """`on_state` is called with each change of the state: what is wrong, or empty if the copy is kept.
 
-        `on_heard` is called with each message of the box.
+        `on_heard` is called with each message of the box. `bind_host`: own address, which the box notes.
         """
+        self._bind_host = bind_host
         self._on_heard = on_heard
         self._box = box
         self._receiver = Receiver(folder)
@@ -136,7 +138,7 @@ class StandbyEnd:
         """Serve the box until the connection ends; returns why it ended."""
         host = self._box.host
         try:
-            self._channel, fingerprint = connect(host, self._box.port)
+            self._channel, fingerprint = connect(host, self._box.port, source=self._bind_host)
         except Lost as error:
             return f"the box at {host} does not answer ({error})"
         channel = self._channel

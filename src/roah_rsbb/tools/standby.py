@@ -51,7 +51,8 @@ A standby: a second computer that has a copy of the box's journal, and takes ove
   rejoin    on the computer that was the box: become the standby of the box that took over
 """
 _EPILOG = """\
-Start the box with standby_port:=8083. Its log shows the code. docs/standby.md explains everything else.
+Start the box with standby_port:=8083. Its log shows the code. Arguments NAME:=VALUE are passed to roah_rsbb.launch
+when the standby takes over; bind_host:=ADDRESS is also used to listen. docs/standby.md explains everything else.
 """
 
 
@@ -79,9 +80,6 @@ def _parser() -> argparse.ArgumentParser:
     rejoin = commands.add_parser("rejoin", help="become the standby of the box that took over from this computer")
     rejoin.add_argument("old_log_dir", metavar="OLD_LOG_DIR", help="log_dir of the box on this computer")
     for command in (follow, takeover, rejoin):
-        command.add_argument("arguments", nargs="*", metavar="NAME:=VALUE", help=(
-            "further arguments of roah_rsbb.launch" if command is takeover else
-            "further arguments of roah_rsbb.launch, for an automatic takeover; bind_host:= is used at once"))
         command.add_argument("--log-dir", default=LOG_DIR, metavar="DIR",
                              help="folder of the copy (default: %(default)s)")
     return parser
@@ -95,9 +93,6 @@ def _sub_parser(prog: str, **options: Any) -> Parser:
 
 
 def _follow(options: argparse.Namespace, folder: str) -> int:
-    if options.box and ":=" in options.box:  # an argument of the launch file
-        options.arguments.insert(0, options.box)
-        options.box = None
     box = read_box(folder)
     if options.code:
         if not options.box:
@@ -135,7 +130,7 @@ def _keep_copy(folder: str, box: PairedBox, arguments: Sequence[str], automatic:
 
     ears = Ears(box, lambda: _network(folder, arguments) if _network_of_box(folder) else {},
                 lambda: epochs.standing_in(os.path.join(folder, FILE_NAME)).epoch, automatic, on_silence, _show)
-    end = StandbyEnd(folder, box, _show, ears.heard)
+    end = StandbyEnd(folder, box, _show, ears.heard, _network(folder, arguments)["bind_host"])
     for number_ in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number_, lambda *_: threading.Thread(target=end.end).start())
     ears.start()
@@ -335,9 +330,17 @@ def last_moment(folder: str) -> str:
     return f"The copy ends at {moment:%H:%M:%S} UTC, {max(0.0, time.time() - utc):.0f} s ago"
 
 
+def _options(words: Sequence[str]) -> argparse.Namespace:
+    """Read the command line. Arguments of roah_rsbb.launch may stand anywhere in it."""
+    options = _parser().parse_args([word for word in words if ":=" not in word])
+    # roslaunch gives each node a name and a log, which are no arguments of a launch file.
+    options.arguments = [word for word in words if ":=" in word and not word.startswith("__")]
+    return options
+
+
 def main() -> None:
     """Run the program."""
-    options = _parser().parse_args()
+    options = _options(sys.argv[1:])
     folder = os.path.abspath(os.path.expanduser(options.log_dir))
     try:
         os.makedirs(folder, mode=0o700, exist_ok=True)

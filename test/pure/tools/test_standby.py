@@ -75,7 +75,7 @@ def test_a_takeover_needs_an_option_while_the_box_is_heard(copied, monkeypatch, 
     started = []
     monkeypatch.setattr(standby, "why_not", lambda *_: ["The box answers."])
     monkeypatch.setattr(os, "execvp", lambda name, command: started.append(command))
-    options = standby._parser().parse_args(
+    options = standby._options(
         ["takeover", "--log-dir", str(copied.stick), *(["--anyway"] if anyway else [])])
     if anyway:
         standby._takeover(options, str(copied.stick))
@@ -108,3 +108,8 @@ def test_another_program_that_uses_the_copy_is_not_ended(copied):
 
 def test_when_the_copy_ends(copied):
     assert standby.last_moment(str(copied.stick)).startswith("The copy ends at 11:00:01 UTC, ")
+
+
+def test_arguments_of_the_launch_file_may_stand_anywhere():
+    options = standby._options(["follow", "gui:=none", "--code", "AAAA", "10.1.0.2", "web:=false", "__name:=standby"])
+    assert (options.box, options.code, options.arguments) == ("10.1.0.2", "AAAA", ["gui:=none", "web:=false"])

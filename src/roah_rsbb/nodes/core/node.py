@@ -250,8 +250,8 @@ class CoreNode:
         self._driver.tick()
         if not self._box.is_superseded:
             self._radio.open(self._box.listening_left(self._driver.now()))
-        rospy.loginfo("Listening on UDP %s:%d, private channels above; log in %s",
-                      self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
+            rospy.loginfo("Listening on UDP %s:%d, private channels above; log in %s",
+                          self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
         self._publish_module_runs()
         self._publish_tick()
         # Exclude the present objects from garbage collection: a full collection of them stops the box for about 15 ms.
