@@ -1061,6 +1061,11 @@
         <translation>WIEDERGABE: nicht live</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/replay.py"/>
+        <source>This is a replay: commands have no effect</source>
+        <translation>Dies ist eine Wiedergabe: Befehle bewirken nichts</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/schedule.py"/>
         <source>● connected</source>
         <translation>● verbunden</translation>

@@ -8,6 +8,7 @@ from roah_rsbb.wording.language import tr_later
 PREFIX = "REPLAY "
 MARK = tr_later("REPLAY")
 NOT_LIVE = tr_later("REPLAY: not live")
+NO_COMMANDS = tr_later("This is a replay: commands have no effect")
 
 
 def is_replay(box_uuid: str) -> bool:

@@ -39,6 +39,8 @@ from roah_rsbb.rqt.panels.active_robots import COLUMNS, ActiveRobotsPanel
 from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.log_display import LogDisplayPanel
 from roah_rsbb.rqt.panels.online_data import OnlineDataPanel
+from roah_rsbb.rqt.panels.overview import OverviewPanel
+from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.panels.tablet_status import TabletStatusPanel
 from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QObject, QPushButton, QSettings, QSpinBox, QWidget
 from roah_rsbb.rqt.widgets.basic import ALARM, OLD
@@ -128,6 +130,20 @@ class TestReplay(CoreCase):
         for panel in panels:
             wait_until(lambda panel=panel: panel._news.text() == "● live", "the mark is gone")
             self.assertEqual(panel.windowTitle(), panel.TITLE)
+
+    def test_the_run_is_shown_as_running_and_nothing_can_be_changed(self) -> None:
+        zone = self.core.zones["Home A"]
+        zone.command("connect")
+        zone.command("start")
+        self.core.box.commands.close("Replayed")
+        overview, scoring = self.open(OverviewPanel), self.open(ScoringPanel)
+        wait_until(lambda: overview.head.text() == "▶ RUNNING: Home A" and scoring.rows, "the run is shown")
+        reason = "This is a replay: commands have no effect"
+        wait_until(lambda: reason in overview.stop.toolTip(), "the reason is shown")
+        self.assertFalse(overview.stop.is_on())
+        buttons = [button for row in scoring.rows.values() for button in row._buttons]
+        self.assertGreater(len(buttons), 9)
+        self.assertEqual({(button.isEnabled(), reason in button.toolTip()) for button in buttons}, {(False, True)})
 
 
 class TestSheetView(unittest.TestCase):

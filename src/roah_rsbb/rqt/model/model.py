@@ -21,7 +21,8 @@ from roah_rsbb.msg import (
 )
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.wording.clock import Clock, clock_of
-from roah_rsbb.wording.replay import is_replay
+from roah_rsbb.wording.language import tr
+from roah_rsbb.wording.replay import NO_COMMANDS, is_replay
 
 GUI_TOPIC = "/core/to_gui"
 DETAILS_TOPIC = "/core/details"
@@ -122,6 +123,12 @@ class Model(QObject):
         """Whether the state shown is that of an earlier run, which is replayed."""
         return self.details is not None and is_replay(self.details.box_uuid)
 
+    def why_read_only(self, silent: str) -> str:
+        """Return why nothing can be changed now; empty: it can. `silent`: the reason if the core is silent."""
+        if self.is_old:
+            return silent
+        return tr(NO_COMMANDS) if self.is_replay else ""
+
     @property
     def clock_s(self) -> float:
         """The box's clock in the newest message, UTC seconds; 0.0 before the first one."""
@@ -150,11 +157,12 @@ class Model(QObject):
         return [] if self.gui is None else [zone.zone for zone in self.gui.zones]
 
     def running_zones(self) -> List[str]:
-        """Return the zones that are running. If a phase is unknown, a zone that can be stopped may be running."""
+        """Return the zones that are running. If a phase is unknown, a zone that can be stopped may be running. In a
+        replay, no zone can be stopped."""
         found = []
         for zone in self.gui.zones if self.gui else ():
             details = self.details_of(zone.zone)
-            if zone.stop_enabled and (details is None or details.phase == "running"):
+            if (zone.stop_enabled or self.is_replay) and (details is None or details.phase == "running"):
                 found.append(zone.zone)
         return found
 

@@ -66,8 +66,8 @@ class StopReasonLine(QLineEdit):
         self._show()
 
     def _show(self) -> None:
-        summary, is_old = self._summary, self._panel.model.is_old
-        why_fixed_now = why_fixed(summary, is_old) if summary is not None else ""
+        summary = self._summary
+        why_fixed_now = why_fixed(summary, self._panel.model) if summary is not None else ""
         self.setEnabled(summary is not None and not why_fixed_now)
         self.setToolTip(basic.tip(why_fixed_now or tr(REASON_TIP)))
         self.setPlaceholderText("" if summary is None else tr(ASK_REASON))

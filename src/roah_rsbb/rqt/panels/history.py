@@ -6,6 +6,7 @@ from typing import Callable, Collection, Dict, List, Optional, Tuple
 from roah_rsbb.msg import RunSheet, RunSummary, ScoreChange
 from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.model import Model
 from roah_rsbb.rqt.panels.panel import Answer
 from roah_rsbb.rqt.qt import QDialog, QHBoxLayout, QPoint, QPushButton, Qt, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
@@ -68,11 +69,11 @@ WIDE_EMS, HIGH_EMS = 56, 24
 SILENT = tr_later("The core is silent: nothing can be changed now")
 
 
-def why_fixed(summary: Optional[RunSummary], is_old: bool) -> str:
-    """Return why a run's sheet cannot be changed now; empty: it can. `is_old`: the core is silent."""
+def why_fixed(summary: Optional[RunSummary], model: Model) -> str:
+    """Return why a run's sheet cannot be changed now; empty: it can."""
     if summary is not None and summary.signed.to_sec():
         return tr("Final: signed off by {name}", name=summary.signed_by)
-    return tr(SILENT) if is_old else ""
+    return model.why_read_only(tr(SILENT))
 
 
 class History(QWidget):
@@ -199,4 +200,4 @@ class HistoryDialog(QDialog):
         runs = self._client.model.runs_of(self._zone)
         summary = next((run for run in runs if run.identity == self._identity), None)
         sheet = None if summary is None else self._sheets.sheet(summary)
-        self.history.show_sheet(summary, sheet, why_fixed(summary, self._client.model.is_old))
+        self.history.show_sheet(summary, sheet, why_fixed(summary, self._client.model))

@@ -76,11 +76,11 @@ class ManualOperationPanel(Panel):
         self.text.setText(zone.manual_operation if request else tr(SWITCHES if waits_for_switches else NOTHING))
         self.text.setEnabled(not self.model.is_old and (request is not None or waits_for_switches))
         self._show_tone()
-        can_answer = request is not None and not self.model.is_old
+        why_off = self.model.why_read_only(tr(SILENT)) or ("" if request is not None else tr(NOTHING))
+        can_answer = not why_off
         self.typed.setEnabled(can_answer)
         for number, button in enumerate(self.buttons):
-            off = tr(SILENT if self.model.is_old else NOTHING)
-            button.allow(can_answer, [off], basic.READY if number == 0 else None)
+            button.allow(can_answer, [why_off], basic.READY if number == 0 else None)
 
     def _show_another(self, request: Optional[OperationKey], details: Optional[ZoneDetails]) -> None:
         """Show another request, or none."""
@@ -134,7 +134,7 @@ class ManualOperationPanel(Panel):
 
     def _show_tone(self) -> None:
         """Flash in two colours; afterwards a waiting request stays marked."""
-        if self._request is None or self.model.is_old:
+        if self._request is None or self.model.why_read_only(tr(SILENT)):
             basic.set_style(self.text, "")
             return
         tone = basic.ALARM if self._flashes_left % 2 else basic.OLD

@@ -65,8 +65,9 @@ class OmfSwitchesPanel(Panel):
     def show_model(self) -> None:
         zone = self.model.zone
         there = zone is not None and zone.omf
-        can = there and not self.model.is_old
-        off = [tr(SILENT if self.model.is_old else NO_SWITCHES)]
+        why_off = self.model.why_read_only(tr(SILENT))
+        can = there and not why_off
+        off = [why_off or tr(NO_SWITCHES)]
         self.hint.setText("" if there else tr(NO_SWITCHES))
         self.hint.setVisible(not there)
         on = set(_numbers(zone)) if there else set()

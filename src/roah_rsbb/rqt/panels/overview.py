@@ -30,6 +30,7 @@ from roah_rsbb.rqt.widgets.stop_keys import DONE_S
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.clock import Clock, lines
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.replay import NO_COMMANDS
 from roah_rsbb.wording.todo import Todo, Urgency, todo
 
 # Size of a tile at scale 1, in units of the desktop's font. A compact tile is lower.
@@ -300,7 +301,8 @@ class OverviewPanel(CollapsingPanel):
                 zone, details, self.model.clock_of(zone.zone), what, zone.zone == self.model.zone_name, old)
         running = self.model.running_zones()
         self._show_head(running, calling)
-        self.stop.allow(bool(running), [tr(NONE_RUNS if self.model.gui else NOT_HEARD)], basic.ALARM)
+        self.stop.allow(bool(running) and not self.model.is_replay, [
+            tr(NO_COMMANDS if self.model.is_replay else NONE_RUNS if self.model.gui else NOT_HEARD)], basic.ALARM)
 
     def resizeEvent(self, event) -> None:
         super().resizeEvent(event)

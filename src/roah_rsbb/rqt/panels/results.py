@@ -150,7 +150,7 @@ class ResultsPanel(RefereePanel):
     def _why_off(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> str:
         if summary is None or sheet is None:
             return tr(CHOOSE)
-        return why_fixed(summary, self.model.is_old)
+        return why_fixed(summary, self.model)
 
     def _chosen_item(self, sheet: Optional[RunSheet]) -> Optional[ScoreItem]:
         items = [] if sheet is None else sheet.items

@@ -124,10 +124,8 @@ class SchedulePanel(Panel):
 
     def _show_button(self) -> None:
         event = self._chosen()
-        if self.model.is_old or event is None:
-            why = tr(OLD if self.model.is_old else CHOOSE_FIRST)
-        else:
-            why = schedule.why_not(self._events, event)
+        why = self.model.why_read_only(tr(OLD)) or (
+            tr(CHOOSE_FIRST) if event is None else schedule.why_not(self._events, event))
         self.choose.setEnabled(not why)
         self.choose.setToolTip(basic.tip(why or tr("Make it the current event of {zone}", zone=event.zone)))
 

@@ -170,14 +170,14 @@ class ItemRow(QWidget):
         """The shown value."""
         return self._value
 
-    def show_value(self, value: Value, waiting: bool, enabled: bool) -> None:
-        """Show `value`. `waiting`: the core has not confirmed it yet."""
+    def show_value(self, value: Value, waiting: bool, why_off: str) -> None:
+        """Show `value`. `waiting`: the core has not confirmed it yet; `why_off`: why nothing can be scored now."""
         self._value = value
         self.not_attempted.setChecked(value is NOT_ATTEMPTED)
         for button in self._buttons:
-            button.setEnabled(enabled)
-            button.setToolTip("" if enabled else tr(SILENT))
-        if enabled:
+            button.setEnabled(not why_off)
+            button.setToolTip(basic.tip(why_off))
+        if not why_off:
             self.menu_button.setToolTip(tr("Not attempted; add a note"))
 
     def show_points(self, points: str) -> None:
@@ -238,21 +238,21 @@ class ScoreRow(ItemRow):
         elif _whole(self._value) > self._least:
             self._count(-1)
 
-    def show_value(self, value: Value, waiting: bool, enabled: bool) -> None:
-        super().show_value(value, waiting, enabled)
+    def show_value(self, value: Value, waiting: bool, why_off: str) -> None:
+        super().show_value(value, waiting, why_off)
         mark = " …" if waiting else ""
         if self._is_bool:
             self.toggle.setChecked(value == 1)
             self.toggle.setText(f"{tr(_BOOL_TEXTS.get(value, _YES))}{mark}")
             self.toggle.setAccessibleName(f"{self.text.text()}: {self.toggle.text()}")
             tone = basic.RUNNING
-            style = f"background: {tone.background}; color: {tone.text};" if value == 1 and enabled else ""
+            style = f"background: {tone.background}; color: {tone.text};" if value == 1 and not why_off else ""
             basic.set_style(self.toggle, f"QPushButton {{ {style} }}" if style else "")
             return
         self.number.setText(f"{tr('n/a') if value is NOT_ATTEMPTED else value}{mark}")
         self.number.setToolTip(tr("Not attempted") if value is NOT_ATTEMPTED else "")
-        self.less.setEnabled(enabled and _whole(value) > self._least)
-        self.more.setEnabled(enabled and _whole(value) < self._most)
+        self.less.setEnabled(not why_off and _whole(value) > self._least)
+        self.more.setEnabled(not why_off and _whole(value) < self._most)
 
 
 class FieldRow(ItemRow):
@@ -281,8 +281,8 @@ class FieldRow(ItemRow):
         """Go to the field."""
         self.field.setFocus(Qt.ShortcutFocusReason)
 
-    def show_value(self, value: Value, waiting: bool, enabled: bool) -> None:
-        super().show_value(value, waiting, enabled)
+    def show_value(self, value: Value, waiting: bool, why_off: str) -> None:
+        super().show_value(value, waiting, why_off)
         self.field.show_text("" if value is NOT_ATTEMPTED else str(value))
         if value is NOT_ATTEMPTED:
             self.field.setToolTip(tr("Not attempted"))
@@ -315,8 +315,8 @@ class RatingRow(ItemRow):
         """Go to the first judge."""
         next(iter(self.ratings.fields.values())).setFocus(Qt.ShortcutFocusReason)
 
-    def show_value(self, value: Value, waiting: bool, enabled: bool) -> None:
-        super().show_value(value, waiting, enabled)
+    def show_value(self, value: Value, waiting: bool, why_off: str) -> None:
+        super().show_value(value, waiting, why_off)
         text = tr("n/a") if value is NOT_ATTEMPTED else str(value) or NOTHING
         self.result.setText(f"{text} …" if waiting else text)
 
@@ -428,7 +428,7 @@ class ScoringPanel(RefereePanel):
             if self._sheet and identity else None
         sheet = None if summary is None else self._sheets.sheet(summary)
         entries = [] if sheet is None else sheets.to_undo(history_of(sheet), PLACES)
-        self.undo.show_entries(entries, self.model.clock_s, tr(SILENT) if self.model.is_old else "")
+        self.undo.show_entries(entries, self.model.clock_s, self.model.why_read_only(tr(SILENT)))
 
     def _show_values(self, zone: ZoneState, details: ZoneDetails) -> None:
         # Counts come on a second topic, too, which is quicker. The shown state is as old as the older of them.
@@ -449,7 +449,7 @@ class ScoringPanel(RefereePanel):
                 published = NOT_ATTEMPTED
             judges = [(*name[:2], judge) for judge in item.judges]
             waiting = any(self._edits.is_waiting(each) for each in (name, *judges))
-            row.show_value(self._edits.value(name, published, clock_s), waiting, not self.model.is_old)
+            row.show_value(self._edits.value(name, published, clock_s), waiting, self.model.why_read_only(tr(SILENT)))
             row.show_points(item.points)
             if isinstance(row, RatingRow):
                 row.ratings.show_ratings([
@@ -483,7 +483,7 @@ class ScoringPanel(RefereePanel):
     def _press(self, number: int, act: str) -> None:
         """The key of an item was pressed."""
         row = next((row for row in self.rows.values() if row.key == str(number)), None)
-        if row is not None and not self.model.is_old:
+        if row is not None and not self.model.why_read_only(tr(SILENT)):
             getattr(row, act)()
 
     def _undo(self, entry: HistoryEntry) -> None:
