@@ -229,7 +229,7 @@ TOPICS = {
     "/core/to_gui": CoreToGui, "/core/details": CoreDetails, "/core/clocks": RunClocks, "/core/results": Results,
     "/core/schedule": Schedule,
 }
-NODE = FakeNode(TOPICS, _offered(None, None, None)[0])
+NODE = FakeNode(TOPICS, _offered(mock.Mock(), None, None)[0])  # the types do not depend on the box
 
 
 class _Here:
