@@ -8,6 +8,7 @@ import socket
 import sys
 import tempfile
 import time
+import xml.etree.ElementTree
 import xmlrpc.client
 from typing import Dict, List
 
@@ -163,20 +164,23 @@ class Box:
         return host in ours and self.port <= int(port, 16) < self.port + PORTS.step
 
 
+def _arguments(launch: pathlib.Path) -> Dict[str, str]:
+    """The arguments of a launch file, and their defaults."""
+    found = xml.etree.ElementTree.parse(str(launch)).getroot().findall("arg")
+    return {argument.attrib["name"]: argument.get("default", "") for argument in found}
+
+
 class LaunchedBox(Box):
     """The core node, started by roslaunch as in `roah_rsbb.launch`, so that it restarts when it dies."""
-
-    ARGUMENTS = ("rsbb_host", "rsbb_port", "bind_host", "benchmarks_file", "schedule_file", "passwords_file", "log_dir")
 
     def _started(self, profile: str, settings: Dict[str, object]) -> Measured:
         for name in ("listen_duration", "max_datagram"):
             rospy.set_param(f"{CORE}/{name}", settings[name])
-        given = {
-            **{name: settings[name] for name in self.ARGUMENTS}, "public_results": "none",
-            "public_provisional": "false", "standings_file": "none", "resume": "always",
-        }
-        launch = str(ROOT / "launch" / "core.launch.xml")
-        return Measured("roslaunch", launch, *(f"{name}:={value}" for name, value in given.items()))
+        launch = ROOT / "launch" / "core.launch.xml"
+        usual = _arguments(ROOT / "launch" / "roah_rsbb.launch")
+        given = {name: settings.get(name, usual[name]) for name in _arguments(launch)}
+        given["standings_file"] = "none"
+        return Measured("roslaunch", str(launch), *(f"{name}:={value}" for name, value in given.items()))
 
     @property
     def core_pid(self) -> int:

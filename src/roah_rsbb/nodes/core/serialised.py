@@ -68,18 +68,23 @@ class Serialised:
     """A serialised message in which some fields can be changed: times, durations and bools."""
 
     def __init__(self, message: genpy.Message, *fields: str) -> None:
-        """`fields`: those that can be changed, in the order of the message. Their values in `message` are lost."""
-        kind, values = type(message), [getattr(message, field) for field in fields]
+        """`fields`: those that can be changed, in the order of the message."""
+        kind, names = type(message), message.__slots__
         data = _serialised(kind, message)
-        for field, value in zip(fields, values):
-            setattr(message, field, _other(value))
-        other = _serialised(kind, message)
+        # What follows the last of these fields does not move them, and may be long.
+        beginning = kind()
+        for name in names[:names.index(fields[-1]) + 1]:
+            setattr(beginning, name, getattr(message, name))
+        one = _serialised(kind, beginning)
+        for field in fields:
+            setattr(beginning, field, _other(getattr(message, field)))
+        other = _serialised(kind, beginning)
         self._between: List[bytes] = []
         end = 0
-        for value in values:
-            begin = _first_difference(data, other, end)
+        for field in fields:
+            begin = _first_difference(one, other, end)
             self._between.append(data[end:begin])
-            end = begin + (1 if isinstance(value, bool) else _DURATION.size)
+            end = begin + (1 if isinstance(getattr(message, field), bool) else _DURATION.size)
         self._last = data[end:]
 
     def with_values(self, *values: bytes) -> bytes:
