@@ -10,6 +10,7 @@ import os
 import re
 import select
 import shutil
+import signal
 import subprocess
 import tempfile
 import time
@@ -74,7 +75,7 @@ class Printer:
         shell = f'exec "$@" {_COMMANDS}<&{commands} {_ANSWERS}>&{answers}'
         self._process = subprocess.Popen(
             ["bash", "-c", shell, "bash", *command], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-            stderr=self._errors, pass_fds=(commands, answers))
+            stderr=self._errors, pass_fds=(commands, answers), start_new_session=True)
         os.close(commands)
         os.close(answers)
         return self
@@ -87,7 +88,8 @@ class Printer:
         try:
             self._process.wait(CLOSE_S)
         except subprocess.TimeoutExpired:
-            self._process.kill()
+            # Debian starts the browser by a script, which is in the same session.
+            os.killpg(self._process.pid, signal.SIGKILL)
             self._process.wait()
         self._errors.close()
         self._folder.cleanup()

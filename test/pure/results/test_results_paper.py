@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import re
+import select
 import subprocess
 
 import pytest
@@ -253,7 +254,11 @@ def test_many_pages_need_one_browser(chromium, monkeypatch, tmp_path):
 
 def test_a_browser_that_hangs(monkeypatch, tmp_path):
     fake = tmp_path / printing.BROWSERS[0]
-    fake.write_text("#!/bin/sh\nexec sleep 1000\n")
+    # As on Debian: a script starts the browser, and stays. The browser holds the named pipe as long as it lives.
+    alive = tmp_path / "alive"
+    os.mkfifo(alive)
+    living = os.open(alive, os.O_RDONLY | os.O_NONBLOCK)
+    fake.write_text(f"#!/bin/sh\nsleep 1000 > {alive}\n")
     fake.chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
     monkeypatch.setattr(printing, "TIMEOUT_S", 0.1)
@@ -261,6 +266,8 @@ def test_a_browser_that_hangs(monkeypatch, tmp_path):
     with pytest.raises(CannotPrint, match="did not print within 0 s"):
         print_pdf("", str(tmp_path / "x.pdf"))
     assert not (tmp_path / "x.pdf").exists()
+    assert select.select([living], [], [], 60)[0] and os.read(living, 1) == b"", "the browser has ended"
+    os.close(living)
 
 
 def test_without_a_browser_the_remedy_is_reported(monkeypatch, tmp_path):

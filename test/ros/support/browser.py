@@ -8,8 +8,10 @@ import base64
 import contextlib
 import itertools
 import json
+import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -49,7 +51,7 @@ class Browser:
              "--disable-component-update", "--disable-gpu", "--disable-backgrounding-occluded-windows",
              "--disable-renderer-backgrounding", "--disable-dev-shm-usage", "--hide-scrollbars",
              "--proxy-server=direct://", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "about:blank"],
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
         )
         self.errors: List[str] = []  # of the pages' own programs, and whatever could not be loaded
         self._answers: Dict[int, asyncio.Future] = {}
@@ -66,19 +68,24 @@ class Browser:
 
     def kill(self) -> None:
         """End the browser as a crash does. Close it all the same."""
-        self._process.kill()
+        self._signal(signal.SIGKILL)
         self._process.wait()
 
     def close(self) -> None:
         """End the browser."""
-        self._process.terminate()
+        self._signal(signal.SIGTERM)
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(LIMIT_S)
-        self._process.kill()
+        self._signal(signal.SIGKILL)
         self._process.wait()
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(LIMIT_S)
         shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _signal(self, number: int) -> None:
+        """Send a signal to the browser and to the script that started it."""
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._process.pid, number)
 
     def page(self, url: str, width: int, height: int, scale: float = 1.0) -> "Page":
         """A page on a touch screen of this size, in CSS pixels."""
