@@ -148,8 +148,11 @@ export function Fit({children, ...rest}) {
 }
 
 export function Card({run, live}) {
+  const {logos} = live.data["page.words"];
+  const [team] = run.teams.length === 1 && logos.includes(run.teams[0]) ? run.teams : [];
   return html`
-    <article class="card ${run.phase} ${run.is_paused ? "paused" : ""}" data-zone=${run.zone}>
+    <article class="card ${run.phase} ${run.is_paused ? "paused" : ""} ${team ? "with-logo" : ""}" data-zone=${run.zone}>
+      ${team && html`<img class="logo" src="/logos/${encodeURIComponent(team)}" alt="" />`}
       <${Fit} class="team">${run.team}<//>
       <${Fit} class="benchmark">${run.benchmark}<//>
       <${Fit} class="place">${run.place}<//>

@@ -16,6 +16,7 @@ from tornado import web
 from roah_rsbb.web.commands import Command, Outcome
 from roah_rsbb.web.desk import Desk
 from roah_rsbb.web.displays.listed import Display, Displays, Setting
+from roah_rsbb.web.displays.logos import LogoHandler
 from roah_rsbb.web.displays.requests import DisplaysHandler
 from roah_rsbb.web.documents import DATA
 from roah_rsbb.web.events import EventsHandler, Reader
@@ -103,6 +104,7 @@ class WebServer:
                 (r"/api/v1/device", DeviceEventsHandler, shared),
                 (r"/api/v1/displays", DisplaysHandler, shared),
                 (r"/api/v1/codes", CodesHandler, shared),
+                (r"/logos/([^/]+)", LogoHandler, shared),
                 (r"/api/v1/teams/([^/]+)", TeamHandler, shared),
                 (r"/api/v1/schemas/([a-z]+\.json)", SchemaHandler,
                  {**shared, "path": os.path.join(folder, "schemas")}),

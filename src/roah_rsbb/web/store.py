@@ -20,11 +20,16 @@ ENGLISH = "en"
 class Store(Numbered):
     """The documents of the gateway."""
 
-    def __init__(self, languages: Dict[str, Translate], title: str = "", session: str = "") -> None:
-        """`languages`: those besides English, by name such as ``de``. `title`: of the competition."""
+    def __init__(self, languages: Dict[str, Translate], title: str = "", session: str = "",
+                 logos: Optional[Dict[str, str]] = None) -> None:
+        """`languages`: those besides English, by name such as ``de``. `title`: of the competition.
+
+        `logos`: paths of the teams' logos, by team.
+        """
         super().__init__(session)
         self._languages: Dict[str, Optional[Translate]] = {ENGLISH: None, **languages}
         self._title = title
+        self.logos = logos or {}
         self._shown: Set[str] = set()  # languages that somebody has asked for
         self._details: Optional[Any] = None
         self._board: Optional[Any] = None
@@ -155,7 +160,8 @@ class Store(Numbered):
         utc_s = None if details is None else details.clock.to_sec()
         offset_s = 0 if self._day is None else self._day[2]
         makers: Dict[str, Callable[[], Data]] = {
-            documents.WORDS: lambda: documents.page_words(language, self._title, utc_s, offset_s),
+            documents.WORDS: lambda: {
+                **documents.page_words(language, self._title, utc_s, offset_s), "logos": list(self.logos)},
             documents.DEVICE_WORDS: device.page_words,
             documents.PAGE_RUNS: lambda: documents.page_runs(details, self._state["runs"]),
             documents.PAGE_NEXT: lambda: documents.page_next(details, utc_s),

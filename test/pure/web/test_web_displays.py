@@ -21,6 +21,7 @@ from roah_rsbb.web.displays.listed import (
     display_of,
     setting_of,
 )
+from roah_rsbb.web.displays.logos import MAX_BYTES, read_logos
 from roah_rsbb.web.kept_file import open_kept
 from roah_rsbb.web.pairing import MAX_NAME, Grant
 from roah_rsbb.web.server import WebServer
@@ -263,3 +264,33 @@ def test_wrong_settings_are_refused(served, body, code):
     served.read(served.opened())
     assert served.ask(body).code == code
     assert served.kept == []
+
+
+# -- logos ------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def logos(tmp_path):
+    for name, content in (("Alpha.png", b"png"), ("Tea & Co.SVG", b"<svg/>"), ("notes.txt", b"x"),
+                          ("Large.jpg", b"x" * (MAX_BYTES + 1))):
+        (tmp_path / name).write_bytes(content)
+    return tmp_path
+
+
+def test_the_logos_of_a_folder(logos):
+    reports = []
+    assert list(read_logos(str(logos), reports.append)) == ["Alpha", "Tea & Co"]
+    assert len(reports) == 1 and "Large.jpg" in reports[0]
+    assert read_logos("", reports.append) == {} and len(reports) == 1
+    assert read_logos(str(logos / "missing"), reports.append) == {} and "correct web_logos" in reports[1]
+
+
+def test_only_logos_are_served(served, logos):
+    served.store.logos.update(read_logos(str(logos), lambda text: None))
+    answer = served.get("/logos/Alpha")
+    assert (answer.body, answer.headers["Content-Type"]) == (b"png", "image/png")
+    picture = served.get("/logos/Tea%20%26%20Co")
+    assert picture.headers["Content-Type"] == "image/svg+xml"
+    assert "script-src 'self'" in picture.headers["Content-Security-Policy"], "a picture runs no program"
+    others = ("notes", "notes.txt", "..%2FAlpha", "Large", "Beta")
+    assert [served.get(f"/logos/{name}").code for name in others] == [404] * len(others)

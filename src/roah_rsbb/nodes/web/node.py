@@ -8,9 +8,10 @@ Parameters (private): web and tablet (what is served: the pages, and the tablet'
 rsbb_host. Of the pages: web_port (TCP, 0: any free one), web_host (address at which it is served; default: all, or this
 computer's alone if rsbb_host is), web_names (further names of this computer, separated by spaces), title (of the
 competition), log_dir (for the list of paired devices, for what displays show and for the codes of teams), team_pages
-(who sees the state of a team's robot: all, or code), web_cert and web_key (PEM files of a certificate, see docs/web.md,
-"Encryption"; empty: the pages are not encrypted). Of the tablet: rsbb_port, bind_host; tablet_port (TCP, 0: any free
-one), tablet_host (as web_host), map_file (as map_saver writes it).
+(who sees the state of a team's robot: all, or code), web_logos (folder with the logos of the teams; empty: none),
+web_cert and web_key (PEM files of a certificate, see docs/web.md, "Encryption"; empty: the pages are not encrypted). Of
+the tablet: rsbb_port, bind_host; tablet_port (TCP, 0: any free one), tablet_host (as web_host), map_file (as map_saver
+writes it).
 """
 
 import asyncio
@@ -57,6 +58,7 @@ class WebPart:
         from roah_rsbb.nodes.web.core_calls import CoreCalls
         from roah_rsbb.nodes.web.device_feed import DeviceFeed
         from roah_rsbb.nodes.web.pairing import PairingServices
+        from roah_rsbb.web.displays.logos import read_logos
         from roah_rsbb.web.server import WebServer
         from roah_rsbb.web.teams.requests import CODE, TEAM_PAGES
 
@@ -67,6 +69,7 @@ class WebPart:
         title = str(rospy.get_param("~title", ""))
         log_dir = params.path("log_dir", "~/.ros/roah_rsbb")
         files = [params.path(name) if rospy.get_param(f"~{name}", "") else "" for name in ("web_cert", "web_key")]
+        logos = params.path("web_logos") if rospy.get_param("~web_logos", "") else ""
         team_pages = params.choice("team_pages", CODE, list(TEAM_PAGES))
         params.done()
         if any(files) and not all(files):
@@ -74,7 +77,7 @@ class WebPart:
 
         self._ros = ros
         self._reported = ""  # of the certificate
-        self._store = Store(_languages(resource / "languages"), title)
+        self._store = Store(_languages(resource / "languages"), title, logos=read_logos(logos, rospy.logwarn))
         sessions = open_sessions(log_dir, rospy.logerr)
         team_codes = open_kept(log_dir, CODES_FILE, TeamCodes, {}, rospy.logerr, "the teams have new codes")
         displays = open_kept(log_dir, DISPLAYS_FILE, Displays, {}, rospy.logerr, "set what the displays show again")
