@@ -23,4 +23,5 @@ def shipped_folder() -> pathlib.Path:
 def pages_folder() -> Optional[pathlib.Path]:
     """The folder with docs/, whose pages the findings name. None: the pages are not installed."""
     places = [PACKAGE / "shipped", PACKAGE.parents[1], pathlib.Path("/usr/share/doc/roah-rsbb")]
-    return next((place for place in places if (place / "docs" / "protocol.md").is_file()), None)
+    # Debian packages compress long pages.
+    return next((place for place in places if any((place / "docs").glob("protocol.md*"))), None)
