@@ -196,7 +196,8 @@ class Session:
 
     def _hear_beacon(self, now_mono: float, beacon: pb.RoahRsbbBeacon, host: str) -> None:
         port = self._listed_port(beacon, host)
-        if not self._follows(now_mono, host, listed=port is not None):
+        takes_over = port is not None and self.link is not None and port == self.link.port
+        if not self._follows(now_mono, host, port is not None, takes_over):
             self._effects += self._reports.once(
                 fx.Problem.ANOTHER_BOX, host,
                 f"there is another box at {host} besides the one at {self._box}: it is ignored while the other "
@@ -236,11 +237,16 @@ class Session:
                 )
         return None
 
-    def _follows(self, now_mono: float, host: str, listed: bool) -> bool:
-        """Whether the box at `host` is, or becomes, the robot's box."""
+    def _follows(self, now_mono: float, host: str, listed: bool, takes_over: bool) -> bool:
+        """Whether the box at `host` is, or becomes, the robot's box.
+
+        `takes_over`: it lists the robot with the port of its present run, as a standby does that continues this run.
+        """
         if self._box in (None, host):
             return True
         if listed and (self.link is None or (not self.link.decoded and self.link.silence.lasts(now_mono))):
+            return True
+        if takes_over and self._silence.lasts(now_mono) and self.link.silence.lasts(now_mono):
             return True
         heard_alone_s = self._others.heard(now_mono)
         return (heard_alone_s >= SILENCE_S and self._silence.lasts(now_mono)

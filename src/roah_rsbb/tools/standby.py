@@ -31,6 +31,7 @@ from roah_rsbb.standby.words import rejoin_key
 from roah_rsbb.tools.preflight_checks import Severity, check_other_box
 from roah_rsbb.tools.standby_ears import Automatic, Ears
 from roah_rsbb.tools.standby_network import NoAddress, take_address
+from roah_rsbb.tools.standby_rehearsal import Failed, rehearse
 
 PROGRAM = "standby"
 DEFAULT_PORT = 8083
@@ -49,6 +50,7 @@ A standby: a second computer that has a copy of the box's journal, and takes ove
   follow    pair with the box, once, and keep the copy
   takeover  start the box here, with the copy. Refused while the box is heard
   rejoin    on the computer that was the box: become the standby of the box that took over
+  rehearse  show a takeover on this computer, with the times. Needs no second computer, and changes nothing
 """
 _EPILOG = """\
 Start the box with standby_port:=8083. Its log shows the code. Arguments NAME:=VALUE are passed to roah_rsbb.launch
@@ -79,6 +81,7 @@ def _parser() -> argparse.ArgumentParser:
                           help="also take over the box's address, for robots that were given it. Needs root")
     rejoin = commands.add_parser("rejoin", help="become the standby of the box that took over from this computer")
     rejoin.add_argument("old_log_dir", metavar="OLD_LOG_DIR", help="log_dir of the box on this computer")
+    commands.add_parser("rehearse", help="show a takeover on this computer, with the times")
     for command in (follow, takeover, rejoin):
         command.add_argument("--log-dir", default=LOG_DIR, metavar="DIR",
                              help="folder of the copy (default: %(default)s)")
@@ -330,6 +333,16 @@ def last_moment(folder: str) -> str:
     return f"The copy ends at {moment:%H:%M:%S} UTC, {max(0.0, time.time() - utc):.0f} s ago"
 
 
+def _rehearse() -> int:
+    try:
+        for line in rehearse():
+            print(line, flush=True)
+    except Failed as error:
+        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
 def _options(words: Sequence[str]) -> argparse.Namespace:
     """Read the command line. Arguments of roah_rsbb.launch may stand anywhere in it."""
     options = _parser().parse_args([word for word in words if ":=" not in word])
@@ -341,6 +354,8 @@ def _options(words: Sequence[str]) -> argparse.Namespace:
 def main() -> None:
     """Run the program."""
     options = _options(sys.argv[1:])
+    if options.command == "rehearse":
+        sys.exit(_rehearse())
     folder = os.path.abspath(os.path.expanduser(options.log_dir))
     try:
         os.makedirs(folder, mode=0o700, exist_ok=True)

@@ -136,6 +136,17 @@ def test_another_box_takes_over_when_ours_is_gone(linked):
     assert linked.state is RobotState.STOP
 
 
+def test_a_standby_takes_over_at_once_when_our_box_is_gone(linked):
+    """It lists the robot with the port that it has."""
+    executing(linked)
+    linked.run(4)
+    linked.beacon(host=OTHER_BOX)
+    assert linked.take_news(fx.OpenChannel) == []
+    linked.run(2)
+    linked.beacon(host=OTHER_BOX)
+    assert linked.take_news(fx.OpenChannel) == [fx.OpenChannel(OTHER_BOX, PORT)]
+
+
 @pytest.mark.parametrize("on_public_channel", [True, False])
 def test_another_box_takes_nothing_over_because_the_network_was_away(linked, on_public_channel):
     """It is only the first one that is heard again."""
