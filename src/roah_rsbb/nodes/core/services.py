@@ -125,12 +125,11 @@ class CoreServices:
 
     def _serve_judges(self, box: Box) -> None:
         """Services of several judges and of objections. Their success means that the result is on the disk."""
-        judges = box.judges
         self._serve("judge/mark", MarkItem, lambda r: (
-            judges.mark, _run_of(r), mark_of(r), r.referee
-        ), durable=True, answer_of=lambda r: _marked(judges.outcome(_run_of(r), mark_of(r), r.referee)))
+            box.judges.mark, _run_of(r), mark_of(r), r.referee
+        ), durable=True, answer_of=lambda r: _marked(box.judges.outcome(_run_of(r), mark_of(r), r.referee)))
         self._serve("judge/submit", SubmitSheet, lambda r: (
-            judges.submit, _run_of(r), r.judge, r.device
+            box.judges.submit, _run_of(r), r.judge, r.device
         ), durable=True)
         self._serve("judges/decide", DecideJudges, lambda r: _decision(box, r), durable=True)
         self._serve("publication", PublishResult, lambda r: _publication(box, r), durable=True)
