@@ -66,6 +66,13 @@ class _Program:
                     raise Failed(f"{self._name} did not print '{pattern}'. Its last lines:\n{last}")
                 self._is_new.wait(1.0)
 
+    def is_done(self) -> bool:
+        """Wait until it ends; returns whether it succeeded. Raises `Failed`."""
+        try:
+            return self._process.wait(LIMIT_S) == 0
+        except subprocess.TimeoutExpired:
+            raise Failed(f"{self._name} does not end") from None
+
     def lose(self) -> None:
         """Kill it and its nodes, as if the computer had burned."""
         for pid in (self._process.pid, *_children(self._process.pid)):
@@ -119,8 +126,11 @@ def _rehearse(folder: str, cleanup: contextlib.ExitStack, ports: Ports) -> Itera
                   "--port", str(ports.public), "--bind", ROBOT, "--never-end")
     first.wait(f"Robot .* is active at {ROBOT}")
     for command in ("connect", "start"):
-        referee = start("rosrun", "roah_rsbb", "referee", command, ZONE, master=ports.box_master)
-        referee.wait("done")
+        # The box may still listen for another one.
+        deadline = time.monotonic() + LIMIT_S
+        while not start("rosrun", "roah_rsbb", "referee", command, ZONE, master=ports.box_master).is_done():
+            if time.monotonic() > deadline:
+                raise Failed(f"the referee could not {command} the robot in time")
     robot.wait("executing")
     time.sleep(1.0)  # the copy is usually 0.2 s behind
 
