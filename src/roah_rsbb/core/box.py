@@ -76,7 +76,7 @@ class Box:
         self.modules = ModuleDesk(self.tick, zones, self._modules, record)
         # Time.
         self._clock = ClockWatch()
-        self._calm_until: Optional[float] = None  # see `_tick_if_due`
+        self._calm_until: Optional[float] = None  # see `tick_if_due`
         self._replay = ""  # see `begin_replay`
         self._superseded = ""  # see `supersede`
 
@@ -110,8 +110,8 @@ class Box:
         for run in self.zones.runs():
             run.tick(now)
 
-    def _tick_if_due(self, now: Now) -> None:
-        """As `tick`, for beacons and reports, which are too frequent to check every run each time.
+    def tick_if_due(self, now: Now) -> None:
+        """As `tick`, for beacons, reports and views, which are too frequent to check every run each time.
 
         No run has anything to do until `_calm_until` (monotonic, s). A report only moves the deadline of its own run, a
         beacon none. Every other event sets `_calm_until` to None; then all runs are checked again.
@@ -280,7 +280,7 @@ class Box:
 
     def on_robot_beacon(self, now: Now, host: str, team: str, robot: str, time: WireTime) -> None:
         """A RobotBeacon arrived from `host`."""
-        self._tick_if_due(now)
+        self.tick_if_due(now)
         robot_id = RobotId(team, robot)
         known = self.robots.find(robot_id)
         heard = self.robots.hear(now, robot_id, host, time)
@@ -300,7 +300,7 @@ class Box:
 
     def on_robot_report(self, now: Now, port: int, host: str, report: RobotReport) -> None:
         """A RobotState arrived on the private channel `port` from `host`."""
-        self._tick_if_due(now)
+        self.tick_if_due(now)
         run = self.zones.run_at(port)
         if run is None:
             return
@@ -312,7 +312,7 @@ class Box:
 
     def on_robot_copy(self, now: Now, port: int, host: str, count: int = 1) -> None:
         """Handle copies of datagrams that arrived on the private channel `port` before. `host` sent the last copy."""
-        self._tick_if_due(now)
+        self.tick_if_due(now)
         run = self.zones.run_at(port)
         if run is not None:
             run.on_copy(now, host, count)
@@ -320,7 +320,7 @@ class Box:
     def on_robot_overload(self, now: Now, port: int, count: int) -> None:
         """Handle `count` datagrams on the private channel `port` that were not read because the robot sends too
         much."""
-        self._tick_if_due(now)
+        self.tick_if_due(now)
         run = self.zones.run_at(port)
         if run is not None:
             run.on_overload(now, count)

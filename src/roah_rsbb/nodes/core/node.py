@@ -353,7 +353,7 @@ class CoreNode:
 
     def _publish_tick(self) -> None:
         self._ros.loop.call_later(GUI_PERIOD_S, self._publish_tick)
-        self._driver.tick()
+        self._driver.event(self._box.tick_if_due)
         self._do_in_turn([
             self._publish_for_panels, self._publish_schedule, self._publish_public, self._publish_results,
             self._write_links, self._end_tick,
