@@ -73,7 +73,10 @@ def _announce(host: str, interface: str) -> None:
 
 
 def _interface(host: str) -> str:
-    (route,) = json.loads(_ip("-json", "route", "get", host)) or [{}]
+    try:
+        (route,) = json.loads(_ip("-json", "route", "get", host))
+    except ValueError:
+        raise NoAddress(f"there is no route to {host}") from None
     # An address of this computer is reached by the loopback device, but belongs to another one.
     if route.get("type") == "local":
         for link in json.loads(_ip("-json", "-4", "address", "show")):
