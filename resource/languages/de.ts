@@ -212,6 +212,51 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>is judging</source>
+        <translation>wertet noch</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>has submitted</source>
+        <translation>hat abgegeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>looks again</source>
+        <translation>prüft noch einmal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>provisional</source>
+        <translation>vorläufig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>objections until {time}</source>
+        <translation>Einsprüche bis {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>the time for objections is over</source>
+        <translation>die Einspruchsfrist ist vorbei</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>objections to answer: {number}</source>
+        <translation>offene Einsprüche: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>upheld</source>
+        <translation>stattgegeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>rejected</source>
+        <translation>abgelehnt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>{role} in {zone}</source>
         <translation>{role} in {zone}</translation>
     </message>
@@ -709,6 +754,131 @@
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>No rating is asked of {judge} now</source>
         <translation>Von {judge} wird jetzt keine Bewertung gebraucht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Your score sheet</source>
+        <translation>Ihr Punktebogen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Judges</source>
+        <translation>Jury</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Submit the sheet</source>
+        <translation>Bogen abgeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Your sheet is submitted and locked. The head referee can hand it back.</source>
+        <translation>Ihr Bogen ist abgegeben und gesperrt. Der Hauptschiedsrichter kann ihn zurückgeben.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The box has not confirmed all marks yet</source>
+        <translation>Die Box hat noch nicht alle Wertungen bestätigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The head referee asks you to look again: {reason}</source>
+        <translation>Der Hauptschiedsrichter bittet Sie, noch einmal zu prüfen: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Sheets that are missing: {missing} of {count}</source>
+        <translation>Fehlende Bögen: {missing} von {count}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Missing judges are not waited for: {reason}</source>
+        <translation>Auf fehlende Kampfrichter wird nicht gewartet: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The judges differ. Items to settle: {number}</source>
+        <translation>Die Jury ist uneins. Zu entscheiden: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>differs</source>
+        <translation>uneins</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Settle</source>
+        <translation>Entscheiden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Reason</source>
+        <translation>Grund</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Settled by {name}: {reason}</source>
+        <translation>Entschieden von {name}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Sheets of the judges</source>
+        <translation>Bögen der Jury</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Hand back: look again</source>
+        <translation>Zurückgeben: noch einmal prüfen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Withdraw the sheet</source>
+        <translation>Bogen zurückziehen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Do not wait for missing judges</source>
+        <translation>Nicht auf fehlende Jurymitglieder warten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Several judges score this run, each on a sheet of their own</source>
+        <translation>Mehrere Jurymitglieder werten diesen Lauf, jeder auf einem eigenen Bogen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Provisional result and objections</source>
+        <translation>Vorläufiges Ergebnis und Einsprüche</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Publish as provisional</source>
+        <translation>Als vorläufig veröffentlichen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The run is still connected</source>
+        <translation>Der Lauf ist noch verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Enter an objection</source>
+        <translation>Einspruch eintragen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Who objects</source>
+        <translation>Wer Einspruch einlegt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Uphold the objection</source>
+        <translation>Dem Einspruch stattgeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Reject the objection</source>
+        <translation>Den Einspruch ablehnen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -2802,11 +2972,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>Value</source>
         <translation>Wert</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Reason</source>
-        <translation>Grund</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>

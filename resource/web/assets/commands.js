@@ -110,8 +110,8 @@ export class Marks {
       return;
     }
     this.isSending.add(mark.id);
-    const {shown, isLate, isUndo, ...body} = mark;
-    const answer = await send("mark", body);
+    const {shown, isLate, isUndo, command = "mark", ...body} = mark;
+    const answer = await send(command, body);
     this.isSending.delete(mark.id);
     if (AGAIN.includes(answer.status)) {
       mark.isLate = true;
@@ -119,7 +119,7 @@ export class Marks {
       this.waiting = this.waiting.filter((one) => one.id !== mark.id);
       if (answer.status === 200) {
         this.refused = null;
-        if (answer.body.number && !isUndo) {
+        if (answer.body.number && !isUndo && command === "mark") {
           this.done.push({...body, number: answer.body.number, shown: `${mark.desc}: ${shown}`});
         }
       } else {

@@ -7,6 +7,7 @@ import {ask, reasonsText, roleText} from "/assets/device.js";
 import {Marks, Stop, send, signal} from "/assets/commands.js";
 import {Command, Hold, Twice} from "/assets/buttons.js";
 import {Correction} from "/assets/correction.js";
+import {HeadReferee, JudgeRun} from "/assets/judging.js";
 import {ADD, Sheet} from "/assets/sheet.js";
 
 const SILENT_S = 2.2;
@@ -336,8 +337,10 @@ function Page() {
   const isOld = live.silentSince !== null || !zone;
   document.body.classList.toggle("old", isOld);
   const judge = session.role === "judge" ? session.person : "";
+  const isJudged = Boolean(zone) && zone.judging.some((run) => run.identity === zone.identity && run.count > 0);
   const last = zone && marks.last(zone.identity);
-  const others = marks.waiting.filter((mark) => !zone || mark.identity !== zone.identity);
+  const isShown = (mark) => zone && (mark.identity === zone.identity || zone.judging.some((run) => run.identity === mark.identity));
+  const others = marks.waiting.filter((mark) => !isShown(mark));
   return html`
     ${isOld && html`<p class="alarm" role="alert">${live.silentSince === null ? (zone ? texts.offline_now : words.waiting)
       : texts.offline.replace("{time}", () => clockText(live.silentSince, words))}</p>`}
@@ -359,7 +362,11 @@ function Page() {
           ${zone.switches && html`<${Switches} zone=${zone} texts=${texts} />`}
           ${zone.phase === "running" || html`<${Commands} zone=${zone} texts=${texts} />`}
           ${zone.phase === "ended" && html`<${Reason} key=${zone.identity} zone=${zone} texts=${texts} />`}`}
-        ${zone.items.length > 0 && html`<${Sheet} zone=${zone} marks=${marks} texts=${texts} judge=${judge} />`}
+        ${zone.judging.filter((run) => run.count > 0 || !judge).map((run) => judge ? html`
+          <${JudgeRun} key=${run.identity} zone=${zone.zone} run=${run} marks=${marks} texts=${texts} person=${judge} give=${give} />` : html`
+          <${HeadReferee} key=${run.identity} zone=${zone.zone} run=${run} texts=${texts} give=${give} />`)}
+        ${isJudged && !judge && html`<p class="nothing">${texts.judges_score}</p>`}
+        ${zone.items.length > 0 && !isJudged && html`<${Sheet} zone=${zone} marks=${marks} texts=${texts} judge=${judge} />`}
         ${last && html`<${Command} name="undo" label=${texts.undo.replace("{mark}", () => last.shown)} act=${() => undo(last, texts)} />`}
         ${marks.refused && html`<p class="alarm" role="alert">${texts.refused.replace("{what}", () => marks.refused.shown)
           .replace("{reasons}", () => marks.refused.reasons.join("; "))}</p>`}

@@ -83,11 +83,12 @@ function Entry({label, isLabelShown = false, value, enter, texts}) {
 }
 
 // `judge`: the name of the judge who may only give ratings; empty: a referee.
-export function Sheet({zone, marks, texts, judge = ""}) {
+// `command`: another one than "mark", on the own sheet of `person`.
+export function Sheet({zone, marks, texts, judge = "", command = "", person = ""}) {
   const items = judge ? zone.items.filter((item) => item.judges.includes(judge)) : zone.items;
   const mark = (item, change, more, shown) => marks.add({
     zone: zone.zone, identity: zone.identity, group: item.group, desc: item.desc, change, value: 0, text: "", judge: "",
-    ...more, shown,
+    ...more, shown, ...(command ? {command} : {}),
   });
   const waitingOf = (item) => marks.waiting.filter((one) =>
     one.identity === zone.identity && one.group === item.group && one.desc === item.desc);

@@ -21,6 +21,13 @@ FIELDS: Dict[str, Dict[str, type]] = {
     "sheet": {"identity": str},
     "mark": {"identity": str, "id": str, "group": str, "desc": str, "change": int, "value": int, "text": str,
              "judge": str, "note": str},
+    "judging": {"identity": str},
+    "submit": {"identity": str},
+    "decide": {"identity": str, "decision": int, "judge": str, "group": str, "desc": str, "value": int, "text": str,
+               "not_attempted": bool, "reason": str},
+    "publish": {"identity": str, "seconds": int},
+    "object": {"identity": str, "by": str, "text": str},
+    "answer": {"identity": str, "number": int, "upheld": bool, "text": str},
     "take_back": {"identity": str, "id": str},
     "operation": {"operation": int, "answer": str},
     "switch": {"number": int},
@@ -29,6 +36,11 @@ FIELDS: Dict[str, Dict[str, type]] = {
 STOP = "stop"
 MARK = "mark"
 SHEET = "sheet"
+FIELDS["judge_mark"] = FIELDS[MARK]
+# What is asked of the judges of a run: its answer depends on the role.
+JUDGING = "judging"
+# What a judge does with the own sheet, which belongs to the name that was typed when the device was paired.
+_OF_JUDGES = ("judge_mark", "submit")
 
 
 class BadCommand(Exception):
@@ -74,6 +86,8 @@ def may(command: Command) -> bool:
     grant = command.session.grant
     if not command.zone or not grant.allows(command.zone):
         return False
+    if command.name in _OF_JUDGES:
+        return grant.role == JUDGE
     # A judge gives ratings under the name that was typed when the device was paired.
-    return grant.role != JUDGE or (
+    return grant.role != JUDGE or command.name == JUDGING or (
         command.name == MARK and command.fields["judge"] == command.session.person)

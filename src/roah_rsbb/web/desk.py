@@ -27,6 +27,7 @@ class Desk(Numbered):
         self._clocks: Optional[Any] = None
         self._schedule: Optional[Any] = None
         self._runs: List[Any] = []
+        self._judgings: List[Any] = []
         self._heard_mono = float("-inf")
         self._clock = BoxClock()
         self._shown: Set[Key] = set()  # pairs of language and zone
@@ -40,6 +41,10 @@ class Desk(Numbered):
     def on_schedule(self, schedule) -> None:
         """Take Schedule."""
         self._schedule = schedule
+
+    def on_judging(self, judging) -> None:
+        """Take Judgings."""
+        self._judgings = list(judging.runs)
 
     def on_clocks(self, clocks) -> None:
         """Take RunClocks."""
@@ -110,8 +115,10 @@ class Desk(Numbered):
             if zone is None or zone_name not in details_of:
                 return
             clock = self._clock_of(zone_name, details_of[zone_name].identity)
-            self._put((ZONE, language, zone_name), zone_documents.zone_page(
-                zone, details_of[zone_name], details.warnings, clock, self._runs, gui.clock.to_sec()))
+            page = zone_documents.zone_page(
+                zone, details_of[zone_name], details.warnings, clock, self._runs, gui.clock.to_sec())
+            page["judging"] = zone_documents.judging_page(self._judgings, zone_name, self._runs, gui.clock.to_sec())
+            self._put((ZONE, language, zone_name), page)
             if clock is not None:
                 passed_s = gui.clock.to_sec() - self._clocks.clock.to_sec()
                 self._put((CLOCK, language, zone_name), zone_documents.clock_page(clock, passed_s))

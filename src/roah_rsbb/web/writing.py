@@ -6,17 +6,18 @@ its device must be paired.
 """
 
 import json
+from types import SimpleNamespace
 from typing import Any, Dict, Optional
 from urllib.parse import urlsplit
 
 from tornado import web
 
-from roah_rsbb.web.commands import SHEET, BadCommand, command_of, may
+from roah_rsbb.web.commands import JUDGING, SHEET, BadCommand, Command, command_of, may
 from roah_rsbb.web.events import Reader
 from roah_rsbb.web.guarded import TOO_MANY_REQUESTS, Guarded
-from roah_rsbb.web.pairing import ORGANISER, SESSION_VALID_S, Refused, Session, TooManyGuesses, plain
+from roah_rsbb.web.pairing import JUDGE, ORGANISER, SESSION_VALID_S, Refused, Session, TooManyGuesses, plain
 from roah_rsbb.web.viewer import Viewer
-from roah_rsbb.web.zone_documents import sheet_page
+from roah_rsbb.web.zone_documents import own_sheet, sheet_page, side_by_side
 from roah_rsbb.wording import device
 from roah_rsbb.wording.device import role_text
 from roah_rsbb.wording.language import tr
@@ -207,8 +208,17 @@ class CommandHandler(FromOwnPage):
             elif reasons:
                 self.refuse(409, *reasons)
             else:
-                result = outcome.result or {}
-                self.finish(sheet_page(result["sheet"]) if name == SHEET else result)
+                self.finish(_shown(command, outcome.result or {}))
+
+
+def _shown(command: Command, result: Dict[str, Any]) -> Dict[str, Any]:
+    """Return what the device may see of the result of a command."""
+    if command.name == SHEET:
+        return sheet_page(result["sheet"])
+    if command.name != JUDGING:
+        return result
+    is_judge = command.session.grant.role == JUDGE
+    return (own_sheet if is_judge else side_by_side)(SimpleNamespace(**result))
 
 
 class DeviceEventsHandler(OfDevice, Reader):

@@ -6,8 +6,9 @@ The functions work on anything with the fields of the messages. Texts are in the
 from typing import Any, Dict, Iterable, List, Optional
 
 from roah_rsbb.web.documents import Data
-from roah_rsbb.wording import sheets, todo
+from roah_rsbb.wording import device, sheets, todo
 from roah_rsbb.wording.clock import Figure, clock_of
+from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.sent import tr_sent
 from roah_rsbb.wording.times import Moments
 
@@ -19,6 +20,8 @@ OFF_FIELDS = {
         "pause", "resume", "next_phase", "previous_phase", "open_sheet", "no_show", "withdrawn")},
 }
 _MARKS = {"idle": "○", "connected": "●", "running": "▶", "ended": "■"}
+# What became of an item, by the numbers in JudgedItem.
+_OUTCOMES = ("agreed", "differs", "settled", "not_judged")
 # Runs that are over and not signed off. The page is no archive.
 MAX_UNSIGNED = 5
 
@@ -55,7 +58,7 @@ def zone_page(zone, details, box_warnings: Iterable[str], clock, runs: Iterable[
         "operation": _operation(zone, details),
         "switches": {"on": list(zone.omf_switches), "damaged": zone.omf_damaged, "to_confirm": bool(zone.omf_complete)}
         if zone.omf else None,
-        "items": [_item(item) for item in details.items],
+        "items": [item_page(item) for item in details.items],
         "points": _points(details.points),
         "unsigned": [_run(run, moments, utc_s) for run in runs if _is_unsigned(run, zone.zone)][:MAX_UNSIGNED],
     }
@@ -63,7 +66,7 @@ def zone_page(zone, details, box_warnings: Iterable[str], clock, runs: Iterable[
 
 def sheet_page(sheet) -> Data:
     """Return the score sheet of a run (RunSheet), as `zone_page` has that of the run in the zone."""
-    return {"items": [_item(item) for item in sheet.items], "points": _points(sheet.points)}
+    return {"items": [item_page(item) for item in sheet.items], "points": _points(sheet.points)}
 
 
 def clock_page(message, passed_s: float) -> Data:
@@ -90,7 +93,8 @@ def _operation(zone, details) -> Optional[Data]:
             "asks_text": bool(details.operation_asks_text)}
 
 
-def _item(item) -> Data:
+def item_page(item) -> Data:
+    """Return a scoring item."""
     return {
         "group": item.group, "desc": item.desc, "type": sheets.type_word(item.type), "value": item.value,
         "text": item.text, "not_attempted": bool(item.not_attempted), "points": item.points,
@@ -114,3 +118,69 @@ def _run(run, moments: Moments, utc_s: float) -> Data:
     when = moments.scheduled(run.opened.to_sec(), utc_s)
     return {"identity": run.identity, "revision": run.revision, "title": f"{when}  {name}",
             "end": sheets.run_state(run.started.to_sec(), run.closed.to_sec(), run.end_reason), "score": run.score}
+
+
+# -- several judges ---------------------------------------------------------------------------------
+#
+# How far the judges are is part of the zone's document, without values. The values come with the answer to a device
+# that asks: a judge gets the own sheet, the others get all sheets side by side, once the core shows them.
+
+def judging_page(judgings: Iterable[Any], zone: str, runs: Iterable[Any], utc_s: float) -> List[Data]:
+    """Return how far the judges of the runs of a zone are. `judgings`: Judging of all; `runs`: RunSummary of all."""
+    moments = Moments(False)
+    names = {run.identity: sheets.run_name(run.code, run.team, run.round, run.run) for run in runs}
+    over = {run.identity for run in runs if run.closed.to_sec()}
+    return [{
+        "identity": one.identity, "revision": one.revision, "title": names.get(one.identity, one.identity),
+        "is_over": one.identity in over, "count": one.count, "missing": one.missing, "is_complete": bool(one.complete),
+        "waiver": one.waiver, "differences": one.differences,
+        "judges": [_judge_page(judge) for judge in one.judges],
+        "publication": _publication_text(one, moments, utc_s),
+        "is_published": bool(one.published.to_sec()),
+    } for one in judgings if one.zone == zone]
+
+
+def _judge_page(judge) -> Data:
+    submitted = bool(judge.submitted.to_sec())
+    state = device.SUBMITTED if submitted else device.LOOKS_AGAIN if judge.again else device.JUDGING
+    return {"judge": judge.judge, "submitted": submitted, "state": tr(state)}
+
+
+def _publication_text(one, moments: Moments, utc_s: float) -> str:
+    until = one.objections_until.to_sec()
+    if not one.published.to_sec():
+        return ""
+    what = tr(device.OBJECTIONS_UNTIL, time=moments.scheduled(until, utc_s)) if until > utc_s else tr(
+        device.OBJECTIONS_OVER)
+    open_ones = tr(device.OPEN_OBJECTIONS, number=one.open_objections) if one.open_objections else ""
+    return " · ".join(text for text in (tr(device.PROVISIONAL), what, open_ones) if text)
+
+
+def own_sheet(answer) -> Data:
+    """Return a judge's own sheet. `answer`: of GetJudging."""
+    items = [item_page(item) for item in answer.own]
+    return {"submitted": bool(answer.submitted), "again": answer.again, "items": items}
+
+
+def side_by_side(answer) -> Data:
+    """Return what the head referee sees. `answer`: of GetJudging."""
+    items: Dict[Any, Any] = {(item.group, item.desc): item for item in answer.items}
+    return {
+        "judged": [_judged_page(one, items[one.group, one.desc]) for one in answer.judged],
+        "objections": [{
+            "number": one.number, "by": one.by, "text": one.text, "is_answered": bool(one.answered.to_sec()),
+            "answer": f"{tr(device.UPHELD if one.upheld else device.REJECTED)}: {one.answer}",
+        } for one in answer.objections],
+    }
+
+
+def _judged_page(one, item) -> Data:
+    kind = sheets.type_word(item.type)
+    given = zip(one.judges, one.values, one.texts, one.not_attempted)
+    return {
+        "outcome": _OUTCOMES[one.outcome], "item": item_page(item),
+        "given": [{"judge": judge, "shown": sheets.item_value(kind, value, bool(not_attempted), text), "value": value,
+                   "text": text, "not_attempted": bool(not_attempted)}
+                  for judge, value, text, not_attempted in given],
+        "who": sheets.person(one.who) if one.who else "", "reason": one.reason,
+    }

@@ -26,7 +26,10 @@ def session(role="referee", zone="Home", person="Anna"):
 # -- who may do what --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", sorted(FIELDS))
+OF_JUDGES = {"judge_mark", "submit"}
+
+
+@pytest.mark.parametrize("name", sorted(set(FIELDS) - OF_JUDGES))
 def test_a_referee_may_act_in_one_zone_and_an_organiser_in_all(name):
     for zone, allowed in (("Home", True), ("Hall", False), ("", False)):
         assert may(command_of(name, {"zone": zone}, session())) == allowed
@@ -34,7 +37,14 @@ def test_a_referee_may_act_in_one_zone_and_an_organiser_in_all(name):
     assert not may(command_of(name, {}, session("organiser", "")))
 
 
-@pytest.mark.parametrize("name", sorted(set(FIELDS) - {"mark"}))
+@pytest.mark.parametrize("name", sorted({*OF_JUDGES, "judging"}))
+def test_a_judge_scores_on_the_own_sheet(name):
+    for role, allowed in (("judge", True), ("referee", name == "judging"), ("organiser", name == "judging")):
+        assert may(command_of(name, {"zone": "Home"}, session(role))) == allowed
+    assert not may(command_of(name, {"zone": "Hall"}, session("judge")))
+
+
+@pytest.mark.parametrize("name", sorted(set(FIELDS) - {"mark", "judging", *OF_JUDGES}))
 def test_a_judge_gives_no_commands(name):
     assert not may(command_of(name, {"zone": "Home"}, session("judge")))
 
@@ -205,3 +215,31 @@ def test_spectators_take_no_places_of_devices(served):
         served.running.do(websocket.websocket_connect(f"ws://{HOST}:{served.port}/api/v1/events"))
     assert len(served.server.viewers) == 1 and len(served.server.devices) == 1
     assert json.loads(served.running.do(device.read_message()))["type"] == "snapshot"
+
+
+# -- several judges -----------------------------------------------------------------------------------
+
+
+def _answer():
+    """What the core says of two judges who differ, as the call makes it."""
+    item = SimpleNamespace(
+        group="Table", desc="cups", type=1, value=0, text="", not_attempted=False, points="", min="", max="",
+        choices=[], judges=[], ratings=[])
+    judged = SimpleNamespace(
+        group="Table", desc="cups", outcome=1, judges=["Ann", "Ben"], values=[2, 0], texts=["", ""],
+        not_attempted=[False, True], who="", reason="")
+    own = SimpleNamespace(**{**vars(item), "value": 2})
+    return {"state": None, "submitted": True, "again": "", "own": [own], "items": [item], "judged": [judged],
+            "objections": []}
+
+
+def test_a_judge_gets_the_own_sheet_only(served):
+    served.outcome = Outcome(result=_answer())
+    asked = {"zone": "Home", "identity": "run"}
+    own = json.loads(served.send("judging", asked, served.token("judge")).body)
+    assert [item["value"] for item in own["items"]] == [2]
+    assert "Ben" not in str(own)
+    both = json.loads(served.send("judging", asked, served.token()).body)
+    (line,) = both["judged"]
+    assert [(each["judge"], each["shown"]) for each in line["given"]] == [("Ann", "2"), ("Ben", "not attempted")]
+    assert line["outcome"] == "differs"

@@ -87,9 +87,10 @@ class Browser:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, number)
 
-    def page(self, url: str, width: int, height: int, scale: float = 1.0) -> "Page":
-        """A page on a touch screen of this size, in CSS pixels."""
-        target = self.command("Target.createTarget", url="about:blank", newWindow=True)["targetId"]
+    def page(self, url: str, width: int, height: int, scale: float = 1.0, is_alone: bool = False) -> "Page":
+        """A page on a touch screen of this size, in CSS pixels. `is_alone`: it shares no cookies with other pages."""
+        own = {"browserContextId": self.command("Target.createBrowserContext")["browserContextId"]} if is_alone else {}
+        target = self.command("Target.createTarget", url="about:blank", newWindow=True, **own)["targetId"]
         session = self.command("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         page = Page(self, session, target)
         for domain in ("Page", "Runtime", "Log", "Network"):

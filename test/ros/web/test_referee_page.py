@@ -18,7 +18,7 @@ from support.robots import RSBB_PORT
 from support.waiting import wait_until
 
 from roah_rsbb.msg import RunSheet
-from roah_rsbb.srv import GetRunSheet, PairDevice, RevokeDevice
+from roah_rsbb.srv import GetJudging, GetJudgingResponse, GetRunSheet, PairDevice, RevokeDevice, SignOff
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"
@@ -26,6 +26,7 @@ URL = f"http://127.0.0.1:{RSBB_PORT + 95}"
 ZONE, GATEWAY = "Room", "/roah_rsbb_web"
 PHONE, LAPTOP = (360, 740), (1280, 800)
 TEXT = "document.body.innerText"
+HALL, OBJECTS, EMPTY = "Hall", "Objects put away", "Table is empty"
 ENTERS, DEVICE = "Enters Annie's room", "Operates the right device"
 
 
@@ -59,12 +60,13 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         except OSError:
             return False
 
-    def paired(self, role: str = "referee", person: str = "Anna", language: str = "en",
+    def paired(self, role: str = "referee", person: str = "Anna", language: str = "en", zone: str = "",
                browser: Optional[Browser] = None) -> Page:
-        """A phone with the page of this role."""
-        zone = "" if role == "organiser" else ZONE
-        url = rospy.ServiceProxy("/web/pair", PairDevice)(role, zone).url
-        page = (browser or self.browser).page(url.replace("/pair", f"/pair?language={language}"), *PHONE)
+        """A phone with the page of this role. `zone`: another one than usual, on a phone beside others."""
+        is_alone = bool(zone)
+        zone = "" if role == "organiser" else zone or ZONE
+        url = rospy.ServiceProxy("/web/pair", PairDevice)(role, zone).url.replace("/pair", f"/pair?language={language}")
+        page = (browser or self.browser).page(url, *PHONE, is_alone=is_alone)
         if browser is None:
             self._leaving(page)
         page.wait("document.querySelector('#person') !== null", "the form is shown")
@@ -315,6 +317,79 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertEqual(self.post(page, "connect"), 403)
         self.assertEqual(self.post(page, "mark", identity="x", id="x", group="x", desc="x", judge="Dora"), 403)
         self.assert_accessible("judge", page)
+
+    def judged(self) -> str:
+        """A run without a robot in the hall, which two judges score."""
+        self.box.command("open_sheet", HALL)
+        self.box.start(HALL)
+        identity = self.box.zone_details(HALL).identity
+        self.box.command("stop", HALL)
+        self.box.command("disconnect", HALL)
+        return identity
+
+    def judge(self, person: str, objects: int, rating: str, language: str = "en") -> Page:
+        """A judge's phone on which the own sheet is filled in."""
+        page = self.paired("judge", person, language, HALL)
+        self.shows(page, OBJECTS, "0")
+        for number in range(objects):
+            self.tap(page, item(OBJECTS, 2))
+            self.shows(page, OBJECTS, str(number + 1))
+        self.tap(page, item(EMPTY, 1))
+        self.fill(page, "[data-item=Presentation] input", rating)
+        self.tap(page, "[data-item=Presentation] .entry button")
+        page.wait("marks.waiting.length === 0", "the marks are confirmed")
+        self.shows(page, "Presentation", rating)
+        return page
+
+    def judging(self, identity: str, judge: str = "") -> GetJudgingResponse:
+        """What the core shows of the judges."""
+        return rospy.ServiceProxy("/core/judges", GetJudging)(HALL, identity, judge)
+
+    def fill(self, page: Page, selector: str, text: str) -> None:
+        """Type into a field."""
+        page.wait(f"document.querySelector({json.dumps(selector)}) !== null", f"{selector} is shown")
+        page.get(f"(i => (i.value = {json.dumps(text)}, i.dispatchEvent(new Event('input', {{bubbles: true}}))))"
+                 f"(document.querySelector({json.dumps(selector)})), 0")
+
+    def test_two_judges_who_differ(self) -> None:
+        identity = self.judged()
+        ann = self.judge("Ann", 2, "7")
+        self.assert_accessible("judge", ann)
+        ann.screenshot(SHOTS / "web_judge.png")
+        ben = self.judge("Ben", 3, "8", "de")
+        self.assertEqual(self.post(ben, "decide", identity=identity), 403)
+        self.press_twice(ann, "submit", "press again")
+        ann.wait(f"{TEXT}.includes('submitted and locked')", "the sheet is locked")
+        ben.wait(f"{TEXT}.includes('Ann: hat abgegeben')", "the other judge sees who is missing")
+        self.assertEqual(list(self.judging(identity).judged), [], "nobody sees the values yet")
+        head = self.paired("referee", "Hugo", zone=HALL)
+        head.wait(f"{TEXT}.includes('Ben: is judging')", "the head referee sees who is missing")
+        self.assertFalse(head.get(f"{TEXT}.includes('differs')"))
+        self.kill_core()
+        self.press_twice(ben, "submit", "noch einmal")
+        ben.wait(f"{TEXT}.includes('abgegeben und gesperrt')", "the sheet is locked")
+        head.wait(f"{TEXT}.includes('Items to settle: 1')", "the difference is shown")
+        settle = f"[data-item={json.dumps(OBJECTS)}] "
+        head.wait(f"document.querySelector({json.dumps(settle + '.given')}).innerText.replace(/\\s+/g, ' ') === "
+                  "'Ann 2 Ben 3'", "side by side")
+        self.shot("judges", head)
+        self.tap(head, settle + ".given button:last-child")  # what Ben gave
+        head.wait(f"document.querySelector({json.dumps(settle + 'input.value')}).value === '3'", "it is chosen")
+        self.fill(head, settle + "form > label:last-of-type input", "the video shows three")
+        self.kill_core()
+        button = f"document.querySelector({json.dumps(settle + 'form > button.main')})"
+        # A script presses: while the core is away, the page disables the button and moves it.
+        head.wait(f"(b => b && !b.matches(':disabled') && (b.click(), true))({button})", "it can be settled")
+        head.wait(f"{TEXT}.includes('Settled by Hugo')", "it is settled")
+        self.kill_core()
+        head.wait(f"!{TEXT}.includes('NO LINK') && {TEXT}.includes('Settled by Hugo')", "it stays settled")
+        head.screenshot(SHOTS / "web_judges_settled.png")
+        sheet = rospy.ServiceProxy("/core/run_sheet", GetRunSheet)(HALL, identity).sheet
+        self.assertEqual([(one.value, one.text) for one in sheet.items], [(3, ""), (1, ""), (7, "7.5")])
+        self.assertIn("the video shows three", [entry.note for entry in sheet.history])
+        with self.assertRaises(rospy.ServiceException) as refused:
+            rospy.ServiceProxy("/core/sign_off", SignOff)(HALL, identity, "Hugo")
+        self.assertIn("publish the result as provisional first", str(refused.exception))
 
     def test_an_organiser_chooses_the_zone(self) -> None:
         kill(GATEWAY)  # the new one does not know the zones before a device asks for them

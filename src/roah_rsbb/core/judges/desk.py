@@ -13,6 +13,7 @@ from roah_rsbb.core.scoring.book import FinishedRun, RunBook
 from roah_rsbb.core.scoring.desk import MarkOutcome, ScoreDesk, asked_of, check_mark_id
 from roah_rsbb.core.scoring.records import By, ItemRecord, JudgeSheet, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.rulebook.scoring import SheetForm
 
 
 class Judging(NamedTuple):
@@ -27,6 +28,7 @@ class Judging(NamedTuple):
     active: Tuple[JudgeSheet, ...]  # the sheets that were not withdrawn, by the judges' names
     own: Optional[JudgeSheet]
     own_items: Tuple[ItemRecord, ...]
+    own_form: Optional[SheetForm]  # of these items
 
 
 class JudgeDesk:
@@ -62,6 +64,7 @@ class JudgeDesk:
             run.record if isinstance(run, FinishedRun) else run.record(now), 0 if rule is None else rule.count,
             "" if rule is None else rule.agreement.value, judges.missing(), judges.is_complete(), judges.verdicts(),
             judges.active(), judges.own_sheet(judge) if has_own else None, judges.own_items(judge) if has_own else (),
+            judges.own_form(judge) if has_own else None,
         )
 
     # -- judges -------------------------------------------------------------------------------------

@@ -184,6 +184,12 @@ class Judges:
         """Return the items as a judge has marked them; those of an empty sheet if the judge has none yet."""
         return self._sheet(self.own_sheet(judge) or JudgeSheet(judge, 0.0)).items()
 
+    def own_form(self, judge: str) -> SheetForm:
+        """Return the items of a judge's sheet, and what they take."""
+        sheet = self.own_sheet(judge)
+        name = judge if sheet is None else sheet.judge
+        return SheetForm(tuple(item.rated_by(name) for item in self._form.items))
+
     def own_sheet(self, judge: str) -> Optional[JudgeSheet]:
         """Return a judge's sheet; None: the judge has none. Names that differ in capitals only are the same."""
         name = judge.casefold()
@@ -257,7 +263,7 @@ class Judges:
 
     def _sheet(self, mine: JudgeSheet) -> ScoreSheet:
         """Return a judge's sheet with its items."""
-        items = tuple(item.rated_by(mine.judge) for item in self._form.items)
+        items = self.own_form(mine.judge).items
         return self._sheets.get(mine.judge) or ScoreSheet(items, SheetState(list(mine.history), mine.marks))
 
     def _rated_by(self, mark: Mark, judge: str) -> str:

@@ -63,7 +63,7 @@ def answer(judging: Judging) -> GetJudgingResponse:
     record, own = judging.record, judging.own
     return GetJudgingResponse(
         state=judging_message(judging), submitted=own is not None and bool(own.submitted_utc),
-        again="" if own is None else own.again, own=sheet_items(judging.own_items, record.form),
+        again="" if own is None else own.again, own=sheet_items(judging.own_items, judging.own_form),
         items=sheet_items(record.items, record.form),
         judged=[_judged(verdict, judging.active) for verdict in judging.verdicts],
         objections=[_objection(one) for one in record.publication.objections],

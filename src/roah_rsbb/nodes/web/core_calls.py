@@ -11,13 +11,18 @@ from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.srv import (
     ConnectRobot,
+    DecideJudges,
+    GetJudging,
     GetRunSheet,
     LeaveRun,
     ManualOperationAnswer,
     MarkItem,
+    PublishResult,
+    PublishResultRequest,
     SignOff,
     StopReason,
     StopRun,
+    SubmitSheet,
     TakeBackMark,
     Zone,
     ZoneUInt8,
@@ -56,6 +61,15 @@ def _fields(*names: str, with_who: bool = False) -> Callable[[Command], Tuple[An
                             *([command.session.who] if with_who else []))
 
 
+def _publication(action: int) -> Callable[[Command], Tuple[Any, ...]]:
+    def request(command: Command) -> Tuple[Any, ...]:
+        get = command.fields.get
+        return (command.zone, get("identity"), action, float(get("seconds", 0)), get("by", ""), get("number", 0),
+                get("upheld", False), get("text", ""), command.session.who)
+
+    return request
+
+
 CALLS: Dict[str, _Call] = {
     **{name: _Call(name, Zone, _zone) for name in PLAIN},
     "confirm_switches": _Call("omf_switches/complete", Zone, _zone),
@@ -69,6 +83,15 @@ CALLS: Dict[str, _Call] = {
     "mark": _Call("mark", MarkItem, _mark),
     "take_back": _Call("take_back", TakeBackMark, lambda c: (
         c.zone, c.fields["identity"], c.fields["id"], "", c.session.who)),
+    "judging": _Call("judges", GetJudging, lambda c: (c.zone, c.fields["identity"], c.session.person)),
+    "judge_mark": _Call("judge/mark", MarkItem, _mark),
+    "submit": _Call("judge/submit", SubmitSheet, lambda c: (
+        c.zone, c.fields["identity"], c.session.person, c.session.device)),
+    "decide": _Call("judges/decide", DecideJudges, _fields(
+        "identity", "decision", "judge", "group", "desc", "value", "text", "not_attempted", "reason", with_who=True)),
+    "publish": _Call("publication", PublishResult, _publication(PublishResultRequest.PUBLISH)),
+    "object": _Call("publication", PublishResult, _publication(PublishResultRequest.OBJECT)),
+    "answer": _Call("publication", PublishResult, _publication(PublishResultRequest.ANSWER)),
     "operation": _Call("manual_operation_answer", ManualOperationAnswer, _fields("operation", "answer")),
     "switch": _Call("omf_switches/button", ZoneUInt8, _fields("number")),
     "damaged": _Call("omf_switches/damaged", ZoneUInt8, _fields("number")),

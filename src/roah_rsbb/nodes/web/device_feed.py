@@ -3,14 +3,15 @@ asks: they come ten times a second."""
 
 from typing import Callable, Optional
 
-from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunClocks, Schedule
+from roah_rsbb.msg import CoreDetails, CoreToGui, Judgings, Results, RunClocks, Schedule
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.web.desk import Desk
 
-GUI, DETAILS, CLOCKS, RESULTS, SCHEDULE = (
-    "/core/to_gui", "/core/details", "/core/clocks", "/core/results", "/core/schedule")
-TOPICS = {GUI: CoreToGui, DETAILS: CoreDetails, CLOCKS: RunClocks, RESULTS: Results, SCHEDULE: Schedule}
+GUI, DETAILS, CLOCKS, RESULTS, SCHEDULE, JUDGING = (
+    "/core/to_gui", "/core/details", "/core/clocks", "/core/results", "/core/schedule", "/core/judging")
+TOPICS = {GUI: CoreToGui, DETAILS: CoreDetails, CLOCKS: RunClocks, RESULTS: Results, SCHEDULE: Schedule,
+          JUDGING: Judgings}
 
 
 class DeviceFeed:
@@ -41,11 +42,14 @@ class DeviceFeed:
         if self._feed is None:
             return
         desk, feed = self._desk, self._feed
-        results, clocks, schedule, details, gui = map(feed.take, (RESULTS, CLOCKS, SCHEDULE, DETAILS, GUI))
+        results, judging, clocks, schedule, details, gui = map(
+            feed.take, (RESULTS, JUDGING, CLOCKS, SCHEDULE, DETAILS, GUI))
         if schedule is not None:
             desk.on_schedule(schedule.message)
         if results is not None:
             desk.on_results(results.message)
+        if judging is not None:
+            desk.on_judging(judging.message)
         if clocks is not None:
             desk.on_clocks(clocks.message)
         if details is not None:
