@@ -168,7 +168,7 @@ class _Unhurried(StateSender):
 def _follows_every_box(sender):
     def robot(monkeypatch, loop):
         monkeypatch.setattr(link, "StateSender", sender)
-        monkeypatch.setattr(session.Session, "_follows", lambda this, mono, host, listed: True)
+        monkeypatch.setattr(session.Session, "_follows", lambda this, mono, host, *_: True)
         return usual_robot(loop, DummyOptions(1.0, 6.0, seed=1))
     return robot
 
@@ -455,7 +455,7 @@ FAULTS = (
     Fault("sends each state once", _value(link, "StateSender", _SaysOnce), ("bad-network",), Cause.BAD_NETWORK),
     Fault("handles a beacon in 0.2 s", _slow, ("burst",), Cause.BURST),
     Fault("does not follow a box that moved", patched(
-        session.Session, "_follows", lambda original, loop: lambda this, mono, host, listed: (
+        session.Session, "_follows", lambda original, loop: lambda this, mono, host, *_: (
             this._box in (None, host))), ("moved",), Cause.MOVE_NOT_FOLLOWED),
     Fault("obeys old messages", _no_memory, ("stale",), Cause.STALE_OBEYED, Verdict.QUIRK),
     Fault("ends at an invalid datagram", _dies_of_garbage, ("garbage",), Cause.DIES_OF_GARBAGE),
