@@ -225,6 +225,13 @@ def _offered(*arguments: Any) -> Tuple[Dict[str, type], Answers]:
     return kinds, answers
 
 
+def _read(message: Any) -> Any:
+    """What a subscriber gets: the core publishes messages whose parts are ready-made bytes."""
+    buffer = io.BytesIO()
+    message.serialize(buffer)
+    return next(kind for kind in TOPICS.values() if isinstance(message, kind))().deserialize(buffer.getvalue())
+
+
 TOPICS = {
     "/core/to_gui": CoreToGui, "/core/details": CoreDetails, "/core/clocks": RunClocks, "/core/results": Results,
     "/core/schedule": Schedule,
@@ -383,10 +390,7 @@ class FakeCore:
             self.event(self.box.tick)
             now = self._now()
             made = PanelMessages(self.box, self._box_uuid, "127.255.255.255")  # a new one: all of it is news
-            buffer = io.BytesIO()
-            made.to_gui(now, {}).serialize(buffer)
-            gui = CoreToGui().deserialize(buffer.getvalue())
-            details, clocks = made.details(now), made.clocks(now)
+            gui, details, clocks = _read(made.to_gui(now, {})), _read(made.details(now)), _read(made.clocks(now))
             results, schedule = self._results.take(now), self._schedule.take(now)
         for event in () if schedule is None else schedule.events:
             if event.state in ("next", "later"):
