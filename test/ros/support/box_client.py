@@ -167,8 +167,8 @@ class BoxClient:
 
         `meanwhile` is called again and again while the button is off.
         """
-        # The details may be a moment behind, and still describe the run before.
-        old = self.last_details(zone).port
+        # The details may be a moment behind, and still describe the run before, or lack a new zone.
+        old = next((known.port for known in self.details.zones if known.zone == zone), 0)
         self._press("connect", zone, lambda z: (meanwhile(), z.connect_enabled)[1])
         return self.wait_details(zone, lambda d: d.port != old and d.port, "the run has a port")
 
