@@ -69,8 +69,9 @@ def _parser() -> argparse.ArgumentParser:
     follow.add_argument("box", nargs="?", metavar="ADDRESS", help="the box's address; needed once")
     follow.add_argument("--port", type=int, default=DEFAULT_PORT, help="the box's standby_port (default: %(default)s)")
     follow.add_argument("--code", help="the code in the box's log; needed once")
-    follow.add_argument("--automatic", type=number(2, 3600), metavar="SECONDS",
-                        help="take over without being asked when nothing is heard of the box for this long")
+    follow.add_argument("--automatic", type=number(0, 3600), default=0.0, metavar="SECONDS",
+                        help="take over without being asked when nothing is heard of the box for this long, at least "
+                             "2 s (default: 0, never)")
     follow.add_argument("--witness", metavar="ADDRESS", default="",
                         help="with --automatic: a third computer or access point that must answer a ping")
     takeover = commands.add_parser("takeover", help="start the box here, with the copy")
@@ -96,6 +97,8 @@ def _sub_parser(prog: str, **options: Any) -> Parser:
 
 
 def _follow(options: argparse.Namespace, folder: str) -> int:
+    if 0.0 < options.automatic < 2.0:
+        raise Refused("--automatic: give at least 2 s, as beacons come once a second; 0: never")
     box = read_box(folder)
     if options.code:
         if not options.box:

@@ -49,7 +49,7 @@ def test_every_command_is_refused(driver, command):
     lambda box, now: box.judges.publish(now, RUN),
     lambda box, now: box.modules.complete_operation(now, "tbm"),
     lambda box, now: box.reload(now, None, 2, ()),
-], ids=range(8))
+], ids=("mark", "sign off", "stop", "judge", "submit", "publish", "operation", "reload"))
 def test_scores_are_refused(driver, call):
     """They would be lost: the other box does not have them."""
     record = driver.run_in().record(driver.now)

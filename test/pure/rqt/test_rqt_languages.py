@@ -19,7 +19,7 @@ NOT_IN_WINDOWS = {"rqt/app/gui.py", "rqt/public/node.py", "rqt/qt.py", "rqt/lang
 # Literals that look like texts: names of classes, keys and time zones, and what rospy and the core say.
 NOT_TEXTS = {
     "Esc", "Shift+Esc", "UTC", "{} UTC", "OK", "Panel", "PANEL", "{}Panel", "Results", "Schedule",
-    "Devices", "{} – RoAH RSBB", "WARNING", "ERROR", "ALL",
+    "Devices", "{} – RoAH RSBB", "WARNING", "ERROR", "ALL", "all robots",
     "unable to connect to service", "transport error", "{} of team {}: ",
 }
 
