@@ -55,7 +55,7 @@ class Served(HttpClients):
         client = httpclient.AsyncHTTPClient(force_instance=True)
         options.setdefault("ssl_options", self.trusted)
         return self.running.do(client.fetch(
-            f"{scheme}://{HOST}:{self.port}{path}", raise_error=False, follow_redirects=False, **options))
+            f"{scheme}://{HOST}:{self.port}{path}", follow_redirects=False, **{"raise_error": False, **options}))
 
     def post(self, path, body, scheme="https", **headers):
         headers = {"Origin": f"{scheme}://{HOST}:{self.port}", "Content-Type": "application/json", **headers}
@@ -82,7 +82,8 @@ def test_pages_and_live_data_are_sent_to_who_trusts_the_certificate(served):
 
 def test_others_get_nothing(served):
     with pytest.raises(ssl.SSLError, match="CERTIFICATE_VERIFY_FAILED"):
-        served.ask("/display", ssl_options=ssl.create_default_context(cadata=OTHER.authority.decode()))
+        other = ssl.create_default_context(cadata=OTHER.authority.decode())
+        served.ask("/display", ssl_options=other, raise_error=True)
 
 
 def test_a_paired_device_has_a_cookie_that_is_sent_encrypted_only(served):
