@@ -79,6 +79,15 @@ class Robot:
             self._socket.close()
         self._socket, self.port, self.box_state = None, None, None
 
+    def beacon(self, public_port: int) -> None:
+        """Send a beacon, from the robot's own address: the box bounds how many robots it lists at one address."""
+        message = pb.RobotBeacon(team_name=self.team, robot_name="Robot")
+        message.time.sec, message.time.nsec = divmod(time.time_ns(), 1_000_000_000)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            sender.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+            sender.bind((self._host, 0))
+            sender.sendto(frame.encode(message), (BROADCAST, public_port))
+
     def send(self) -> None:
         """Send the state."""
         self._transmit(self._datagram())
@@ -162,6 +171,7 @@ class Fleet:
         self.loop = asyncio.new_event_loop()
         self.robots = [Robot(self.loop, i, f"password {i}") for i in range(count)]
         self._by_team = {robot.team: robot for robot in self.robots}
+        self._public_port = public_port
         self._public = public_port and PublicChannel(
             self.loop, BROADCAST, public_port, self._on_public, lambda text: None, bind_host=PUBLIC_HOST,
             max_datagram=65000)
@@ -214,10 +224,8 @@ class Fleet:
             self.loop.call_later(BEACON_PERIOD_S * number / len(self.robots), self._beacon, robot)
 
     def _beacon(self, robot: Robot) -> None:
-        if robot.port is None and self._public.is_open:
-            message = pb.RobotBeacon(team_name=robot.team, robot_name="Robot")
-            message.time.sec, message.time.nsec = divmod(time.time_ns(), 1_000_000_000)
-            self._public.send(message)
+        if robot.port is None:
+            robot.beacon(self._public_port)
         self.loop.call_later(BEACON_PERIOD_S, self._beacon, robot)
 
     def _on_public(self, message: object, _sender: Tuple[str, int]) -> None:
