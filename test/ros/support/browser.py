@@ -104,6 +104,12 @@ class Browser:
         """Send a DevTools command; returns its result."""
         return self._do(self._ask(method, session, parameters))
 
+    def all_of(self, method: str, session: str, parameters: Tuple[Dict[str, Any], ...]) -> None:
+        """Send several DevTools commands at once."""
+        async def ask_all() -> None:
+            await asyncio.gather(*(self._ask(method, session, each) for each in parameters))
+        self._do(ask_all())
+
     def _do(self, coroutine: Any) -> Any:
         return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(LIMIT_S)
 
@@ -160,6 +166,10 @@ class Page:
         """Send a DevTools command for this page."""
         return self._browser.command(method, self._session, **parameters)
 
+    def commands(self, method: str, *parameters: Dict[str, Any]) -> None:
+        """Send several DevTools commands without waiting for the answers between them."""
+        self._browser.all_of(method, self._session, parameters)
+
     def close(self) -> None:
         """Close the page."""
         self._browser.command("Target.closeTarget", targetId=self._target)
@@ -206,10 +216,9 @@ class Page:
             "return [b.left, b.top, b.width, b.height]; })()"))
 
     def touch(self, x: float, y: float, lift: bool = True) -> None:
-        """One finger down there, and up again."""
-        self.command("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
-        if lift:
-            self.lift()
+        """One finger down there, and up again at once: a pause between two commands would make it a long press."""
+        self.commands("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]},
+                      *([{"type": "touchEnd", "touchPoints": []}] if lift else []))
 
     def lift(self) -> None:
         """All fingers up."""
