@@ -104,14 +104,6 @@ class Served(HttpClients):
         return self.running.do(websocket.websocket_connect(request))
 
 
-@pytest.fixture
-def served(running):
-    made = Served(running)
-    yield made
-    made.server.close()
-    running.turn()
-
-
 @pytest.mark.parametrize("outcome, code", [
     (Outcome(), 200), (Outcome(("No run is running",)), 409), (Outcome(is_known=False), 504),
     (Outcome(("unable to connect",), is_known=False), 504),

@@ -190,14 +190,6 @@ class Served(HttpClients):
                 return documents["page.display"]["data"]
 
 
-@pytest.fixture
-def served(running):
-    made = Served(running)
-    yield made
-    made.server.close()
-    running.turn()
-
-
 def test_a_display_is_listed_and_gets_what_is_set(served):
     window = served.opened()
     assert served.read(window) == {

@@ -58,12 +58,9 @@ class Served(HttpClients):
 
 
 @pytest.fixture
-def served(running):
-    made = Served(running)
-    made.change()
-    yield made
-    made.server.close()
-    running.turn()
+def served(served):
+    served.change()
+    return served
 
 
 # -- pages and data ---------------------------------------------------------------------------------

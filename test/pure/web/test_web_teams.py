@@ -150,14 +150,6 @@ class Served(HttpClients):
         return f"{COOKIE}={self.server.sessions.add(self.server.utc(), Grant(role, zone), 'Olga', 'phone')}"
 
 
-@pytest.fixture
-def served(running):
-    made = Served(running)
-    yield made
-    made.server.close()
-    running.turn()
-
-
 def test_the_code_of_the_team_shows_its_robot_and_no_other(served):
     assert served.facts() == {"is_allowed": False, "facts": None}
     assert served.wanted == [], "nobody needs the state of robots"

@@ -47,14 +47,6 @@ class Served(HttpClients):
         return self.pair().headers["Set-Cookie"].partition("=")[2].partition(";")[0]
 
 
-@pytest.fixture
-def served(running):
-    made = Served(running)
-    yield made
-    made.server.close()
-    running.turn()
-
-
 def session(served, token):
     return served.send("/api/v1/session", method="GET", cookie=token)
 

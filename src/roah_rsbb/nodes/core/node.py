@@ -24,7 +24,6 @@ from std_srvs.srv import EmptyResponse
 
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.copies import STANDBY, CopyReport
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules.presence import MAX_NODES
@@ -273,7 +272,7 @@ class CoreNode:
 
     def _referee_event(self, method: Callable[..., object], *args: object) -> None:
         """As `_event`. What the public sees of it is published at once, not at the next tick, but after the answer."""
-        self._ros.loop.call_soon(lambda: self._publish_public_details(self._driver.now()))
+        self._ros.loop.call_soon(self._publish_public)
         self._event(method, *args)
 
     def _on_devices(self, message: DevicesState) -> None:
@@ -386,9 +385,6 @@ class CoreNode:
         if schedule is not None:
             self._publish("schedule", schedule)
 
-    def _publish_public(self) -> None:
-        self._publish_public_details(self._driver.now())
-
     def _publish_results(self) -> None:
         now = self._driver.now()
         results = self._results.take(now)
@@ -409,10 +405,11 @@ class CoreNode:
     def _end_tick(self) -> None:
         self._ticks += 1
 
-    def _publish_public_details(self, now: Now) -> None:
+    def _publish_public(self) -> None:
         is_due, is_changed = self._ticks % PUBLIC_EVERY == 0, self._box.revision != self._public_revision
         if not is_due and not is_changed:
             return
+        now = self._driver.now()
         self._public_revision = self._box.revision
         view = public_view(self._box, now, self._public_results, self._public_provisional)
         timeless = view.without_time()

@@ -22,14 +22,10 @@ class TeamCodes:
         """`save` keeps the secret and raises OSError; `saved`: what it kept before; raises ValueError and others if it
         is damaged."""
         self._save = save
-        self._secret = bytes.fromhex(saved["secret"]) if saved else b""
-        if saved and len(self._secret) != _SECRET_BYTES:
+        self._secret = bytes.fromhex(saved["secret"]) if saved else secrets.token_bytes(_SECRET_BYTES)
+        if len(self._secret) != _SECRET_BYTES:
             raise ValueError("the secret has the wrong length")
-        if not saved:
-            self._secret = secrets.token_bytes(_SECRET_BYTES)
-            self._is_saved = False
-        else:
-            self._is_saved = True
+        self._is_saved = bool(saved)
 
     def code(self, team: str) -> str:
         """Return a team's code. Raises OSError if it cannot be kept: it would be another one after a restart."""

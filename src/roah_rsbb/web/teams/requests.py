@@ -1,7 +1,7 @@
 """What the pages of teams ask: what the box knows of their robot, and whether they may see it (docs/web.md, "Pages of
 teams")."""
 
-from typing import Any, Dict
+from typing import Any, Callable, Dict
 
 from tornado import web
 
@@ -67,28 +67,27 @@ class CodesHandler(OfOrganiser):
 
     def get(self) -> None:
         """Return them."""
-        with self._server.store.speaking(self.language()):
-            self._answer()
+        self._answer(self._codes)
 
     def post(self) -> None:
-        """Give all teams new codes."""
+        """Give all teams new codes, and return them."""
+        def renewed() -> Dict[str, Any]:
+            self._server.team_codes.renew()
+            return self._codes()
+
+        self._answer(renewed)
+
+    def _answer(self, codes: Callable[[], Dict[str, Any]]) -> None:
         with self._server.store.speaking(self.language()):
             try:
-                self._server.team_codes.renew()
+                self.finish(codes())
             except OSError as error:
                 self.refuse(500, tr(device.CODES_NOT_SAVED, error=error))
-                return
-            self._answer()
 
-    def _answer(self) -> None:
+    def _codes(self) -> Dict[str, Any]:
         server = self._server
-        try:
-            answer: Dict[str, Any] = {"team_pages": server.team_pages, "codes": [
-                {"team": team, "code": server.team_codes.code(team)} for team in server.store.teams()]}
-        except OSError as error:
-            self.refuse(500, tr(device.CODES_NOT_SAVED, error=error))
-            return
-        self.finish(answer)
+        return {"team_pages": server.team_pages, "codes": [
+            {"team": team, "code": server.team_codes.code(team)} for team in server.store.teams()]}
 
 
 def _team(name: str) -> str:
