@@ -212,51 +212,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>is judging</source>
-        <translation>wertet noch</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>has submitted</source>
-        <translation>hat abgegeben</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>looks again</source>
-        <translation>prüft noch einmal</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>provisional</source>
-        <translation>vorläufig</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>objections until {time}</source>
-        <translation>Einsprüche bis {time}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>the time for objections is over</source>
-        <translation>die Einspruchsfrist ist vorbei</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>objections to answer: {number}</source>
-        <translation>offene Einsprüche: {number}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>upheld</source>
-        <translation>stattgegeben</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>rejected</source>
-        <translation>abgelehnt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>{role} in {zone}</source>
         <translation>{role} in {zone}</translation>
     </message>
@@ -787,58 +742,13 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Sheets that are missing: {missing} of {count}</source>
-        <translation>Fehlende Bögen: {missing} von {count}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Missing judges are not waited for: {reason}</source>
-        <translation>Auf fehlende Kampfrichter wird nicht gewartet: {reason}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>The judges differ. Items to settle: {number}</source>
-        <translation>Die Jury ist uneins. Zu entscheiden: {number}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>differs</source>
-        <translation>uneins</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Settle</source>
-        <translation>Entscheiden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Reason</source>
         <translation>Grund</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Settled by {name}: {reason}</source>
-        <translation>Entschieden von {name}: {reason}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Sheets of the judges</source>
         <translation>Bögen der Jury</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Hand back: look again</source>
-        <translation>Zurückgeben: noch einmal prüfen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Withdraw the sheet</source>
-        <translation>Bogen zurückziehen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Do not wait for missing judges</source>
-        <translation>Nicht auf fehlende Jurymitglieder warten</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -852,33 +762,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Publish as provisional</source>
-        <translation>Als vorläufig veröffentlichen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>The run is still connected</source>
-        <translation>Der Lauf ist noch verbunden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Enter an objection</source>
-        <translation>Einspruch eintragen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Who objects</source>
         <translation>Wer Einspruch einlegt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Uphold the objection</source>
-        <translation>Dem Einspruch stattgeben</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Reject the objection</source>
-        <translation>Den Einspruch ablehnen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -984,6 +869,121 @@
         <location filename="../../src/roah_rsbb/wording/explained.py"/>
         <source>Goals completed: {number} of {all}</source>
         <translation>Erreichte Ziele: {number} von {all}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>is judging</source>
+        <translation>wertet noch</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>has submitted</source>
+        <translation>hat abgegeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>looks again</source>
+        <translation>prüft noch einmal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>Sheets that are missing: {missing} of {count}</source>
+        <translation>Fehlende Bögen: {missing} von {count}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>Missing judges are not waited for: {reason}</source>
+        <translation>Auf fehlende Kampfrichter wird nicht gewartet: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>The judges differ. Items to settle: {number}</source>
+        <translation>Die Jury ist uneins. Zu entscheiden: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>differs</source>
+        <translation>uneins</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>Settled by {name}: {reason}</source>
+        <translation>Entschieden von {name}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>provisional</source>
+        <translation>vorläufig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>objections until {time}</source>
+        <translation>Einsprüche bis {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>the time for objections is over</source>
+        <translation>die Einspruchsfrist ist vorbei</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>objections to answer: {number}</source>
+        <translation>offene Einsprüche: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>upheld</source>
+        <translation>stattgegeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>rejected</source>
+        <translation>abgelehnt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>The run is still connected</source>
+        <translation>Der Lauf ist noch verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>Settle</source>
+        <translation>Entscheiden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>Hand back: look again</source>
+        <translation>Zurückgeben: noch einmal prüfen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>Withdraw the sheet</source>
+        <translation>Bogen zurückziehen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>Do not wait for missing judges</source>
+        <translation>Nicht auf fehlende Jurymitglieder warten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>Publish as provisional</source>
+        <translation>Als vorläufig veröffentlichen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>Enter an objection</source>
+        <translation>Einspruch eintragen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>Uphold the objection</source>
+        <translation>Dem Einspruch stattgeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>Reject the objection</source>
+        <translation>Den Einspruch ablehnen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/module_scores.py"/>

@@ -2,9 +2,10 @@
 
 import argparse
 import math
-from typing import Callable, List, TypeVar
+from typing import Callable, Optional, Sequence, TypeVar
 
-from roah_rsbb.arguments import Parser
+from roah_rsbb.arguments import Parser, number
+from roah_rsbb.core.judges.publication import MAX_OBJECTION_TIME_S
 from roah_rsbb.referee.answers import Operations
 from roah_rsbb.referee.words import BadWord, byte_of, event_wanted, score_wanted
 from roah_rsbb.wording.schedule import Show
@@ -13,6 +14,7 @@ T = TypeVar("T")
 
 PROG = "referee"
 WAIT_S = 60.0
+MAX_OBJECTION_MINUTES = MAX_OBJECTION_TIME_S / 60
 
 _EXITS = """exit status:
   0    done; for 'run': the robot completed the run
@@ -71,6 +73,7 @@ def parser() -> argparse.ArgumentParser:
             _robot(one)
     _score(commands)
     _sheets(commands)
+    _judges(commands)
     _schedule(commands)
     _done(commands)
     _switches(commands)
@@ -80,7 +83,7 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
-def _add(commands, name: str, text: str, examples: List[str]) -> argparse.ArgumentParser:
+def _add(commands, name: str, text: str, examples: Sequence[str]) -> argparse.ArgumentParser:
     one = commands.add_parser(
         name, help=text, description=text[0].upper() + text[1:] + ".",
         formatter_class=_formatter,
@@ -172,6 +175,62 @@ def _sheets(commands) -> None:
     one.add_argument("--run", metavar="RUN", required=True, help=_RUN)
     _by(one, required=True)
     one.add_argument("--yes", action="store_true", help="sign off without asking")
+
+
+def _judges(commands) -> None:
+    hall = "Hall"
+    top = _add(commands, "judges", "several judges and objections: list them, settle, hand back, publish, answer",
+               [f"{PROG} judges list", f"{PROG} judges settle {hall} 1 3 --reason 'the video shows it' --by Hugo",
+                f"{PROG} judges settle --help",
+                f"{PROG} sign-off {hall} --run last --by Hugo    (makes the result final)"])
+    actions = top.add_subparsers(dest="action", metavar="ACTION", required=True)
+    _judging(actions, "list", "show who has submitted, the values side by side, and objections",
+                   ["", f"{hall}", f"{hall} --run last"], zone="?")
+    one = _judging(actions, "settle", "settle the value of an item where the judges differ",
+                   [f"{hall} 1 3 --reason 'the video shows it' --by Hugo",
+                    f"{hall} presentation 7.5 --reason 'mean of both' --by Hugo"])
+    one.add_argument("item", metavar="ITEM", help="an item's number, or a part of one item's text only")
+    one.add_argument("value", metavar="VALUE",
+                     help="a number, yes or no, a choice, or not-attempted; a rating is one number")
+    _reasoned(one)
+    for name, text in (("hand-back", "hand a sheet back: the judge looks again, and submits again"),
+                       ("withdraw", "withdraw a sheet: it no longer counts, and another judge can take the place")):
+        one = _judging(actions, name, text, [f"{hall} Ben --reason 'item 2 is empty' --by Hugo"])
+        one.add_argument("judge", metavar="JUDGE", help="name of the judge")
+        _reasoned(one)
+    _reasoned(_judging(actions, "end-waiting", "do not wait for missing judges",
+                       [f"{hall} --reason 'Ben is ill' --by Hugo"]))
+    one = _judging(actions, "publish", "publish the result of a finished run as provisional",
+                   [f"{hall} --by Hugo", f"{hall} --minutes 15 --by Hugo"])
+    one.add_argument("--minutes", metavar="N", type=number(0, MAX_OBJECTION_MINUTES),
+                     help="the time for objections (default: that of the benchmarks file)")
+    _by(one)
+    one = _judging(actions, "object", "enter an objection to a provisional result",
+                   [f"{hall} Epsilon 'the cup was on the table' --by Hugo"])
+    one.add_argument("objector", metavar="WHO", help="who objects, such as a team")
+    one.add_argument("text", metavar="TEXT", help="the objection")
+    _by(one)
+    one = _judging(actions, "answer", "answer an objection",
+                   [f"{hall} 1 uphold 'the video shows it' --by Hugo", f"{hall} 1 reject 'it fell' --by Hugo"])
+    one.add_argument("number", metavar="N", type=_counted, help="number of the objection ('judges list' shows it)")
+    one.add_argument("verdict", choices=("uphold", "reject"), help="uphold or reject it; the sheet is corrected "
+                                                                   "separately")
+    one.add_argument("text", metavar="TEXT", help="the answer")
+    _by(one)
+
+
+def _judging(actions, name: str, text: str, examples: Sequence[str], zone: Optional[str] = None) -> (
+        argparse.ArgumentParser):
+    one = _add(actions, name, text, [f"{PROG} judges {name} {example}".rstrip() for example in examples])
+    one.add_argument("zone", metavar="ZONE", nargs=zone, help=_ZONE)
+    one.add_argument("--run", metavar="RUN", help="a run of the zone: 'last', or a part of its name (default: the one "
+                                                  "that is not signed off)")
+    return one
+
+
+def _reasoned(one: argparse.ArgumentParser) -> None:
+    one.add_argument("--reason", metavar="TEXT", required=True, help="why; it is kept with the score sheet")
+    _by(one, required=True)
 
 
 def _schedule(commands) -> None:

@@ -4,7 +4,7 @@ import sys
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.referee import pairing, sheets, view
+from roah_rsbb.referee import judges, pairing, sheets, view
 from roah_rsbb.referee.answers import Operations
 from roah_rsbb.referee.changes import Follower
 from roah_rsbb.referee.exits import Exit, NoCore
@@ -13,13 +13,11 @@ from roah_rsbb.referee.output import Output
 from roah_rsbb.referee.run import RunScript, ScriptOutcome, ScriptPlan
 from roah_rsbb.referee.sheets import RunLine, Sheet, pick_run, sheet_of
 from roah_rsbb.referee.state import CONNECTED, IDLE, SheetItem
-from roah_rsbb.referee.words import BadWord, EventWanted, answer_of, pick_item, pick_zone, value_of
+from roah_rsbb.referee.words import NOT_ATTEMPTED, BadWord, EventWanted, answer_of, pick_item, pick_zone, value_of
 from roah_rsbb.wording import schedule
 from roah_rsbb.wording.texts import escaped
 
 WATCH_STEP_S = 1.0
-# Words instead of a value.
-NOT_ATTEMPTED = ("not-attempted", "n/a")
 
 
 def _status(link: Link, options, output: Output) -> Exit:
@@ -324,7 +322,7 @@ COMMANDS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
     "withdrawn": _command, "score": _score, "runs": _runs, "sheet": _sheet,
     "withdraw": _withdraw, "reason": _reason, "sign-off": _sign_off, "schedule": _schedule, "choose": _choose,
     "done": _done, "switches": _switches, "run": _run, "reload": _reload,
-    "pair": pairing.pair, "devices": pairing.devices,
+    "judges": judges.judges, "pair": pairing.pair, "devices": pairing.devices,
 }
 
 

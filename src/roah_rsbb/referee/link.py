@@ -10,7 +10,17 @@ import uuid
 from typing import Any, Dict, List, Optional, Sequence
 
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.msg import CoreDetails, CoreToGui, PairedDevice, Results, RunClocks, RunSheet, Schedule, ScheduleEvent
+from roah_rsbb.msg import (
+    CoreDetails,
+    CoreToGui,
+    Judgings,
+    PairedDevice,
+    Results,
+    RunClocks,
+    RunSheet,
+    Schedule,
+    ScheduleEvent,
+)
 from roah_rsbb.referee import ros_client
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.ros_client import Client, Late, RosError, ServiceError, Subscription
@@ -21,7 +31,11 @@ from roah_rsbb.ros import refusals
 from roah_rsbb.srv import (
     ChooseEvent,
     ConnectRobot,
+    DecideJudges,
+    DecideJudgesRequest,
     GetClock,
+    GetJudging,
+    GetJudgingResponse,
     GetRunSheet,
     LeaveRun,
     ManualOperationAnswer,
@@ -30,6 +44,8 @@ from roah_rsbb.srv import (
     PairDevice,
     PairDeviceResponse,
     PairedDevices,
+    PublishResult,
+    PublishResultRequest,
     Reload,
     ReloadResponse,
     RevokeDevice,
@@ -40,9 +56,10 @@ from roah_rsbb.srv import (
     Zone,
     ZoneUInt8,
 )
+from roah_rsbb.wording.judging import Judging, judging_of
 
 GUI_TOPIC, DETAILS_TOPIC, RESULTS_TOPIC = "/core/to_gui", "/core/details", "/core/results"
-CLOCKS_TOPIC, SCHEDULE_TOPIC = "/core/clocks", "/core/schedule"
+CLOCKS_TOPIC, SCHEDULE_TOPIC, JUDGING_TOPIC = "/core/clocks", "/core/schedule", "/core/judging"
 _FOLLOWED = {GUI_TOPIC: CoreToGui, DETAILS_TOPIC: CoreDetails, CLOCKS_TOPIC: RunClocks}
 
 # Time limits: for the master, for the core's first messages, for a service. A busy computer may take seconds, and a
@@ -282,6 +299,28 @@ class Link:
         """Return all runs that the core knows; raises `NoCore`."""
         return [run_of(summary) for summary in self._latched(RESULTS_TOPIC, Results).runs]
 
+    # -- several judges -----------------------------------------------------------------------------
+
+    def judgings(self) -> List[Judging]:
+        """Return how far the judges and results are of all runs that are not signed off; raises `NoCore`."""
+        return [judging_of(one) for one in self._latched(JUDGING_TOPIC, Judgings).runs]
+
+    def judging(self, zone: str, identity: str) -> GetJudgingResponse:
+        """Return what the head referee may see of a run; raises as `command` does."""
+        return self._call("/core/judges", GetJudging, zone, identity, "")
+
+    def decide(self, zone: str, identity: str, decision: DecideJudgesRequest) -> None:
+        """Send a decision of the head referee on a run; raises as `command` does."""
+        decision.zone, decision.identity = zone, identity
+        self._call("/core/judges/decide", DecideJudges, *_fields(decision))
+
+    def publication(self, zone: str, identity: str, asked: PublishResultRequest) -> None:
+        """Publish a result, enter an objection or answer it; raises as `command` does."""
+        asked.zone, asked.identity = zone, identity
+        self._call("/core/publication", PublishResult, *_fields(asked))
+
+    # -- the schedule -------------------------------------------------------------------------------
+
     def schedule(self) -> Schedule:
         """Return the schedule; raises `NoCore`."""
         return self._latched(SCHEDULE_TOPIC, Schedule)
@@ -359,3 +398,7 @@ class Link:
             why = str(error) if isinstance(error, Late) else f"cannot be reached ({error})"
             return f"ROS master at {uri} {why}: {START}, or set ROS_MASTER_URI to the box's computer"
         return "" if is_there else f"no core at the ROS master {uri}: {START}"
+
+
+def _fields(request: Any) -> List[Any]:
+    return [getattr(request, name) for name in request.__slots__]

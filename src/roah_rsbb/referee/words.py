@@ -11,6 +11,8 @@ from roah_rsbb.wording.suggestions import did_you_mean
 
 T = TypeVar("T")
 
+# Words instead of a value.
+NOT_ATTEMPTED = ("not-attempted", "n/a")
 # Words for the value of a yes-or-no item.
 WORDS = {"yes": 1, "true": 1, "no": 0, "false": 0}
 

@@ -6,9 +6,8 @@ The functions work on anything with the fields of the messages. Texts are in the
 from typing import Any, Dict, Iterable, List, Optional
 
 from roah_rsbb.web.documents import Data
-from roah_rsbb.wording import device, sheets, todo
+from roah_rsbb.wording import judging, sheets, todo
 from roah_rsbb.wording.clock import Figure, clock_of
-from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.sent import tr_sent
 from roah_rsbb.wording.times import Moments
 
@@ -20,8 +19,6 @@ OFF_FIELDS = {
         "pause", "resume", "next_phase", "previous_phase", "open_sheet", "no_show", "withdrawn")},
 }
 _MARKS = {"idle": "○", "connected": "●", "running": "▶", "ended": "■"}
-# What became of an item, by the numbers in JudgedItem.
-_OUTCOMES = ("agreed", "differs", "settled", "not_judged")
 # Runs that are over and not signed off. The page is no archive.
 MAX_UNSIGNED = 5
 
@@ -127,33 +124,21 @@ def _run(run, moments: Moments, utc_s: float) -> Data:
 
 def judging_page(judgings: Iterable[Any], zone: str, runs: Iterable[Any], utc_s: float) -> List[Data]:
     """Return how far the judges of the runs of a zone are. `judgings`: Judging of all; `runs`: RunSummary of all."""
-    moments = Moments(False)
     names = {run.identity: sheets.run_name(run.code, run.team, run.round, run.run) for run in runs}
     over = {run.identity for run in runs if run.closed.to_sec()}
+
+    def when(moment_utc_s: float) -> str:
+        return Moments(False).scheduled(moment_utc_s, utc_s)
+
     return [{
         "identity": one.identity, "revision": one.revision, "title": names.get(one.identity, one.identity),
-        "is_over": one.identity in over, "count": one.count, "missing": one.missing, "is_complete": bool(one.complete),
+        "is_over": one.identity in over, "count": one.count, "missing": one.missing, "is_complete": one.complete,
         "waiver": one.waiver, "differences": one.differences,
-        "judges": [_judge_page(judge) for judge in one.judges],
-        "publication": _publication_text(one, moments, utc_s),
-        "is_published": bool(one.published.to_sec()),
-    } for one in judgings if one.zone == zone]
-
-
-def _judge_page(judge) -> Data:
-    submitted = bool(judge.submitted.to_sec())
-    state = device.SUBMITTED if submitted else device.LOOKS_AGAIN if judge.again else device.JUDGING
-    return {"judge": judge.judge, "submitted": submitted, "state": tr(state)}
-
-
-def _publication_text(one, moments: Moments, utc_s: float) -> str:
-    until = one.objections_until.to_sec()
-    if not one.published.to_sec():
-        return ""
-    what = tr(device.OBJECTIONS_UNTIL, time=moments.scheduled(until, utc_s)) if until > utc_s else tr(
-        device.OBJECTIONS_OVER)
-    open_ones = tr(device.OPEN_OBJECTIONS, number=one.open_objections) if one.open_objections else ""
-    return " · ".join(text for text in (tr(device.PROVISIONAL), what, open_ones) if text)
+        "judges": [{"judge": each.judge, "submitted": each.submitted_utc_s is not None,
+                    "state": judging.judge_state(each)} for each in one.judges],
+        "publication": judging.publication_text(one, utc_s, when),
+        "is_published": one.published_utc_s is not None,
+    } for one in map(judging.judging_of, judgings) if one.zone == zone]
 
 
 def own_sheet(answer) -> Data:
@@ -166,21 +151,12 @@ def side_by_side(answer) -> Data:
     """Return what the head referee sees. `answer`: of GetJudging."""
     items: Dict[Any, Any] = {(item.group, item.desc): item for item in answer.items}
     return {
-        "judged": [_judged_page(one, items[one.group, one.desc]) for one in answer.judged],
+        "judged": [{
+            "outcome": one.outcome, "item": item_page(items[one.group, one.item]),
+            "given": [each._asdict() for each in one.given], "who": one.who, "reason": one.reason,
+        } for one in judging.judged_of(answer)],
         "objections": [{
-            "number": one.number, "by": one.by, "text": one.text, "is_answered": bool(one.answered.to_sec()),
-            "answer": f"{tr(device.UPHELD if one.upheld else device.REJECTED)}: {one.answer}",
-        } for one in answer.objections],
-    }
-
-
-def _judged_page(one, item) -> Data:
-    kind = sheets.type_word(item.type)
-    given = zip(one.judges, one.values, one.texts, one.not_attempted)
-    return {
-        "outcome": _OUTCOMES[one.outcome], "item": item_page(item),
-        "given": [{"judge": judge, "shown": sheets.item_value(kind, value, bool(not_attempted), text), "value": value,
-                   "text": text, "not_attempted": bool(not_attempted)}
-                  for judge, value, text, not_attempted in given],
-        "who": sheets.person(one.who) if one.who else "", "reason": one.reason,
+            "number": one.number, "by": one.by, "text": one.text, "is_answered": one.answered_utc_s is not None,
+            "answer": judging.answer_text(one),
+        } for one in judging.objections_of(answer)],
     }

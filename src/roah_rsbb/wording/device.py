@@ -2,6 +2,7 @@
 
 from typing import Dict
 
+from roah_rsbb.wording import judging
 from roah_rsbb.wording.language import tr, tr_later
 
 # The roles of devices, by the names in the ROS interface.
@@ -28,15 +29,6 @@ CODES_NOT_SAVED = tr_later("The codes cannot be saved ({error}): free or repair 
 NO_SUCH_DISPLAY = tr_later("This display is not connected")
 TOO_MANY_DISPLAYS = tr_later("Too many displays are set: take some back first")
 SETTING_NOT_SAVED = tr_later("The setting cannot be saved ({error}): free or repair the disk of log_dir")
-
-# How far several judges of a run are.
-JUDGING, SUBMITTED = tr_later("is judging"), tr_later("has submitted")
-LOOKS_AGAIN = tr_later("looks again")
-PROVISIONAL = tr_later("provisional")
-OBJECTIONS_UNTIL = tr_later("objections until {time}")
-OBJECTIONS_OVER = tr_later("the time for objections is over")
-OPEN_OBJECTIONS = tr_later("objections to answer: {number}")
-UPHELD, REJECTED = tr_later("upheld"), tr_later("rejected")
 
 
 def role_text(role: str, zone: str) -> str:
@@ -120,17 +112,17 @@ def page_words() -> Dict[str, str]:
         "submitted_how": tr("Your sheet is submitted and locked. The head referee can hand it back."),
         "marks_wait": tr("The box has not confirmed all marks yet"),
         "look_again": tr("The head referee asks you to look again: {reason}", reason="{reason}"),
-        "missing_judges": tr("Sheets that are missing: {missing} of {count}", missing="{missing}", count="{count}"),
-        "waived": tr("Missing judges are not waited for: {reason}", reason="{reason}"),
-        "differences": tr("The judges differ. Items to settle: {number}", number="{number}"),
-        "differs": tr("differs"), "settle": tr("Settle"), "reason": tr("Reason"),
-        "settled_by": tr("Settled by {name}: {reason}", name="{name}", reason="{reason}"),
-        "judges_more": tr("Sheets of the judges"), "hand_back": tr("Hand back: look again"),
-        "withdraw_sheet": tr("Withdraw the sheet"), "waive": tr("Do not wait for missing judges"),
+        "missing_judges": tr(judging.MISSING, missing="{missing}", count="{count}"),
+        "waived": tr(judging.WAIVED, reason="{reason}"),
+        "differences": tr(judging.DIFFERENCES, number="{number}"),
+        "differs": tr(judging.DIFFERS), "settle": tr(judging.SETTLE), "reason": tr("Reason"),
+        "settled_by": tr(judging.SETTLED_BY, name="{name}", reason="{reason}"),
+        "judges_more": tr("Sheets of the judges"), "hand_back": tr(judging.HAND_BACK),
+        "withdraw_sheet": tr(judging.WITHDRAW), "waive": tr(judging.WAIVE),
         "judges_score": tr("Several judges score this run, each on a sheet of their own"),
-        "publication": tr("Provisional result and objections"), "publish": tr("Publish as provisional"),
-        "not_over": tr("The run is still connected"),
-        "object": tr("Enter an objection"), "objection_by": tr("Who objects"),
-        "uphold": tr("Uphold the objection"), "reject": tr("Reject the objection"),
+        "publication": tr("Provisional result and objections"), "publish": tr(judging.PUBLISH),
+        "not_over": tr(judging.NOT_OVER),
+        "object": tr(judging.OBJECT), "objection_by": tr("Who objects"),
+        "uphold": tr(judging.UPHOLD), "reject": tr(judging.REJECT),
         "no_answer": tr("No answer from the box: check the network, and try again"),
     }

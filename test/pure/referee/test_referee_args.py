@@ -41,6 +41,19 @@ def test_values_with_a_sign_are_values(value):
     assert (options.zone, options.item, options.value) == ("Home A", "2", value)
 
 
+def test_a_negative_value_settles_an_item():
+    options = _parse(["judges", "settle", "Hall", "2", "-3", "--reason", "twice", "--by", "Hugo"])
+    assert (options.action, options.item, options.value, options.run) == ("settle", "2", "-3", None)
+
+
+@pytest.mark.parametrize("action", [
+    "list", "settle", "hand-back", "withdraw", "end-waiting", "publish", "object", "answer"])
+def test_each_action_of_judges_has_examples(action, capsys):
+    with pytest.raises(SystemExit):
+        _parse(["judges", action, "--help"])
+    assert f"examples:\n  referee judges {action}" in capsys.readouterr().out
+
+
 def test_a_run_takes_all_its_options():
     options = _parse(["run", "Home A", "--wait", "5", "--benchmark", "HWV/1/2", "--score", "door=1", "--score", "x=+2",
                       "--keep", "--team", "Beta", "--robot", "b2"])
@@ -62,6 +75,11 @@ def test_a_run_takes_all_its_options():
     (["withdraw", "A", "-1"], "1"),
     (["sign-off", "A"], "--run"),
     (["dance", "A"], "dance"),
+    (["judges"], "ACTION"),
+    (["judges", "settle", "A", "1", "3", "--by", "Hugo"], "--reason"),
+    (["judges", "withdraw", "A", "Ben", "--reason", "ill"], "--by"),
+    (["judges", "publish", "A", "--minutes", "1441"], "is not a number from 0 to 1440"),
+    (["judges", "answer", "A", "1", "maybe", "x"], "uphold"),
 ])
 def test_wrong_usage_ends_with_2_and_says_what_was_expected(line, hint, capsys):
     with pytest.raises(SystemExit) as end:

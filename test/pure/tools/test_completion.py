@@ -64,6 +64,7 @@ def test_every_program_that_is_offered_exists(tab) -> None:
     ("roah-rsbb referee sta", ["status", "start"]),
     ("rosrun roah_rsbb   referee  run 'Home A' --op", ["--operations"]),
     ("rosrun roah_rsbb referee run 'Home A' --operations a", ["automatic"]),
+    ("roah-rsbb referee judges ha", ["hand-back"]),
     ("rosrun roah_rsbb demo --no", ["--no-window"]),
     ("rosrun roah_rsbb no_such_program --", []),
 ])

@@ -1,0 +1,200 @@
+"""The terminal's commands for a run with several judges, and for objections (docs/referee.md, "Several judges")."""
+
+from typing import Any, Callable, Dict, List, NamedTuple, Optional
+
+from roah_rsbb.core.referee import Refused
+from roah_rsbb.referee.exits import Exit
+from roah_rsbb.referee.link import Link
+from roah_rsbb.referee.output import Output
+from roah_rsbb.referee.sheets import RunLine, pick_run
+from roah_rsbb.referee.state import SheetItem, items_of
+from roah_rsbb.referee.view import BOLD, YELLOW, Style
+from roah_rsbb.referee.words import NOT_ATTEMPTED, BadWord, Entered, pick_item, pick_zone, value_of
+from roah_rsbb.srv import DecideJudgesRequest, PublishResultRequest
+from roah_rsbb.wording import judging, sheets
+from roah_rsbb.wording.judging import Judged, Judging, ObjectionLine
+from roah_rsbb.wording.texts import escaped
+
+_IN = "    "
+BY_THE_FILE = -1.0  # PublishResult.seconds: the time for objections that the benchmarks file gives
+
+
+class JudgedRun(NamedTuple):
+    """A run with what its judges submitted. Its fields are those of the JSON output."""
+
+    run: Optional[RunLine]  # None: the core no longer lists it
+    judging: Judging
+    items: tuple  # of Judged; empty: judges are waited for
+    objections: tuple  # of ObjectionLine
+
+
+# -- which run --------------------------------------------------------------------------------------
+
+
+def _which(link: Link, options: Any) -> JudgedRun:
+    """Return the run that the options name; by default the one of the zone that is not final. Raises `BadWord`."""
+    zone = pick_zone(options.zone, [one.zone for one in link.box.zones])
+    runs = [run for run in link.runs() if run.zone == zone]
+    if options.run is not None:
+        return _fetched(link, zone, pick_run(options.run, runs).identity)
+    identities = [one.identity for one in link.judgings() if one.zone == zone]
+    if not identities:
+        raise Refused([f"zone '{zone}' has no run that judges score, and no provisional result. Name another run with "
+                       "--run (see 'runs')"])
+    if len(identities) > 1:
+        raise BadWord("\n  ".join([f"zone '{zone}' has {len(identities)} such runs: name one with --run",
+                                   *identities]))
+    return _fetched(link, zone, identities[0])
+
+
+def _fetched(link: Link, zone: str, identity: str) -> JudgedRun:
+    answer = link.judging(zone, identity)
+    run = next((run for run in link.runs() if run.identity == identity), None)
+    return JudgedRun(run, judging.judging_of(answer.state), judging.judged_of(answer), judging.objections_of(answer))
+
+
+def _show(link: Link, which: JudgedRun, options: Any, output: Output) -> Exit:
+    """Print a run after a command."""
+    shown = _fetched(link, which.judging.zone, which.judging.identity)
+    if output.json:
+        command = f"judges {options.action}"
+        output.object({"ok": True, "command": command, "zone": shown.judging.zone, **shown._asdict()})
+    else:
+        output.lines(lines_of(shown, link.box.clock_utc_s, output.style))
+    return Exit.OK
+
+
+# -- actions ----------------------------------------------------------------------------------------
+
+
+def _list(link: Link, options: Any, output: Output) -> Exit:
+    """Print how far the judges are; of a zone also what they submitted."""
+    if options.zone is not None:
+        return _show(link, _which(link, options), options, output)
+    if options.run is not None:
+        raise BadWord("give the zone of the run before --run")
+    found = link.judgings()
+    if output.json:
+        output.object({"runs": found})
+        return Exit.OK
+    runs = {run.identity: run for run in link.runs()}
+    lines = [line for one in found for line in (
+        f"{escaped(one.zone)}: {_title(runs.get(one.identity), one)}",
+        *_progress(one, link.box.clock_utc_s, output.style))]
+    output.lines(lines or ["no run that judges score, and no provisional result"])
+    return Exit.OK
+
+
+def _settle(link: Link, options: Any, output: Output) -> Exit:
+    which = _which(link, options)
+    item = pick_item(options.item, items_of(link.judging(which.judging.zone, which.judging.identity).items))
+    is_not = options.value.lower() in NOT_ATTEMPTED
+    value = Entered() if is_not else settled_value(options.value, item)
+    link.decide(which.judging.zone, which.judging.identity, DecideJudgesRequest(
+        decision=DecideJudgesRequest.SETTLE, group=item.group, desc=item.item, value=value.value, text=value.text,
+        not_attempted=is_not, reason=options.reason, referee=options.referee))
+    return _show(link, which, options, output)
+
+
+def settled_value(word: str, item: SheetItem) -> Entered:
+    """Return the value that settles an item: as `value_of`, but a sign belongs to the number, and a rating is a number.
+
+    Raises `BadWord`, or `Refused` as the core itself does.
+    """
+    value = value_of(word, item._replace(type="decimal") if item.type == "rating" else item)
+    if not value.added:
+        return value
+    return Entered(text=value.added) if item.type in ("decimal", "rating") else Entered(int(value.added))
+
+
+def _decision(number: int) -> Callable[[Link, Any, Output], Exit]:
+    def decide(link: Link, options: Any, output: Output) -> Exit:
+        which = _which(link, options)
+        link.decide(which.judging.zone, which.judging.identity, DecideJudgesRequest(
+            decision=number, judge=getattr(options, "judge", ""), reason=options.reason, referee=options.referee))
+        return _show(link, which, options, output)
+
+    return decide
+
+
+def _publish(link: Link, options: Any, output: Output) -> Exit:
+    seconds = BY_THE_FILE if options.minutes is None else 60.0 * options.minutes
+    return _publication(link, options, output, action=PublishResultRequest.PUBLISH, seconds=seconds)
+
+
+def _object(link: Link, options: Any, output: Output) -> Exit:
+    return _publication(
+        link, options, output, action=PublishResultRequest.OBJECT, by=options.objector, text=options.text)
+
+
+def _answer(link: Link, options: Any, output: Output) -> Exit:
+    return _publication(link, options, output, action=PublishResultRequest.ANSWER, number=options.number,
+                        upheld=options.verdict == "uphold", text=options.text)
+
+
+def _publication(link: Link, options: Any, output: Output, **asked: Any) -> Exit:
+    which = _which(link, options)
+    link.publication(which.judging.zone, which.judging.identity,
+                     PublishResultRequest(referee=options.referee, **asked))
+    return _show(link, which, options, output)
+
+
+_ACTIONS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
+    "list": _list, "settle": _settle, "hand-back": _decision(DecideJudgesRequest.HAND_BACK),
+    "withdraw": _decision(DecideJudgesRequest.WITHDRAW), "end-waiting": _decision(DecideJudgesRequest.WAIVE),
+    "publish": _publish, "object": _object, "answer": _answer,
+}
+
+
+def judges(link: Link, options: Any, output: Output) -> Exit:
+    """Carry out `referee judges ACTION`."""
+    return _ACTIONS[options.action](link, options, output)
+
+
+# -- lines ------------------------------------------------------------------------------------------
+
+
+def lines_of(shown: JudgedRun, utc_s: float, style: Style) -> List[str]:
+    """Return the lines of a run: how far its judges are, their values side by side, and objections."""
+    lines = [_title(shown.run, shown.judging), *_progress(shown.judging, utc_s, style)]
+    group = None
+    for item in shown.items:
+        if item.group != group:
+            group = item.group
+            lines.append(f"{_IN}{escaped(group)}")
+        lines += _item(item, style)
+    if shown.objections:
+        lines.append("Objections")
+    return lines + [line for one in shown.objections for line in _objection(one, style)]
+
+
+def _title(run: Optional[RunLine], one: Judging) -> str:
+    if run is None:
+        return escaped(one.identity)
+    return f"{sheets.run_name(escaped(run.code), escaped(run.team), run.round, run.run)}  {escaped(run.identity)}"
+
+
+def _progress(one: Judging, utc_s: float, style: Style) -> List[str]:
+    def when(moment_utc_s: float) -> str:
+        return style.moments.scheduled(moment_utc_s, utc_s) + ("Z" if style.moments.in_utc else "")
+
+    known = [judging.missing_text(one), judging.publication_text(one, utc_s, when)]
+    differences = judging.differences_text(one)
+    return [f"{_IN}{escaped(line)}" for line in [*map(judging.judge_line, one.judges), *filter(None, known)]] + (
+        [f"{_IN}{style(YELLOW, differences)}"] if differences else [])
+
+
+def _item(item: Judged, style: Style) -> List[str]:
+    given = ", ".join(f"{escaped(each.judge)} {escaped(each.shown)}" for each in item.given)
+    shown = escaped(judging.outcome_text(item))
+    value = style(YELLOW if item.outcome == judging.DIFFER else BOLD, shown)
+    settled = judging.settled_text(item)
+    return [f"{_IN}{item.number:4}  {escaped(item.item)}: {value}" + (f"  ({given})" if given else ""),
+            *([f"{_IN}      {escaped(settled)}"] if settled else [])]
+
+
+def _objection(one: ObjectionLine, style: Style) -> List[str]:
+    answer = judging.answer_text(one)
+    who = f" ({escaped(one.who)})" if one.who else ""
+    return [f"{_IN}{one.number:4}  {style.moments.stamp(one.utc_s)} {escaped(one.by)}: {escaped(one.text)}{who}",
+            f"{_IN}      {escaped(answer) if answer else style(YELLOW, 'not answered')}"]

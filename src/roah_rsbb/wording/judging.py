@@ -1,0 +1,192 @@
+"""Several judges of a run, and the way of its result from provisional to final, as people read them.
+
+Panel, terminal and pages show this model of /core/judging and of the answer of /core/judges (docs/ros_interface.md,
+"Services of the core"), in these words. The names of the fields are those of the terminal's JSON output
+(docs/referee.md, "JSON") and never change. Times are UTC seconds since 1970; None: not yet.
+"""
+
+from typing import Callable, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.wording import sheets
+from roah_rsbb.wording.language import tr, tr_later
+
+JUDGING, SUBMITTED = tr_later("is judging"), tr_later("has submitted")
+LOOKS_AGAIN = tr_later("looks again")
+MISSING = tr_later("Sheets that are missing: {missing} of {count}")
+WAIVED = tr_later("Missing judges are not waited for: {reason}")
+DIFFERENCES = tr_later("The judges differ. Items to settle: {number}")
+DIFFERS = tr_later("differs")
+SETTLED_BY = tr_later("Settled by {name}: {reason}")
+PROVISIONAL = tr_later("provisional")
+OBJECTIONS_UNTIL = tr_later("objections until {time}")
+OBJECTIONS_OVER = tr_later("the time for objections is over")
+OPEN_OBJECTIONS = tr_later("objections to answer: {number}")
+UPHELD, REJECTED = tr_later("upheld"), tr_later("rejected")
+NOT_OVER = tr_later("The run is still connected")
+# What the head referee does. Buttons have these names.
+SETTLE, HAND_BACK = tr_later("Settle"), tr_later("Hand back: look again")
+WITHDRAW, WAIVE = tr_later("Withdraw the sheet"), tr_later("Do not wait for missing judges")
+PUBLISH, OBJECT = tr_later("Publish as provisional"), tr_later("Enter an objection")
+UPHOLD, REJECT = tr_later("Uphold the objection"), tr_later("Reject the objection")
+
+# What became of an item, by the numbers in JudgedItem.
+OUTCOMES = AGREED, DIFFER, SETTLED, NOT_JUDGED = "agreed", "differs", "settled", "not_judged"
+
+
+class JudgeLine(NamedTuple):
+    """One of the judges, without any values."""
+
+    judge: str
+    submitted_utc_s: Optional[float]
+    again: str  # why the sheet was handed back; empty: it was not
+
+
+class Judging(NamedTuple):
+    """How far the judges of a run and its result are, without any values."""
+
+    zone: str
+    identity: str
+    revision: int  # changes whenever `Judged` and `Objections` may change
+    count: int  # judges that the benchmark asks for; 0: the referee scores
+    rule: str
+    missing: int
+    complete: bool  # nobody is waited for
+    judges: Tuple[JudgeLine, ...]
+    waiver: str  # why missing judges are not waited for; empty: they are
+    differences: int
+    published_utc_s: Optional[float]
+    objections_until_utc_s: Optional[float]
+    open_objections: int
+
+
+class Given(NamedTuple):
+    """What a judge gave an item."""
+
+    judge: str
+    shown: str  # the value in words
+    value: int
+    text: str  # of a type that is not a whole number
+    not_attempted: bool
+
+
+class Judged(NamedTuple):
+    """An item with what each judge submitted."""
+
+    number: int  # in the sheet, from 1
+    group: str
+    item: str
+    type: str
+    outcome: str  # of `OUTCOMES`
+    shown: str  # the value that counts, in words
+    given: Tuple[Given, ...]
+    who: str  # who settled it; empty: nobody
+    reason: str
+
+
+class ObjectionLine(NamedTuple):
+    """An objection to a provisional result."""
+
+    number: int
+    utc_s: float
+    by: str
+    text: str
+    who: str  # who entered it
+    answered_utc_s: Optional[float]
+    answered_by: str
+    upheld: bool
+    answer: str
+
+
+def judging_of(message) -> Judging:
+    """Read a Judging message."""
+    return Judging(
+        message.zone, message.identity, message.revision, message.count, message.rule, message.missing,
+        bool(message.complete),
+        tuple(JudgeLine(one.judge, one.submitted.to_sec() or None, one.again) for one in message.judges),
+        message.waiver, message.differences, message.published.to_sec() or None,
+        message.objections_until.to_sec() or None, message.open_objections,
+    )
+
+
+def judged_of(answer) -> Tuple[Judged, ...]:
+    """Read the items of a GetJudging response; empty: the judges are waited for."""
+    items = {(item.group, item.desc): item for item in answer.items}
+    numbers = {key: number for number, key in enumerate(items, 1)}
+    return tuple(_judged(one, items[one.group, one.desc], numbers[one.group, one.desc]) for one in answer.judged)
+
+
+def _judged(one, item, number: int) -> Judged:
+    kind = sheets.type_word(item.type)
+    return Judged(
+        number, one.group, one.desc, kind, OUTCOMES[one.outcome],
+        sheets.item_value(kind, item.value, bool(item.not_attempted), item.text),
+        tuple(Given(judge, sheets.item_value(kind, value, bool(not_attempted), text), value, text, bool(not_attempted))
+              for judge, value, text, not_attempted in zip(one.judges, one.values, one.texts, one.not_attempted)),
+        sheets.person(one.who), one.reason,
+    )
+
+
+def objections_of(answer) -> Tuple[ObjectionLine, ...]:
+    """Read the objections of a GetJudging response."""
+    return tuple(
+        ObjectionLine(one.number, one.time.to_sec(), one.by, one.text, sheets.person(one.who),
+                      one.answered.to_sec() or None, sheets.person(one.answered_by), bool(one.upheld), one.answer)
+        for one in answer.objections)
+
+
+# -- in words ---------------------------------------------------------------------------------------
+
+
+def judge_state(judge: JudgeLine) -> str:
+    """Return how far a judge is."""
+    return tr(SUBMITTED if judge.submitted_utc_s else LOOKS_AGAIN if judge.again else JUDGING)
+
+
+def judge_line(judge: JudgeLine) -> str:
+    """Return a judge, and how far the judge is."""
+    again = f" ({judge.again})" if judge.again else ""
+    return f"{'✔' if judge.submitted_utc_s else '…'} {judge.judge}: {judge_state(judge)}{again}"
+
+
+def missing_text(judging: Judging) -> str:
+    """Return how many sheets are missing, and whether they are waited for; empty: none is."""
+    if judging.waiver:
+        return tr(WAIVED, reason=judging.waiver)
+    return tr(MISSING, missing=judging.missing, count=judging.count) if judging.missing else ""
+
+
+def differences_text(judging: Judging) -> str:
+    """Return how many items the head referee must settle; empty: none."""
+    return tr(DIFFERENCES, number=judging.differences) if judging.differences else ""
+
+
+def publication_text(judging: Judging, utc_s: float, when: Callable[[float], str]) -> str:
+    """Return how far the result is published at the time `utc_s`; empty: it is not."""
+    if judging.published_utc_s is None:
+        return ""
+    until = judging.objections_until_utc_s or 0.0
+    limit = tr(OBJECTIONS_UNTIL, time=when(until)) if until > utc_s else tr(OBJECTIONS_OVER)
+    waiting = [tr(OPEN_OBJECTIONS, number=judging.open_objections)] if judging.open_objections else []
+    return " · ".join([tr(PROVISIONAL), limit, *waiting])
+
+
+def outcome_text(item: Judged) -> str:
+    """Return the value of an item, or that the judges differ."""
+    return f"≠ {tr(DIFFERS)}" if item.outcome == DIFFER else item.shown
+
+
+def settled_text(item: Judged) -> str:
+    """Return who settled an item and why; empty: nobody."""
+    return tr(SETTLED_BY, name=item.who, reason=item.reason) if item.reason else ""
+
+
+def answer_text(objection: ObjectionLine) -> str:
+    """Return the answer to an objection; empty: there is none."""
+    if objection.answered_utc_s is None:
+        return ""
+    return f"{tr(UPHELD if objection.upheld else REJECTED)}: {objection.answer}"
+
+
+def judges_of(items: Tuple[Judged, ...]) -> List[str]:
+    """Return the judges who submitted, in the order of the columns."""
+    return list(dict.fromkeys(given.judge for item in items for given in item.given))
