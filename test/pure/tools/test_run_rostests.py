@@ -238,10 +238,17 @@ def test_tests_side_by_side_have_slots_and_folders_of_their_own(runner: Runner) 
     os.mkfifo(str(runner.path / "meet"))
     folders = "$ROS_HOME $ROS_LOG_DIR $ROS_TEST_RESULTS_DIR"
     note = f"echo $ROAH_TEST_SLOT >> $HERE/slots; echo {folders} >> $HERE/folders; good"
-    done = runner.run("--jobs", "2", one=f"echo > $HERE/meet; {note}", two=f"read < $HERE/meet; {note}")
+    one, two = f"echo > $HERE/meet; {note}", f"read < $HERE/meet; {note}"
+    done = runner.run("--jobs", "2", "--busy", "9999", one=one, two=two)
     assert done.returncode == 0
     assert len(set(runner.lines("slots"))) == 2
     assert len(set(runner.lines("folders"))) == 6
+
+
+def test_on_a_busy_machine_one_test_runs_after_the_other(runner: Runner) -> None:
+    alone = "mkdir $HERE/alone && sleep 0.5 && rmdir $HERE/alone && good"
+    done = runner.run("--jobs", "2", "--busy", "0", one=alone, two=alone)
+    assert done.returncode == 0, done.stdout
 
 
 def test_two_runs_on_one_machine_have_slots_of_their_own(runner: Runner) -> None:

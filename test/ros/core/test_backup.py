@@ -166,7 +166,7 @@ class TestBackup(OwnCoreCase):
         self.wait_no_warning(COPY)
         away = self.folder / "away"
         self.stick.rename(away)
-        self.assertIn("Plug the stick in again", self.wait_warned(COPY))
+        self.assertIn(COPY, self.wait_warned("Plug the stick in again"))
         self.robot("Alpha")
         self.box.connect(ZONE)
         self.box.set_score(ZONE, *DOOR, 1)

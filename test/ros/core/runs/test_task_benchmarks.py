@@ -26,6 +26,7 @@ class TestGettingToKnowMyHome(BoxCase):
 
     def test_a_whole_run(self) -> None:
         self.listener = self.participant(LISTENER)
+        self.began = time.time()
         self.robot = self.robot("Alpha", prepares=False)
         self.before()
         self.connected()
@@ -45,7 +46,7 @@ class TestGettingToKnowMyHome(BoxCase):
         active = box.robot("Alpha")
         self.assertEqual(active.robot, "Robot")
         wait_until(lambda: abs(box.robot("Alpha").skew.to_sec()) < 0.1, "its clock is right")
-        self.assertLess(abs(box.gui.clock.to_sec() - active.beacon.to_sec()), 5)
+        self.assertTrue(self.began <= active.beacon.to_sec() <= time.time(), active.beacon)
         wait_until(lambda: not self.public_line().running, "the public display shows no run")
 
     def connected(self) -> None:
@@ -236,7 +237,8 @@ class TestCateringForGrannyAnnie(BoxCase):
 
     def tablet_is_sent_to_all(self) -> None:
         tablet = self.participant(TABLET)
-        called, placed = wire(time.time() - 9), wire(time.time() - 3)
+        now = time.time()
+        called, placed = wire(now - 9), wire(now - 3)
         tablet.send(pb.TabletBeacon(last_call=called, last_pos=placed, x=1.25, y=-2.5))
         self.listener.wait_beacon(
             lambda b: (b.tablet_call_time, b.tablet_position_time) == (called, placed)
@@ -247,7 +249,7 @@ class TestCateringForGrannyAnnie(BoxCase):
         self.assertEqual(gui.tablet_position_y, -2.5)
         self.assertAlmostEqual(gui.tablet_call_time.to_sec(), called.sec + called.nsec / 1e9, places=3)
         self.assertAlmostEqual(gui.tablet_position_time.to_sec(), placed.sec + placed.nsec / 1e9, places=3)
-        self.assertLess(abs(gui.clock.to_sec() - gui.tablet_last_beacon.to_sec()), 5)
+        self.assertTrue(now <= gui.tablet_last_beacon.to_sec() <= time.time(), gui.tablet_last_beacon)
         wait_until(lambda: self.robot.tablet and self.robot.tablet.position_x == 1.25, "the robot sees the tablet")
 
     def robot_commands(self) -> None:
