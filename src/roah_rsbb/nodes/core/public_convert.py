@@ -24,6 +24,9 @@ from roah_rsbb.nodes.core.score_convert import items_message, points_message, sc
 from roah_rsbb.ros.times import ros_duration, ros_limit, ros_time
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, ScheduledEvent
 
+# Instead of the time. The original's public display shows it.
+NOT_LIVE = "not live"
+
 
 class PublicSchedule:
     """Builds the message for the original's public display, with local times."""
@@ -34,7 +37,9 @@ class PublicSchedule:
         self._lines: List[ScheduleInfo] = []
 
     def to_public(self, now: Now) -> CoreToPublic:
-        """Return the message of this moment."""
+        """Return the message of this moment. A box that is superseded has no schedule."""
+        if self._box.is_superseded:
+            return CoreToPublic(clock=NOT_LIVE)
         if self._revision != self._box.revision:
             self._revision = self._box.revision
             self._lines = [
