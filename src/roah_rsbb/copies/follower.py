@@ -15,7 +15,7 @@ from roah_rsbb.copies.rows import CannotReadJournal, JournalRows, OtherJournal
 from roah_rsbb.journal import file as files
 
 # Time between two looks at the journal.
-PERIOD_S = 0.1
+PERIOD_S = 0.05
 # Failed attempts are repeated after this time.
 RETRY_S = 1.0
 
@@ -35,9 +35,12 @@ class Follower:
 
     def __init__(
         self, log_dir: str, open_copy: Callable[[], Copy], more_files: Mapping[str, str] = MappingProxyType({}),
-        now: Callable[[], float] = time.monotonic,
+        now: Callable[[], float] = time.monotonic, on_answer: Callable[[object], None] = lambda question: None,
     ) -> None:
-        """`open_copy` raises `CannotWriteCopy`. `more_files`: paths of files to copy, by their names in the copy."""
+        """`open_copy` raises `CannotWriteCopy`. `more_files`: paths of files to copy, by their names in the copy.
+
+        `on_answer` is called in the thread with a question (see `ask`).
+        """
         self.progress = Progress("", None, 0, "", "")
         self.log_dir = log_dir
         self._path = os.path.join(log_dir, files.FILE_NAME)
@@ -48,6 +51,10 @@ class Follower:
         self._paths = {**{name: os.path.join(log_dir, name) for name in FILES}, **more_files}
         self._beside = ChangedFiles(self._paths)
         self._copied_entry = 0
+        self._on_answer = on_answer
+        self._question: Optional[object] = None
+        self._answered: Optional[object] = None
+        self._woken = threading.Event()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._work, name="copy", daemon=True)
 
@@ -55,9 +62,16 @@ class Follower:
         """Start the thread."""
         self._thread.start()
 
+    def ask(self, question: object) -> None:
+        """From any thread: copy now. The question is answered when the copy has everything that is in the journal at
+        this moment. An earlier question that was not answered yet is dropped."""
+        self._question = question
+        self._woken.set()
+
     def end(self, timeout: float) -> None:
         """Ask the thread to end, and wait at most `timeout` seconds for it: the stick may hang."""
         self._ended.set()
+        self._woken.set()
         self._thread.join(timeout)
 
     def close(self) -> None:
@@ -87,7 +101,11 @@ class Follower:
                 # The thread continues. What failed once is visible in the panels.
                 self.close()
                 self.progress = self.progress._replace(trouble=f"internal error, please report it: {error!r}")
-            self._ended.wait(RETRY_S if self.progress.trouble else PERIOD_S)
+            if self.progress.trouble:
+                self._ended.wait(RETRY_S)
+            else:
+                self._woken.wait(PERIOD_S)
+                self._woken.clear()
         self.close()
 
     def _follow(self) -> None:
@@ -98,16 +116,26 @@ class Follower:
             self._open_copy()
         copy, journal = self._copy, self._journal
         copy.check()
-        while journal.has_changed() and not self._ended.is_set():
+        # A part that is not the last is followed by the next one at once. What is written meanwhile is copied by the
+        # next step, or a busy journal would never be complete.
+        is_last = False
+        while not is_last and not self._ended.is_set():
+            question, began = self._question, self._now()
+            if not journal.has_changed():
+                break
             rows = journal.missing(copy.known)
+            is_last = rows.is_last
             beside = self._beside.changed()
             if beside or not rows.is_empty():
                 copy.write(rows, beside)
             self._copied_entry = copy.known.last["entries"].number
-            if not rows.is_last:
+            if not is_last:
                 self.progress = self.progress._replace(missing_entries=self._missing_entries())
         if not self._ended.is_set():
-            self.progress = Progress("", self._now(), 0, copy.box_uuid, copy.aside)
+            self.progress = Progress("", began, 0, copy.box_uuid, copy.aside)
+            if question is not self._answered:
+                self._answered = question
+                self._on_answer(question)
 
     def _open_journal(self) -> JournalRows:
         if not os.path.exists(self._path):

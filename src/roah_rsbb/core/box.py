@@ -415,3 +415,16 @@ class Box:
             level, text = (Level.ERROR, change) if change else (
                 Level.INFO, f"The copy of the journal ({report.place}) is complete again")
             self._outbox.notice(level, text)
+
+    def on_copy_answer(self, now: Now, number: int) -> None:
+        """The standby has everything up to this question (`Copies.ask`)."""
+        self.tick(now)
+        if self.copies.answer(number):
+            self._outbox.notice(Level.INFO, "The standby has all entries again")
+
+    def on_copy_given_up(self, now: Now, number: int) -> None:
+        """The answer to a referee does not wait for the standby any longer (`Copies.ask`)."""
+        self.tick(now)
+        text = self.copies.give_up(now, number)
+        if text is not None:
+            self._outbox.notice(Level.WARNING, text)

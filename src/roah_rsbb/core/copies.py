@@ -10,6 +10,8 @@ STANDBY = "standby"
 LATE_S = 3.0
 # The node that copies reports once a second.
 SILENT_S = 10.0
+# An answer to a referee waits for the standby for at most this long.
+SYNC_S = 0.5
 
 
 class CopyReport(NamedTuple):
@@ -32,6 +34,12 @@ class _Copy:
         self.report: Optional[CopyReport] = None
         self.warning = ""  # the last one that was logged
 
+    def is_connected(self, now: Now) -> bool:
+        """Whether it was written to without trouble the last time."""
+        report = self.report
+        return (report is not None and report.is_of_this_box and not report.trouble
+                and now.mono - self.heard_mono < SILENT_S)
+
     def why_behind(self, now: Now) -> str:
         """Return why the copy is behind."""
         report = self.report
@@ -49,6 +57,9 @@ class Copies:
 
     def __init__(self) -> None:
         self._copies: Dict[str, _Copy] = {}
+        # Numbers of questions whether the standby has everything up to now: the newest one, the newest one that was
+        # answered, and the newest one for which an answer to a referee did not wait any longer.
+        self._asked = self._answered = self._given_up = 0
 
     def expect(self, now: Now, place: str) -> None:
         """Warn from now on if this copy is missing."""
@@ -68,12 +79,50 @@ class Copies:
             return None
         return self._text(now, report.place, copy) if warning else ""
 
+    # -- answers that wait for the standby ----------------------------------------------------------
+
+    def ask(self) -> int:
+        """Return the number of a new question: whether the standby has everything up to now."""
+        self._asked += 1
+        return self._asked
+
+    def is_worth_waiting(self, now: Now) -> bool:
+        """Whether the standby probably answers in time: it is connected, and answered the questions before."""
+        copy = self._copies[STANDBY]
+        return copy.is_connected(now) and self._given_up <= self._answered
+
+    def answer(self, number: int) -> bool:
+        """The standby has everything up to this question. Return whether a warning ends."""
+        copy = self._copies[STANDBY]
+        if copy.report is not None:  # which may be older than this answer
+            copy.report = copy.report._replace(trouble="")
+        was_missing = self._given_up > self._answered
+        self._answered = max(self._answered, min(number, self._asked))
+        return was_missing and self._given_up <= self._answered
+
+    def give_up(self, now: Now, number: int) -> Optional[str]:
+        """An answer to a referee does not wait for this question any longer. Return a new warning to log."""
+        was_missing = self._given_up > self._answered
+        self._given_up = max(self._given_up, number)
+        is_missing = self._given_up > self._answered
+        return self._unconfirmed(now) if is_missing and not was_missing else None
+
+    def _unconfirmed(self, now: Now) -> str:
+        copy = self._copies[STANDBY]
+        why = f"it did not answer within {SYNC_S:g} s" if copy.is_connected(now) else copy.why_behind(now)
+        return f"The standby does not have the referees' last entries yet. They are saved on this computer only: {why}"
+
+    # -- warnings -----------------------------------------------------------------------------------
+
     def warnings(self, now: Now) -> List[str]:
         """Return the warnings for every referee."""
         # The node may have been started again with other settings.
         self._copies = {place: copy for place, copy in self._copies.items()
                         if copy.is_expected or now.mono - copy.heard_mono < SILENT_S}
-        return [self._text(now, place, copy) for place, copy in self._copies.items() if self._is_late(now, copy)]
+        late = {place: copy for place, copy in self._copies.items() if self._is_late(now, copy)}
+        is_unconfirmed = self._given_up > self._answered and STANDBY not in late  # the other warning says more
+        return [*([self._unconfirmed(now)] if is_unconfirmed else []),
+                *(self._text(now, place, copy) for place, copy in late.items())]
 
     @staticmethod
     def _is_late(now: Now, copy: _Copy) -> bool:

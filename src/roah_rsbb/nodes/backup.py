@@ -5,8 +5,8 @@ It reads the journal in log_dir, which the core writes. The core never waits for
 second) says how complete each copy is, and the core warns the referees if one is behind.
 
 Parameters (private): log_dir; backup_dir: an existing folder, on another disk (none: no folder); standby_port: TCP port
-for a standby (0: no standby); bind_host: own address for it; passwords_file, rsbb_host, rsbb_port: what the standby
-needs to continue.
+for a standby (0: no standby); bind_host: own address for it; passwords_file, rsbb_host, rsbb_port, sync_standby: what
+the standby needs to continue.
 """
 
 import json
@@ -19,7 +19,7 @@ import rospy
 from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.core.copies import STANDBY
-from roah_rsbb.msg import CopyState
+from roah_rsbb.msg import CopyQuestion, CopyState
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.standby.box_end import BoxEnd
@@ -74,7 +74,8 @@ class BackupNode:
         bind_host = params.text("bind_host", "0.0.0.0")
         passwords = params.path("passwords_file", "none")
         network = {"rsbb_host": params.text("rsbb_host", "10.255.255.255"),
-                   "rsbb_port": params.whole("rsbb_port", 6666, 1, 65000), "standby_port": port}
+                   "rsbb_port": params.whole("rsbb_port", 6666, 1, 65000), "standby_port": port,
+                   "sync_standby": str(params.flag("sync_standby", False)).lower()}
         params.done()
         if not backup_dir and not port:
             raise BadParams(f"{rospy.get_name()}: set backup_dir, standby_port or both")
@@ -92,8 +93,11 @@ class BackupNode:
             network_file = os.path.join(self._box_end.folder, NETWORK)
             with open(network_file, "w", encoding="utf-8") as file:
                 json.dump(network, file)
-            self._add(STANDBY, Follower(self._log_dir, self._box_end.open_copy,
-                                        {PASSWORDS: passwords, NETWORK: network_file}))
+            follower = Follower(self._log_dir, self._box_end.open_copy, {PASSWORDS: passwords, NETWORK: network_file},
+                                on_answer=self._confirm)
+            self._add(STANDBY, follower)
+            self._confirmed = rospy.Publisher("/copies/confirmed", CopyQuestion, queue_size=10)
+            rospy.Subscriber("/copies/asked", CopyQuestion, follower.ask, queue_size=10, tcp_nodelay=True)
             known = f"The standby is {self._box_end.name}. Another one" if self._box_end.is_paired else "A standby"
             rospy.logwarn("%s can be paired on TCP port %d with the code %s",
                           known, self._box_end.port, self._box_end.code)
@@ -116,6 +120,11 @@ class BackupNode:
 
     def _add(self, place: str, follower: Follower) -> None:
         self._copies.append(_Reported(place, follower))
+
+    def _confirm(self, question: CopyQuestion) -> None:
+        """The standby has everything that the core asked for. Another core may ask, with another journal."""
+        if question.box_uuid == self._copies[-1].follower.progress.box_uuid:
+            self._confirmed.publish(question)
 
 
 def main() -> None:

@@ -1,6 +1,7 @@
 """A second computer that has a copy of the box's journal, and takes over when the box is lost (docs/standby.md).
 
     rosrun roah_rsbb standby follow 192.168.1.2 --code ABCD-EFGH
+    rosrun roah_rsbb standby status
     rosrun roah_rsbb standby takeover
     rosrun roah_rsbb standby rejoin ~/competition/log
 """
@@ -25,7 +26,15 @@ from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.standby.channel import Lost
 from roah_rsbb.standby.messages import NETWORK, PASSWORDS
 from roah_rsbb.standby.pairing import hashed
-from roah_rsbb.standby.partners import PairedBox, PairedStandby, forget_standby, read_box, read_standby, write_standby
+from roah_rsbb.standby.partners import (
+    FOLDER,
+    PairedBox,
+    PairedStandby,
+    forget_standby,
+    read_box,
+    read_standby,
+    write_standby,
+)
 from roah_rsbb.standby.standby_end import CannotPair, StandbyEnd, is_alive, is_open, pair, rejoin
 from roah_rsbb.standby.words import rejoin_key
 from roah_rsbb.tools.preflight_checks import Severity, check_other_box
@@ -48,6 +57,7 @@ _DESCRIPTION = """\
 A standby: a second computer that has a copy of the box's journal, and takes over when the box is lost.
 
   follow    pair with the box, once, and keep the copy
+  status    show what this computer is: the box or the standby, how old the copy is, and what is set
   takeover  start the box here, with the copy. Refused while the box is heard
   rejoin    on the computer that was the box: become the standby of the box that took over
   rehearse  show a takeover on this computer, with the times. Needs no second computer, and changes nothing
@@ -74,6 +84,7 @@ def _parser() -> argparse.ArgumentParser:
                              "2 s (default: 0, never)")
     follow.add_argument("--witness", metavar="ADDRESS", default="",
                         help="with --automatic: a third computer or access point that must answer a ping")
+    status = commands.add_parser("status", help="show what this computer is: the box or the standby")
     takeover = commands.add_parser("takeover", help="start the box here, with the copy")
     takeover.add_argument("--anyway", action="store_true", help="also while a box is heard: robots obey both")
     takeover.add_argument("--listen", type=number(0, 60), default=4.0, metavar="SECONDS",
@@ -83,9 +94,10 @@ def _parser() -> argparse.ArgumentParser:
     rejoin = commands.add_parser("rejoin", help="become the standby of the box that took over from this computer")
     rejoin.add_argument("old_log_dir", metavar="OLD_LOG_DIR", help="log_dir of the box on this computer")
     commands.add_parser("rehearse", help="show a takeover on this computer, with the times")
-    for command in (follow, takeover, rejoin):
+    for command in (follow, status, takeover, rejoin):
+        box = "; on the box: its log_dir" if command is status else ""
         command.add_argument("--log-dir", default=LOG_DIR, metavar="DIR",
-                             help="folder of the copy (default: %(default)s)")
+                             help=f"folder of the copy (default: %(default)s){box}")
     return parser
 
 
@@ -170,6 +182,48 @@ def _locked(folder: str) -> Iterator[None]:
 
 def _show(state: str) -> None:
     print(f"{time.strftime('%H:%M:%S')} {state or 'The copy is kept'}", flush=True)
+
+
+# -- status ---------------------------------------------------------------------------------------------
+
+
+def status(folder: str) -> Iterator[str]:
+    """Show what this computer is; yields sentences."""
+    box, standby = read_box(folder), read_standby(folder)
+    if not os.path.exists(os.path.join(folder, FILE_NAME)) and box is None:
+        raise Refused(f"{folder} is neither the log_dir of a box nor the folder of a copy: give another --log-dir")
+    standing = epochs.standing_in(os.path.join(folder, FILE_NAME))
+    if standby is not None or box is None:
+        yield from _status_of_box(standby, standing)
+        network = os.path.join(folder, FOLDER) if box is None else folder
+    else:
+        yield from _status_of_standby(folder, box)
+        network = folder
+    yield f"Epoch {standing.epoch}"
+    if _network_of_box(network).get("sync_standby") == "true":
+        yield "Scores and sign-offs are confirmed when the standby has them, too (sync_standby is on)"
+    else:
+        yield "Scores and sign-offs are confirmed without waiting for the standby (sync_standby is off)"
+
+
+def _status_of_box(standby: Optional[PairedStandby], standing: epochs.Standing) -> Iterator[str]:
+    if standing.is_superseded:
+        yield f"This computer was the box. The one at {standing.by} took over"
+    if standby is None:
+        yield "No standby is paired with this box"
+    else:
+        yield f"The standby of this box is {standby.name}" + (
+            f", last connected from {standby.host}" if standby.host else ", which was never connected")
+
+
+def _status_of_standby(folder: str, box: PairedBox) -> Iterator[str]:
+    answer = "answers" if is_alive(box, ALIVE_S) else "does not answer"
+    yield f"This computer is the standby of the box at {box.host}, which {answer}"
+    lock = os.path.join(folder, LOCK)
+    is_kept = os.path.exists(lock) and not _is_free(lock)
+    yield "The copy is kept" if is_kept else "The copy is not kept: start 'standby follow'"
+    if os.path.exists(os.path.join(folder, FILE_NAME)):
+        yield last_moment(folder)
 
 
 # -- taking over ----------------------------------------------------------------------------------------
@@ -336,6 +390,12 @@ def last_moment(folder: str) -> str:
     return f"The copy ends at {moment:%H:%M:%S} UTC, {max(0.0, time.time() - utc):.0f} s ago"
 
 
+def _status(_options: argparse.Namespace, folder: str) -> int:
+    for line in status(folder):
+        print(line, flush=True)
+    return 0
+
+
 def _rehearse() -> int:
     try:
         for line in rehearse():
@@ -361,8 +421,10 @@ def main() -> None:
         sys.exit(_rehearse())
     folder = os.path.abspath(os.path.expanduser(options.log_dir))
     try:
-        os.makedirs(folder, mode=0o700, exist_ok=True)
-        sys.exit({"follow": _follow, "takeover": _takeover, "rejoin": _rejoin}[options.command](options, folder))
+        if options.command != "status":
+            os.makedirs(folder, mode=0o700, exist_ok=True)
+        act = {"follow": _follow, "status": _status, "takeover": _takeover, "rejoin": _rejoin}[options.command]
+        sys.exit(act(options, folder))
     except (Refused, CannotPair, Lost, OSError, sqlite3.Error) as error:
         for line in str(error).splitlines():
             print(f"{PROGRAM}: {line}", file=sys.stderr)

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import queue
 import shutil
 import sqlite3
 import threading
@@ -10,7 +11,9 @@ from helpers.competition import run_record
 from helpers.copied import contents
 from helpers.journals import Writer
 from roah_rsbb.copies import folder as folders
+from roah_rsbb.copies import follower as module
 from roah_rsbb.copies import rows
+from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.journal.file import FILE_NAME, Resume
 from roah_rsbb.journal.reader import JournalReader
@@ -255,3 +258,69 @@ def test_a_full_stick_is_reported_and_catches_up(copied):
     assert "full" in copied.trouble
     assert copied.follower.progress.missing_entries == 100
     assert copied.step()  # another file handle has no limit: there is space again
+
+
+# -- questions ------------------------------------------------------------------------------------------
+
+
+def test_a_question_is_answered_when_the_copy_has_everything_up_to_it(copied, monkeypatch):
+    answered = []
+    copied.follower = Follower(
+        str(copied.log_dir), Stick(str(copied.stick), str(copied.log_dir)).open,
+        on_answer=lambda question: answered.append((question, len(contents(copied.stick)["entries"]))))
+    assert copied.step()
+    copied.writer.entry("/notification", 1)
+    copied.follower.ask("first")
+    away = copied.stick.with_name("away")
+    copied.stick.rename(away)
+    copied.follower.step()
+    assert not answered
+    away.rename(copied.stick)
+    copied.follower.step()
+    copied.follower.step()
+    assert answered == [("first", 1)]  # once
+    write = folders.CopyFolder.write
+
+    def write_late(folder, *arguments):
+        """The core writes, and asks, while the copy is written."""
+        copied.writer.entry("/notification", 3)
+        copied.follower.ask("third")
+        write(folder, *arguments)
+
+    copied.writer.entry("/notification", 2)
+    copied.follower.ask("second")
+    with monkeypatch.context() as patch:
+        patch.setattr(folders.CopyFolder, "write", write_late)
+        copied.follower.step()
+    assert answered[1:] == [("second", 2)]
+    copied.follower.step()
+    assert answered[2:] == [("third", 3)]
+
+
+def test_a_journal_that_is_written_all_the_time_is_complete_in_each_step(copied, monkeypatch):
+    write = folders.CopyFolder.write
+
+    def write_late(folder, *arguments):
+        copied.writer.entry("/notification", "late")
+        write(folder, *arguments)
+
+    monkeypatch.setattr(folders.CopyFolder, "write", write_late)
+    for number in range(1, 4):
+        copied.mono += 1.0
+        copied.writer.entry("/notification", "now")
+        copied.follower.step()
+        assert copied.follower.progress == ("", copied.mono, 0, "uuid", "")
+        assert len(contents(copied.stick)["entries"]) == 2 * number - 1
+
+
+def test_a_question_wakes_the_thread(copied, monkeypatch):
+    """Otherwise a referee would wait for the next look at the journal."""
+    monkeypatch.setattr(module, "PERIOD_S", 1000.0)
+    answered = queue.Queue()
+    follower = Follower(str(copied.log_dir), Stick(str(copied.stick), str(copied.log_dir)).open, on_answer=answered.put)
+    follower.start()
+    for number in (1, 2):
+        copied.writer.entry("/notification", number)
+        follower.ask(number)
+        assert answered.get(timeout=60.0) == number
+    follower.end(60.0)

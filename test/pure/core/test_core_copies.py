@@ -4,7 +4,7 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.copies import LATE_S, SILENT_S, Copies, CopyReport
+from roah_rsbb.core.copies import LATE_S, SILENT_S, STANDBY, Copies, CopyReport
 from roah_rsbb.core.effects import Level
 
 STICK = "/media/stick"
@@ -91,3 +91,77 @@ def test_referees_see_it_and_the_log_has_it():
     driver.event(driver.box.on_copy_report, report())
     assert not driver.box.warnings(driver.now)
     assert driver.notices(Level.INFO)[-1] == f"The copy of the journal ({STICK}) is complete again"
+
+
+# -- answers that wait for the standby ------------------------------------------------------------------
+
+
+@pytest.fixture
+def standby():
+    made = Copies()
+    made.expect(at(0), STANDBY)
+    return made
+
+
+def of_standby(trouble="", is_of_this_box=True):
+    return CopyReport(STANDBY, is_of_this_box, 0.05, 0, trouble)
+
+
+@pytest.mark.parametrize("reported, is_worth", [
+    (None, False), (of_standby(), True), (of_standby("not connected"), False),
+    (of_standby(is_of_this_box=False), False)])
+def test_only_a_connected_standby_is_waited_for(standby, reported, is_worth):
+    if reported is not None:
+        standby.report(at(1), reported)
+    assert standby.is_worth_waiting(at(2)) is is_worth
+    assert not standby.is_worth_waiting(at(1 + SILENT_S))
+
+
+def test_a_standby_that_does_not_answer_is_waited_for_once(standby):
+    standby.report(at(1), of_standby())
+    first, second = standby.ask(), standby.ask()
+    assert standby.give_up(at(2), first) == standby.warnings(at(2))[0]
+    assert "did not answer within 0.5 s" in standby.warnings(at(2))[0]
+    assert standby.give_up(at(2), second) is None  # logged already
+    assert not standby.is_worth_waiting(at(2))
+    assert standby.answer(first) is False
+    assert standby.warnings(at(2))
+    assert standby.answer(second) is True
+    assert not standby.warnings(at(2))
+    assert standby.is_worth_waiting(at(2))
+
+
+def test_a_standby_that_answers_is_connected(standby):
+    """Reports come once a second only."""
+    standby.report(at(1), of_standby("not connected"))
+    number = standby.ask()
+    standby.give_up(at(1), number)
+    assert not standby.is_worth_waiting(at(1))
+    standby.answer(number)
+    assert standby.is_worth_waiting(at(1))
+
+
+def test_late_and_doubled_answers_are_no_news(standby):
+    standby.report(at(1), of_standby())
+    first, second = standby.ask(), standby.ask()
+    assert standby.answer(second) is False
+    assert standby.answer(first) is False
+    assert standby.give_up(at(1), second) is None
+    assert not standby.warnings(at(1))
+
+
+def test_answers_that_nobody_asked_for_do_not_count(standby):
+    """A node may still have questions for the core before its restart."""
+    standby.answer(1000)
+    standby.give_up(at(1), standby.ask())
+    assert standby.warnings(at(1))
+
+
+def test_a_missing_standby_is_one_warning(standby):
+    standby.report(at(1), of_standby("not connected"))
+    standby.give_up(at(1), standby.ask())
+    (warning,) = standby.warnings(at(1))
+    assert "last entries" in warning
+    assert "not connected" in warning
+    (warning,) = standby.warnings(at(1 + LATE_S))
+    assert warning == f"The copy of the journal (standby) is {LATE_S:.0f} s behind: not connected"

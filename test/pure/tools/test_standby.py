@@ -10,7 +10,7 @@ import pytest
 from helpers.copied import Copied
 from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
-from roah_rsbb.standby.partners import PairedBox
+from roah_rsbb.standby.partners import PairedBox, PairedStandby, write_box, write_standby
 from roah_rsbb.tools import standby
 from roah_rsbb.tools.preflight_checks import Finding, Severity
 
@@ -113,3 +113,32 @@ def test_when_the_copy_ends(copied):
 def test_arguments_of_the_launch_file_may_stand_anywhere():
     options = standby._options(["follow", "gui:=none", "--code", "AAAA", "10.1.0.2", "web:=false", "__name:=standby"])
     assert (options.box, options.code, options.arguments) == ("10.1.0.2", "AAAA", ["gui:=none", "web:=false"])
+
+
+def test_the_status_of_a_standby(copied, monkeypatch):
+    write_box(str(copied.stick), PairedBox("10.0.0.2", 8083, "00", "key"))
+    monkeypatch.setattr(standby, "is_alive", lambda box, timeout: True)
+    lines = list(standby.status(str(copied.stick)))
+    assert lines[:2] == ["This computer is the standby of the box at 10.0.0.2, which answers",
+                         "The copy is not kept: start 'standby follow'"]
+    assert lines[2].startswith("The copy ends at 11:00:01 UTC")
+    assert lines[3] == "Epoch 1"
+    assert "sync_standby is off" in lines[4]
+    (copied.stick / "network.json").write_text('{"sync_standby": "true"}')
+    with standby._locked(str(copied.stick)):
+        lines = list(standby.status(str(copied.stick)))
+    assert lines[1] == "The copy is kept"
+    assert "sync_standby is on" in lines[4]
+    assert arguments(standby.launch_command(str(copied.stick), []))["sync_standby"] == "true"
+
+
+def test_the_status_of_a_box(copied):
+    folder = str(copied.log_dir)
+    assert next(iter(standby.status(folder))) == "No standby is paired with this box"
+    write_standby(folder, PairedStandby("laptop", "00", "10.0.0.3", 8083))
+    (copied.log_dir / "standby" / "network.json").write_text('{"sync_standby": "true"}')
+    found = list(standby.status(folder))
+    assert found[0] == "The standby of this box is laptop, last connected from 10.0.0.3"
+    assert "sync_standby is on" in found[-1]
+    with pytest.raises(standby.Refused, match="--log-dir"):
+        list(standby.status(str(copied.log_dir / "standby")))

@@ -4,7 +4,7 @@ import os
 import pathlib
 import re
 import tempfile
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional
 
 import rospy
 from support.box_case import LISTENER
@@ -14,9 +14,10 @@ from support.programs import Program, own, run
 from support.robots import BOX, BROADCAST, RSBB_PORT
 from support.waiting import LIMIT_S, wait_until
 
+from roah_rsbb.journal import kinds
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError
-from roah_rsbb.msg import CopyState
+from roah_rsbb.msg import CopyState, CoreToPublic, PublicDetails
 
 ZONE = "Home"
 PORT = RSBB_PORT + 94
@@ -37,7 +38,7 @@ class TestBackup(OwnCoreCase):
     def start_with(self, **params: Any) -> None:
         """Start the core and the node that copies, both with these parameters."""
         # Parameters stay on the master after a test.
-        params = {"backup_dir": "none", "standby_port": 0, **params}
+        params = {"backup_dir": "none", "standby_port": 0, "sync_standby": False, **params}
         self.start_core(self.log_dir, **params)
         params = {"log_dir": self.log_dir, "bind_host": BOX, "passwords_file": PARAMS["passwords_file"],
                   "rsbb_host": BROADCAST, "rsbb_port": RSBB_PORT, **params}
@@ -88,7 +89,7 @@ class TestBackup(OwnCoreCase):
 
     def test_a_standby_takes_over(self) -> None:
         far = self.folder / "far"
-        self.start_with(standby_port=PORT)
+        self.start_with(standby_port=PORT, sync_standby=True)
         self.backup.wait_printed("with the code")
         code = re.search("with the code ([A-Z0-9-]+)", self.backup.text).group(1)
         follower = self._leaving(Program(
@@ -99,6 +100,7 @@ class TestBackup(OwnCoreCase):
         robot.wait_did("execute HGTKMH")
         self.box.set_score(ZONE, *DOOR, 1)
         self.wait_copied(DOOR[1], far)
+        self.assert_confirmed_with_copy(far)
         refused = run(own("standby"), "takeover", "--log-dir", str(far), "bind_host:=127.0.0.99")
         self.assertEqual(refused.returncode, 1)
         # On a busy machine, one of both may be late.
@@ -118,6 +120,7 @@ class TestBackup(OwnCoreCase):
         # When the box continues, it hears its successor, and stops.
         self.core.proceed()
         self.assert_superseded()
+        self.assert_not_live()
         listener = self.participant(LISTENER)
         with self.assertRaisesRegex(Refusal, "has taken over"):
             self.box.set_score(ZONE, *DOOR, 2)
@@ -135,6 +138,23 @@ class TestBackup(OwnCoreCase):
         wait_until(lambda: STANDBY in {host for _, host in listener.heard[heard:]} and other.gui.clock > clock,
                    "the other box is heard")
         self.assertNotIn(BOX, {host for _, host in listener.heard})
+
+    def assert_confirmed_with_copy(self, far: pathlib.Path) -> None:
+        """The standby has each entry when its call returns. On a busy machine, a warning is logged instead."""
+        warning = "The standby does not have the referees' last entries yet"
+        for value in (0, 1, 0, 1):
+            before = self.core.text.count(warning)
+            self.box.set_score(ZONE, *DOOR, value)
+            there, here = self.marks(far), self.marks(self.log_dir)
+            self.assertEqual(there, here[:len(there)])
+            if there != here:
+                self.core.wait_printed(warning, before + 1)
+
+    def marks(self, folder: pathlib.Path) -> List[Any]:
+        """Return the referee's marks in a journal."""
+        journal = self.journal(folder)
+        return [entry.value for run in journal.runs() for entry in journal.entries(run.identity)
+                if entry.kind == kinds.COMMAND and DOOR[1] in str(entry.value)]
 
     def take_over(self, far: pathlib.Path) -> Dict[str, str]:
         """Take over with the copy in a folder; returns the arguments with which roslaunch would start the box."""
@@ -160,6 +180,17 @@ class TestBackup(OwnCoreCase):
         """The box says on each panel that it was superseded, and by whom."""
         warning = self.wait_warned("This box is superseded")
         wait_until(lambda: warning in self.box.gui.status, "the status says so, too")
+
+    def assert_not_live(self) -> None:
+        """Public displays hear no clock any more, so they say that there is no signal."""
+        details, public = [], []
+        for topic, kind, heard in (("public_details", PublicDetails, details), ("to_public", CoreToPublic, public)):
+            self.addCleanup(rospy.Subscriber(f"/core/{topic}", kind, heard.append).unregister)
+        # Both came twice a second. The first one may be an old one that is latched.
+        wait_until(lambda: [message.clock for message in public].count("not live") > 4, "the box publishes")
+        details = [message for message in details if message.box_uuid == self.box.details.box_uuid]
+        self.assertLessEqual(len(details), 1, "only the latched one")
+        self.assertFalse(public[-1].schedule)
 
     def test_a_stick_that_is_pulled_out(self) -> None:
         self.start_with(backup_dir=self.stick)

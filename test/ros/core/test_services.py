@@ -89,9 +89,15 @@ class TestServices(unittest.TestCase):
             cls.box.happened.append("blocks the loop" if cls.loop.inside else "on disk")
             return cls.disk_trouble
 
-        cls.disk_trouble = ""
+        class Answer:
+            """A question to the standby."""
+
+            def result(self, _limit_s):
+                cls.box.happened.append("blocks the loop" if cls.loop.inside else "on the standby")
+
+        cls.disk_trouble, cls.waits = "", False
         CoreServices(cls.box, cls.loop, lambda method, *arguments: method(NOW, *arguments), lambda: TICKET,
-                     why_not_saved)
+                     why_not_saved, lambda: Answer() if cls.waits else None)
 
     def setUp(self) -> None:
         self.node = rospy.get_name()
@@ -122,6 +128,15 @@ class TestServices(unittest.TestCase):
             with self.subTest(name):
                 self.box.happened = []
                 self.assertEqual(self.call(name, kind, "Home", *request), [event])
+
+    def test_what_a_referee_writes_down_is_on_the_standby_when_the_call_returns(self) -> None:
+        type(self).waits = True
+        self.addCleanup(setattr, type(self), "waits", False)
+        event = ("scores.sign_off", NOW, RUN, self.node)
+        self.assertEqual(self.call("sign_off", SignOff, "Home", RUN.identity, ""),
+                         [event, "on disk", "on the standby"])
+        self.box.happened = []
+        self.assertEqual(self.call("start", Zone, "Home"), [("command", NOW, "Home", "start", self.node)])
 
     def test_what_a_referee_writes_down_is_on_the_disk_when_the_call_returns(self) -> None:
         named = f"Anna ({self.node})"

@@ -6,7 +6,7 @@ Parameters (private; docs/ros_interface.md, "Parameters" explains them): rsbb_ho
 benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, public_provisional, public_robot_texts,
 standings_file, rsbb_cypher, private_mode, robot_timeout, allowed_skew, after_stop_duration, check_messages_saved,
 check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_duration, take_over, backup_dir,
-standby_port, end_launch.
+standby_port, sync_standby, end_launch.
 """
 
 import gc
@@ -34,6 +34,7 @@ from roah_rsbb.journal.file import CoreSession, Resume, boot_id
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.msg import (
+    CopyQuestion,
     CopyState,
     CoreDetails,
     CoreToGui,
@@ -65,6 +66,7 @@ from roah_rsbb.nodes.core.reload import ReloadService
 from roah_rsbb.nodes.core.results_convert import ResultsBoard
 from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
 from roah_rsbb.nodes.core.services import CoreServices
+from roah_rsbb.nodes.core.standby_answers import StandbyAnswers
 from roah_rsbb.nodes.modules import convert
 from roah_rsbb.radio.radio import CoreRadio, Network, beacon_size
 from roah_rsbb.ros import connections
@@ -145,6 +147,9 @@ class CoreNode:
         copies = [params.path("backup_dir")] if params.text("backup_dir", NO_FILE) != NO_FILE else []
         standby_port = params.whole("standby_port", 0, 0, 65535)
         copies += [STANDBY] if standby_port else []
+        sync_standby = params.flag("sync_standby", False)
+        if sync_standby and not standby_port:
+            raise BadParams(f"{rospy.get_name()}: sync_standby needs a standby: set standby_port, too")
         params.done()
         launch = rospy.get_param("/run_id", "")
         standings = None if standings_file == NO_FILE else os.path.expanduser(standings_file)
@@ -201,6 +206,8 @@ class CoreNode:
         self._check_log_dir()
         for place in copies:
             box.copies.expect(now, place)
+        self._standby = StandbyAnswers(self._ros.loop, box, self._driver.now, self._event, self._ask_standby)
+        self._is_sync = sync_standby
 
     def _resume(self) -> None:
         """Continue where the core was when it ended, if the journal has its state."""
@@ -236,12 +243,16 @@ class CoreNode:
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
             "timeout": rospy.Publisher("/timeout", Empty, queue_size=1),
         }
-        CoreServices(self._box, self._ros, self._referee_event, self._journal.ticket, self._store.why_not_saved)
+        CoreServices(self._box, self._ros, self._referee_event, self._journal.ticket, self._store.why_not_saved,
+                     self._standby.ask if self._is_sync else lambda: None)
         ReloadService(self._box, self._configuration, self._ros, self._event, self._use)
         rospy.Service("/core/end_other_core", EmptySrv, self._end_other_core)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
         rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
         rospy.Subscriber("/copies/state", CopyState, self._on_copy, queue_size=10)
+        if self._is_sync:
+            self._topics["question"] = rospy.Publisher("/copies/asked", CopyQuestion, queue_size=10)
+            rospy.Subscriber("/copies/confirmed", CopyQuestion, self._on_confirmed, queue_size=10, tcp_nodelay=True)
         rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
         gc.collect()
         # From here on, robots are heard. A delay in the loop would look as if their clocks were behind.
@@ -286,6 +297,13 @@ class CoreNode:
         report = CopyReport(message.place, message.box_uuid == self._uuid, message.behind, message.missing_entries,
                             message.trouble)
         self._ros.post(lambda: self._event(self._box.on_copy_report, report))
+
+    def _ask_standby(self, number: int) -> None:
+        self._publish("question", CopyQuestion(self._uuid, number))
+
+    def _on_confirmed(self, message: CopyQuestion) -> None:
+        if message.box_uuid == self._uuid:
+            self._ros.post(lambda: self._standby.on_answer(message.number))
 
     def _on_device_refused(self, wish: SetDevice, reason: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_device_refused, wish.zone, wish.device, wish.value, reason))
@@ -406,6 +424,8 @@ class CoreNode:
         self._ticks += 1
 
     def _publish_public(self) -> None:
+        if self._box.is_superseded:
+            return  # displays show that there is no signal, and stop their clocks
         is_due, is_changed = self._ticks % PUBLIC_EVERY == 0, self._box.revision != self._public_revision
         if not is_due and not is_changed:
             return

@@ -13,7 +13,7 @@ from roah_rsbb.core.scoring.desk import MarkOutcome
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import EventKey
-from roah_rsbb.nodes.core import judging_convert
+from roah_rsbb.nodes.core import judging_convert, standby_answers
 from roah_rsbb.nodes.core.results_convert import sheet_message
 from roah_rsbb.ros import refusals, texts
 from roah_rsbb.ros.connections import REFEREE_HEADER
@@ -61,18 +61,21 @@ class CoreServices:
     """Offers all of /core/…; `event` calls a method of the box with arguments in the loop's thread.
 
     `ticket` returns, in the loop's thread, the journal's ticket of the event's changes. `why_not_saved` waits until
-    they are on the disk; it is called in rospy's threads before a referee's entry is confirmed.
+    they are on the disk; it is called in rospy's threads before a referee's entry is confirmed. `ask_standby` asks, in
+    the loop's thread, whether the standby has them; None: the answer does not wait for it.
     """
 
     def __init__(
         self, box: Box, ros: RosLoop, event: Callable[..., None], ticket: Callable[[], Optional[int]] = lambda: 0,
         why_not_saved: Callable[[int], str] = lambda ticket: "",
+        ask_standby: Callable[[], Optional[standby_answers.Answer]] = lambda: None,
     ) -> None:
         self._box = box
         self._ros = ros
         self._event = event
         self._ticket = ticket
         self._why_not_saved = why_not_saved
+        self._ask_standby = ask_standby
         for command in COMMANDS:
             self._serve(command, Zone, lambda r, c=command: (box.command, r.zone, c, who_of(r)))
         self._serve("stop_run", StopRun, lambda r: (box.scores.stop, _run_of(r), who_of(r)))
@@ -147,20 +150,22 @@ class CoreServices:
         """
         answer_of = answer_of or (lambda request: service._response_class())
 
-        def act(request: object) -> Tuple[Optional[int], object]:
+        def act(request: object) -> Tuple[Optional[int], Optional[standby_answers.Answer], object]:
             self._ticket()  # discards earlier internal errors: only this event counts
             self._event(*event_of(request))
-            return self._ticket(), answer_of(request)
+            # The standby is asked at once: it writes while the disk of this computer does.
+            return self._ticket(), self._ask_standby() if durable else None, answer_of(request)
 
         def handle(request: object) -> object:
             _check_texts(request)
-            ticket, answer = self._call(lambda: act(request))
+            ticket, of_standby, answer = self._call(lambda: act(request))
             if durable:
                 if ticket is None:
                     raise rospy.ServiceException(NOT_RECORDED)
                 why = self._why_not_saved(ticket)
                 if why:
                     raise rospy.ServiceException(NOT_SAVED.format(why))
+                standby_answers.wait(of_standby)
             return answer
 
         rospy.Service(f"/core/{name}", service, handle)
