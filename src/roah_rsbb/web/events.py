@@ -4,21 +4,26 @@ All but sending is in `Viewer`: this is the connection.
 """
 
 import asyncio
+import functools
 import socket
+import struct
 from typing import Any, List, Optional
 
-from tornado import web, websocket
+from tornado import iostream, web, websocket
 
 from roah_rsbb.web.displays.listed import display_of
 from roah_rsbb.web.documents import DATA, DISPLAY, TEXTS
 from roah_rsbb.web.guarded import Guarded
-from roah_rsbb.web.numbered import Key
+from roah_rsbb.web.numbered import Key, Made
 from roah_rsbb.web.viewer import Viewer
 
 # A reader that has not taken a message for so long is gone, or does not read.
 STUCK_S = 20.0
 # The system would otherwise hold megabytes for a reader that does not read.
 SEND_BUFFER_BYTES = 64 * 1024
+# Messages of which the frame is kept: as many as readers in several languages get at the same time.
+FRAMES = 16
+_TEXT_AND_FINAL = 0x81
 
 
 class Reader(Guarded, websocket.WebSocketHandler):
@@ -51,7 +56,7 @@ class Reader(Guarded, websocket.WebSocketHandler):
         self.set_nodelay(True)
         server.keep(stream)
         self.places.add(self, self.request.remote_ip or "")
-        self.send_next()
+        self.send_next(server.now())
 
     def on_message(self, message: object) -> None:
         """Readers have nothing to say."""
@@ -61,39 +66,65 @@ class Reader(Guarded, websocket.WebSocketHandler):
         """Free the place."""
         self.places.remove(self)
 
-    def beat(self, now: float) -> None:
+    def beat(self, now: float, made: Made) -> None:
         """Send the clock, unless a message is still on its way. End a reader that takes nothing."""
         if self._busy_since is None:
             self._viewer.beat()
-            self.send_next()
+            self.send_next(now, made)
         elif now - self._busy_since > STUCK_S:
             self.places.remove(self)
             stream = getattr(self.ws_connection, "stream", None)
             if stream is not None:
                 stream.close()  # `close` would wait behind what is not taken
 
-    def send_next(self) -> None:
-        """Send the next message as soon as the one before is sent."""
-        if self._busy_since is not None or self._viewer is None:
-            return
-        now = self._server.now()
-        text = self._viewer.next(now)
-        if text is None:
-            return
-        try:
-            sent = self.write_message(text)
-        except websocket.WebSocketClosedError:
-            self.places.remove(self)
-            return
-        self._busy_since = now
-        sent.add_done_callback(self._on_sent)
+    def send_next(self, now: float, made: Optional[Made] = None) -> None:
+        """Send the next message as soon as the one before is sent. `made`: what others were sent at this moment."""
+        while self._busy_since is None and self._viewer is not None:
+            text = self._viewer.next(now, made)
+            if text is None:
+                return
+            try:
+                sent = self._write(frame(text))
+            except (websocket.WebSocketClosedError, iostream.StreamClosedError):
+                self.places.remove(self)
+                return
+            if not sent.done():
+                self._busy_since = now
+                sent.add_done_callback(self._on_sent)
+            elif not self._is_sent(sent):
+                return
+
+    def _write(self, message: bytes) -> "asyncio.Future[None]":
+        """Write a frame. Tornado's `write_message` would make it again for each reader, and start a task."""
+        connection = self.ws_connection
+        if connection is None or connection.client_terminated or connection.server_terminated:
+            raise websocket.WebSocketClosedError
+        return connection.stream.write(message)
 
     def _on_sent(self, sent: "asyncio.Future[None]") -> None:
         self._busy_since = None
-        if sent.cancelled() or sent.exception() is not None:  # the connection is closed
+        if self._is_sent(sent):
+            self.send_next(self._server.now())
+
+    def _is_sent(self, sent: "asyncio.Future[None]") -> bool:
+        """Whether a message was sent; otherwise, the connection is closed."""
+        if sent.cancelled() or sent.exception() is not None:
             self.places.remove(self)
-        else:
-            self.send_next()
+            return False
+        return True
+
+
+@functools.lru_cache(FRAMES)
+def frame(text: str) -> bytes:
+    """Return the WebSocket frame of a message (RFC 6455, 5.2). A server's frames are not masked."""
+    data = text.encode()
+    if len(data) < 126:
+        length = struct.pack("!B", len(data))
+    elif len(data) < 1 << 16:
+        length = struct.pack("!BH", 126, len(data))
+    else:
+        length = struct.pack("!BQ", 127, len(data))
+    return bytes([_TEXT_AND_FINAL]) + length + data
 
 
 class EventsHandler(Reader):

@@ -6,10 +6,12 @@ the one before and so notices changes that it missed. A document is always compl
 
 import json
 import uuid
-from typing import Any, Dict, Iterable, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence, Tuple
 
 # A document's name first, then what distinguishes documents of this name, such as the language of the texts.
 Key = Tuple[str, ...]
+# Messages that were made at one moment. Readers of the same documents share them.
+Made = Dict[Tuple[Any, ...], str]
 
 
 class Document(NamedTuple):
@@ -42,15 +44,24 @@ class Numbered:
         """Return a document; before the core is heard it is empty."""
         return self._documents.get(key, EMPTY)
 
-    def message(self, kind: str, keys: Iterable[Key], mono: float) -> str:
+    def message(self, kind: str, keys: Sequence[Key], mono: float, made: Made) -> str:
         """Return a message with these documents."""
-        pieces = ",".join(map(self.piece, keys))
-        return f'{{"type":"{kind}","session":"{self.session}",{self._now(mono)},"documents":{{{pieces}}}}}'
+        return self._once(made, kind, keys, mono, lambda: ",".join(map(self.piece, keys)), "documents")
 
-    def beat(self, keys: Iterable[Key], mono: float) -> str:
+    def beat(self, keys: Sequence[Key], mono: float, made: Made) -> str:
         """Return the message that repeats the clock, and the numbers of these documents."""
-        numbers = ",".join(f'"{key[0]}":{self.document(key).number}' for key in keys)
-        return f'{{"type":"clock","session":"{self.session}",{self._now(mono)},"numbers":{{{numbers}}}}}'
+        return self._once(made, "clock", keys, mono, lambda: ",".join(
+            f'"{key[0]}":{self.document(key).number}' for key in keys), "numbers")
+
+    def _once(self, made: Made, kind: str, keys: Sequence[Key], mono: float, content: Callable[[], str],
+              name: str) -> str:
+        """Return a message, and make it if it is not among those that were made."""
+        what = (self, kind, *keys)
+        text = made.get(what)
+        if text is None:
+            text = made[what] = (f'{{"type":"{kind}","session":"{self.session}",{self._now(mono)},'
+                                 f'"{name}":{{{content()}}}}}')
+        return text
 
     def piece(self, key: Key) -> str:
         """Return a document as a part of a message."""

@@ -22,6 +22,7 @@ from roah_rsbb.web.documents import DATA
 from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.guarded import Guarded
 from roah_rsbb.web.limits import Places, Rates
+from roah_rsbb.web.numbered import Made
 from roah_rsbb.web.pairing import Codes, Guesses, Session, Sessions
 from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind, set_headers
 from roah_rsbb.web.store import Store
@@ -141,9 +142,11 @@ class WebServer:
         self._listening = []
 
     def publish(self) -> None:
-        """Send what has changed to all readers."""
-        for viewer in (*self.viewers, *self.devices):
-            viewer.send_next()
+        """Send what has changed to all readers, first to those who act on it."""
+        now = self.now()
+        made: Made = {}
+        for viewer in (*self.devices, *self.viewers):
+            viewer.send_next(now, made)
 
     def now(self) -> float:
         """Return the monotonic time in seconds."""
@@ -233,8 +236,9 @@ class WebServer:
         if now < self._beat_due_mono and is_heard == self._was_heard:
             return
         self._was_heard, self._beat_due_mono = is_heard, now + BEAT_S
-        for viewer in (*self.viewers, *self.devices):
-            viewer.beat(now)
+        made: Made = {}
+        for viewer in (*self.devices, *self.viewers):
+            viewer.beat(now, made)
 
 
 async def _no_answer(_command: Command) -> Outcome:

@@ -9,11 +9,12 @@ from tornado import httpclient, websocket
 
 from helpers.http_clients import HOST, HttpClients
 from roah_rsbb.web.commands import FIELDS, BadCommand, Outcome, command_of, may
+from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.limits import Rates
 from roah_rsbb.web.pairing import Grant, Session, Sessions
 from roah_rsbb.web.server import NOT_PAIRED, WebServer
 from roah_rsbb.web.store import Store
-from roah_rsbb.web.writing import COOKIE
+from roah_rsbb.web.writing import COOKIE, DeviceEventsHandler
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 MARK = {"zone": "Home", "identity": "run", "id": "1", "group": "g", "desc": "d", "change": 1, "value": 1}
@@ -102,6 +103,16 @@ class Served(HttpClients):
         headers = {"Origin": self.origin, "Cookie": f"{COOKIE}={token}", **headers}
         request = httpclient.HTTPRequest(f"ws://{HOST}:{self.port}/api/v1/device{query}", headers=headers)
         return self.running.do(websocket.websocket_connect(request))
+
+
+def test_who_acts_is_sent_changes_before_spectators(served, monkeypatch):
+    served.running.do(websocket.websocket_connect(f"ws://{HOST}:{served.port}/api/v1/events"))
+    served.device(served.token())
+    served.running.until(lambda: len(served.server.viewers) == len(served.server.devices) == 1)
+    order = []
+    monkeypatch.setattr(Reader, "send_next", lambda reader, now, made=None: order.append(type(reader)))
+    served.server.publish()
+    assert order == [DeviceEventsHandler, EventsHandler]
 
 
 @pytest.mark.parametrize("outcome, code", [

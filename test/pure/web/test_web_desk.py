@@ -112,8 +112,8 @@ def test_score_sheets_that_wait_for_a_signature(desk):
 
 def test_a_message_names_each_document_once(desk):
     keys = desk.keys("en", "Home")
-    message = json.loads(desk.message("snapshot", keys, MONO))
+    message = json.loads(desk.message("snapshot", keys, MONO, {}))
     assert set(message["documents"]) == {"page.words", "page.device_words", "page.zones", "page.zone", "page.clock"}
     assert message["documents"]["page.zones"]["data"] == [{"zone": "Home", "team": "Alpha", "phase": "RUNNING"}]
-    assert set(json.loads(desk.beat(keys, MONO))["numbers"]) == set(message["documents"])
+    assert set(json.loads(desk.beat(keys, MONO, {}))["numbers"]) == set(message["documents"])
     assert message["documents"]["page.device_words"]["data"]["stop"] == "■ STOP"

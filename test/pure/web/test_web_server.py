@@ -13,6 +13,7 @@ from roah_rsbb.web import events, serving
 from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
+from roah_rsbb.web.viewer import Viewer
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 NAMES = frozenset({"localhost", "box.local"})
@@ -214,6 +215,32 @@ def test_a_reader_that_speaks_is_closed_alone(served, message):
     served.change()
     assert served.read(good, "change")
     assert len(served.server.viewers) == 1
+
+
+def test_a_message_is_made_once_for_all_its_readers(served, monkeypatch):
+    readers = [served.viewer("?documents=schedule,state") for _ in range(5)]
+    assert all(served.read(reader) for reader in readers)
+    made, now = [], served.store._now
+    monkeypatch.setattr(served.store, "_now", lambda mono: made.append(mono) or now(mono))
+    events.frame.cache_clear()
+    served.change()
+    assert (len(made), events.frame.cache_info().misses) == (1, 1)
+    assert all(viewer._busy_since is None for viewer in served.server.viewers), "all was sent at once, without tasks"
+    assert all(set(served.read(reader, "change")["documents"]) == {"state"} for reader in readers)
+    served.server._timer.cancel()
+    served.server._beat_due_mono = 0.0
+    served.server._look()
+    assert len(made) == 2, "neither is the clock made for each reader"
+
+
+@pytest.mark.parametrize("length", [0, 125, 126, 65535, 65536])
+def test_a_frame_of_any_length_is_read(served, monkeypatch, length):
+    reader = served.viewer("?documents=state")
+    served.read(reader)
+    text = "ü" * (length // 2) + "x" * (length % 2)
+    monkeypatch.setattr(Viewer, "next", lambda self, mono, made, texts=[text]: texts.pop() if texts else None)
+    served.server.publish()
+    assert served.running.do(reader.read_message()) == text
 
 
 def test_a_slow_reader_delays_nobody_and_has_no_backlog(served):
