@@ -42,7 +42,7 @@ export class Stop {
     this.zone = zone;
     this.identity = identity;
     this.tries = 0;
-    this.state = "sending";  // then confirmed, refused, or over
+    this.state = "sending";  // then confirmed or refused: only the answer ends it, never what the page shows
     this.reasons = [];
     this.onChange = onChange;
     this.repeat();
@@ -51,13 +51,10 @@ export class Stop {
   async repeat() {
     while (this.state === "sending") {
       this.tries += 1;
-      this.onChange();
+      this.show();
       const asked = send("stop", {zone: this.zone, identity: this.identity});
       // The next try does not wait for an answer that may never come.
       const answer = await Promise.race([asked, wait(STOP_AGAIN_MS * 4).then(() => ({status: 0, body: {}}))]);
-      if (this.state !== "sending") {
-        return;
-      }
       if (answer.status === 200) {
         this.state = "confirmed";
       } else if ([400, 403, 409].includes(answer.status)) {
@@ -68,14 +65,15 @@ export class Stop {
         await wait(STOP_AGAIN_MS);
       }
     }
-    this.onChange();
+    this.show();
   }
 
-  // The box shows that the run is not in progress: nothing is left to stop.
-  end() {
-    if (this.state === "sending") {
-      this.state = "over";
+  // A page that cannot be drawn does not end STOP.
+  show() {
+    try {
       this.onChange();
+    } catch (error) {
+      console.error(error);
     }
   }
 }

@@ -68,8 +68,8 @@ function changed() {
     return;
   }
   if (zone && state.live.silentSince === null) {
-    if (state.stop && (zone.identity !== state.stop.identity || zone.phase !== "running")) {
-      state.stop.end();
+    if (state.stop && state.stop.state !== "sending" && zone.phase !== "running") {
+      state.stop = null;  // what the box answered is no news any more
     }
     state.marks.again();
   }
@@ -299,11 +299,11 @@ function useStillness() {
 
 function StopBar({zone, texts, isOld}) {
   const {stop} = state;
-  const isOurs = stop && zone && stop.identity === zone.identity;
+  const isOurs = stop && zone && stop.zone === zone.zone;
   const reasons = zone && !isOld ? zone.off.stop : [];
   const said = !isOurs ? "" : {
     sending: texts.stopping.replace("{n}", () => stop.tries),
-    confirmed: zone.phase === "running" ? texts.stopped : "",
+    confirmed: stop.identity === zone.identity && zone.phase === "running" ? texts.stopped : "",
     refused: texts.not_stopped.replace("{reasons}", () => stop.reasons.join("; ")),
   }[stop.state] || "";
   return html`

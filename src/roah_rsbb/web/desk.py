@@ -58,10 +58,18 @@ class Desk(Numbered):
         """Take CoreToGui, which arrived at `mono` (monotonic seconds), and make the documents again."""
         if self._gui is not None and gui.clock == self._gui.clock:
             return  # the latched one, which a core that hangs sends, too
-        self._gui, self._heard_mono = gui, mono
+        self._gui = gui
+        if self._details is not None:
+            self._heard_mono = mono
         self._clock.sample(mono, gui.clock.to_sec())
         for language, zone in self._shown:
             self._make(language, zone)
+
+    def forget(self) -> None:
+        """The topics are not subscribed to any more. The documents stay, but they are old until both the zones and
+        their details have come again: details from before would show a run of before."""
+        self._details = self._clocks = None
+        self._heard_mono = float("-inf")
 
     def is_heard(self, mono: float) -> bool:
         """Whether the core publishes."""

@@ -102,6 +102,19 @@ def test_a_repeated_message_is_no_sign_of_life(desk):
     assert desk.is_heard(MONO + SILENT_S) and not desk.is_heard(MONO + SILENT_S + 0.1)
 
 
+def test_details_from_before_a_pause_are_not_shown_as_current(desk):
+    desk.show([])
+    desk.forget()
+    before = desk.document(KEY)
+    assert not desk.is_heard(MONO)
+    desk.show([("en", "Home")])
+    desk.on_gui(MONO + 60.0, gui(NOW + 60.0, team="Beta"))
+    assert desk.document(KEY) == before and not desk.is_heard(MONO + 60.0)
+    desk.on_details(details(identity="run 2"))
+    desk.on_gui(MONO + 60.1, gui(NOW + 60.1, team="Beta"))
+    assert (data(desk)["team"], data(desk)["identity"]) == ("Beta", "run 2") and desk.is_heard(MONO + 60.1)
+
+
 def test_score_sheets_that_wait_for_a_signature(desk):
     desk.on_results(SimpleNamespace(runs=[
         closed_run("open", closed=0.0), closed_run("a"), closed_run("signed", signed=NOW), closed_run("b", zone="Hall"),

@@ -4,6 +4,7 @@ import asyncio
 import threading
 from typing import Any, Callable, Dict, NamedTuple, Tuple
 
+import genpy
 import rospy
 
 from roah_rsbb.ros import refusals
@@ -109,7 +110,7 @@ class CoreCalls:
         """Call the core's service; returns its answer, or after the timeout that there was none."""
         is_stop = command.name == STOP
         if self._waiting[is_stop] >= MAX_WAITING[is_stop]:
-            return Outcome((TOO_MANY,))
+            return Outcome((TOO_MANY,), is_known=False)
         self._waiting[is_stop] += 1
         answered: asyncio.Future[Outcome] = self._ros.loop.create_future()
 
@@ -137,6 +138,8 @@ def _outcome(command: Command) -> Outcome:
     except rospy.ServiceException as error:
         text = str(error)
         return Outcome(tuple(refusals.reasons(text)), refusals.was_answered(text))
-    except Exception as error:  # such as a number that the message cannot hold: the referee reads it
-        return Outcome((str(error) or type(error).__name__,))
+    except genpy.SerializationError as error:  # such as a number that the message cannot hold: the referee reads it
+        return Outcome((str(error),))
+    except Exception as error:  # the core was killed, or the master: only an answer ends the repetition of a STOP
+        return Outcome((str(error) or type(error).__name__,), is_known=False)
     return Outcome(result={name: getattr(answer, name) for name in answer.__slots__})

@@ -31,6 +31,7 @@ class DeviceFeed:
         elif not is_wanted and self._feed is not None:
             self._feed.stop(0.0)
             self._feed = None
+            self._desk.forget()
 
     def renew(self) -> None:
         """Subscribe again: the core is silent."""
