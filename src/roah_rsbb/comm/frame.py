@@ -60,9 +60,13 @@ class _Kind(NamedTuple):
     texts: wire_check.Texts
 
 
+def ids_of(message_type: Any) -> bytes:
+    """Return the ids with which the payload of a type of message begins."""
+    return _IDS.pack(message_type.COMP_ID, message_type.MSG_TYPE)
+
+
 def _kind(message_type: Any, public: bool) -> _Kind:
-    ids = _IDS.pack(message_type.COMP_ID, message_type.MSG_TYPE)
-    return _Kind(message_type, ids, public, wire_check.texts_of(message_type.DESCRIPTOR))
+    return _Kind(message_type, ids_of(message_type), public, wire_check.texts_of(message_type.DESCRIPTOR))
 
 
 _KINDS = [
