@@ -893,7 +893,7 @@
     <message>
         <location filename="../../src/roah_rsbb/wording/judging.py"/>
         <source>Missing judges are not waited for: {reason}</source>
-        <translation>Auf fehlende Kampfrichter wird nicht gewartet: {reason}</translation>
+        <translation>Auf fehlende Jurymitglieder wird nicht gewartet: {reason}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/judging.py"/>
@@ -2598,6 +2598,96 @@
         <translation>Verlauf des Wertungsbogens – {zone}</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>No run of this zone has judges, or is to be signed off.</source>
+        <translation>Kein Lauf dieser Zone hat eine Jury oder ist noch abzuschließen.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>The values are shown when all judges have submitted, or when you do not wait for the others.</source>
+        <translation>Die Werte erscheinen, wenn alle Jurymitglieder abgegeben haben oder wenn Sie auf die anderen nicht warten.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>The referee scores this benchmark: see Results.</source>
+        <translation>Diesen Benchmark bewertet der Schiedsrichter: siehe Ergebnisse.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>Answer the objection</source>
+        <translation>Einspruch beantworten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>No objections</source>
+        <translation>Keine Einsprüche</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>Enter your name at the bottom left</source>
+        <translation>Geben Sie unten links Ihren Namen ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>Run</source>
+        <translation>Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>Objection</source>
+        <translation>Einspruch</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>Side by side</source>
+        <translation>Nebeneinander</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>Objections</source>
+        <translation>Einsprüche</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>Group</source>
+        <translation>Gruppe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>Value</source>
+        <translation>Wert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>Choose an item above</source>
+        <translation>Wählen Sie oben ein Kriterium</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>No judge has submitted</source>
+        <translation>Kein Jurymitglied hat abgegeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>No judge has a sheet</source>
+        <translation>Kein Jurymitglied hat einen Bogen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>No judge is waited for</source>
+        <translation>Auf kein Jurymitglied wird gewartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>The result is not published yet</source>
+        <translation>Das Ergebnis ist noch nicht veröffentlicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>Decision</source>
+        <translation>Entscheidung</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/rqt/panels/log_display.py"/>
         <source>Log Display</source>
         <translation>Protokoll</translation>
@@ -2945,11 +3035,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Run</source>
-        <translation>Lauf</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>End</source>
         <translation>Ende</translation>
     </message>
@@ -2962,16 +3047,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>Sheet</source>
         <translation>Bogen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Group</source>
-        <translation>Gruppe</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Value</source>
-        <translation>Wert</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
@@ -3000,11 +3075,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Choose an item above</source>
-        <translation>Wählen Sie oben ein Kriterium</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>The run has not been stopped yet</source>
         <translation>Der Lauf wurde noch nicht gestoppt</translation>
     </message>
@@ -3012,11 +3082,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>The run is still connected. Disconnect it first.</source>
         <translation>Der Lauf ist noch verbunden. Trennen Sie ihn zuerst.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Enter your name at the bottom left</source>
-        <translation>Geben Sie unten links Ihren Namen ein</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
@@ -3275,6 +3340,29 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/rqt/widgets/basic.py"/>
         <source>… keep holding</source>
         <translation>… weiter halten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/judge_dialogs.py"/>
+        <source>As the benchmarks file says</source>
+        <translation>Wie in der Benchmark-Datei</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/judge_dialogs.py"/>
+        <source>None</source>
+        <translation>Keine</translation>
+    </message>
+    <message numerus="yes">
+        <location filename="../../src/roah_rsbb/rqt/widgets/judge_dialogs.py"/>
+        <source>{n} minutes</source>
+        <translation>
+            <numerusform>{n} Minute</numerusform>
+            <numerusform>{n} Minuten</numerusform>
+        </translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/judge_dialogs.py"/>
+        <source>Time for objections</source>
+        <translation>Zeit für Einsprüche</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>

@@ -46,17 +46,17 @@ class Judging(NamedTuple):
 
     zone: str
     identity: str
-    revision: int  # changes whenever `Judged` and `Objections` may change
-    count: int  # judges that the benchmark asks for; 0: the referee scores
-    rule: str
-    missing: int
-    complete: bool  # nobody is waited for
-    judges: Tuple[JudgeLine, ...]
-    waiver: str  # why missing judges are not waited for; empty: they are
-    differences: int
-    published_utc_s: Optional[float]
-    objections_until_utc_s: Optional[float]
-    open_objections: int
+    revision: int = 0  # changes whenever the items and objections may change; 0: neither judges nor a published result
+    count: int = 0  # judges that the benchmark asks for; 0: the referee scores
+    rule: str = ""
+    missing: int = 0
+    complete: bool = False  # nobody is waited for
+    judges: Tuple[JudgeLine, ...] = ()
+    waiver: str = ""  # why missing judges are not waited for; empty: they are
+    differences: int = 0
+    published_utc_s: Optional[float] = None
+    objections_until_utc_s: Optional[float] = None
+    open_objections: int = 0
 
 
 class Given(NamedTuple):

@@ -18,7 +18,7 @@ LANGUAGES = sorted(path.stem for path in catalogues.FOLDER.glob("*.ts"))
 NOT_IN_WINDOWS = {"rqt/app/gui.py", "rqt/public/node.py", "rqt/qt.py", "rqt/language.py", "wording/suggestions.py"}
 # Literals that look like texts: names of classes, keys and time zones, and what rospy and the core say.
 NOT_TEXTS = {
-    "Esc", "Shift+Esc", "UTC", "{} UTC", "OK", "Panel", "PANEL", "{}Panel", "Results", "Schedule",
+    "Esc", "Shift+Esc", "UTC", "{} UTC", "OK", "Panel", "PANEL", "{}Panel", "Results", "Judges", "Schedule",
     "Devices", "{} – RoAH RSBB", "WARNING", "ERROR", "ALL", "all robots",
     "unable to connect to service", "transport error", "{} of team {}: ",
 }

@@ -11,6 +11,7 @@ from roah_rsbb.rqt.panels.active_robots import ActiveRobotsPanel
 from roah_rsbb.rqt.panels.benchmark_control import BenchmarkControlPanel
 from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.devices import DevicesPanel
+from roah_rsbb.rqt.panels.judges import JudgesPanel
 from roah_rsbb.rqt.panels.log_display import LogDisplayPanel
 from roah_rsbb.rqt.panels.manual_operation import ManualOperationPanel
 from roah_rsbb.rqt.panels.omf_switches import OmfSwitchesPanel
@@ -35,6 +36,7 @@ PANELS: Tuple[Type[Panel], ...] = (
     DevicesPanel,
     OverviewPanel,
     ResultsPanel,
+    JudgesPanel,
     SchedulePanel,
 )
 

@@ -9,6 +9,7 @@ from roah_rsbb.msg import (
     CoreToGui,
     DevicesState,
     DevicesStatus,
+    Judgings,
     Results,
     RunClock,
     RunClocks,
@@ -21,6 +22,7 @@ from roah_rsbb.msg import (
 )
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.wording.clock import Clock, clock_of
+from roah_rsbb.wording.judging import Judging, judging_of
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.replay import NO_COMMANDS, is_replay
 
@@ -30,6 +32,7 @@ RESULTS_TOPIC = "/core/results"
 UNSAVED_TOPIC = "/core/unsaved"
 CLOCKS_TOPIC = "/core/clocks"
 SCHEDULE_TOPIC = "/core/schedule"
+JUDGING_TOPIC = "/core/judging"
 DEVICES_TOPIC = "/devices/state"
 DEVICES_STATUS_TOPIC = "/devices/status"
 TOPICS = {
@@ -39,6 +42,7 @@ TOPICS = {
     UNSAVED_TOPIC: Unsaved,
     CLOCKS_TOPIC: RunClocks,
     SCHEDULE_TOPIC: Schedule,
+    JUDGING_TOPIC: Judgings,
     DEVICES_TOPIC: DevicesState,
     DEVICES_STATUS_TOPIC: DevicesStatus,
 }
@@ -46,7 +50,7 @@ TOPICS = {
 # The attribute of `Model` with the newest message of a topic.
 _FIELDS = {
     GUI_TOPIC: "gui", DETAILS_TOPIC: "details", RESULTS_TOPIC: "results", UNSAVED_TOPIC: "_unsaved",
-    CLOCKS_TOPIC: "_clocks", SCHEDULE_TOPIC: "schedule", DEVICES_TOPIC: "devices",
+    CLOCKS_TOPIC: "_clocks", SCHEDULE_TOPIC: "schedule", JUDGING_TOPIC: "_judgings", DEVICES_TOPIC: "devices",
     DEVICES_STATUS_TOPIC: "devices_status",
 }
 
@@ -83,6 +87,7 @@ class Model(QObject):
         self.details: Optional[CoreDetails] = None
         self.results: Optional[Results] = None
         self.schedule: Optional[Schedule] = None
+        self._judgings: Optional[Judgings] = None
         self._unsaved: Optional[Unsaved] = None
         self._clocks: Optional[RunClocks] = None
         self.devices: Optional[DevicesState] = None
@@ -219,6 +224,15 @@ class Model(QObject):
         """Return the runs of a zone: the connected one, then those that are over, the latest first."""
         runs = () if self.results is None else self.results.runs
         return [run for run in runs if run.zone == zone_name]
+
+    def judgings_of(self, zone_name: str) -> List[Judging]:
+        """Return how far judges and results are of the runs of a zone that are not signed off: first those with judges
+        or a published result."""
+        runs = () if self._judgings is None else self._judgings.runs
+        found = [judging_of(run) for run in runs if run.zone == zone_name]
+        known = {run.identity for run in found}
+        return found + [Judging(zone_name, run.identity) for run in self.runs_of(zone_name)
+                        if run.closed.to_sec() and not run.signed.to_sec() and run.identity not in known]
 
     @property
     def has_devices(self) -> bool:

@@ -8,7 +8,6 @@ from typing import Dict, FrozenSet, NamedTuple, Optional, Tuple
 
 from roah_rsbb.msg import RunSummary, ZoneDetails, ZoneState
 from roah_rsbb.rqt.model.calls import CallOutcome
-from roah_rsbb.rqt.panels import phases
 from roah_rsbb.rqt.panels.history import RunSheets, why_fixed
 from roah_rsbb.rqt.panels.more_commands import WHATS, Command, MoreMenu, RuleButtons
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
@@ -24,7 +23,7 @@ from roah_rsbb.rqt.qt import (
     QTimer,
     QToolButton,
 )
-from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets import basic, phases
 from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
 from roah_rsbb.rqt.widgets.run_times import RunTimes
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE

@@ -1,11 +1,11 @@
 """The history of a run's score sheet: who changed what and when. An entry can be withdrawn."""
 
-import time
-from typing import Callable, Collection, Dict, List, Optional, Tuple
+from typing import Callable, Collection, List, Optional
 
 from roah_rsbb.msg import RunSheet, RunSummary, ScoreChange
 from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.fetched import Fetched
 from roah_rsbb.rqt.model.model import Model
 from roah_rsbb.rqt.panels.panel import Answer
 from roah_rsbb.rqt.qt import QDialog, QHBoxLayout, QPoint, QPushButton, Qt, QVBoxLayout, QWidget
@@ -17,52 +17,23 @@ from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import Moments
 
-# After a failure a sheet is requested again after this long.
-AGAIN_S = 2.0
-MAX_KEPT = 20
-
 
 class RunSheets:
-    """The score sheets that a panel shows: requested when they are first shown, and again when they changed."""
+    """The score sheets that a panel shows."""
 
     def __init__(self, owner: object, calls: Calls, news: Callable[[], None]) -> None:
-        """`news()` is called when a sheet has arrived for `owner`."""
-        self._owner = owner
-        self._calls = calls
-        self._news = news
-        self._sheets: Dict[str, Tuple[float, RunSheet]] = {}  # when it was requested (monotonic s), and the sheet
-        self._asked: Dict[str, Tuple[int, float]] = {}  # requested revision, and when (monotonic s)
-        self.error = ""  # why the last request failed
+        """See `Fetched`."""
+        self._fetched = Fetched(owner, calls, "/core/run_sheet", GetRunSheet, news)
+
+    @property
+    def error(self) -> str:
+        """Why the last request failed."""
+        return self._fetched.error
 
     def sheet(self, summary: RunSummary) -> Optional[RunSheet]:
-        """Return the known sheet of a run at once, and requests a newer one if it exists."""
-        _, known = self._sheets.get(summary.identity, (0.0, None))
-        if known is None or known.summary.revision != summary.revision:
-            self._ask(summary)
-        return known
-
-    def _ask(self, summary: RunSummary) -> None:
-        now, identity = time.monotonic(), summary.identity
-        revision, asked = self._asked.get(identity, (None, 0.0))
-        if revision == summary.revision and now - asked < AGAIN_S:
-            return
-        self._asked[identity] = (summary.revision, now)
-        self._calls.service(
-            self._owner, "/core/run_sheet", GetRunSheet, (summary.zone, identity),
-            lambda outcome: self._on_sheet(identity, now, outcome),
-        )
-
-    def _on_sheet(self, identity: str, asked_mono: float, outcome: CallOutcome) -> None:
-        if asked_mono < self._sheets.get(identity, (0.0, None))[0]:
-            return  # a later request was answered first: this sheet may be older
-        self.error = outcome.error
-        if outcome.result is not None:
-            self._sheets.pop(identity, None)
-            self._sheets[identity] = asked_mono, outcome.result.sheet
-            while len(self._sheets) > MAX_KEPT:
-                self._sheets.pop(next(iter(self._sheets)))
-        self._asked = {i: asked for i, asked in self._asked.items() if i in self._sheets or i == identity}
-        self._news()
+        """Return the known sheet of a run at once, and request a newer one if it exists."""
+        answer = self._fetched.newest(summary.identity, summary.revision, (summary.zone, summary.identity))
+        return None if answer is None else answer.sheet
 
 
 WIDE_EMS, HIGH_EMS = 56, 24

@@ -7,7 +7,6 @@ import math
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.msg import ZoneDetails, ZoneState
-from roah_rsbb.rqt.panels import phases
 from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import (
     QApplication,
@@ -23,7 +22,7 @@ from roah_rsbb.rqt.qt import (
     QWidget,
     Signal,
 )
-from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets import basic, phases
 from roah_rsbb.rqt.widgets.basic import HoldButton
 from roah_rsbb.rqt.widgets.run_times import known, marked, tone_of
 from roah_rsbb.rqt.widgets.stop_keys import DONE_S

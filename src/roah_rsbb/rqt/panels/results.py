@@ -1,6 +1,6 @@
 """Results: the runs of the zone and their score sheets, with history, corrections and sign-off."""
 
-from typing import List, Optional, Tuple
+from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.msg import RunSheet, RunSummary, ScoreItem
 from roah_rsbb.rqt.panels.history import History, RunSheets, why_fixed
@@ -196,13 +196,8 @@ class ResultsPanel(RefereePanel):
         summary = self._summary()
         if summary is None:
             return
-        name = self.client.referee.name
-        ask(
-            self, tr("Sign off {run}?", run=_name(summary)),
-            tr("{score}\n\nSigned by {name}. The sheet cannot be corrected afterwards.",
-               score=summary.score or tr("no score"), name=name),
-            tr("Sign off"), lambda: self._send(summary, tr("Sign off"), "sign_off", SignOff, ()),
-        )
+        ask_sign_off(self, summary, self.client.referee.name,
+                     lambda: self._send(summary, tr("Sign off"), "sign_off", SignOff, ()))
 
     def _send(self, summary: RunSummary, what: str, service: str, kind: type, request: Tuple) -> None:
         what = self._begin(summary, what)
@@ -216,6 +211,16 @@ class ResultsPanel(RefereePanel):
         what = f"{_name(summary)}: {what}"
         self._answer.say(f"{what} …")
         return what
+
+
+def ask_sign_off(panel: QWidget, summary: RunSummary, name: str, then: Callable[[], None]) -> None:
+    """Ask before a score sheet becomes final; call `then()` if the referee confirms."""
+    ask(
+        panel, tr("Sign off {run}?", run=_name(summary)),
+        tr("{score}\n\nSigned by {name}. The sheet cannot be corrected afterwards.",
+           score=summary.score or tr("no score"), name=name),
+        tr("Sign off"), then,
+    )
 
 
 def _page(rows: Rows, button: QPushButton) -> QWidget:

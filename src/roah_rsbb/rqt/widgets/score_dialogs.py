@@ -115,7 +115,7 @@ class ScoreDialog(NoteDialog):
             self.field.show_text(str(value))
             return self.field
         self.field = NumberField(item, lambda text: None, may_be_empty=item.type == ScoreItem.RATING)
-        if item.type == ScoreItem.DECIMAL:
+        if not item.judges:
             self.field.show_text(str(value))
             return self.field
         self.judge = QComboBox()

@@ -25,14 +25,25 @@ from roah_rsbb.core.scoring.book import RunBook
 from roah_rsbb.core.scoring.records import EndReason
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.msg import CoreDetails, CoreToGui, ModuleScore, Results, RobotInfo, RunClock, RunClocks, Schedule
+from roah_rsbb.msg import (
+    CoreDetails,
+    CoreToGui,
+    Judgings,
+    ModuleScore,
+    Results,
+    RobotInfo,
+    RunClock,
+    RunClocks,
+    Schedule,
+)
+from roah_rsbb.nodes.core.judging_convert import JudgingBoard
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.results_convert import ResultsBoard
 from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
-from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
+from roah_rsbb.rulebook.scoring import JudgesRule, ScoreKind, ScoringItem
 from support.fakes.node import Answers, FakeNode
 
 EVENTS = (
@@ -234,7 +245,7 @@ def _read(message: Any) -> Any:
 
 TOPICS = {
     "/core/to_gui": CoreToGui, "/core/details": CoreDetails, "/core/clocks": RunClocks, "/core/results": Results,
-    "/core/schedule": Schedule,
+    "/core/schedule": Schedule, "/core/judging": Judgings,
 }
 NODE = FakeNode(TOPICS, _offered(mock.Mock(), None, None)[0])  # the types do not depend on the box
 
@@ -252,9 +263,10 @@ class FakeCore:
 
     def __init__(
         self, zones: tuple = ("Home A", "Home B"), box_uuid: str = "fake", silent: bool = False,
-        items: Tuple[ScoringItem, ...] = ITEMS,
+        items: Tuple[ScoringItem, ...] = ITEMS, judges: Optional[JudgesRule] = None,
     ) -> None:
-        """`silent`: publish nothing until the test sets this to False. `items`: of all benchmarks."""
+        """`silent`: publish nothing until the test sets this to False. `items`, `judges`: of all benchmarks."""
+        self._judges = judges
         self._items = items
         self.calls: List[tuple] = []  # see _CALLS
         self.words: List[tuple] = []  # (identity, note, referee) of the calls that have them
@@ -280,12 +292,14 @@ class FakeCore:
         self.box = self._new_box(zones)
         self.zones = {name: FakeZone(self, name) for name in zones}
         self._results, self._schedule = ResultsBoard(self.box, box_uuid), ScheduleBoard(self.box, box_uuid)
+        self._judging = JudgingBoard(self.box, box_uuid)
         self._robots_speak()
         NODE.begin(self, _offered(self.box, _Here(), self._serve)[1])
         self._timer = rospy.Timer(rospy.Duration(0.1), self._tick)
 
     def _new_box(self, zones: tuple) -> Box:
-        benchmarks = {code: Benchmark(code, name, desc, s, s, self._items) for code, name, desc, _, s in EVENTS}
+        benchmarks = {code: Benchmark(code, name, desc, s, s, self._items, judges=self._judges)
+                      for code, name, desc, _, s in EVENTS}
         events = tuple(
             ScheduledEvent(benchmarks[code], team, 1, number + 1, SCHEDULE_START + 1800.0 * number)
             for number, (code, _, _, team, _) in enumerate(EVENTS)
@@ -326,6 +340,7 @@ class FakeCore:
                 self._robots_speak()
                 if any(isinstance(effect, RecordChanged) for effect in self.box.take_effects()):
                     self._results.on_record_changed()
+                    self._judging.on_record_changed()
                 self.box.take_changed()
 
     def _now(self) -> Now:
@@ -391,7 +406,8 @@ class FakeCore:
             now = self._now()
             made = PanelMessages(self.box, self._box_uuid, "127.255.255.255")  # a new one: all of it is news
             gui, details, clocks = _read(made.to_gui(now, {})), _read(made.details(now)), _read(made.clocks(now))
-            results, schedule = self._results.take(now), self._schedule.take(now)
+            results, schedule, judging = (
+                board.take(now) for board in (self._results, self._schedule, self._judging))
         for event in () if schedule is None else schedule.events:
             if event.state in ("next", "later"):
                 event.begins = event.schedule + rospy.Duration(LATE_S)
@@ -404,7 +420,7 @@ class FakeCore:
         if scores is not None:
             for group in gui.zones[0].scoring:
                 group.current_values = [scores.get((group.group_name, desc), 0) for desc in group.descriptions]
-        for message in (gui, details, clocks, results, schedule):
+        for message in (gui, details, clocks, results, schedule, judging):
             if message is not None:
                 topic = next(name for name, kind in TOPICS.items() if isinstance(message, kind))
                 NODE.publish(self, topic, message)

@@ -1,0 +1,359 @@
+"""Judges: how far the judges of a run are, their values side by side, and the result from provisional to final."""
+
+from functools import partial
+from typing import Callable, List, Optional, Tuple
+
+from roah_rsbb.msg import RunSummary, ScoreItem
+from roah_rsbb.rqt.model.fetched import Fetched
+from roah_rsbb.rqt.panels.history import why_fixed
+from roah_rsbb.rqt.panels.panel import Answer, RefereePanel
+from roah_rsbb.rqt.panels.results import SIGN_OFF, ask_sign_off
+from roah_rsbb.rqt.qt import QComboBox, QHBoxLayout, QPushButton, Qt, QTabWidget, QVBoxLayout, QWidget
+from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.judge_dialogs import ChoiceDialog, ObjectionDialog, PublishDialog, ReasonDialog, SettleDialog
+from roah_rsbb.rqt.widgets.rows import Row, Rows
+from roah_rsbb.rqt.widgets.score_dialogs import Given
+from roah_rsbb.srv import (
+    DecideJudges,
+    DecideJudgesRequest,
+    GetJudging,
+    GetJudgingResponse,
+    PublishResult,
+    PublishResultRequest,
+    SignOff,
+)
+from roah_rsbb.wording import judging, sheets
+from roah_rsbb.wording.judging import Judged, Judging, ObjectionLine
+from roah_rsbb.wording.language import tr, tr_later
+
+NO_RUNS = tr_later("No run of this zone has judges, or is to be signed off.")
+WAITING = tr_later("The values are shown when all judges have submitted, or when you do not wait for the others.")
+NO_JUDGES = tr_later("The referee scores this benchmark: see Results.")
+ANSWER = tr_later("Answer the objection")
+NO_OBJECTIONS = tr_later("No objections")
+ENTER_NAME = tr_later("Enter your name at the bottom left")
+# Height of the lines about the judges.
+LINES = 3
+
+
+class JudgesPanel(RefereePanel):
+    """The head referee's panel: a run, how far its judges are, and two tabs with items and objections."""
+
+    TITLE = tr_later("Judges")
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self._answers = Fetched(self, client.calls, "/core/judges", GetJudging, self._on_update)
+        self._zone = ""
+        self._judges: Optional[List[str]] = None  # of the columns
+        self._judged: Tuple[Judged, ...] = ()
+        self._objections: Tuple[ObjectionLine, ...] = ()
+        self._answer = Answer()
+        self.which = QComboBox()
+        self.which.setAccessibleName(tr("Run"))
+        self.which.currentIndexChanged.connect(self._on_update)
+        self.progress = basic.Notices(1.1)
+        self.progress.setFixedHeight(round(LINES * 1.1 * basic.em() * 1.35))
+        self.items: Rows
+        self.objections = Rows(
+            ("#", tr("Time"), tr("Who objects"), tr("Objection"), tr("Answer")), stretched=(3, 4))
+        self.objections.itemSelectionChanged.connect(self._on_update)
+        self.objections.itemDoubleClicked.connect(lambda *_: self.reply.click())
+        self.settle = self._button(judging.SETTLE, self._ask_settle)
+        self.hand_back = self._button(judging.HAND_BACK, partial(self._ask_judge, DecideJudgesRequest.HAND_BACK))
+        self.withdraw = self._button(judging.WITHDRAW, partial(self._ask_judge, DecideJudgesRequest.WITHDRAW))
+        self.waive = self._button(judging.WAIVE, self._ask_waive)
+        self.object = self._button(judging.OBJECT, self._ask_objection)
+        self.reply = self._button(ANSWER, self._ask_answer)
+        self.publish = self._button(judging.PUBLISH, self._ask_publish)
+        self.sign = basic.enlarged(QPushButton(tr(SIGN_OFF)), 1.1, bold=True)
+        self.sign.setFocusPolicy(Qt.TabFocus)
+        self.sign.clicked.connect(self._ask_sign_off)
+        self._lay_out()
+
+    def _button(self, text: str, pressed: Callable[[], None]) -> QPushButton:
+        button = basic.enlarged(QPushButton(f"{tr(text)} …"), 1.0, bold=True)
+        button.setFocusPolicy(Qt.TabFocus)
+        button.clicked.connect(lambda _checked: pressed())
+        return button
+
+    def _lay_out(self) -> None:
+        self._items_page = QWidget()
+        self._items_column = QVBoxLayout(self._items_page)
+        self._items_column.setContentsMargins(0, 0, 0, 0)
+        self._items_column.addLayout(_line(self.settle, self.waive))
+        self._items_column.addLayout(_line(self.hand_back, self.withdraw))
+        self._show_columns([])
+        objections = QWidget()
+        column = QVBoxLayout(objections)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self.objections, 1)
+        column.addLayout(_line(self.object, self.reply))
+        self.tabs = QTabWidget()
+        self.tabs.setFocusPolicy(Qt.TabFocus)
+        self.tabs.addTab(self._items_page, tr("Side by side"))
+        self.tabs.addTab(objections, tr("Objections"))
+        self.body.addWidget(self.which)
+        self.body.addWidget(self.progress)
+        self.body.addWidget(self.tabs, 1)
+        last = QHBoxLayout()
+        last.addWidget(self.referee, 1)
+        last.addWidget(self._answer, 2)
+        last.addWidget(self.publish)
+        last.addWidget(self.sign)
+        self.body.addLayout(last)
+
+    def _show_columns(self, judges: List[str]) -> None:
+        """Make another table if it has other judges."""
+        if judges == self._judges:
+            return
+        if self._judges is not None:
+            self._items_column.removeWidget(self.items)
+            self.items.deleteLater()
+        self._judges = judges
+        columns = (tr("Group"), tr("Item"), *judges, tr("Value"), tr("Reason"))
+        self.items = Rows(columns, stretched=(1, len(columns) - 1))
+        self.items.itemSelectionChanged.connect(self._on_update)
+        self.items.itemDoubleClicked.connect(lambda *_: self.settle.click())
+        self._items_column.insertWidget(0, self.items, 1)
+
+    # -- showing ------------------------------------------------------------------------------------
+
+    def where(self) -> str:
+        return self.model.zone_name
+
+    def show_model(self) -> None:
+        zone = self.model.zone_name
+        if zone != self._zone:
+            self._zone = zone
+            self._answer.clear_answer()
+        judgings = self.model.judgings_of(zone)
+        self._offer(judgings)
+        one = self._chosen(judgings)
+        answer = None if one is None else self._fetched(one)
+        self._judged = () if answer is None else judging.judged_of(answer)
+        self._objections = () if answer is None else judging.objections_of(answer)
+        self.progress.show_lines(self._progress(one))
+        self._show_items(one)
+        self.objections.show_rows([_objection_row(each, self.client.moments.short) for each in self._objections]
+                                  or [Row(None, ("", "", "", tr(NO_OBJECTIONS), ""))])
+        waiting = sum(each.answered_utc_s is None for each in self._objections)
+        self.tabs.setTabText(1, f"{tr('Objections')} ({len(self._objections)})" + (" ⚠" if waiting else ""))
+        self._show_buttons(one)
+
+    def _offer(self, judgings: List[Judging]) -> None:
+        """List the runs, and keep the chosen one."""
+        names = {run.identity: sheets.run_name(run.code, run.team, run.round, run.run)
+                 for run in self.model.runs_of(self._zone)}
+        offered = [(names.get(one.identity, one.identity), one.identity) for one in judgings] or [(tr(NO_RUNS), "")]
+        if offered == [(self.which.itemText(i), self.which.itemData(i)) for i in range(self.which.count())]:
+            return
+        chosen = self.which.currentData()
+        self.which.blockSignals(True)
+        self.which.clear()
+        for name, identity in offered:
+            self.which.addItem(name, identity)
+        self.which.setCurrentIndex(max(0, self.which.findData(chosen)))
+        self.which.blockSignals(False)
+
+    def _chosen(self, judgings: List[Judging]) -> Optional[Judging]:
+        return next((one for one in judgings if one.identity == self.which.currentData()), None)
+
+    def _one(self) -> Optional[Judging]:
+        """The chosen run."""
+        return self._chosen(self.model.judgings_of(self._zone))
+
+    def _fetched(self, one: Judging) -> Optional[GetJudgingResponse]:
+        return self._answers.newest(one.identity, one.revision, (one.zone, one.identity, ""))
+
+    def _summary(self, one: Judging) -> Optional[RunSummary]:
+        return next((run for run in self.model.runs_of(one.zone) if run.identity == one.identity), None)
+
+    def _progress(self, one: Optional[Judging]) -> List[Tuple[str, bool]]:
+        if one is None:
+            return []
+        moments, utc_s = self.client.moments, self.model.box_time()
+        judges = " · ".join(map(judging.judge_line, one.judges))
+        missing, differences = judging.missing_text(one), judging.differences_text(one)
+        published = judging.publication_text(one, utc_s, lambda until: moments.scheduled(until, utc_s))
+        lines = [(judges, False), (missing, not one.waiver), (differences, True),
+                 (published, bool(one.open_objections))]
+        return [line for line in lines if line[0]]
+
+    def _show_items(self, one: Optional[Judging]) -> None:
+        self._show_columns(judging.judges_of(self._judged))
+        rows, group = [], None
+        for item in self._judged:
+            given = {each.judge: each.shown for each in item.given}
+            rows.append(Row((item.group, item.item), (
+                "" if item.group == group else item.group, item.item,
+                *(given.get(judge, "") for judge in self._judges), judging.outcome_text(item),
+                judging.settled_text(item),
+            ), bold=item.outcome == judging.DIFFER))
+            group = item.group
+        if not rows and one is not None:
+            rows = [Row(None, ("", tr(WAITING if one.count else NO_JUDGES), "", ""))]
+        self.items.show_rows(rows)
+        if self._item() is None:
+            self.items.blockSignals(True)
+            self.items.choose(next(
+                ((item.group, item.item) for item in self._judged if item.outcome == judging.DIFFER), None))
+            self.items.blockSignals(False)
+
+    def _item(self) -> Optional[Judged]:
+        """The chosen item."""
+        return next((item for item in self._judged if (item.group, item.item) == self.items.chosen), None)
+
+    def _objection(self) -> Optional[ObjectionLine]:
+        """The chosen objection; the first one that is not answered, if none is chosen."""
+        open_ones = [one for one in self._objections if one.answered_utc_s is None]
+        chosen = [one for one in self._objections if one.number == self.objections.chosen]
+        return next(iter(chosen + open_ones), None)
+
+    # -- what may be done ---------------------------------------------------------------------------
+
+    def _show_buttons(self, one: Optional[Judging]) -> None:
+        summary = None if one is None else self._summary(one)
+        general = why_fixed(summary, self.model) or (tr(NO_RUNS) if one is None else "")
+        named = general or ("" if self.client.referee.name else tr(ENTER_NAME))
+        over = general or ("" if summary is not None and summary.closed.to_sec() else tr(judging.NOT_OVER))
+        judged = one is not None and one.count
+        submitted = judged and any(judge.submitted_utc_s for judge in one.judges)
+        is_missing = judged and one.missing and not one.waiver
+        published = one is not None and one.published_utc_s is not None
+        _allow(self.settle, named or ("" if self._item() else tr("Choose an item above") if self._judged else
+                                      tr(WAITING if judged else NO_JUDGES)))
+        _allow(self.hand_back, named or ("" if submitted else tr("No judge has submitted")))
+        _allow(self.withdraw, named or ("" if judged and one.judges else tr("No judge has a sheet")))
+        _allow(self.waive, named or ("" if is_missing else tr("No judge is waited for")))
+        _allow(self.publish, over)
+        _allow(self.object, over or ("" if published else tr("The result is not published yet")))
+        _allow(self.reply, over or ("" if self._objection() else tr(NO_OBJECTIONS)))
+        _allow(self.sign, over or named)
+
+    # -- doing it -----------------------------------------------------------------------------------
+
+    def _ask_settle(self) -> None:
+        one, item = self._one(), self._item()
+        answer = None if one is None else self._fetched(one)
+        if one is None or item is None or answer is None:
+            return
+        message = next((each for each in answer.items if (each.group, each.desc) == (item.group, item.item)), None)
+        if message is not None:
+            basic.show_dialog(SettleDialog(self, message, item, partial(self._settle, one, message)))
+
+    def _settle(self, one: Judging, item: ScoreItem, given: Given) -> None:
+        self._decide(one, item.desc, DecideJudgesRequest(
+            decision=DecideJudgesRequest.SETTLE, group=item.group, desc=item.desc, value=given.value, text=given.text,
+            not_attempted=given.not_attempted, reason=given.note))
+
+    def _ask_judge(self, decision: int) -> None:
+        """Ask which judge, and why."""
+        one = self._one()
+        if one is None:
+            return
+        is_back = decision == DecideJudgesRequest.HAND_BACK
+        what = tr(judging.HAND_BACK if is_back else judging.WITHDRAW)
+        judges = [judge for judge in one.judges if judge.submitted_utc_s or not is_back]
+
+        def decide(index: int, reason: str) -> None:
+            judge = judges[index].judge
+            self._decide(one, f"{what}: {judge}", DecideJudgesRequest(decision=decision, judge=judge, reason=reason))
+
+        basic.show_dialog(ChoiceDialog(
+            self, what, self.which.currentText(), tr("Judge"), list(map(judging.judge_line, judges)), tr("Reason"),
+            what, decide))
+
+    def _ask_waive(self) -> None:
+        one, what = self._one(), tr(judging.WAIVE)
+        if one is None:
+            return
+
+        def decide(reason: str) -> None:
+            self._decide(one, what, DecideJudgesRequest(decision=DecideJudgesRequest.WAIVE, reason=reason))
+
+        basic.show_dialog(ReasonDialog(self, what, judging.missing_text(one), tr("Reason"), what, decide))
+
+    def _decide(self, one: Judging, what: str, decision: DecideJudgesRequest) -> None:
+        decision.zone, decision.identity, decision.referee = one.zone, one.identity, self.client.referee.name
+        self._send(what, "/core/judges/decide", DecideJudges, decision)
+
+    def _ask_publish(self) -> None:
+        one = self._one()
+        if one is None:
+            return
+
+        def send(seconds: float) -> None:
+            self._publication(one, tr(judging.PUBLISH), PublishResultRequest(
+                action=PublishResultRequest.PUBLISH, seconds=seconds))
+
+        basic.show_dialog(PublishDialog(self, self.which.currentText(), send))
+
+    def _ask_objection(self) -> None:
+        one = self._one()
+        if one is None:
+            return
+
+        def send(who: str, text: str) -> None:
+            self._publication(one, tr(judging.OBJECT), PublishResultRequest(
+                action=PublishResultRequest.OBJECT, by=who, text=text))
+
+        basic.show_dialog(ObjectionDialog(self, self.which.currentText(), send))
+
+    def _ask_answer(self) -> None:
+        one, objection = self._one(), self._objection()
+        if one is None or objection is None:
+            return
+
+        def send(index: int, text: str) -> None:
+            self._publication(one, tr(ANSWER), PublishResultRequest(
+                action=PublishResultRequest.ANSWER, number=objection.number, upheld=index == 0, text=text))
+
+        basic.show_dialog(ChoiceDialog(
+            self, tr(ANSWER), f"{objection.by}: {objection.text}", tr("Decision"),
+            [tr(judging.UPHOLD), tr(judging.REJECT)], tr("Answer"), tr("Save"), send))
+
+    def _publication(self, one: Judging, what: str, asked: PublishResultRequest) -> None:
+        asked.zone, asked.identity, asked.referee = one.zone, one.identity, self.client.referee.name
+        self._send(what, "/core/publication", PublishResult, asked)
+
+    def _ask_sign_off(self) -> None:
+        one = self._one()
+        summary = None if one is None else self._summary(one)
+        if summary is None:
+            return
+        name = self.client.referee.name
+
+        def send() -> None:
+            self._say_sent(tr("Sign off"), lambda done: self.client.calls.service(
+                self, "/core/sign_off", SignOff, (summary.zone, summary.identity, name), done))
+
+        ask_sign_off(self, summary, name, send)
+
+    def _send(self, what: str, service: str, kind: type, request) -> None:
+        fields = tuple(getattr(request, name) for name in request.__slots__)
+        self._say_sent(what, lambda done: self.client.calls.service(self, service, kind, fields, done))
+
+    def _say_sent(self, what: str, send: Callable[[Callable], None]) -> None:
+        """Send a call, and show how far it is."""
+        self._answer.say(f"{what} …")
+        send(lambda outcome: self._answer.show_outcome(what, outcome))
+
+
+def _line(*buttons: QPushButton) -> QHBoxLayout:
+    line = QHBoxLayout()
+    for button in buttons:
+        line.addWidget(button)
+    line.addStretch(1)
+    return line
+
+
+def _allow(button: QPushButton, why_off: str) -> None:
+    button.setEnabled(not why_off)
+    button.setToolTip(basic.tip(why_off))
+
+
+def _objection_row(one: ObjectionLine, when: Callable[[float], str]) -> Row:
+    answer = judging.answer_text(one)
+    return Row(one.number, (str(one.number), when(one.utc_s), one.by, one.text, answer), bold=not answer,
+               tips=("", "", one.who, "", one.answered_by))
