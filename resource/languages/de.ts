@@ -2629,6 +2629,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>Jury</source>
+        <translation>Jury</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
         <source>Run</source>
         <translation>Lauf</translation>
     </message>

@@ -40,6 +40,7 @@ class JudgesPanel(RefereePanel):
     """The head referee's panel: a run, how far its judges are, and two tabs with items and objections."""
 
     TITLE = tr_later("Judges")
+    TAB = tr_later("Jury")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
