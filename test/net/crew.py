@@ -78,9 +78,12 @@ class _Noting(DummyRobot):
 class Robot:
     """A robot on a host; it begins at once."""
 
-    def __init__(self, station: Station, team: str, execute_s: float, seed: int, name: str = ROBOT) -> None:
+    def __init__(
+        self, station: Station, team: str, execute_s: float, seed: int, name: str = ROBOT, host: str = BROADCAST,
+    ) -> None:
         """`execute_s`: seconds for each goal."""
         self.station, self.team, self.name = station, team, name
+        self._rsbb_host = host
         self.address = station.address
         self.moments: List[Moment] = []
         self.troubles: List[fx.Report] = []
@@ -108,7 +111,7 @@ class Robot:
         behaviour = self._behaviour = _Noting(self._options, self._note, lambda: self.held)
         behaviour.on_report = self.troubles.append
         await RobotClient(
-            self.team, password_of(self.team), behaviour, self.name, BROADCAST, RSBB_PORT, clock=self._clock,
+            self.team, password_of(self.team), behaviour, self.name, self._rsbb_host, RSBB_PORT, clock=self._clock,
         ).run()
 
     def _clock(self) -> float:

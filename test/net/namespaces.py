@@ -108,6 +108,32 @@ class Station(NamedTuple):
         return address(self.number)
 
 
+class Switch:
+    """A bridge in a namespace of its own."""
+
+    def __init__(self) -> None:
+        """Raises `NoRight`."""
+        self.host = Host("switch")
+        self.host.do(run_ip, "link add br0 type bridge", "link set br0 addrgenmode none up")
+
+    def plug(self, number: int, namespace: str) -> None:
+        """Connect a host by a kernel's cable."""
+        self.host.do(
+            run_ip, f"link add port{number} type veth peer name {INTERFACE} netns {namespace}",
+            f"link set port{number} master br0 addrgenmode none up")
+
+    def station(self, number: int) -> Station:
+        """A host with a kernel's cable."""
+        station = Station(number, Host(f"host {number}"))
+        self.plug(number, station.host.path)
+        station.host.do(settle, number)
+        return station
+
+    def close(self) -> None:
+        """End it."""
+        self.host.close()
+
+
 class Lan:
     """The switch and all hosts. The process that makes it becomes the box's host, for good.
 
@@ -120,26 +146,22 @@ class Lan:
         leave_network()
         self._seed = seed
         self.box = address(box)
-        self._switch = Host("switch")
+        self._switch = Switch()
         self._wires: Dict[int, wire.Wire] = {}
-        self._switch.do(run_ip, "link add br0 type bridge", "link set br0 addrgenmode none up")
-        self._plug_fast(box, f"/proc/{os.getpid()}/ns/net")
-        _settle(box)
-        self.stations: Dict[int, Station] = {}
-        for number in (*slow, *fast):
+        self._switch.plug(box, f"/proc/{os.getpid()}/ns/net")
+        settle(box)
+        self.stations: Dict[int, Station] = {number: self._switch.station(number) for number in fast}
+        for number in slow:
             station = self.stations[number] = Station(number, Host(f"host {number}"))
-            if number in slow:
-                self._plug_slow(station)
-            else:
-                self._plug_fast(number, station.host.path)
-            station.host.do(_settle, number)
+            self._plug_slow(station)
+            station.host.do(settle, number)
 
     def close(self) -> None:
         """End all hosts except the box's."""
         for station in self.stations.values():
             station.host.close()
         for each in self._wires.values():
-            self._switch.do(each.close)
+            self._switch.host.do(each.close)
         self._switch.close()
 
     def wire(self, number: int) -> wire.Wire:
@@ -155,23 +177,19 @@ class Lan:
         """Pull a host's cable, or plug it in again: other than in an outage, its system knows."""
         self.stations[number].host.do(run_ip, f"link set {INTERFACE} {'down' if unplugged else 'up'}")
 
-    def _plug_fast(self, number: int, namespace: str) -> None:
-        self._switch.do(
-            run_ip, f"link add port{number} type veth peer name {INTERFACE} netns {namespace}",
-            f"link set port{number} master br0 addrgenmode none up")
-
     def _plug_slow(self, station: Station) -> None:
         number = station.number
         try:
             near = station.host.do(wire.open_tap, INTERFACE)
-            far = self._switch.do(wire.open_tap, f"port{number}")
+            far = self._switch.host.do(wire.open_tap, f"port{number}")
         except OSError as error:
             raise NoRight(f"no TAP devices (/dev/net/tun): {error}") from None
-        self._switch.do(run_ip, f"link set port{number} master br0 addrgenmode none up")
+        self._switch.host.do(run_ip, f"link set port{number} master br0 addrgenmode none up")
         self._wires[number] = wire.Wire(near, far, f"{self._seed} {number}")
-        self._switch.do(self._wires[number].open)
+        self._switch.host.do(self._wires[number].open)
 
 
-def _settle(number: int) -> None:
+def settle(number: int) -> None:
+    """Give the calling thread's host its address."""
     run_ip(f"link set {INTERFACE} addrgenmode none up",
            f"address add {address(number)}/24 brd {BROADCAST} dev {INTERFACE}")

@@ -20,6 +20,7 @@ from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.msg import CopyQuestion, CopyState
+from roah_rsbb.nodes.standing_by import wait_for_takeover
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.standby.box_end import BoxEnd
@@ -79,6 +80,7 @@ class BackupNode:
         params.done()
         if not backup_dir and not port:
             raise BadParams(f"{rospy.get_name()}: set backup_dir, standby_port or both")
+        wait_for_takeover(self._log_dir)
         self._publisher = rospy.Publisher("/copies/state", CopyState, queue_size=10, latch=True)
         self._copies: List[_Reported] = []
         if backup_dir:

@@ -10,7 +10,7 @@ import hashlib
 import os
 import socket
 import ssl
-from typing import Tuple
+from typing import Callable, Tuple
 
 from cryptography import x509
 from cryptography.hazmat.backends import default_backend
@@ -92,16 +92,24 @@ def box_context(folder: str) -> Tuple[ssl.SSLContext, bytes]:
         return context, _fingerprint(ssl.PEM_cert_to_DER_cert(file.read()))
 
 
-def connect(host: str, port: int, timeout: float = TIMEOUT_S, source: str = ANY_HOST) -> Tuple[Channel, bytes]:
+def connect(
+    host: str, port: int, timeout: float = TIMEOUT_S, source: str = ANY_HOST,
+    on_socket: Callable[[socket.socket], None] = lambda _: None,
+) -> Tuple[Channel, bytes]:
     """Connect to a box; returns the channel and the fingerprint of the box's certificate, which the caller must
-    compare. `source`: own address to use. Raises `Lost`."""
+    compare. `source`: own address to use. `on_socket` gets the socket first: another thread that calls its `shutdown`
+    ends the attempt. Raises `Lost`."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     context.check_hostname = False
     context.verify_mode = ssl.CERT_NONE  # the fingerprint is compared instead
     try:
-        plain = socket.create_connection((host, port), timeout, (source, 0))
+        plain = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         try:
+            plain.settimeout(timeout)
+            plain.bind((source, 0))
+            on_socket(plain)
+            plain.connect((host, port))
             connection = context.wrap_socket(plain)
         except BaseException:
             plain.close()

@@ -84,6 +84,11 @@ def forget_standby(log_dir: str) -> None:
         os.remove(os.path.join(log_dir, FOLDER, PAIRED))
 
 
+def is_standby(log_dir: str) -> bool:
+    """Whether this folder belongs to a standby that has not taken over."""
+    return os.path.exists(os.path.join(log_dir, BOX_FILE)) and not os.path.exists(os.path.join(log_dir, FOLDER, PAIRED))
+
+
 def partners_of(log_dir: str) -> Dict[str, Partner]:
     """Return the other ends of the pairs of a computer, by the names of the pairs."""
     found = []

@@ -1,5 +1,6 @@
 """The standby's end: connects to the box, pairs once, and keeps the copy."""
 
+import contextlib
 import secrets
 import socket
 import threading
@@ -116,6 +117,7 @@ class StandbyEnd:
         self._on_state = on_state
         self._state: Optional[str] = None
         self._channel: Optional[Channel] = None
+        self._connecting: Optional[socket.socket] = None
         self._ended = threading.Event()
 
     def run(self) -> None:
@@ -130,7 +132,10 @@ class StandbyEnd:
     def end(self) -> None:
         """From any thread: end `run`."""
         self._ended.set()
-        channel = self._channel
+        connecting, channel = self._connecting, self._channel
+        if connecting is not None:
+            with contextlib.suppress(OSError):
+                connecting.shutdown(socket.SHUT_RDWR)
         if channel is not None:
             channel.close()
 
@@ -138,7 +143,8 @@ class StandbyEnd:
         """Serve the box until the connection ends; returns why it ended."""
         host = self._box.host
         try:
-            self._channel, fingerprint = connect(host, self._box.port, source=self._bind_host)
+            self._channel, fingerprint = connect(
+                host, self._box.port, source=self._bind_host, on_socket=self._on_socket)
         except Lost as error:
             return f"the box at {host} does not answer ({error})"
         channel = self._channel
@@ -160,6 +166,11 @@ class StandbyEnd:
         finally:
             channel.close()
             self._receiver.close()
+
+    def _on_socket(self, connecting: socket.socket) -> None:
+        self._connecting = connecting
+        if self._ended.is_set():
+            raise Lost("it is not needed any more")
 
     def _report(self, state: str) -> None:
         if state != self._state and not self._ended.is_set():

@@ -18,7 +18,7 @@ import sqlite3
 import sys
 import threading
 import time
-from typing import Any, Dict, Iterator, List, Optional, Sequence
+from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 
 from roah_rsbb.arguments import Parser, number
 from roah_rsbb.journal import epochs, in_force
@@ -39,8 +39,10 @@ from roah_rsbb.standby.standby_end import CannotPair, StandbyEnd, is_alive, is_o
 from roah_rsbb.standby.words import rejoin_key
 from roah_rsbb.tools.preflight_checks import Severity, check_other_box
 from roah_rsbb.tools.standby_ears import Automatic, Ears
-from roah_rsbb.tools.standby_network import NoAddress, take_address
+from roah_rsbb.tools.standby_network import NoAddress, give_back_address, take_address
+from roah_rsbb.tools.standby_prepared import Prepared
 from roah_rsbb.tools.standby_rehearsal import Failed, rehearse
+from roah_rsbb.tools.standby_request import Answer, Requests, request
 
 PROGRAM = "standby"
 DEFAULT_PORT = 8083
@@ -51,6 +53,9 @@ CONFIGURATION = "configuration"
 # Locked by the program that keeps the copy.
 LOCK = "standby_follow.lock"
 ALIVE_S = 2.0
+# Seconds without beacon, word and copy after which the program that keeps the copy allows a takeover. A box is heard
+# several times a second.
+SILENT_S = 3.0
 # Seconds to wait until the program that keeps the copy has ended.
 END_S = 10.0
 _DESCRIPTION = """\
@@ -86,11 +91,14 @@ def _parser() -> argparse.ArgumentParser:
                         help="with --automatic: a third computer or access point that must answer a ping")
     status = commands.add_parser("status", help="show what this computer is: the box or the standby")
     takeover = commands.add_parser("takeover", help="start the box here, with the copy")
+    for command in (follow, takeover):
+        command.add_argument("--take-address", action="store_true",
+                             help="at a takeover, also take over the box's address, for robots that were given it. "
+                                  "Needs root")
     takeover.add_argument("--anyway", action="store_true", help="also while a box is heard: robots obey both")
     takeover.add_argument("--listen", type=number(0, 60), default=4.0, metavar="SECONDS",
-                          help="time to listen for a box; 0: do not listen (default: %(default)s)")
-    takeover.add_argument("--take-address", action="store_true",
-                          help="also take over the box's address, for robots that were given it. Needs root")
+                          help="time to listen for a box if 'standby follow' does not run; 0: do not listen (default: "
+                               "%(default)s)")
     rejoin = commands.add_parser("rejoin", help="become the standby of the box that took over from this computer")
     rejoin.add_argument("old_log_dir", metavar="OLD_LOG_DIR", help="log_dir of the box on this computer")
     commands.add_parser("rehearse", help="show a takeover on this computer, with the times")
@@ -120,8 +128,10 @@ def _follow(options: argparse.Namespace, folder: str) -> int:
     if box is None:
         raise Refused("this standby is not paired: give the box's address and --code with the code in the box's log")
     box = box if not options.box else box._replace(host=options.box, port=options.port)
+    if options.take_address and os.geteuid():
+        raise Refused("--take-address needs the rights of root")
     automatic = Automatic(options.automatic, options.witness) if options.automatic else None
-    return _keep_copy(folder, box, options.arguments, automatic)
+    return _keep_copy(folder, box, options.arguments, automatic, options.take_address)
 
 
 def _rejoin(options: argparse.Namespace, folder: str) -> int:
@@ -130,37 +140,78 @@ def _rejoin(options: argparse.Namespace, folder: str) -> int:
         raise Refused("OLD_LOG_DIR must not be the folder of the new copy: give another --log-dir")
     _check_unused(old)
     _check_unused(folder)
+    _give_back_address(old)
     box = rejoin(old, folder)
     print(f"This computer is the standby of the box at {box.host} now. {old} stays as it is: 'results' shows what only "
           "it has", flush=True)
-    return _keep_copy(folder, box, options.arguments, None)
+    return _keep_copy(folder, box, options.arguments, None, False)
 
 
-def _keep_copy(folder: str, box: PairedBox, arguments: Sequence[str], automatic: Optional[Automatic]) -> int:
+def _keep_copy(
+    folder: str, box: PairedBox, arguments: Sequence[str], automatic: Optional[Automatic], takes_address: bool,
+) -> int:
     """Keep the copy until the program is ended, or take over."""
     _check_unused(folder)
+    _give_back_address(folder)
     forget_standby(folder)  # this computer may have been the box
-    is_silent = threading.Event()
+    taking_over: List[str] = []  # why
 
-    def on_silence() -> None:
-        is_silent.set()
+    def take_over(why: str) -> None:
+        taking_over.append(why)
         end.end()
 
+    def on_ask(anyway: bool, given: List[str]) -> Answer:
+        reasons = [] if anyway or ears.wait_silent(SILENT_S) else [f"The box at {box.host} is heard."]
+        is_prepared = given in ([], list(arguments)) and prepared.is_for(launch_command(folder, arguments))
+        return Answer(reasons, is_prepared)
+
+    prepared = Prepared(lambda: launch_command(folder, arguments), Refused, _show)
     ears = Ears(box, lambda: _network(folder, arguments) if _network_of_box(folder) else {},
-                lambda: epochs.standing_in(os.path.join(folder, FILE_NAME)).epoch, automatic, on_silence, _show)
+                lambda: epochs.standing_in(os.path.join(folder, FILE_NAME)).epoch, automatic,
+                lambda: take_over(f"Nothing was heard of the box for {automatic.silence_s:g} s: taking over"), _show)
     end = StandbyEnd(folder, box, _show, ears.heard, _network(folder, arguments)["bind_host"])
     for number_ in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number_, lambda *_: threading.Thread(target=end.end).start())
-    ears.start()
-    try:
-        with _locked(folder):
-            end.run()
-    finally:
-        ears.end()
-    if is_silent.is_set():
-        print(f"Nothing was heard of the box for {automatic.silence_s:g} s: taking over", flush=True)
-        _take_over(folder, box, arguments)
+    with contextlib.ExitStack() as cleanup:
+        requests = Requests(folder, on_ask, lambda: take_over("The organiser requested a takeover"))
+        cleanup.callback(requests.close)
+        cleanup.callback(prepared.end)
+        ears.start()
+        prepared.start()
+        try:
+            with _locked(folder):
+                end.run()
+        finally:
+            ears.end()
+        if not taking_over:
+            return 0
+        print(taking_over[0], flush=True)
+        if takes_address:
+            _take_address(folder, box)
+        command, lines = _become_box(folder, box, arguments)
+        requests.report(lines)
+        if prepared.is_for(command):
+            return prepared.run()
+    os.execvp(command[0], command)
     return 0
+
+
+def _take_address(folder: str, box: PairedBox) -> None:
+    """In an automatic takeover. Most robots hear this computer without the address, too."""
+    try:
+        print(f"This computer has the address {box.host} now, on {take_address(box.host, folder)}", flush=True)
+    except NoAddress as error:
+        print(f"The box's address cannot be taken over: {error}", flush=True)
+
+
+def _give_back_address(folder: str) -> None:
+    """This computer is not the box now."""
+    try:
+        address = give_back_address(folder)
+    except NoAddress as error:
+        raise Refused(f"this computer still has the address that it took over: {error}") from None
+    if address:
+        print(f"This computer no longer has the address {address}, which it took over", flush=True)
 
 
 def _check_unused(folder: str) -> None:
@@ -239,26 +290,39 @@ def _takeover(options: argparse.Namespace, folder: str) -> int:
     if standing.is_superseded and not options.anyway:
         raise Refused(f"this computer was the box, and the one at {standing.by} took over. If that one is lost, and "
                       "the runs shall continue from the journal here: --anyway")
-    network = _network(folder, options.arguments)
-    heard = [] if options.anyway else why_not(folder, network, options.listen)
-    if heard:
-        raise Refused("\n".join([*heard, "Robots obey both boxes. If the box must not continue, switch it off. "
-                                 "To take over in any case: --anyway"]))
-    end_follower(folder)
-    if options.take_address and box is not None:
-        try:
-            print(f"This computer has the address {box.host} now, on {take_address(box.host)}", flush=True)
-        except NoAddress as error:
-            raise Refused(f"the box's address cannot be taken over: {error}\nRobots that were given the box's address "
-                          "would not hear this computer. To take over without it, omit --take-address") from None
-    _take_over(folder, box, options.arguments)
+    with request(folder, options.anyway, options.arguments) as found:
+        if found is not None:
+            heard = found.answer.reasons
+        elif options.anyway:
+            heard = []
+        else:
+            heard = why_not(folder, _network(folder, options.arguments), options.listen)
+        if heard:
+            raise Refused("\n".join([*heard, "Robots obey both boxes. If the box must not continue, switch it off. "
+                                     "To take over in any case: --anyway"]))
+        is_prepared = found is not None and found.answer.is_prepared
+        if not is_prepared:
+            end_follower(folder)
+        if options.take_address and box is not None:
+            try:
+                print(f"This computer has the address {box.host} now, on {take_address(box.host, folder)}", flush=True)
+            except NoAddress as error:
+                raise Refused(
+                    f"the box's address cannot be taken over: {error}\nRobots that were given the box's address "
+                    "would not hear this computer. To take over without it, omit --take-address") from None
+        if is_prepared:
+            print("\n".join([*found.go(), "The program that kept the copy is the box now"]), flush=True)
+            return 0
+    command, _ = _become_box(folder, box, options.arguments)
+    os.execvp(command[0], command)
     return 0
 
 
-def _take_over(folder: str, box: Optional[PairedBox], arguments: Sequence[str]) -> None:
-    """Become the box, with a higher epoch than the one before."""
+def _become_box(folder: str, box: Optional[PairedBox], arguments: Sequence[str]) -> Tuple[List[str], List[str]]:
+    """Be the box from now on, with a higher epoch than the one before. Returns the command that starts the box, and
+    what was printed. A box that is prepared begins when this returns."""
     command = launch_command(folder, arguments)
-    print(last_moment(folder), flush=True)
+    lines = [last_moment(folder)]
     standing = epochs.standing_in(os.path.join(folder, FILE_NAME))
     is_box = read_standby(folder) is not None  # this computer took over before, and starts again
     if not is_box or standing.is_superseded:
@@ -267,8 +331,9 @@ def _take_over(folder: str, box: Optional[PairedBox], arguments: Sequence[str]) 
         # The box before can become the standby of this one.
         write_standby(folder, PairedStandby(f"the box before, at {box.host}", hashed(rejoin_key(hashed(box.key))),
                                             box.host, box.port))
-    print(f"Epoch {standing.epoch}: the box before stops when it hears this one\n{' '.join(command)}", flush=True)
-    os.execvp(command[0], command)
+    lines += [f"Epoch {standing.epoch}: the box before stops when it hears this one", " ".join(command)]
+    print("\n".join(lines), flush=True)
+    return command, lines
 
 
 def _claim_again(folder: str, standby: PairedStandby, anyway: bool) -> int:

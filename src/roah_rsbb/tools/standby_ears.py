@@ -5,6 +5,7 @@ It runs in a thread of its own. It answers the words of the pair, so that a box 
 
 import asyncio
 import threading
+import time
 from typing import Callable, Dict, NamedTuple, Optional
 
 from roah_rsbb.comm.channels import PublicChannel
@@ -42,6 +43,8 @@ class Ears:
         self._network_of, self._epoch_of = network_of, epoch_of
         self._automatic, self._on_silence, self._on_state = automatic, on_silence, on_state
         self._silence = Silence()
+        self._last_mono = time.monotonic()  # when the box was heard, or this began
+        self._is_heard = threading.Event()
         self._loop = asyncio.new_event_loop()
         self._peer: Optional[Peer] = None
         self._beacons: Optional[PublicChannel] = None
@@ -60,6 +63,13 @@ class Ears:
         """From any thread: the box was heard on the copy's connection."""
         self._loop.call_soon_threadsafe(self._hear_box)
 
+    def wait_silent(self, seconds: float) -> bool:
+        """From any other thread: wait until the box has been silent for that long, or is heard. Returns whether it is
+        silent."""
+        self._is_heard.clear()
+        left = self._last_mono + seconds - time.monotonic()
+        return left <= 0 or not self._is_heard.wait(left)
+
     # -- in the thread ------------------------------------------------------------------------------
 
     def _run(self) -> None:
@@ -72,6 +82,8 @@ class Ears:
 
     def _hear_box(self) -> None:
         self._silence.hear(self._loop.time())
+        self._last_mono = time.monotonic()
+        self._is_heard.set()
 
     def _look(self) -> None:
         if self._beacons is None:

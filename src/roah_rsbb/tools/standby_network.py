@@ -3,15 +3,21 @@
 import contextlib
 import ipaddress
 import json
+import os
 import socket
 import struct
 import subprocess
+import time
 from typing import List
 
 _ETHERTYPE_ARP = 0x0806
 _BROADCAST = b"\xff" * 6
 _ANNOUNCEMENTS = 3
 _COMMAND_S = 5.0
+_PING_S = 1.0
+_ECHO_REPLY, _ECHO_REQUEST = 0, 8
+# In the folder of the standby: the address that it took over.
+TAKEN = "taken_address.json"
 
 
 class NoAddress(Exception):
@@ -28,17 +34,43 @@ def is_connected(host: str) -> bool:
 
 
 def answers(host: str) -> bool:
-    """Whether a host answers a ping."""
+    """Whether a host answers a ping. A computer may lack the program, or forbid all but root to do without it."""
+    for kind in (socket.SOCK_DGRAM, socket.SOCK_RAW):
+        try:
+            with socket.socket(socket.AF_INET, kind, socket.IPPROTO_ICMP) as connection:
+                return _ping(connection, host)
+        except PermissionError:
+            pass
+        except OSError:
+            return False
     with contextlib.suppress(OSError, subprocess.TimeoutExpired):
         return subprocess.run(["ping", "-n", "-c", "1", "-W", "1", host], stdout=subprocess.DEVNULL,
                               stderr=subprocess.DEVNULL, timeout=_COMMAND_S).returncode == 0
     return False
 
 
-def take_address(host: str) -> str:
+def _ping(connection: socket.socket, host: str) -> bool:
+    """Send an ICMP echo request, and wait for its reply (RFC 792)."""
+    data = os.urandom(16)
+    header = struct.pack("!BBHHH", _ECHO_REQUEST, 0, 0, os.getpid() & 0xFFFF, 1)
+    total = sum(struct.unpack(f"!{(len(header) + len(data)) // 2}H", header + data))
+    total = (total >> 16) + (total & 0xFFFF)
+    checksum = ~(total + (total >> 16)) & 0xFFFF
+    connection.connect((host, 0))
+    connection.send(header[:2] + struct.pack("!H", checksum) + header[4:] + data)
+    deadline = time.monotonic() + _PING_S
+    while True:
+        connection.settimeout(max(0.001, deadline - time.monotonic()))
+        reply = connection.recv(256)
+        kind = reply[-len(header) - len(data)] if len(reply) >= len(header) + len(data) else None
+        if kind == _ECHO_REPLY and reply.endswith(data):
+            return True
+
+
+def take_address(host: str, folder: str) -> str:
     """Add the address of the lost box to this computer, and announce it to all others; returns its interface.
 
-    Raises `NoAddress`.
+    `folder`: of the standby, which notes the address. Raises `NoAddress`.
     """
     interface = _interface(host)
     own = _networks(interface)
@@ -48,11 +80,29 @@ def take_address(host: str) -> str:
     if size is None:
         raise NoAddress(f"{host} is not in a network of this computer")
     _ip("address", "add", f"{host}/{size}", "brd", "+", "dev", interface)
+    with contextlib.suppress(OSError), open(os.path.join(folder, TAKEN), "w", encoding="ascii") as file:
+        json.dump([f"{host}/{size}", interface], file)
     try:
         _announce(host, interface)
     except OSError as error:
         raise NoAddress(f"{host} was added to {interface}, but cannot be announced: {error.strerror}") from None
     return interface
+
+
+def give_back_address(folder: str) -> str:
+    """Remove the address that this computer took over; returns it, or nothing if there is none. Raises `NoAddress`."""
+    path = os.path.join(folder, TAKEN)
+    try:
+        with open(path, encoding="ascii") as file:
+            address, interface = map(str, json.load(file))
+    except (OSError, ValueError, TypeError):
+        return ""
+    host = address.partition("/")[0]
+    if any(str(network.ip) == host for network in _networks(interface)):
+        _ip("address", "del", address, "dev", interface)
+    with contextlib.suppress(OSError):
+        os.remove(path)
+    return host
 
 
 def gratuitous_arp(host: str, mac: bytes) -> bytes:

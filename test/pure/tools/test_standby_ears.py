@@ -3,6 +3,7 @@
 import contextlib
 import queue
 import socket
+import threading
 
 import pytest
 
@@ -95,14 +96,27 @@ def test_the_computer_that_is_cut_off_does_not_take_over(listening, monkeypatch,
         pass
 
 
+def test_a_request_waits_until_the_box_is_silent_or_heard(listening):
+    heard = listening()
+    heard.answer(Word(Side.BOX, 3, claims=True, asks=True))
+    assert heard.ears.wait_silent(0.3)
+    assert heard.ears.wait_silent(0.0), "it has been silent before"
+    waiting = []
+    thread = threading.Thread(target=lambda: waiting.append(heard.ears.wait_silent(600.0)))
+    thread.start()
+    while thread.is_alive():
+        heard.answer(Word(Side.BOX, 3, claims=True, asks=True))
+    assert waiting == [False]
+
+
 def test_the_loopback_is_connected():
     assert standby_network.is_connected("127.255.255.255")
     assert not standby_network.is_connected("no address")
 
 
-def test_an_address_that_this_computer_cannot_have():
+def test_an_address_that_this_computer_cannot_have(tmp_path):
     with pytest.raises(standby_network.NoAddress):
-        standby_network.take_address("no address")
+        standby_network.take_address("no address", str(tmp_path))
 
 
 def test_the_announcement_of_an_address():
@@ -110,3 +124,8 @@ def test_the_announcement_of_an_address():
     assert len(frame) == 42 and frame[:6] == b"\xff" * 6 and frame[6:12] == frame[22:28] == bytes(range(6))
     assert frame[12:22] == bytes.fromhex("0806 0001 0800 06 04 0001")
     assert frame[28:32] == frame[38:42] == bytes([10, 0, 0, 2])
+
+
+def test_a_ping():
+    assert standby_network.answers("127.0.0.1")
+    assert not standby_network.answers("no address")

@@ -68,6 +68,7 @@ from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.nodes.core.standby_answers import StandbyAnswers
 from roah_rsbb.nodes.modules import convert
+from roah_rsbb.nodes.standing_by import CORE, wait_for_takeover
 from roah_rsbb.radio.radio import CoreRadio, Network, beacon_size
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
@@ -151,6 +152,7 @@ class CoreNode:
         if sync_standby and not standby_port:
             raise BadParams(f"{rospy.get_name()}: sync_standby needs a standby: set standby_port, too")
         params.done()
+        wait_for_takeover(log_dir)
         launch = rospy.get_param("/run_id", "")
         standings = None if standings_file == NO_FILE else os.path.expanduser(standings_file)
         self._configuration = Configuration(log_dir, "" if resume is Resume.NEVER else launch, files, standings)
@@ -493,7 +495,7 @@ def _end_launch() -> None:
 def main() -> None:
     """Run the node."""
     explain(__doc__)
-    connections.init_node("roah_rsbb_core", disable_signals=True)
+    connections.init_node(CORE, disable_signals=True)
     try:
         status = CoreNode().run()
     except (BadParams, config.ConfigErrors, OSError) as error:

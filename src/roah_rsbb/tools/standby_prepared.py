@@ -1,0 +1,102 @@
+"""The box on the standby, started in advance: its ROS master runs, and its core has everything imported and waits.
+
+At a takeover, the core only has to read the journal. The rest of the box (panels, pages, devices) starts beside it.
+"""
+
+import contextlib
+import ctypes
+import os
+import signal
+import subprocess
+import threading
+from typing import Callable, List, Optional, Sequence
+
+import rosgraph
+
+from roah_rsbb.nodes.standing_by import CORE
+
+LOOK_S = 1.0
+# roslaunch ends its nodes within this time.
+END_S = 30.0
+_PR_SET_PDEATHSIG = 1
+_libc = ctypes.CDLL(None)
+
+
+class Prepared:
+    """The core that waits."""
+
+    def __init__(self, command_of: Callable[[], List[str]], not_yet: type, on_state: Callable[[str], None]) -> None:
+        """`command_of` returns the command that starts the whole box, or raises `not_yet`."""
+        self._command_of, self._not_yet, self._on_state = command_of, not_yet, on_state
+        self._command: Optional[Sequence[str]] = None
+        self._process: Optional[subprocess.Popen] = None
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._work, name="prepared", daemon=True)
+
+    def start(self) -> None:
+        """Start the core as soon as the copy has its configuration."""
+        self._thread.start()
+
+    def is_for(self, command: Sequence[str]) -> bool:
+        """Whether the box that this command starts is prepared."""
+        return self._command == command and self._process is not None and self._process.poll() is None
+
+    def end(self) -> None:
+        """End it."""
+        self._ended.set()
+        if self._process is not None:
+            _end(self._process)
+        self._thread.join()
+
+    def run(self) -> int:
+        """Start the rest of the box, and wait until either part or this program is ended; returns the exit status."""
+        over = threading.Event()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: over.set())
+        rest = _start([*self._command, "part:=rest"])
+        for process in (self._process, rest):
+            threading.Thread(target=lambda process=process: (process.wait(), over.set()), daemon=True).start()
+        over.wait()
+        for process in (rest, self._process):
+            _end(process)
+        return self._process.returncode
+
+    def _work(self) -> None:
+        while not self._ended.is_set():
+            with contextlib.suppress(self._not_yet, OSError):
+                command = self._command_of()
+                if _core_runs():
+                    self._on_state("A core runs at ROS_MASTER_URI, so no box is prepared here: a takeover takes longer")
+                    return
+                self._command, self._process = command, _start([*command, "part:=core"])
+                if self._ended.is_set():
+                    _end(self._process)
+                # It gets a signal when the thread that started it ends.
+                self._process.wait()
+                if not self._ended.is_set():
+                    self._on_state("The prepared box ended: a takeover takes longer")
+                return
+            self._ended.wait(LOOK_S)
+
+
+def _core_runs() -> bool:
+    try:
+        return bool(rosgraph.Master("/roah_rsbb_standby").lookupNode(f"/{CORE}"))
+    except (OSError, rosgraph.MasterException):
+        return False
+
+
+def _start(command: Sequence[str]) -> subprocess.Popen:
+    """Start a part of the box. It ends with this program, however that ends, and Ctrl-C does not reach it directly."""
+    return subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True,
+                            preexec_fn=lambda: _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGINT))
+
+
+def _end(process: subprocess.Popen) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        process.send_signal(signal.SIGINT)
+    try:
+        process.wait(END_S)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()

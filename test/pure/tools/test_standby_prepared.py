@@ -1,0 +1,123 @@
+"""The box that is started in advance on the standby, and the request that lets it begin."""
+
+import queue
+import socket
+import sys
+import threading
+import time
+
+import pytest
+
+from roah_rsbb.standby.pair import Side
+from roah_rsbb.standby.partners import PairedBox, PairedStandby, is_standby, partners_of, write_box, write_standby
+from roah_rsbb.tools import standby_prepared
+from roah_rsbb.tools.standby_prepared import Prepared
+from roah_rsbb.tools.standby_request import Answer, Requests, request
+
+LIMIT_S = 60.0
+
+
+class NotYet(Exception):
+    """There is no copy yet."""
+
+
+@pytest.fixture
+def preparing(tmp_path, monkeypatch):
+    """A program instead of roslaunch, which notes its part in a file, and runs until it is interrupted."""
+    monkeypatch.setattr(standby_prepared, "_core_runs", lambda: False)
+    monkeypatch.setattr(standby_prepared, "LOOK_S", 0.01)
+    program = ("import sys, time\nopen(sys.argv[1] + '/' + sys.argv[-1], 'w').close()\n"
+               "time.sleep(600)\n")
+    return [sys.executable, "-c", program, str(tmp_path)], tmp_path
+
+
+def wait_for(path):
+    deadline = time.monotonic() + LIMIT_S
+    while not path.exists():
+        assert time.monotonic() < deadline, path
+        time.sleep(0.01)
+
+
+def test_the_core_is_started_when_there_is_a_copy(preparing):
+    command, folder = preparing
+    tries = []
+
+    def command_of():
+        tries.append(1)
+        if len(tries) < 3:
+            raise NotYet
+        return command
+
+    prepared = Prepared(command_of, NotYet, lambda text: None)
+    prepared.start()
+    wait_for(folder / "part:=core")
+    assert len(tries) == 3 and prepared.is_for(command) and not prepared.is_for([*command, "gui:=none"])
+    prepared.end()
+    assert not prepared.is_for(command)
+
+
+def test_nothing_is_started_beside_another_core(preparing, monkeypatch):
+    command, folder = preparing
+    monkeypatch.setattr(standby_prepared, "_core_runs", lambda: True)
+    said = queue.Queue()
+    prepared = Prepared(lambda: command, NotYet, said.put)
+    prepared.start()
+    assert "A core runs" in said.get(timeout=LIMIT_S)
+    prepared.end()
+    assert not prepared.is_for(command) and not list(folder.iterdir())
+
+
+def test_the_request_of_the_organiser(tmp_path):
+    folder = tmp_path / ("long" * 40)  # longer than the path of a socket may be
+    folder.mkdir()
+    asked, went = [], threading.Event()
+
+    def on_ask(anyway, arguments):
+        asked.append((anyway, arguments))
+        return Answer([] if anyway else ["The box is heard."], True)
+
+    def on_go():
+        went.set()
+        requests.report(["Epoch 2"])
+
+    requests = Requests(str(folder), on_ask, on_go)
+    with request(str(folder), False, ["gui:=none"]) as found:
+        assert found.answer == Answer(["The box is heard."], True)
+    with request(str(folder), True, []) as found:
+        assert found.answer.reasons == [] and not went.is_set()
+        assert found.go() == ["Epoch 2"] and went.is_set()
+    assert asked == [(False, ["gui:=none"]), (True, [])]
+    requests.close()
+    with request(str(folder), True, []) as found:
+        assert found is None
+
+
+def test_a_program_that_does_not_take_over(tmp_path):
+    def on_go():
+        raise OSError("no space left")
+
+    requests = Requests(str(tmp_path), lambda anyway, arguments: Answer([], True), on_go)
+    with request(str(tmp_path), True, []) as found, pytest.raises(OSError, match="did not take over"):
+        found.go()
+    requests.close()
+
+
+def test_a_foreign_program_at_the_socket_harms_nobody(tmp_path):
+    requests = Requests(str(tmp_path), lambda anyway, arguments: Answer([], True), lambda: None)
+    for nonsense in (b"\n", b"[]\n", b'{"anyway": 1}\n', b"\xff\n"):
+        with socket.socket(socket.AF_UNIX) as stranger:
+            stranger.connect(str(tmp_path / "standby.sock"))
+            stranger.sendall(nonsense)
+            assert stranger.recv(1) == b""
+    with request(str(tmp_path), True, []) as found:
+        assert found is not None
+    requests.close()
+
+
+def test_a_folder_of_a_standby(tmp_path):
+    assert not is_standby(str(tmp_path)), "of a box without a pair"
+    write_box(str(tmp_path), PairedBox("10.0.0.1", 8083, "ff", "key"))
+    assert is_standby(str(tmp_path))
+    write_standby(str(tmp_path), PairedStandby("the box before", "hash", "10.0.0.1", 8083))
+    assert not is_standby(str(tmp_path)), "it took over"
+    assert [partner.own_side for partner in partners_of(str(tmp_path)).values()] == [Side.BOX, Side.STANDBY]
