@@ -29,6 +29,7 @@ import resume  # noqa: E402
 import rosgraph  # noqa: E402
 import rospy  # noqa: E402
 import simulated  # noqa: E402
+import takeover  # noqa: E402
 from addresses import host_of  # noqa: E402
 from fleet import REGULAR_S, Fleet  # noqa: E402
 from processes import Box, wait  # noqa: E402
@@ -49,6 +50,7 @@ class Extent(NamedTuple):
     starts: int
     clicks: int
     kills: int
+    takeovers: int  # of each kind
     seconds: float  # for each load
     idle_seconds: float
     day_hours: float
@@ -57,10 +59,10 @@ class Extent(NamedTuple):
     reported_runs: int
 
 
-QUICK = Extent(probes=36, starts=12, clicks=5, kills=2, seconds=1.2, idle_seconds=1.0, day_hours=0.2, day_zones=2,
-               runs=200, reported_runs=50)
-FULL = Extent(probes=300, starts=100, clicks=40, kills=10, seconds=15.0, idle_seconds=10.0, day_hours=10.0, day_zones=4,
-              runs=10_000, reported_runs=1000)
+QUICK = Extent(probes=36, starts=12, clicks=5, kills=2, takeovers=1, seconds=1.2, idle_seconds=1.0, day_hours=0.2,
+               day_zones=2, runs=200, reported_runs=50)
+FULL = Extent(probes=300, starts=100, clicks=40, kills=10, takeovers=5, seconds=15.0, idle_seconds=10.0, day_hours=10.0,
+              day_zones=4, runs=10_000, reported_runs=1000)
 
 
 class Bench:
@@ -117,6 +119,10 @@ class Bench:
             taken = resume.kills(box, fleet, self.extent.kills)
         self.results.add(f"kill -9 to the resumed channels of {RESUMED} robots, median", "s", quantile(taken, 0.5), 3)
         self.results.add(f"kill -9 to the resumed channels of {RESUMED} robots, longest", "s", max(taken), 3)
+
+    def takeover(self) -> None:
+        """From the loss of the box's computer to the last robot's channel with the standby."""
+        takeover.measure(self.results, self.extent.takeovers, RESUMED)
 
     # -- many robots --------------------------------------------------------------------------------
 
@@ -365,7 +371,8 @@ def profile(robots: int, seconds: float) -> None:
 
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
-    "one", "resume", "many", "hundred", "hostile", "messages", "window", "web", "browser", "day", "journal")}
+    "one", "resume", "takeover", "many", "hundred", "hostile", "messages", "window", "web", "browser", "day",
+    "journal")}
 
 
 def main() -> int:

@@ -108,7 +108,8 @@ def test_a_box_that_was_only_cut_off(pair: Pair, measured: List[str]) -> None:
     pair.wait_followed(commanded, ports)
     plugged = pair.now()
     pair.box.plug()
-    pair.assert_box_stops(first, plugged, ports, measured)
+    both_s = pair.assert_box_stops(first, plugged, ports)
+    measured.append(f"both boxes sent to robots for {both_s:.1f} s after a cut")
 
 
 def test_an_automatic_takeover(pair: Pair, measured: List[str]) -> None:
@@ -158,7 +159,8 @@ def test_the_standby_does_not_hear_the_box_but_robots_do(pair: Pair, measured: L
         assert len(robot.did("EXECUTING")) == 1, "it stays with the box that it hears"
     healed = pair.now()
     pair.separate()
-    pair.assert_box_stops(first, healed, ports, measured)
+    both_s = pair.assert_box_stops(first, healed, ports)
+    measured.append(f"both boxes sent to robots for {both_s:.1f} s after a split")
     pair.wait_followed(healed, ports)
 
 
