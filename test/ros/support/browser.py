@@ -43,14 +43,15 @@ def find() -> Optional[str]:
 class Browser:
     """A Chromium that reaches only this machine. Close it at the end of the test."""
 
-    def __init__(self, program: str) -> None:
+    def __init__(self, program: str, *options: str) -> None:
         self._folder = tempfile.mkdtemp(prefix="roah_browser_")
         self._process = subprocess.Popen(
             [program, "--headless=new", "--remote-debugging-port=0", f"--user-data-dir={self._folder}", "--no-sandbox",
              "--no-first-run", "--no-default-browser-check", "--disable-background-networking", "--disable-sync",
              "--disable-component-update", "--disable-gpu", "--disable-backgrounding-occluded-windows",
              "--disable-renderer-backgrounding", "--disable-dev-shm-usage", "--hide-scrollbars",
-             "--proxy-server=direct://", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "about:blank"],
+             "--proxy-server=direct://", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", *options,
+             "about:blank"],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
         )
         self.errors: List[str] = []  # of the pages' own programs, and whatever could not be loaded

@@ -8,6 +8,7 @@ import os
 import pathlib
 import signal
 import urllib.request
+import uuid
 from typing import Any, Dict, Optional
 
 import rospy
@@ -18,7 +19,19 @@ from support.robots import RSBB_PORT
 from support.waiting import wait_until
 
 from roah_rsbb.msg import RunSheet
-from roah_rsbb.srv import GetJudging, GetJudgingResponse, GetRunSheet, PairDevice, RevokeDevice, SignOff
+from roah_rsbb.srv import (
+    GetJudging,
+    GetJudgingResponse,
+    GetRunSheet,
+    MarkItem,
+    MarkItemRequest,
+    PairDevice,
+    PublishResult,
+    PublishResultRequest,
+    RevokeDevice,
+    SignOff,
+    SubmitSheet,
+)
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"
@@ -395,6 +408,65 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         with self.assertRaises(rospy.ServiceException) as refused:
             rospy.ServiceProxy("/core/sign_off", SignOff)(HALL, identity, "Hugo")
         self.assertIn("publish the result as provisional first", str(refused.exception))
+
+    def submit(self, identity: str, judge: str, objects: int) -> None:
+        """A judge submits a sheet with this number of objects."""
+        for desc, change in ((OBJECTS, {"value": objects}), ("Presentation", {"text": "7"})):
+            self.box.call("judge/mark", MarkItem, MarkItemRequest(
+                zone=HALL, identity=identity, id=str(uuid.uuid4()), group="Show" if "text" in change else "Table",
+                desc=desc, change=MarkItemRequest.SET, referee=judge, role="judge", **change))
+        self.box.call("judge/submit", SubmitSheet, HALL, identity, judge, "")
+
+    def give_reason(self, page: Page, form: str, reason: str) -> None:
+        """Type a reason into a form, and touch its button."""
+        self.fill(page, f"{form} > label:last-of-type input", reason)
+        self.tap(page, f"{form} > button")
+
+    def test_look_again_withdrawal_objection_and_the_final_result(self) -> None:
+        identity = self.judged()
+        self.submit(identity, "Ann", 2)
+        self.submit(identity, "Ben", 3)
+        run = f"[data-run={json.dumps(identity)}] "
+        head, ben = self.paired("referee", "Hugo", zone=HALL), self.paired("judge", "Ben", zone=HALL)
+        ben.wait(f"{TEXT}.includes('submitted and locked')", "the sheet is locked")
+        self.tap(head, run + "details:nth-of-type(1) > summary")
+        sheet_of_ann, sheet_of_ben = (f"{run}details:nth-of-type(1) > div:nth-of-type({number}) " for number in (1, 2))
+        self.give_reason(head, sheet_of_ben + "[data-form=hand_back]", "count once more")
+        ben.wait(f"{TEXT}.includes('asks you to look again: count once more')", "the judge reads why")
+        head.wait(f"{TEXT}.includes('Ben: looks again')", "the head referee sees it")
+        self.assertEqual(list(self.judging(identity).judged), [], "the values are hidden again")
+        self.tap(ben, run + item(OBJECTS, 1))
+        ben.wait("marks.waiting.length === 0", "the mark is confirmed")
+        self.press_twice(ben, "submit", "press again")
+        head.wait(f"{TEXT}.includes('Ben: has submitted') && !{TEXT}.includes('Items to settle')", "the judges agree")
+        self.give_reason(head, sheet_of_ann + "[data-form=withdraw]", "another team's judge")
+        head.wait(f"!{TEXT}.includes('Ann:') && {TEXT}.includes('missing: 1 of 2')", "Ann's place is free")
+        self.give_reason(head, run + "[data-form=waive]", "nobody else is here")
+        head.wait(f"{TEXT}.includes('not waited for: nobody else is here')", "nobody is waited for")
+        self.assertEqual([list(one.judges) for one in self.judging(identity).judged], [["Ben"]] * 3)
+        self.tap(head, run + "details:nth-of-type(2) > summary")
+        self.press_twice(head, "publish", "press again")
+        head.wait(f"{TEXT}.includes('provisional · objections until')", "it is published")
+        objection = run + "[data-form=object]"
+        self.fill(head, objection + " > label:first-of-type input", "Epsilon")
+        self.give_reason(head, objection, "the cup was away")
+        head.wait(f"{TEXT}.includes('objections to answer: 1')", "the objection is listed")
+        self.assert_accessible("objection", head)
+        head.screenshot(SHOTS / "web_judges_objection.png")
+        self.give_reason(head, run + "[data-form=reject]", "it was there")
+        head.wait(f"{TEXT}.includes('rejected: it was there')", "it is answered")
+        (answered,) = self.judging(identity).objections
+        self.assertEqual((answered.by, answered.text, answered.upheld, answered.answer),
+                         ("Epsilon", "the cup was away", False, "it was there"))
+        self.press_twice(head, "sign_off", "press again")
+        head.wait(f"{TEXT}.includes('objections are possible until')", "the page says why it is not final")
+        self.box.call("publication", PublishResult, PublishResultRequest(
+            zone=HALL, identity=identity, action=PublishResultRequest.PUBLISH, seconds=0.0, referee="Hugo"))
+        head.wait(f"{TEXT}.includes('the time for objections is over')", "the limit is over")
+        self.press_twice(head, "sign_off", "press again")
+        head.wait(f"document.querySelector({json.dumps(run.strip())}) === null", "the result is final")
+        signed = rospy.ServiceProxy("/core/run_sheet", GetRunSheet)(HALL, identity).sheet.summary.signed_by
+        self.assertIn("Hugo, Linux", signed)
 
     def test_an_organiser_chooses_the_zone(self) -> None:
         kill(GATEWAY)  # the new one does not know the zones before a device asks for them

@@ -1,0 +1,76 @@
+"""Encrypted pages in a real browser: a phone that trusts the certificate of `new_competition`, and one not."""
+
+import base64
+import hashlib
+import pathlib
+import tempfile
+
+import rospy
+from cryptography import x509
+from cryptography.hazmat.backends import default_backend
+from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
+from support.box_case import BoxCase
+from support.browser import Browser, NeedsBrowser, find
+from support.programs import Program, own, run
+from support.waiting import LIMIT_S
+
+from roah_rsbb.srv import PairDevice
+from roah_rsbb.tools.competition.certificate import AUTHORITY, CERTIFICATE, KEY
+from roah_rsbb.web.writing import ENCRYPTED_COOKIE
+
+HOST, NODE, ZONE, PHONE = "127.0.0.1", "roah_rsbb_web_encrypted", "Room", (360, 740)
+TEXT = "document.body.innerText"
+
+
+def key_of(authority: pathlib.Path) -> str:
+    """What Chromium calls the key of a certificate that it is to trust."""
+    certificate = x509.load_pem_x509_certificate(authority.read_bytes(), default_backend())
+    key = certificate.public_key().public_bytes(Encoding.DER, PublicFormat.SubjectPublicKeyInfo)
+    return base64.b64encode(hashlib.sha256(key).digest()).decode()
+
+
+class TestEncryption(NeedsBrowser, BoxCase):
+    """A second gateway of the box, with a certificate."""
+
+    PAGES = "encrypted pages"
+
+    def test_a_command_over_https_from_a_phone_that_trusts_the_authority(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        folder = pathlib.Path(temporary.name)
+        made = run(own("new_competition"), "--certificate", str(folder), "--names", HOST)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        services = [f"/web/{name}:=/{NODE}/{name}" for name in ("pair", "sessions", "revoke")]
+        gateway = self._leaving(Program(
+            own("roah_rsbb_web"), f"__name:={NODE}", "_rsbb_host:=127.255.255.255", f"_web_host:={HOST}",
+            "_web_port:=0", f"_log_dir:={folder}", f"_web_cert:={folder / CERTIFICATE}", f"_web_key:={folder / KEY}",
+            *services))
+        gateway.wait_printed("The web pages: open https://")
+        rospy.wait_for_service(f"/{NODE}/pair", LIMIT_S)
+        url = rospy.ServiceProxy(f"/{NODE}/pair", PairDevice)("referee", ZONE).url
+        self.assertTrue(url.startswith(f"https://{HOST}:"), url)
+
+        stranger = self._leaving(self.browser.page(url, *PHONE))
+        self.assertEqual(stranger.get("location.protocol"), "chrome-error:")
+
+        # What the phone does with the file of the authority: it has no other reason to trust the certificate.
+        browser = Browser(find(), f"--ignore-certificate-errors-spki-list={key_of(folder / AUTHORITY)}")
+        self.addCleanup(browser.close)
+        page = browser.page(url, *PHONE)
+        self.assertTrue(page.get("isSecureContext"))
+        page.wait("document.querySelector('#person') !== null", "the form is shown")
+        self.assertFalse(page.get(f"{TEXT}.includes('is not encrypted')"))
+        page.get("document.querySelector('#person').value = 'Anna'")
+        page.touch_at("form button")
+        page.wait_address("/referee")
+        # Zones come by a WebSocket. A page of https may open encrypted ones only.
+        page.wait("document.querySelector('.run') !== null", "the zone is shown")
+        (cookie,) = page.command("Network.getCookies")["cookies"]
+        self.assertEqual({name: cookie[name] for name in ("name", "secure", "httpOnly", "sameSite")},
+                         {"name": ENCRYPTED_COOKIE, "secure": True, "httpOnly": True, "sameSite": "Strict"})
+        before = self.box.zone(ZONE).run
+        page.get("window.presses = 0, 0")
+        page.wait("(b => b && !b.matches(':disabled') && (b.textContent.includes('press again') ? (b.click(), true) : "
+                  "(presses++ || b.click(), false)))(document.querySelector('button[data-command=next]'))", "next asks")
+        self.box.wait_zone(ZONE, lambda zone: zone.run == before + 1, "the command reached the core")
+        self.box.command("previous", ZONE)
