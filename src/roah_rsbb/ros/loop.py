@@ -11,6 +11,8 @@ from typing import Any, Callable, Dict, TypeVar
 
 import rospy
 
+from roah_rsbb.ros.log_lines import LogLines
+
 T = TypeVar("T")
 
 # A referee's command takes milliseconds. A longer wait would only hide that the core is stuck.
@@ -32,6 +34,7 @@ class RosLoop:
         self.loop = asyncio.new_event_loop()
         self.loop.set_exception_handler(_log_failure)
         self._why = "shutdown"
+        self._log_lines = LogLines()
 
     def call(self, function: Callable[[], T]) -> T:
         """From a thread of rospy: run a function in the loop's thread, and return its result or raise its exception."""
@@ -80,5 +83,6 @@ class RosLoop:
             # ROS may shut down at the same moment and stop the loop: then the tasks are dropped.
             with contextlib.suppress(RuntimeError):
                 self.loop.run_until_complete(asyncio.wait(tasks, timeout=END_TASKS_S))
+        self._log_lines.close()
         rospy.signal_shutdown(self._why)
         self.loop.close()

@@ -1,0 +1,44 @@
+"""Log lines are handled in another thread, in their order, and none is lost."""
+
+import logging
+import threading
+
+import pytest
+
+from roah_rsbb.ros.log_lines import LogLines
+
+
+class Slow(logging.Handler):
+    """As rospy's handler while the ROS master does not answer."""
+
+    def __init__(self):
+        super().__init__()
+        self.answers = threading.Event()
+        self.lines = []
+
+    def emit(self, record):
+        assert self.answers.wait(10.0)
+        self.lines.append((threading.current_thread(), record.levelname, record.getMessage()))
+
+
+@pytest.fixture
+def slow():
+    handler = Slow()
+    logger = logging.getLogger("slow")
+    logger.addHandler(handler)
+    yield handler
+    assert logger.handlers == [handler]
+    logger.removeHandler(handler)
+
+
+def test_lines_wait_for_the_master_and_their_thread_does_not(slow):
+    lines = LogLines("slow")
+    for number in range(3):
+        logging.getLogger("slow").warning("line %d", number)
+    assert slow.lines == []
+    slow.answers.set()
+    lines.close()
+    logging.getLogger("slow").error("the last one")
+    threads, *rest = zip(*slow.lines)
+    assert threads[0] is threads[2] is not threading.current_thread() is threads[3]
+    assert list(zip(*rest)) == [*(("WARNING", f"line {n}") for n in range(3)), ("ERROR", "the last one")]
