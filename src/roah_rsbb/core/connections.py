@@ -64,13 +64,13 @@ class Connections:
         self._reopen_at: Dict[int, float] = {}  # port -> monotonic time (s)
         self._listed: Tuple[BenchmarkingRobot, ...] = ()
         self._listed_of: List[Run] = []
-        self._off: Dict[Tuple[RobotId, ...], List[str]] = {}  # see `off`
-        self._off_after = 0  # the port to which that belongs
+        self._off: Dict[Tuple[RobotId, ...], List[str]] = {}  # what `off` returns besides the runs of `_listed_of`
 
     # -- looking ------------------------------------------------------------------------------------
 
     def listed(self) -> Tuple[BenchmarkingRobot, ...]:
-        """The robots in runs, as the beacon lists them."""
+        """The robots in runs, as the beacon lists them. Whenever a port is taken, a zone's run is set, and the list of
+        members is another one."""
         members = self._zones.members()
         if members is not self._listed_of:
             self._listed_of, self._off = members, {}
@@ -80,8 +80,8 @@ class Connections:
     def off(self, robots: Sequence[RobotId]) -> List[str]:
         """Return why a run of these robots is not possible besides the present runs; empty: it is."""
         listed, key = self.listed(), tuple(robots)
-        if self._off_after != self._last_port or len(self._off) > MAX_ROBOTS:
-            self._off_after, self._off = self._last_port, {}
+        if len(self._off) > MAX_ROBOTS:
+            self._off.clear()
         if key not in self._off:
             capacity = Capacity(self._beacon_size, self._settings.max_datagram, self._last_port, listed)
             self._off[key] = capacity.off(robots)

@@ -187,3 +187,17 @@ def test_every_referee_is_warned_before_ports_leave_the_range_of_firewalls(last_
         assert found == []
     else:
         assert [f"{reported} are left of 6666 to 7000" in text for text in found] == [True]
+
+
+def test_what_prevents_a_connection_is_of_these_robots_and_these_ports():
+    long_name = "r" * 60
+    driver = BoxDriver(competition(tbm=["HGTKMH"], other=[event("HWV", team="Beta")]),
+                       Settings(max_datagram=150), last_port=65534,
+                       beacon_size=lambda beacon: 100 + sum(len(robot.robot) for robot in beacon.robots))
+    driver.robot("Alpha", "r1").beacon()
+    driver.robot("Beta", long_name, "10.0.0.3").beacon()
+    assert driver.off("connect", "tbm") == []
+    assert [reason[:36] for reason in driver.off("connect", "other")] == ["The beacon may need 160 bytes with o"]
+    driver.command("open_sheet", "tbm")
+    assert [reason[:36] for reason in driver.off("connect", "other")] == [
+        "All UDP ports up to 65535 are used u", "The beacon may need 160 bytes with o"]
