@@ -335,6 +335,9 @@ def _pairing(commands) -> None:
     which = one.add_mutually_exclusive_group()
     which.add_argument("--revoke", metavar="ID", help="end the pairing of this device at once")
     which.add_argument("--revoke-all", action="store_true", help="end all pairings at once")
+    one = _add(commands, "team-codes", "list the codes with which teams see how the box hears their robot",
+               [f"{PROG} team-codes", f"{PROG} team-codes --renew    (the codes before become invalid)"])
+    one.add_argument("--renew", action="store_true", help="give all teams new codes first")
 
 
 def _type(form: str, read: Callable[[str], T]) -> Callable[[str], T]:

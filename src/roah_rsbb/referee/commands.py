@@ -323,6 +323,7 @@ COMMANDS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
     "withdraw": _withdraw, "reason": _reason, "sign-off": _sign_off, "schedule": _schedule, "choose": _choose,
     "done": _done, "switches": _switches, "run": _run, "reload": _reload,
     "judges": judges.judges, "pair": pairing.pair, "devices": pairing.devices,
+    "team-codes": pairing.team_codes,
 }
 
 

@@ -53,6 +53,8 @@ from roah_rsbb.srv import (
     SignOff,
     StopReason,
     StopRun,
+    TeamCodes,
+    TeamCodesResponse,
     Zone,
     ZoneUInt8,
 )
@@ -377,6 +379,10 @@ class Link:
     def revoke(self, device: str) -> int:
         """End the pairing of a device (empty: of all); returns how many. Raises as `command` does."""
         return self._call("/web/revoke", RevokeDevice, device, why=NO_WEB).revoked
+
+    def team_codes(self, renew: bool) -> TeamCodesResponse:
+        """Return the codes of the teams, after giving them new ones if `renew`; raises as `command` does."""
+        return self._call("/web/team_codes", TeamCodes, renew, why=NO_WEB)
 
     def _call(self, name: str, kind: type, *request: object, why: str = "") -> Any:
         try:

@@ -1,4 +1,5 @@
-"""The terminal's commands for phones and tablets: pair one, list them, end pairings (docs/web.md, "Pairing")."""
+"""The terminal's commands for phones and tablets: pair one, list them, end pairings (docs/web.md, "Pairing"); and for
+the codes of teams (docs/web.md, "Pages of teams")."""
 
 from typing import Any, List
 
@@ -58,6 +59,24 @@ def devices(link: Link, options: Any, output: Output) -> Exit:
         ]})
     else:
         output.lines(_lines(found, output.style))
+    return Exit.OK
+
+
+def team_codes(link: Link, options: Any, output: Output) -> Exit:
+    """Print the codes of the teams."""
+    answer = link.team_codes(options.renew)
+    found = dict(zip(answer.teams, answer.codes))
+    if output.json:
+        output.object({"ok": True, "command": "team-codes", "renewed": options.renew, "team_pages": answer.team_pages,
+                       "codes": found})
+        return Exit.OK
+    width = max(map(len, map(escaped, found)), default=0)
+    lines = [f"{escaped(team):{width}}  {output.style(BOLD, code)}" for team, code in found.items()]
+    if not lines:
+        lines = ["no teams are known yet: the pages have not heard the core"]
+    if answer.team_pages == "all":
+        lines.append("team_pages is all: everybody sees the links and clocks of all teams, so codes are not needed")
+    output.lines(lines)
     return Exit.OK
 
 

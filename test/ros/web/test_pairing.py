@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import urllib.error
 import urllib.request
 from typing import Any
 
@@ -36,6 +37,17 @@ def devices() -> Any:
     return json.loads(called("devices", "--json").stdout)["devices"]
 
 
+def typed_code(code: str) -> int:
+    """The status with which the gateway answers a code that is typed on a team's page."""
+    request = urllib.request.Request(f"{URL}/api/v1/teams/Delta", json.dumps({"code": code}).encode(), {
+        "Content-Type": "application/json", "Origin": URL})
+    try:
+        with urllib.request.urlopen(request, timeout=30) as opened:
+            return opened.status
+    except urllib.error.HTTPError as refused:
+        return refused.code
+
+
 class TestPairing(NeedsBrowser, BoxCase):
     """Codes, the page that takes them, and the list of devices."""
 
@@ -55,6 +67,16 @@ class TestPairing(NeedsBrowser, BoxCase):
         page.get(f"document.querySelector('#person').value = {json.dumps(person)}")
         page.touch_at("form button")
         return page
+
+    def test_an_organiser_gets_and_renews_the_codes_of_teams_in_the_terminal(self) -> None:
+        before = json.loads(called("team-codes", "--json").stdout)["codes"]
+        self.assertIn("Delta", before)
+        listed = called("team-codes").stdout
+        self.assertTrue(any(line.split() == ["Delta", before["Delta"]] for line in listed.splitlines()), listed)
+        self.assertEqual(typed_code(before["Delta"]), 200)
+        after = json.loads(called("team-codes", "--renew", "--json").stdout)["codes"]
+        self.assertEqual((set(after), after["Delta"] == before["Delta"]), (set(before), False))
+        self.assertEqual((typed_code(before["Delta"]), typed_code(after["Delta"])), (403, 200))
 
     def test_a_phone_is_paired_and_revoked(self) -> None:
         made = json.loads(called("pair", ZONE, "--json").stdout)

@@ -1,4 +1,5 @@
-"""The services of the gateway: codes for devices, and the list of paired devices (docs/web.md, "Pairing")."""
+"""The services of the gateway: codes for devices and the list of paired devices (docs/web.md, "Pairing"), and the codes
+of teams (docs/web.md, "Pages of teams")."""
 
 from typing import Any, Callable, List, TypeVar
 
@@ -15,9 +16,12 @@ from roah_rsbb.srv import (
     PairedDevicesResponse,
     RevokeDevice,
     RevokeDeviceResponse,
+    TeamCodes,
+    TeamCodesResponse,
 )
 from roah_rsbb.web.pairing import CODE_VALID_S, ORGANISER, ROLES, Grant
 from roah_rsbb.web.server import WebServer
+from roah_rsbb.wording.device import CODES_NOT_SAVED
 from roah_rsbb.wording.suggestions import did_you_mean
 
 T = TypeVar("T")
@@ -35,6 +39,7 @@ class PairingServices:
         rospy.Service("/web/pair", PairDevice, self._pair)
         rospy.Service("/web/sessions", PairedDevices, lambda request: self._call(self._list))
         rospy.Service("/web/revoke", RevokeDevice, self._revoke)
+        rospy.Service("/web/team_codes", TeamCodes, self._team_codes)
 
     def _pair(self, request: Any) -> PairDeviceResponse:
         problem = texts.too_long(request)
@@ -79,6 +84,23 @@ class PairingServices:
         for one in ended:
             rospy.loginfo("Pairing ended: %s", one.who)
         return RevokeDeviceResponse(len(ended))
+
+    def _team_codes(self, request: Any) -> TeamCodesResponse:
+        codes = self._server.team_codes
+
+        def listed() -> TeamCodesResponse:
+            if request.renew:
+                codes.renew()
+            teams = self._server.store.teams()
+            return TeamCodesResponse(self._server.team_pages, teams, [codes.code(team) for team in teams])
+
+        try:
+            answer = self._ros.call(listed)
+        except OSError as error:
+            raise rospy.ServiceException(CODES_NOT_SAVED.format(error=error)) from None
+        if request.renew:
+            rospy.loginfo("All teams have new codes")
+        return answer
 
     def _call(self, function: Callable[[], T]) -> T:
         try:
