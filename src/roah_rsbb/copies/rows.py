@@ -21,7 +21,7 @@ from roah_rsbb.journal import file as files
 from roah_rsbb.journal import schema
 
 # Rows that are copied in one transaction.
-PART = 2000
+PART = 5000
 ALL_S = 60.0
 # SQLite locks a file without a write-ahead log while it is written.
 BUSY_S = 1.0
@@ -117,7 +117,6 @@ class JournalRows:
         try:
             self._connection = sqlite3.connect(f"{pathlib.Path(path).resolve().as_uri()}?mode=ro", uri=True,
                                                timeout=BUSY_S, isolation_level=None, check_same_thread=False)
-            self._connection.text_factory = _text
         except sqlite3.Error as error:
             raise CannotReadJournal(f"{path}: {error}") from None
 
@@ -210,10 +209,23 @@ class JournalRows:
         return Rows(tables, is_last=True)
 
     def _select(self, table: str, rest: str, values: Tuple[object, ...]) -> List[Row]:
-        return self._connection.execute(f"SELECT {', '.join(COLUMNS[table])} FROM {table} {rest}", values).fetchall()
+        return self._fetch(f"SELECT {', '.join(COLUMNS[table])} FROM {table} {rest}", values)
+
+    def _fetch(self, statement: str, values: Tuple[object, ...] = ()) -> List[Row]:
+        try:
+            return self._connection.execute(statement, values).fetchall()
+        except sqlite3.OperationalError as error:
+            if "decode" not in str(error):
+                raise
+        # Damaged text is rare, and to decode each text here takes as long as all the rest.
+        self._connection.text_factory = _text
+        try:
+            return self._connection.execute(statement, values).fetchall()
+        finally:
+            self._connection.text_factory = str
 
     def _keys(self, table: str) -> List[object]:
-        return [key for (key,) in self._connection.execute(f"SELECT {COLUMNS[table][0]} FROM {table}")]
+        return [key for (key,) in self._fetch(f"SELECT {COLUMNS[table][0]} FROM {table}")]
 
     def _differing(self, table: str, known: Known, keys: Iterable[object]) -> List[Row]:
         """Return those of these rows that the copy does not have in their present state."""

@@ -9,7 +9,7 @@ import secrets
 import socket
 import ssl
 import threading
-from typing import Callable, Optional
+from typing import Callable, Optional, TypeVar
 
 from roah_rsbb.copies.copy import CannotWriteCopy
 from roah_rsbb.journal import epochs
@@ -21,6 +21,8 @@ from roah_rsbb.standby.pairing import KEY_BYTES, NONCE_BYTES, Codes, Exchange, h
 from roah_rsbb.standby.partners import FOLDER, PairedStandby, partners_of, read_standby, write_standby
 from roah_rsbb.standby.remote import RemoteCopy
 from roah_rsbb.standby.words import rejoin_proof
+
+T = TypeVar("T")
 
 # Connections of strangers that are served at a time.
 MAX_STRANGERS = 8
@@ -85,12 +87,12 @@ class BoxEnd:
             raise CannotWriteCopy("no standby is paired yet. The log of roah_rsbb_backup shows the code")
         if channel is None:
             raise CannotWriteCopy(_NOT_CONNECTED)
-        return RemoteCopy(lambda message: self._request(channel, message))
+        return RemoteCopy(lambda message: self._doing(channel, lambda: channel.send(message)),
+                          lambda: self._doing(channel, channel.receive))
 
-    def _request(self, channel: Channel, message: Message) -> Message:
+    def _doing(self, channel: Channel, step: Callable[[], T]) -> T:
         try:
-            channel.send(message)
-            return channel.receive()
+            return step()
         except (Lost, BadMessage) as error:
             self._drop(channel)
             raise CannotWriteCopy(f"{_NOT_CONNECTED} ({error})") from None

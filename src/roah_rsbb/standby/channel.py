@@ -37,6 +37,8 @@ class Channel:
 
     def __init__(self, connection: socket.socket) -> None:
         connection.settimeout(TIMEOUT_S)
+        # The end of a large message must not wait until its beginning was acknowledged.
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._connection = connection
 
     def send(self, message: Message) -> None:

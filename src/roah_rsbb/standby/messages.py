@@ -1,6 +1,6 @@
 """The messages between box and standby: JSON objects, each with its length before it.
 
-A message of the box is a request, which the standby answers before the next one. Requests can be repeated: what is
+A message of the box is a request. The standby answers all of them in their order. Requests can be repeated: what is
 missing is computed from what the standby says it has.
 """
 
@@ -14,7 +14,7 @@ from roah_rsbb.copies.copy import FILES, FileContent
 from roah_rsbb.copies.rows import APPENDED, COLUMNS, Known, Last, Rows
 
 LENGTH = struct.Struct(">I")
-# A part of the journal has 2000 rows. Before a standby is known, messages are small.
+# A part of the journal has 5000 rows. Before a standby is known, messages are small.
 MAX_BYTES = 200_000_000
 MAX_BYTES_OF_STRANGERS = 4096
 
@@ -39,8 +39,8 @@ def encode(message: Message) -> bytes:
 def decode(data: bytes) -> Message:
     """Read a message. Raises `BadMessage`."""
     try:
-        message = json.loads(data.decode("utf-8", "surrogatepass"))
-    except (ValueError, RecursionError):
+        message = json.loads(data.decode("utf-8", "surrogatepass"), object_hook=_read_object)
+    except (ValueError, TypeError, RecursionError):
         raise BadMessage("it is not JSON") from None
     if not isinstance(message, dict):
         raise BadMessage("it is not an object")
@@ -48,18 +48,18 @@ def decode(data: bytes) -> Message:
 
 
 def rows_message(rows: Rows) -> Message:
-    """Return rows as a part of a message."""
-    return {"tables": rows.tables, "is_last": rows.is_last}
+    """Return rows as a part of a message: column by column, which takes less time to write and to read."""
+    return {"tables": {table: list(zip(*found)) for table, found in rows.tables.items()}, "is_last": rows.is_last}
 
 
 def rows_of(message: Message) -> Rows:
     """The opposite of `rows_message`. Raises `BadMessage`."""
     tables: Dict[str, List[tuple]] = {}
     try:
-        for table, found in message["tables"].items():
-            tables[table] = [tuple(map(_value, row)) for row in found]
-            if any(len(row) != len(COLUMNS[table]) for row in tables[table]):
+        for table, columns in message["tables"].items():
+            if len(columns) not in (0, len(COLUMNS[table])) or len(set(map(len, columns))) > 1:
                 raise BadMessage(f"rows of {table} have other columns")
+            tables[table] = list(zip(*columns))
         return Rows(tables, bool(message["is_last"]))
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise BadMessage(f"rows: {error!r}") from None
@@ -106,5 +106,5 @@ def _bytes_value(value: object) -> Message:
     raise TypeError(value)
 
 
-def _value(value: Any) -> object:
-    return bytes.fromhex(value["hex"]) if isinstance(value, dict) else value
+def _read_object(value: Message) -> object:
+    return bytes.fromhex(value["hex"]) if value.keys() == {"hex"} else value

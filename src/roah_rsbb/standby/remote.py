@@ -20,12 +20,17 @@ OPEN, WRITE, SET_ASIDE, BEAT = "open", "write", "set_aside", "beat"
 
 
 class RemoteCopy(Copy):
-    """The box's end: a copy in a folder of the standby."""
+    """The box's end: a copy in a folder of the standby.
 
-    def __init__(self, request: Callable[[Message], Message]) -> None:
-        """`request` sends a message and returns its answer, or raises `CannotWriteCopy`."""
+    A part that is not the last is written by the standby while the box reads the next one. If it could not be written,
+    the copy is closed, and what it has is asked again when it is opened.
+    """
+
+    def __init__(self, send: Callable[[Message], None], receive: Callable[[], Message]) -> None:
+        """`send` sends a message, and `receive` waits for its answer. Both raise `CannotWriteCopy`."""
         super().__init__()
-        self._request = request
+        self._send, self._receive = send, receive
+        self._is_answer_due = False
         self._open(OPEN)
 
     def check(self) -> None:
@@ -34,9 +39,14 @@ class RemoteCopy(Copy):
 
     def write(self, rows: Rows, beside: FileContent) -> None:
         """Send rows and files."""
-        answer = self._ask({"do": WRITE, "rows": rows_message(rows), "files": files_message(beside)})
+        message = {"do": WRITE, "rows": rows_message(rows), "files": files_message(beside)}
+        if rows.is_last:
+            self.box_uuid = str(self._ask(message).get("box_uuid", ""))
+        else:
+            self._take_answer()
+            self._send(message)
+            self._is_answer_due = True
         self.known.add(rows)
-        self.box_uuid = str(answer.get("box_uuid", ""))
 
     def set_aside(self) -> None:
         """Let the standby begin a new copy."""
@@ -54,7 +64,17 @@ class RemoteCopy(Copy):
         self.box_uuid, self.aside = str(answer.get("box_uuid", "")), str(answer.get("aside", ""))
 
     def _ask(self, message: Message) -> Message:
-        answer = self._request(message)
+        self._take_answer()
+        self._send(message)
+        return self._answer()
+
+    def _take_answer(self) -> None:
+        if self._is_answer_due:
+            self._is_answer_due = False
+            self._answer()
+
+    def _answer(self) -> Message:
+        answer = self._receive()
         if "error" in answer:
             raise CannotWriteCopy(f"the standby reports: {answer['error']}")
         return answer

@@ -28,7 +28,15 @@ class Link:
         self.is_down = False
 
     def open_copy(self):
-        return RemoteCopy(self.request)
+        answers = []  # of this connection; None: it is lost
+
+        def receive():
+            answer = answers.pop(0)
+            if answer is None:
+                raise CannotWriteCopy("answer lost")
+            return answer
+
+        return RemoteCopy(lambda message: answers.append(self.request(message)), receive)
 
     def request(self, message):
         fault = self.faults.pop(0) if self.faults else ""
@@ -37,11 +45,9 @@ class Link:
         answer = self._answer(message)
         if fault == "doubled":
             answer = self._answer(message)
-        if fault == "answer lost":
-            raise CannotWriteCopy("answer lost")
         if fault == "standby restarts":
             self.receiver.close()
-        return answer
+        return None if fault == "answer lost" else answer
 
     def _answer(self, message):
         return decode(encode(self.receiver.answer(decode(encode(message)))))
@@ -149,3 +155,25 @@ def test_data_that_cannot_be_read(data):
 
 def test_damaged_values_pass_unchanged():
     assert decode(encode({"v": [1, 1.5, None, "\udcff", float("inf")]}))["v"] == [1, 1.5, None, "\udcff", float("inf")]
+
+
+def test_the_box_reads_the_next_part_while_the_standby_writes(ends, monkeypatch):
+    monkeypatch.setattr(rows, "PART", 5)
+    happened = []
+    open_copy = ends.link.open_copy
+
+    def open_noted():
+        copy = open_copy()
+        send, receive = copy._send, copy._receive
+        copy._send = lambda message: (happened.append("send"), send(message))[1]
+        copy._receive = lambda: (happened.append("receive"), receive())[1]
+        return copy
+
+    ends.follower = Follower(str(ends.log_dir), open_noted)
+    for number in range(12):
+        ends.writer.entry("/notification", number)
+    missing = rows.JournalRows.missing
+    monkeypatch.setattr(rows.JournalRows, "missing", lambda *args: (happened.append("read"), missing(*args))[1])
+    assert ends.is_complete()
+    assert happened == ["send", "receive", "read", "send", "read", "receive", "send", "read", "receive", "send",
+                        "receive"]
