@@ -103,6 +103,16 @@ class Box:
             **{f"{name}_file": self._folder / f"{name}.yaml" for name in ("benchmarks", "schedule", "passwords")},
         })
 
+    @property
+    def log_dir(self) -> pathlib.Path:
+        """The folder of its journal."""
+        return self._folder / "log"
+
+    @property
+    def passwords(self) -> pathlib.Path:
+        """Its file of passwords."""
+        return self._folder / "passwords.yaml"
+
     def _started(self, profile: str, settings: Dict[str, object]) -> Measured:
         launcher = [sys.executable] if not profile else [sys.executable, "-m", "cProfile", "-o", profile]
         return Measured(

@@ -18,6 +18,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 sys.path.insert(0, str(ROOT / "test" / "ros"))
 
+import copying  # noqa: E402
 import gateway  # noqa: E402
 import hostile  # noqa: E402
 import load  # noqa: E402
@@ -350,6 +351,25 @@ class Bench:
             few_s = report.seconds
 
 
+    # -- standby --------------------------------------------------------------------------------------
+
+    def copying(self) -> None:
+        """The copy on a standby: behind by how much, its cost for the core, and a new standby of many runs."""
+        with box_in_runs(copying.ZONES) as (box, fleet):
+            late_ms = copying.lag_ms(box, fleet, self.extent.seconds, load.ORIGINAL_PERIOD_S)
+            self.results.add_spread(f"copy of the journal behind, {copying.ZONES} zones", "ms", late_ms, {0.99: 100})
+            self._settle(fleet)
+            costs = copying.beside(box, fleet, self.extent.probes)
+        for has_standby, cost in costs.items():
+            name = f"{copying.ZONES} zones, {'with' if has_standby else 'without'} a standby"
+            self.results.add_spread(f"reaction, {name}", "ms", cost.reaction_ms, {0.99: 10})
+            self.results.add(f"core, {name}: CPU", "% of a core", cost.core_percent)
+        more = costs[True].core_percent - costs[False].core_percent
+        self.results.add("core: CPU that a standby adds", "% of a core", more, 1)
+        self.results.add(f"standby of a journal with {self.extent.runs} runs: paired again after", "s",
+                         copying.paired_again_s(self.extent.runs), 30)
+
+
 @contextlib.contextmanager
 def box_in_runs(count: int, profile: str = "", idle: Optional[Callable[[Box], None]] = None
                 ) -> Iterator[Tuple[Box, Fleet]]:
@@ -371,7 +391,7 @@ def profile(robots: int, seconds: float) -> None:
 
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
-    "one", "resume", "takeover", "many", "hundred", "hostile", "messages", "window", "web", "browser", "day",
+    "one", "resume", "takeover", "copying", "many", "hundred", "hostile", "messages", "window", "web", "browser", "day",
     "journal")}
 
 
