@@ -12,7 +12,7 @@ import sys
 import uuid
 import xmlrpc.client
 from http.client import HTTPConnection, HTTPException
-from typing import Any, Callable, List, Optional
+from typing import Any, Callable, List, Optional, Tuple
 from xml.parsers.expat import ExpatError
 
 import rosgraph
@@ -20,20 +20,24 @@ import rospy
 
 from roah_rsbb.arguments import Parser, number
 from roah_rsbb.core.referee import Refused
+from roah_rsbb.core.views.explained import Explanation, explanations
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
     CoreToPublic,
+    Judgings,
     PublicBoard,
     PublicDetails,
+    PublicExplained,
     Results,
     RunClocks,
     Schedule,
     Unsaved,
 )
 from roah_rsbb.nodes.core import public_convert
+from roah_rsbb.nodes.core.judging_convert import JudgingBoard
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.public_board import PublicBoardMaker
 from roah_rsbb.nodes.core.results_convert import ResultsBoard
@@ -127,15 +131,18 @@ class ReplayNode:
         box = shown.box
         self._panels = PanelMessages(box, self._uuid, "")
         self._results = ResultsBoard(box, self._uuid)
+        self._judging = JudgingBoard(box, self._uuid)
         self._schedule = ScheduleBoard(box, self._uuid)
         self._public = public_convert.PublicSchedule(box)
         self._board = PublicBoardMaker(box, self._uuid, {}, {})
+        self._last_explained: Optional[Tuple[Explanation, ...]] = None
         self._topics = {
             kind: rospy.Publisher(name, kind, queue_size=1, latch=True) for name, kind in (
                 (GUI_TOPIC, CoreToGui), ("/core/details", CoreDetails), ("/core/clocks", RunClocks),
                 ("/core/results", Results), ("/core/schedule", Schedule), ("/core/unsaved", Unsaved),
-                ("/core/to_public", CoreToPublic), ("/core/public_details", PublicDetails),
-                ("/core/public_board", PublicBoard),
+                ("/core/judging", Judgings), ("/core/to_public", CoreToPublic),
+                ("/core/public_details", PublicDetails), ("/core/public_board", PublicBoard),
+                ("/core/public_explained", PublicExplained),
             )
         }
         CoreServices(box, self._ros, self._event)
@@ -184,20 +191,29 @@ class ReplayNode:
         # Panels call a message with the clock of the one before old, also at the end, where the clock is paused.
         box, now = self._shown.box, self._shown.now.later(self._ticks * CLOCK_STEP_S)
         self._results.on_record_changed()
+        self._judging.on_record_changed()
         messages: List[Any] = [
             self._panels.to_gui(now, {}), self._panels.details(now), self._panels.clocks(now),
-            self._results.take(now) if self._ticks % PUBLIC_EVERY == 0 else None,
         ]
         if self._ticks % PUBLIC_EVERY == 0:
             public = self._public.to_public(now)
             public.clock = f"{PREFIX}{public.clock}"
             view = public_view(box, now, PublicResults.NONE)
             messages += [public, public_convert.public_details(view, now, self._uuid), self._board.take(view),
-                         self._schedule.take(now)]
+                         self._explained(), self._schedule.take(now), self._results.take(now), self._judging.take(now)]
         for message in messages:
             if message is not None:
                 publisher = next(topic for kind, topic in self._topics.items() if isinstance(message, kind))
                 publisher.publish(message)
+
+    def _explained(self) -> Optional[PublicExplained]:
+        """Return the runs explained for spectators if that changed. As with results, it is not known whether spectators
+        saw the robots' texts, so these are left out."""
+        explained = explanations(self._shown.box, PublicResults.NONE, with_texts=False)
+        if explained == self._last_explained:
+            return None
+        self._last_explained = explained
+        return public_convert.public_explained(explained, self._uuid)
 
     def _fail(self, text: str) -> None:
         rospy.logfatal("%s", text)

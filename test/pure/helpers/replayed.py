@@ -2,7 +2,7 @@
 
 from decimal import Decimal
 from random import Random
-from typing import NamedTuple
+from typing import NamedTuple, Tuple
 
 from helpers.competition import BUMPS, DOOR, OBJECTS, competition, event
 from helpers.journaled import NO_LISTENING, JournaledDriver
@@ -10,6 +10,8 @@ from helpers.module_player import FakeModules, does_goal
 from helpers.results_of import EVIL
 from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
 from roah_rsbb.core.views import views
+from roah_rsbb.core.views.explained import Explanation, explanations
+from roah_rsbb.core.views.public import PublicResults
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import PhaseRule, Rules
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
@@ -25,6 +27,7 @@ class Look(NamedTuple):
     utc: float
     view: views.ZoneView
     desc: str
+    explained: Tuple[Explanation, ...]  # without what the robots say
 
 
 class ReplayedCompetition(JournaledDriver):
@@ -51,9 +54,10 @@ class ReplayedCompetition(JournaledDriver):
     def look(self):
         """Note what the box shows now."""
         self.jump(LOOK_S)
+        explained = explanations(self.box, PublicResults.NONE, with_texts=False)
         for view in views.zones(self.box, self.now):
             if view.identity:
-                look = Look(self.now.utc, view, self.run_in(view.zone).desc)
+                look = Look(self.now.utc, view, self.run_in(view.zone).desc, explained)
                 self.looks.setdefault(view.identity, []).append(look)
         self.jump(LOOK_S)
 

@@ -10,6 +10,8 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.views import views
+from roah_rsbb.core.views.explained import explanations
+from roah_rsbb.core.views.public import PublicResults
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuration, read_run
 from roah_rsbb.wording.replay import PREFIX, is_replay
@@ -58,6 +60,7 @@ def test_every_moment_is_that_of_the_box(played):
         box.show(look.utc)
         found = {view.zone: view for view in views.zones(box.box, box.now)}
         assert_same(found[look.view.zone], look.view)
+        assert explanations(box.box, PublicResults.NONE, with_texts=False) == look.explained
 
 
 def test_a_silent_robot_is_reported_when_it_was(played):

@@ -17,7 +17,7 @@ from support.programs import Program, own, run
 from support.waiting import wait_until
 
 from roah_rsbb.journal.file import FILE_NAME
-from roah_rsbb.msg import CoreDetails
+from roah_rsbb.msg import CoreDetails, Judgings, PublicExplained
 from roah_rsbb.wording.replay import PREFIX
 
 REASON = ("This is a replay of HGTKMH, team Alpha, round 1, run 1: nothing here is live, and commands have no effect")
@@ -53,10 +53,21 @@ class TestReplay(OwnCoreCase):
         heard: List[CoreDetails] = []
         followed = rospy.Subscriber("/core/details", CoreDetails, heard.append)
         self.addCleanup(followed.unregister)
+        explained: List[PublicExplained] = []
+        judged: List[Judgings] = []
+        for name, kind, found in (("/core/public_explained", PublicExplained, explained),
+                                  ("/core/judging", Judgings, judged)):
+            self.addCleanup(rospy.Subscriber(name, kind, found.append).unregister)
         replay = self._leaving(Program(own("replay"), journal, identity))
         replay.wait_printed("The run is over. Its last moment stays")
         wait_until(lambda: heard and heard[-1].zones[0].phase == "idle", "the end of the run is heard")
         wait_until(lambda: self.box.public and self.box.public.clock.startswith(PREFIX), "the public display is marked")
+        wait_until(lambda: explained and not explained[-1].runs, "nothing is explained after the run")
+        marked = [message for message in explained if message.box_uuid.startswith(PREFIX)]
+        doing = [run.doing for message in marked for run in message.runs]
+        self.assertEqual((doing[0], doing[-1]), ("waiting", "ended"))
+        self.assertIn("executing", doing)
+        self.assertEqual([message.runs for message in judged if message.box_uuid.startswith(PREFIX)], [[]])
         messages = [message for message in heard if message.box_uuid.startswith(PREFIX)]
         zones = [zone for message in messages for zone in message.zones]
         phases = [phase for phase, _ in itertools.groupby(zone.phase for zone in zones)]
