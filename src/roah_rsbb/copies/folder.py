@@ -55,7 +55,6 @@ class CopyFolder(Copy):
         with self._writing():
             if not os.path.isdir(folder):
                 raise CannotWriteCopy("the folder is missing. Plug the stick in again, or create the folder")
-            self._device = os.stat(folder).st_dev
             self._lock = _locked(f"{self.path}.lock")
             try:
                 self._open()

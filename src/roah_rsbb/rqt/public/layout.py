@@ -56,10 +56,6 @@ class Rect(NamedTuple):
             x += width + gap
         return [*found, Rect(x, self.y, max(0.0, self.right - x), self.h)]
 
-    def inset(self, by: float) -> "Rect":
-        """Return the rectangle reduced by this margin."""
-        return Rect(self.x + by, self.y + by, self.w - 2 * by, self.h - 2 * by)
-
 
 class Screen(NamedTuple):
     """The parts of a screen of this size."""
