@@ -3,7 +3,7 @@
 import ast
 import functools
 import pathlib
-from typing import NamedTuple, Tuple
+from typing import Iterator, List, NamedTuple, Tuple
 
 
 class Import(NamedTuple):
@@ -13,11 +13,21 @@ class Import(NamedTuple):
     name: str = ""
 
 
+def _statements(tree: ast.Module) -> Iterator[ast.AST]:
+    """All statements. Most nodes are expressions, which hold none."""
+    waiting: List[ast.AST] = [tree]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        for part in ("body", "orelse", "finalbody", "handlers", "cases"):
+            waiting += getattr(node, part, None) or ()
+
+
 @functools.lru_cache(maxsize=None)
 def imports_of(path: pathlib.Path) -> Tuple[Import, ...]:
     """Return all imports anywhere in a file."""
     found = []
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in _statements(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found += [Import(alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
