@@ -45,14 +45,13 @@ export class Stop {
     this.state = "sending";  // then confirmed or refused: only the answer ends it, never what the page shows
     this.reasons = [];
     this.onChange = onChange;
-    this.repeat();
   }
 
   async repeat() {
     while (this.state === "sending") {
       this.tries += 1;
-      this.show();
       const asked = send("stop", {zone: this.zone, identity: this.identity});
+      this.show();
       // The next try does not wait for an answer that may never come.
       const answer = await Promise.race([asked, wait(STOP_AGAIN_MS * 4).then(() => ({status: 0, body: {}}))]);
       if (answer.status === 200) {
@@ -93,8 +92,9 @@ export class Marks {
   add(mark) {
     const made = {...mark, id: newId(), isLate: false};
     this.waiting.push(made);
-    this.keep();
+    this.store();
     this.send(made);
+    this.onChange();
   }
 
   again() {
@@ -146,8 +146,12 @@ export class Marks {
   }
 
   keep() {
-    localStorage.setItem(KEPT, JSON.stringify(this.waiting));
+    this.store();
     this.onChange();
+  }
+
+  store() {
+    localStorage.setItem(KEPT, JSON.stringify(this.waiting));
   }
 }
 

@@ -88,9 +88,10 @@ window.addEventListener("offline", () => state.live && state.live.socket && stat
 
 async function give(name, texts, label, more = {}) {
   const zone = state.live.data["page.zone"];
+  const answered = send(name, {zone: zone.zone, ...more});  // first: a slow phone takes long to draw
   state.said = `${label} …`;
   draw();
-  const answer = await send(name, {zone: zone.zone, ...more});
+  const answer = await answered;
   state.said = answer.status === 200 ? "" : texts.refused.replace("{what}", () => label)
     .replace("{reasons}", () => reasonsText(answer, texts));
   draw();
@@ -101,8 +102,9 @@ function stopRun(zone) {
   if (state.stop && state.stop.state === "sending" && state.stop.identity === zone.identity) {
     return;
   }
-  signal(660, [150]);
   state.stop = new Stop(zone.zone, zone.identity, draw);
+  state.stop.repeat();
+  signal(660, [150]);  // after it is sent: the first sound takes long on a phone
 }
 
 async function undo(last, texts) {

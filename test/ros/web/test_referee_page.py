@@ -41,6 +41,18 @@ PHONE, LAPTOP = (360, 740), (1280, 800)
 TEXT = "document.body.innerText"
 HALL, OBJECTS, EMPTY = "Hall", "Objects put away", "Table is empty"
 ENTERS, DEVICE = "Enters Annie's room", "Operates the right device"
+# What the page did before it sent a command: whether it was drawn since the touch, and how many sounds it made.
+NOTE_SENT = """
+window.sent = {};
+let drawn = "", sounds = 0;
+const page = document.querySelector("#page"), text = () => page.innerHTML, real = window.fetch;
+window.AudioContext = class extends AudioContext { constructor() { super(); sounds += 1; } };
+page.addEventListener("click", () => { drawn = text(); }, true);
+window.fetch = (path, ...how) => {
+  sent[path.split("/").pop()] = {drawn: drawn !== text(), said: page.querySelector(".stopbar p") !== null, sounds};
+  return real(path, ...how);
+};
+"""
 
 
 def command(name: str) -> str:
@@ -152,6 +164,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         robot = self.robot("Delta")
         page = self.paired()
         self.shot("idle", page)
+        page.get(f"(() => {{ {NOTE_SENT} }})()")
         self.tap(page, command("connect"))
         self.phase("connected")
         page.wait(f"{TEXT}.includes('The run is not started')", "why STOP is off is text")
@@ -175,6 +188,9 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.hold_stop(page)
         self.phase("ended")
         page.wait(f"{TEXT}.includes('stopped')", "the page shows the end")
+        for name in ("connect", "start", "mark"):
+            self.assertFalse(page.get(f"sent.{name}.drawn"), f"{name} is sent before the page is drawn")
+        self.assertEqual(page.get("[sent.stop.said, sent.stop.sounds]"), [False, 0], "STOP is sent before all else")
         self.assertIn("Anna, Linux", self.sheet().stops[-1].who)
         history = self.sheet().history
         self.assertEqual({entry.who for entry in history}, {f"Anna, Linux ({GATEWAY})"})
