@@ -22,7 +22,6 @@ function Codes({live, words}) {
     send("GET");
   }, []);
   document.title = texts.codes;
-  document.body.dataset.layout = "list";
   if (!isPaired) {
     return html`
       <h1 class="title">${texts.codes}</h1>

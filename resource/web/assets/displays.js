@@ -84,7 +84,6 @@ function Displays({live, words}) {
     return () => clearTimeout(timer);
   }, []);
   document.title = texts.displays;
-  document.body.dataset.layout = "list";
 
   async function send(body) {
     const answer = await ask("POST", "displays", {...body, language: parameters.get("language") || words.language});

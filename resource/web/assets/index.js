@@ -14,7 +14,6 @@ function Links({title, links}) {
 
 function Index({live, words}) {
   document.title = words.title || "RoAH RSBB";
-  document.body.dataset.layout = "list";
   const runs = live.data["page.runs"] ? live.data["page.runs"].runs : [];
   const lines = live.data["page.next"] ? live.data["page.next"].lines : [];
   const done = live.data["page.results"] ? live.data["page.results"].results : [];

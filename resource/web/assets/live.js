@@ -23,7 +23,8 @@ export class BoxClock {
   }
 }
 
-// `onChange` is called when something on the page may change. `path` and `query` name the documents.
+// `onChange` is called when something on the page may change, with the names of the documents that came; none: the data
+// became old or current again. `path` and `query` name the documents.
 export class Live {
   constructor(path, query, onChange, silentS = SILENT_S) {
     this.silentS = silentS;
@@ -110,11 +111,11 @@ export class Live {
         this.data[name] = document.data;
       }
     }
-    this.watch(message.type !== "clock");
+    this.watch(message.type === "clock" ? null : Object.keys(message.documents));
   }
 
-  // Notice silence: of the gateway, or of the box behind it. A lost connection sends nothing.
-  watch(hasChanged = false) {
+  // Notice silence: of the gateway, or of the box behind it. A lost connection sends nothing. `changed`: what came.
+  watch(changed = null) {
     const now = seconds();
     const gatewayIsSilent = now - this.heardAt > this.silentS;
     if (gatewayIsSilent && this.socket && this.socket.readyState === WebSocket.OPEN) {
@@ -124,13 +125,13 @@ export class Live {
     if (isSilent && this.silentSince === null) {
       // A page that was opened in a silence has never heard the box's clock.
       this.silentSince = this.clock.at(Math.min(now, this.lastSign())) || this.said;
-      hasChanged = true;
+      changed = [];
     } else if (!isSilent && this.silentSince !== null) {
       this.silentSince = null;
-      hasChanged = true;
+      changed = [];
     }
-    if (hasChanged) {
-      this.onChange();
+    if (changed !== null) {
+      this.onChange(changed);
     }
   }
 

@@ -21,7 +21,6 @@ function Pair({live, words}) {
     ask("GET", "session").then((answer) => answer.status === 200 && setSession(answer.body));
   }, []);
   document.title = texts.pair_title;
-  document.body.dataset.layout = "list";
 
   async function pair(event) {
     event.preventDefault();

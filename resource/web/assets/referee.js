@@ -1,6 +1,6 @@
 // The page of a referee, judge or organiser on a phone, tablet or laptop (docs/web.md, "Referees").
 
-import {address, clockText, html, parameters, useEffect, useLayoutEffect, useRef, useState} from "/assets/parts.js";
+import {address, clockText, html, parameters, useEffect, useRef, useState} from "/assets/parts.js";
 import {render} from "/assets/vendor/preact-htm.js";
 import {Live} from "/assets/live.js";
 import {ask, reasonsText, roleText} from "/assets/device.js";
@@ -17,7 +17,7 @@ const SWITCHES = 10;
 const STILL_MS = 400;
 
 const language = parameters.get("language") || "";
-const state = {session: undefined, live: null, stop: null, said: "", marks: null};
+const state = {session: undefined, live: null, stop: null, said: "", marks: null, tick: null};
 
 function draw() {
   render(html`<${Page} />`, document.getElementById("page"));
@@ -61,7 +61,11 @@ function openWords() {
     draw);
 }
 
-function changed() {
+function changed(names = []) {
+  if (names.length === 1 && names[0] === "page.clock" && state.tick) {
+    state.tick();  // comes each second, and drawing the whole page takes long on a slow phone
+    return;
+  }
   const zone = state.live.data["page.zone"], zones = state.live.data["page.zones"];
   if (!state.zone && !zone && zones && zones.length > 0) {
     open(zones[0].zone);  // an organiser, and the gateway did not know the zones before
@@ -125,7 +129,14 @@ function Figure({figure, isMain}) {
     </div>`;
 }
 
-function Run({zone, clock, texts}) {
+function Run({zone, texts}) {
+  const [, redraw] = useState(0);
+  const clock = state.live.data["page.clock"];
+  useEffect(() => {
+    state.tick = () => redraw((before) => before + 1);
+    return () => (state.tick = null);
+  }, []);
+  useSignals(zone, clock);
   return html`
     <section class="run ${zone.phase}">
       <h1 class="team">${zone.team}</h1>
@@ -285,19 +296,18 @@ function useSignals(zone, clock) {
 }
 
 // What moved under the finger must not be hit: for a moment after a change of the layout, touches do nothing.
-function useStillness() {
-  const places = useRef("");
-  const timer = useRef(null);
-  useLayoutEffect(() => {
-    const now = [...document.querySelectorAll(".all section, .all form")].map((one) => one.offsetTop).join(" ");
-    if (now !== places.current && places.current !== "") {
-      document.body.dataset.moved = "moved";
-      clearTimeout(timer.current);
-      timer.current = setTimeout(() => delete document.body.dataset.moved, STILL_MS);
-    }
-    places.current = now;
-  });
+let places = "", stillTimer = null;
+function keepStill() {
+  const now = [...document.querySelectorAll(".all section, .all form")].map((one) => one.offsetTop).join(" ");
+  if (now !== places && places !== "") {
+    document.body.dataset.moved = "moved";
+    clearTimeout(stillTimer);
+    stillTimer = setTimeout(() => delete document.body.dataset.moved, STILL_MS);
+  }
+  places = now;
 }
+// Whatever drew it: a part of the page may draw itself, such as a sheet that was asked for.
+new MutationObserver(keepStill).observe(document.getElementById("page"), {subtree: true, childList: true, characterData: true});
 
 function StopBar({zone, texts, isOld}) {
   const {stop} = state;
@@ -321,15 +331,12 @@ function Page() {
   const {live, session, marks} = state;
   const data = live ? live.data : {};
   const words = data["page.words"], texts = data["page.device_words"];
-  const zone = data["page.zone"], clock = data["page.clock"];
-  useSignals(zone, clock);
-  useStillness();
+  const zone = data["page.zone"];
   if (!words || session === undefined) {
     return null;
   }
   document.documentElement.lang = words.language;
   document.title = zone ? `${zone.zone} – ${texts.referee_page}` : texts.referee_page;
-  document.body.dataset.layout = "list";
   if (session === null) {
     return html`
       <h1 class="title">${texts.not_paired}</h1>
@@ -356,7 +363,7 @@ function Page() {
       ${zone.warnings.length > 0 && html`
         <section class="warnings"><h2>${texts.warnings}</h2>
           <ul>${zone.warnings.map((text) => html`<li>⚠ ${text}</li>`)}</ul></section>`}
-      <${Run} zone=${zone} clock=${clock} texts=${texts} />
+      <${Run} zone=${zone} texts=${texts} />
       <p class="said" role="status">${state.said}</p>
       <fieldset disabled=${isOld} class="all">
         ${!judge && html`

@@ -79,7 +79,6 @@ function Team({live, words}) {
   const name = teamName();
   const isOurs = (line) => line.of_team === name || line.of_team === ALL;
   document.title = name;
-  document.body.dataset.layout = "list";
   if (!live.data["page.runs"]) {
     return html`<h1 class="title">${name}</h1><p class="waiting">${words.waiting}</p>`;
   }

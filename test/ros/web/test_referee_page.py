@@ -53,6 +53,16 @@ window.fetch = (path, ...how) => {
   return real(path, ...how);
 };
 """
+# Each drawing of the whole page reads the items of the zone.
+COUNT_DRAWS = """
+window.draws = window.ticks = 0;
+live.data["page.zone"] = new Proxy(live.data["page.zone"], {get: (zone, name) => {
+  draws += name === "items";
+  return zone[name];
+}});
+new MutationObserver(() => { ticks += 1; }).observe(
+  document.querySelector(".figure.first .time"), {characterData: true, childList: true, subtree: true});
+"""
 
 
 def command(name: str) -> str:
@@ -185,6 +195,9 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page.wait("marks.waiting.length === 0", "the marks are confirmed")
         self.assertEqual(self.values()[DEVICE], 2)
         self.shot("running", page)
+        page.get(f"(() => {{ {COUNT_DRAWS} }})()")
+        page.wait("ticks >= 2", "the clock ticks")
+        self.assertEqual(page.get("draws"), 0, "a tick of the clock draws nothing else")
         self.hold_stop(page)
         self.phase("ended")
         page.wait(f"{TEXT}.includes('stopped')", "the page shows the end")
