@@ -5,7 +5,7 @@ import json
 import random
 import time
 import urllib.request
-from typing import Callable, Dict, List, NamedTuple
+from typing import Callable, Dict, List, NamedTuple, Tuple
 
 import rospy
 from fleet import Fleet, Robot
@@ -39,6 +39,11 @@ new MutationObserver(() => {
     afterFrame(time => painted.push(time));
   }
 }).observe(document.body, {subtree: true, childList: true, characterData: true});
+"""
+# When Chromium has given the lift of a finger to the page.
+_CLICKS = """
+window.clicked = [];
+addEventListener("click", () => clicked.push(performance.now()), true);
 """
 _FIRST = _PAINTED + """
 new MutationObserver((_, observer) => {
@@ -101,15 +106,22 @@ class Pages:
         page.close()
         return taken
 
-    def taps(self, box: Box, fleet: Fleet, robot: Robot, count: int) -> List[float]:
-        """Milliseconds from a finger's lift on START until the box sends PREPARE, `count` times."""
+    def taps(self, box: Box, fleet: Fleet, robot: Robot, count: int) -> Tuple[List[float], List[float]]:
+        """Milliseconds from a finger's lift on START until the box sends PREPARE, `count` times.
+
+        Beside them: those from the lift until the page gets the click, which are Chromium's alone.
+        """
         answer = rospy.ServiceProxy("/web/pair", PairDevice)("organiser", "")
         page = self._browser.page(answer.url, *PHONE)
         page.wait("document.querySelector('#person') !== null", "the form is shown")
         page.get("document.querySelector('#person').value = 'Bench'")
         page.touch_at("form button")
         page.wait_address("/referee")
-        button, taken, dice = 'button[data-command="start"]', [], random.Random(8)
+        page.get(f"(() => {{ {_CLICKS} }})()")
+        offset_s = _offset_s(page)
+        button, dice = 'button[data-command="start"]', random.Random(8)
+        taken: List[float] = []
+        clicked: List[float] = []
         for _ in range(count):
             _reconnect(box, robot)
             page.wait(f"(b => b && !b.disabled)(document.querySelector('{button}')) && !document.body.dataset.moved",
@@ -118,9 +130,11 @@ class Pages:
             time.sleep(dice.uniform(0.05, 0.25))
             left, top, width, height = page.box(button)
             page.touch(left + width / 2, top + height / 2, lift=False)
+            at = time.monotonic()
             taken.append(fleet.ask(page.lift, robot, BoxState.PREPARE))
+            clicked.append((page.get("clicked.shift()") / 1e3 - offset_s - at) * 1e3)
         page.close()
-        return taken
+        return taken, clicked
 
     def first(self, count: int) -> List[FirstPage]:
         """What the first visit of the display takes over a slow link, `count` times."""

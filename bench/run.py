@@ -294,8 +294,9 @@ class Bench:
         taken = reaction.starts(fleet, robot, command, self.extent.starts)
         self.results.add_spread("START as the page sends it to PREPARE on the wire", "ms", taken, {0.99: 30})
         with pages.Pages(served) as shown:
-            taken = shown.taps(box, fleet, robot, self.extent.clicks)
+            taken, clicked = shown.taps(box, fleet, robot, self.extent.clicks)
         self.results.add_spread("finger lifted from START to PREPARE on the wire", "ms", taken, {0.99: 30})
+        self.results.add_spread("of this until Chromium reports the click", "ms", clicked, {})
         self._settle(fleet)
 
     def _beside_readers(self, box: Box, fleet: Fleet, served: gateway.Gateway) -> None:
