@@ -15,6 +15,7 @@ from roah_rsbb.copies import follower as module
 from roah_rsbb.copies import rows
 from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
+from roah_rsbb.copies.rows import COLUMNS
 from roah_rsbb.journal.file import FILE_NAME, Resume
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.store import Journal
@@ -258,6 +259,21 @@ def test_a_full_stick_is_reported_and_catches_up(copied):
     assert "full" in copied.trouble
     assert copied.follower.progress.missing_entries == 100
     assert copied.step()  # another file handle has no limit: there is space again
+
+
+def test_damaged_text_is_copied_too(copied):
+    """Its checksum shows the damage. Everything after it must not be missing in the copy."""
+    copied.writer.run(run_record())
+    for number in range(3):
+        copied.writer.entry("/notification", number)
+    with contextlib.closing(sqlite3.connect(copied.writer.path, isolation_level=None)) as connection:
+        connection.execute("UPDATE entries SET value = CAST(x'22ff22' AS TEXT) WHERE id = 2")
+        connection.execute("UPDATE sessions SET launch = CAST(x'ff' AS TEXT)")
+    copied.follower.step()
+    assert not copied.trouble
+    found = contents(copied.stick)
+    assert [row[COLUMNS["entries"].index("value")] for row in found["entries"]] == ["0", '"\ufffd"', "2"]
+    assert found["sessions"][0][COLUMNS["sessions"].index("launch")] == "\ufffd"
 
 
 # -- questions ------------------------------------------------------------------------------------------
