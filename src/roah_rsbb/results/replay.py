@@ -28,7 +28,7 @@ LATEST = {
     run_log.COMMAND: "Last final command", kinds.NOTICE: "Last warning",
 }
 # The parts of the state that change most often, and that the page does not show: it has them from the entries.
-NOT_SHOWN = tuple(f"zone.run.{part}" for part in ("message", "link", "online_data", "strings"))
+NOT_SHOWN = tuple(f"zone.run.{part}" for part in ("message", "link", "online_data", "strings", "said"))
 DISCONNECTED = "disconnected"
 # A clock that was only read again differs by less than this (s).
 _SAME_S = 0.002

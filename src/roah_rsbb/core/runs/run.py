@@ -8,9 +8,8 @@ into effects. `roah_rsbb.core.commands` decides who may start or stop it, and wh
 """
 
 import abc
-import collections
 from dataclasses import dataclass, field
-from typing import Callable, Deque, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.clock import Now
@@ -95,6 +94,7 @@ class RunState:
     online_data: str = ""
     devices: DeviceCommandsState = field(default_factory=DeviceCommandsState)
     strings: Strings = field(default_factory=dict)
+    said: List[Said] = field(default_factory=list)  # the newest texts of the robot since the start of the run
     times: TimesState = field(default_factory=TimesState)
 
 
@@ -426,7 +426,6 @@ class Run(ZoneRun):
         self.link = RobotLink(context.settings.allowed_skew, now, self.state.link)
         self.saving = SavingWatch(context.settings, self.event.benchmark.profile.offline_data)
         self.devices = DeviceCommands(self.event.benchmark, self.state.devices)
-        self.said: Deque[Said] = collections.deque(maxlen=MAX_SAID)  # since the start of the core
         self._show_map = context.show_map
         self._strings_budget = StringsBudget()
         self._unused_strings = assignment.event.benchmark.unused_strings  # of which the referee was not warned yet
@@ -466,7 +465,7 @@ class Run(ZoneRun):
     def start(self, now: Now) -> None:
         """See `ZoneRun`."""
         self.clock.start(now)
-        self.said.clear()
+        self.state.said.clear()
         self.state.phase, self.state.end_reason = Phase.RUNNING, None
         self._note_start(now)
         self._begin(now)
@@ -567,7 +566,7 @@ class Run(ZoneRun):
                     continue
                 self._emit(effects.RunLogged(self.port, online.topic, text))
                 self.show_online(now, f"{online.name}: {text}{mark}")
-                self.said.append(said(now, online.name, text))
+                self.state.said = [*self.state.said, said(now, online.name, text)][-MAX_SAID:]
         if dropped:
             self._dropped_strings += dropped
             self._say_dropped(now)

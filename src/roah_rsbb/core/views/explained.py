@@ -97,7 +97,8 @@ def _doing(run: ZoneRun) -> Doing:
 
 def _said(run: ZoneRun) -> Tuple[RobotSaid, ...]:
     members = run.members()
-    found = [RobotSaid(_name(member) if len(members) > 1 else "", said) for member in members for said in member.said]
+    found = [RobotSaid(_name(member) if len(members) > 1 else "", said)
+             for member in members for said in member.state.said]
     return tuple(sorted(found, key=lambda one: one.said.utc)[-MAX_SAID:])
 
 
