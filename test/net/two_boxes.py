@@ -24,7 +24,7 @@ from roah_rsbb.robot.effects import Problem
 BOX, STANDBY, WITNESS, FIRST_ROBOT = 1, 2, 3, 11
 TEAMS = ("Alpha", "Beta", "Gamma", "Delta", "Epsilon", "Zeta", "Eta", "Theta", "Iota", "Kappa")
 STANDBY_PORT = 8083
-LIMIT_S = 60.0
+LIMIT_S = 120.0
 EXECUTE_S = 0.5
 # The referee of these tests is a program in the box's namespace, with its own ROS master.
 ROS = {"ROS_MASTER_URI": "http://127.0.0.1:11311", "ROS_IP": "127.0.0.1"}
