@@ -26,6 +26,8 @@ _NUMBERED = ("entries", "links", "members", "sessions")
 _LARGEST_STEP = 1 << 32
 # Rows that are written at once.
 _BATCH = 2000
+# Pages that SQLite keeps while it compares indexes with their tables. With its usual 2 MiB, it reads them repeatedly.
+_CACHE_KIB = 20_000
 
 COLUMNS = {
     "meta": ("key", "value"),
@@ -70,7 +72,7 @@ def recover(path: str, new: str, processes: int = 1) -> Recovered:
 
 
 def _remove(draft: str) -> None:
-    for path in (draft, f"{draft}-journal"):
+    for path in (draft, *(f"{draft}-{suffix}" for suffix in ("journal", "wal", "shm"))):
         with contextlib.suppress(OSError):
             os.remove(path)
 
@@ -169,14 +171,15 @@ def _copy_sound(
 ) -> Optional[bool]:
     """Copy the numbered tables of a file whose pages are sound, while other processes verify the rows. Returns whether
     all rows are good; None: some pages or rows cannot be read, and nothing is copied."""
+    damaged.execute(f"PRAGMA cache_size = -{_CACHE_KIB}")
     try:
         with verified_parts(damaged, readable, tuple(NUMBERS), processes) as parts:
-            if not _is_sound(damaged):
+            if schema.is_exact(damaged) and _is_sound(damaged, "integrity_check"):
+                _copy_pages(damaged, out)
+            elif _is_sound(damaged):
+                _copy_numbered(out)
+            else:
                 return None
-            for table in NUMBERS:
-                columns = f"{', '.join(COLUMNS[table])}, crc"
-                out.execute(f"INSERT INTO main.{table} ({columns}) SELECT {columns} FROM damaged.{table}")
-            _create_indexes(out)
             bad = [(table, number) for table, rows in parts for number in rows.damaged]
     except sqlite3.OperationalError:
         raise  # the new journal cannot be written
@@ -187,6 +190,24 @@ def _copy_sound(
     for table, number in bad:
         out.execute(f"DELETE FROM main.{table} WHERE {NUMBERS[table]} = ?", (number,))
     return not bad
+
+
+def _copy_pages(damaged: sqlite3.Connection, out: sqlite3.Connection) -> None:
+    """Copy a file whose tables and indexes are sound: this takes a third of the time that new rows and indexes take.
+    The small tables are emptied, because their rows are taken one by one."""
+    damaged.backup(out)
+    out.execute("PRAGMA main.journal_mode = DELETE")  # the draft must be a single file
+    for table in COLUMNS:
+        if table not in NUMBERS:
+            out.execute(f"DELETE FROM main.{table}")
+
+
+def _copy_numbered(out: sqlite3.Connection) -> None:
+    """Copy the rows of the numbered tables of the attached journal, and build the indexes."""
+    for table in NUMBERS:
+        columns = f"{', '.join(COLUMNS[table])}, crc"
+        out.execute(f"INSERT INTO main.{table} ({columns}) SELECT {columns} FROM damaged.{table}")
+    _create_indexes(out)
 
 
 def _copy_table(damaged: sqlite3.Connection, table: str, out: sqlite3.Connection) -> bool:
@@ -235,9 +256,10 @@ def _last_number(connection: sqlite3.Connection) -> List[Row]:
     return []
 
 
-def _is_sound(connection: sqlite3.Connection) -> bool:
+def _is_sound(connection: sqlite3.Connection, check: str = "quick_check") -> bool:
+    """Whether SQLite finds no error in the file. "quick_check" does not compare the indexes with their tables."""
     with contextlib.suppress(sqlite3.DatabaseError, UnicodeDecodeError):
-        return connection.execute("PRAGMA quick_check(1)").fetchone()[0] in ("ok", b"ok")
+        return connection.execute(f"PRAGMA {check}(1)").fetchone()[0] in ("ok", b"ok")
     return False
 
 

@@ -124,6 +124,25 @@ def is_whole(connection: sqlite3.Connection) -> bool:
     return _shape(connection) == _whole_shape()
 
 
+def is_exact(connection: sqlite3.Connection) -> bool:
+    """Whether tables and indexes are exactly those that this version creates, and nothing else is in the file."""
+    return _statements(connection) == _created()
+
+
+@functools.lru_cache(maxsize=1)
+def _created() -> Tuple[Tuple[object, ...], ...]:
+    with contextlib.closing(sqlite3.connect(":memory:", isolation_level=None)) as connection:
+        create(connection)
+        return _statements(connection)
+
+
+def _statements(connection: sqlite3.Connection) -> Tuple[Tuple[object, ...], ...]:
+    """Return the format of the file's texts and tables, and the statements of all that it contains."""
+    names = ("encoding", "application_id", "user_version")
+    formats = [connection.execute(f"PRAGMA {name}").fetchone() for name in names]
+    return (*formats, *connection.execute("SELECT type, name, tbl_name, sql FROM sqlite_master ORDER BY type, name"))
+
+
 @functools.lru_cache(maxsize=1)
 def _whole_shape() -> Dict[str, Tuple[str, ...]]:
     with contextlib.closing(sqlite3.connect(":memory:", isolation_level=None)) as connection:

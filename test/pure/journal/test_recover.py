@@ -1,5 +1,6 @@
 """Recovering the readable part of a damaged journal."""
 
+import contextlib
 import os
 import pathlib
 import shutil
@@ -60,7 +61,53 @@ def test_all_of_a_journal_that_is_not_damaged(path, tmp_path):
     new = str(tmp_path / "new")
     counts, damage = recover(path, new)
     assert damage == []
+    assert sorted(tmp_path.iterdir()) == sorted(map(pathlib.Path, (path, new)))
+    with contextlib.closing(sqlite3.connect(new)) as connection:
+        assert connection.execute("PRAGMA journal_mode").fetchone() == ("delete",)
+    recover(path, f"{new} again")
+    assert pathlib.Path(new).read_bytes() == pathlib.Path(f"{new} again").read_bytes()
     assert (counts["entries"], counts["runs"], counts["members"]) == (COUNT, 1, 1)
+    assert numbers(new) == list(range(1, COUNT + 1))
+
+
+def test_an_index_that_does_not_fit_is_rebuilt(path, tmp_path):
+    """A sound file is copied with its indexes, so these must be those of its rows."""
+    with open(path, "rb") as file:
+        content = file.read()
+    rows = (b"HNF-6667-1.000", b"HNF-6667-1.001")
+    at = next(page * PAGE for page in range(len(content) // PAGE)
+              if content[page * PAGE] == 0x0A and content.count(rows[0], page * PAGE, (page + 1) * PAGE) > 20)
+    with open(path, "r+b") as file:
+        file.seek(content.index(rows[0], at))
+        file.write(rows[1])
+    new = str(tmp_path / "new")
+    assert recover(path, new).damage == []
+    assert numbers(new) == list(range(1, COUNT + 1))
+
+
+def test_a_changed_row_of_a_sound_file_is_reported_and_left_out(path, tmp_path):
+    with open(path, "rb") as file:
+        at = file.read().index(b'"100 100')
+    with open(path, "r+b") as file:
+        file.seek(at)
+        file.write(b'"900')
+    new = str(tmp_path / "new")
+    rows, damage = recover(path, new)
+    assert [hole.what for hole in damage] == ["101 to 101: 1 missing"]
+    assert numbers(new) == [n for n in range(1, COUNT + 1) if n != 101]
+    assert rows["entries"] == COUNT - 1
+
+
+@pytest.mark.parametrize("statement", [
+    "CREATE INDEX more ON entries (who)", "CREATE TRIGGER more AFTER INSERT ON entries BEGIN DELETE FROM entries; END",
+])
+def test_nothing_that_is_not_of_a_journal_is_copied(path, tmp_path, statement):
+    with contextlib.closing(sqlite3.connect(path)) as connection:
+        connection.execute(statement)
+    new = str(tmp_path / "new")
+    assert recover(path, new).damage == []
+    with contextlib.closing(sqlite3.connect(new)) as connection:
+        assert connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'more'").fetchall() == []
     assert numbers(new) == list(range(1, COUNT + 1))
 
 
