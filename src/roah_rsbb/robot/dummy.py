@@ -89,11 +89,17 @@ class _NamedLog(logging.LoggerAdapter):
         return (f"{name}: {msg}" if name else msg), kwargs
 
 
+def _crash(status: int) -> None:
+    """End the process at once, but say why."""
+    logging.shutdown()
+    os._exit(status)
+
+
 class DummyRobot(Behaviour):
     """Waits where a robot would work, and sends what a robot would send."""
 
     def __init__(
-        self, options: DummyOptions, crash: Callable[[int], None] = os._exit, name_in_log: str = ""
+        self, options: DummyOptions, crash: Callable[[int], None] = _crash, name_in_log: str = ""
     ) -> None:
         """`crash` ends the process with this exit status. `name_in_log` is for several robots in one log."""
         self._log = _NamedLog(_log, {"name": name_in_log})

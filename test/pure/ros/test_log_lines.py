@@ -42,3 +42,12 @@ def test_lines_wait_for_the_master_and_their_thread_does_not(slow):
     threads, *rest = zip(*slow.lines)
     assert threads[0] is threads[2] is not threading.current_thread() is threads[3]
     assert list(zip(*rest)) == [*(("WARNING", f"line {n}") for n in range(3)), ("ERROR", "the last one")]
+
+
+def test_lines_before_a_crash_are_shown(slow):
+    LogLines("slow")
+    logging.getLogger("slow").error("crashing")
+    slow.answers.set()
+    for handler in logging.getLogger("slow").handlers:  # as `logging.shutdown`
+        handler.flush()
+    assert [text for _, _, text in slow.lines] == ["crashing"]
