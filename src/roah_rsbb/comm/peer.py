@@ -14,6 +14,8 @@ Address = Tuple[str, int]
 
 _log = logging.getLogger(__name__)
 
+# Leaves the loop time for timers and other sockets during a flood.
+_MAX_READS_PER_WAKE_UP = 100
 _LARGEST_DATAGRAM = 65535
 _OWN_HOST_PERIOD_S = 1.0
 
@@ -153,17 +155,18 @@ class Peer:
         return False
 
     def _read(self, endpoint: socket.socket) -> None:
-        """Read one datagram. The loop calls this again for the next one, after timers and other sockets: a flood on one
-        socket delays nothing else."""
-        try:
-            datagram, sender = endpoint.recvfrom(_LARGEST_DATAGRAM)
-        except (BlockingIOError, InterruptedError):
-            return
-        except OSError as error:
-            self._not_read(error)
-            return
-        if not self._is_own(sender):
-            self._deliver(datagram, sender)
+        for _ in range(_MAX_READS_PER_WAKE_UP):
+            try:
+                datagram, sender = endpoint.recvfrom(_LARGEST_DATAGRAM)
+            except (BlockingIOError, InterruptedError):
+                return
+            except OSError as error:
+                self._not_read(error)
+                return
+            if not self._is_own(sender):
+                self._deliver(datagram, sender)
+                if endpoint not in self._sockets:
+                    return  # the handler closed this peer
 
     def _not_read(self, error: OSError) -> None:
         self._read_errors.count()
