@@ -189,7 +189,10 @@ class Page:
 
     def wait(self, condition: str, what: str) -> None:
         """Wait until a JavaScript expression is true."""
-        poll = f"new Promise(done => {{ const look = () => {{ if ({condition}) done(true); " \
+        # What is looked for may be missing until the page is drawn again: then the condition raises an exception.
+        poll = "new Promise(done => { const holds = () => { try " \
+               f"{{ return {condition}; }} catch {{ return false; }} }}; " \
+               "const look = () => { if (holds()) done(true); " \
                "else if (performance.now() > end) done(false); else setTimeout(look, 50); }; " \
                f"const end = performance.now() + {LIMIT_S * 1000 / 2}; look(); }})"
         assert self.get(poll), f"not so: {what}; the page says:\n{self.get('document.body.innerText')}"
