@@ -36,6 +36,7 @@ export class Live {
     this.onChange = onChange;
     this.numbers = {};
     this.heardAt = -Infinity;
+    this.openedAt = -Infinity;  // when the newest connection was opened
     this.isHeard = false;
     this.path = path;
     this.setQuery(query);
@@ -61,6 +62,9 @@ export class Live {
   connect() {
     const opening = new WebSocket(this.address);
     this.socket = opening;
+    opening.onopen = () => {
+      this.openedAt = seconds();
+    };
     opening.onmessage = (event) => {
       if (this.socket === opening) {
         this.receive(JSON.parse(event.data));
@@ -118,7 +122,9 @@ export class Live {
   watch(changed = null) {
     const now = seconds();
     const gatewayIsSilent = now - this.heardAt > this.silentS;
-    if (gatewayIsSilent && this.socket && this.socket.readyState === WebSocket.OPEN) {
+    // On a slow network, the first message comes long after the connection.
+    const hasHadTime = now - Math.max(this.heardAt, this.openedAt) > this.silentS;
+    if (hasHadTime && this.socket && this.socket.readyState === WebSocket.OPEN) {
       this.reconnect(this.socket);
     }
     const isSilent = gatewayIsSilent || !this.isHeard || !this.socket;

@@ -119,6 +119,7 @@ class TestPages(NeedsBrowser, BoxCase):
             self.assertEqual(page.get("document.scrollingElement.scrollWidth"), PHONE[0], "nothing is too wide")
         self.nothing_of_the_board_is_cut(display)
         self.a_silent_box_is_reported(display, overlay)
+        self.a_new_connection_has_time_for_its_first_message(display)
         self.a_silent_gateway_is_reported(display)
         self.box.command("stop", ZONE)
         display.wait(f"{BIG} === 'ended' && {TEXT}.includes('stopped')", "the end and its reason are shown")
@@ -221,6 +222,24 @@ class TestPages(NeedsBrowser, BoxCase):
             os.kill(core, signal.SIGCONT)
         for page in pages:
             page.wait(f"!{TEXT}.includes('No signal since')", "the page is current again")
+
+    def a_new_connection_has_time_for_its_first_message(self, page: Page) -> None:
+        """Even after a silence: on a slow network, that message comes late."""
+        self.assertEqual(page.get("""(() => {
+            const Real = WebSocket, made = [];
+            window.WebSocket = class {
+                static OPEN = 1;
+                constructor() { made.push(this); this.readyState = 1; }
+                close() { this.isClosed = true; }
+            };
+            const slow = new live.constructor("events", {}, () => {}, 1e6);
+            made[0].onopen && made[0].onopen();
+            slow.watch();
+            const wasClosed = Boolean(made[0].isClosed);
+            slow.close();
+            window.WebSocket = Real;
+            return [made.length, wasClosed];
+        })()"""), [1, False])
 
     def a_silent_gateway_is_reported(self, page: Page) -> None:
         """The gateway is killed. The page says so, and continues by itself."""
