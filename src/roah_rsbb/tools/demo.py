@@ -7,13 +7,13 @@ whether both runs were completed.
 
 import contextlib
 import os
-import signal
 import socket
 import subprocess
 import sys
 from typing import Dict, Iterator, List
 
 from roah_rsbb.arguments import Parser
+from roah_rsbb.tools import launched
 
 ZONE = "Testing TestingTeam"
 # For each benchmark, the scripted referee's options besides those that conduct the run.
@@ -62,12 +62,7 @@ def _launched(command: List[str], environment: Dict[str, str]) -> Iterator[None]
         try:
             yield
         finally:
-            launch.send_signal(signal.SIGINT)
-            try:
-                launch.wait(STOP_S)
-            except subprocess.TimeoutExpired:
-                os.killpg(launch.pid, signal.SIGKILL)
-                launch.wait()
+            launched.end(launch, STOP_S)
 
 
 def _last_lines() -> str:

@@ -5,7 +5,6 @@ At a takeover, the core only has to read the journal. The rest of the box (panel
 
 import contextlib
 import ctypes
-import os
 import signal
 import subprocess
 import threading
@@ -14,6 +13,7 @@ from typing import Callable, List, Optional, Sequence
 import rosgraph
 
 from roah_rsbb.nodes.standing_by import CORE
+from roah_rsbb.tools import launched
 
 LOOK_S = 1.0
 # roslaunch ends its nodes within this time.
@@ -45,7 +45,7 @@ class Prepared:
         """End it."""
         self._ended.set()
         if self._process is not None:
-            _end(self._process)
+            launched.end(self._process, END_S)
         self._thread.join()
 
     def run(self) -> int:
@@ -58,7 +58,7 @@ class Prepared:
             threading.Thread(target=lambda process=process: (process.wait(), over.set()), daemon=True).start()
         over.wait()
         for process in (rest, self._process):
-            _end(process)
+            launched.end(process, END_S)
         return self._process.returncode
 
     def _work(self) -> None:
@@ -70,7 +70,7 @@ class Prepared:
                     return
                 self._command, self._process = command, _start([*command, "part:=core"])
                 if self._ended.is_set():
-                    _end(self._process)
+                    launched.end(self._process, END_S)
                 # It gets a signal when the thread that started it ends.
                 self._process.wait()
                 if not self._ended.is_set():
@@ -90,13 +90,3 @@ def _start(command: Sequence[str]) -> subprocess.Popen:
     """Start a part of the box. It ends with this program, however that ends, and Ctrl-C does not reach it directly."""
     return subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True,
                             preexec_fn=lambda: _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGINT))
-
-
-def _end(process: subprocess.Popen) -> None:
-    with contextlib.suppress(ProcessLookupError):
-        process.send_signal(signal.SIGINT)
-    try:
-        process.wait(END_S)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
