@@ -22,9 +22,6 @@ _IPV4 = b"\x08\x00"
 _READS = 50  # at most, before others have their turn
 LATE_S = 1.0  # no network's queue is longer; a machine that stops would deliver all of them later
 _HELD = 8  # datagrams that wait for another host's: the newest
-# A box believes another host after two and a half seconds of silence (core, link), and a busy machine may let one
-# datagram overtake another one on its way to the box. After a pause of the leader, its first datagram releases nothing.
-PAUSE_S = 1.5
 
 
 class Impairment(NamedTuple):
@@ -67,7 +64,6 @@ class _Direction:
         self.passed = self.lost = self.doubled = 0
         self._held: Optional[Deque[bytes]] = None
         self._followers: Tuple[Tuple[int, _Direction], ...] = ()  # each with a port
-        self._led = 0.0  # when the last datagram to a follower's port was delivered
 
     def read(self) -> None:
         """Take the datagrams that the source sent."""
@@ -113,15 +109,12 @@ class _Direction:
         # A device that is down takes nothing, and that is what it is for.
         with contextlib.suppress(OSError):
             os.write(self._target, frame)
-        followers = [follower for port, follower in self._followers if _port(frame) == port]
-        if followers:
-            now = asyncio.get_event_loop().time()
-            is_paused, self._led = now - self._led > PAUSE_S, now
-            for follower in followers if not is_paused else ():
+        for port, follower in self._followers:
+            if _port(frame) == port:
                 follower.release()
 
     def lead(self, port: int, follower: "_Direction") -> None:
-        """After each datagram to `port`, release what `follower` holds, unless it is the first after a pause."""
+        """After each datagram to `port`, release what `follower` holds."""
         follower._held = collections.deque(maxlen=_HELD)
         self._followers += ((port, follower),)
 
