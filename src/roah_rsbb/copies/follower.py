@@ -118,7 +118,7 @@ class Follower:
         copy.check()
         # A part that is not the last is followed by the next one at once. What is written meanwhile is copied by the
         # next step, or a busy journal would never be complete.
-        is_last = False
+        is_last, has_parts = False, False
         while not is_last and not self._ended.is_set():
             question, began = self._question, self._now()
             if not journal.has_changed():
@@ -126,8 +126,10 @@ class Follower:
             rows = journal.missing(copy.known)
             is_last = rows.is_last
             beside = self._beside.changed()
-            if beside or not rows.is_empty():
+            # The last part puts all of them on the disk, even if it has no rows.
+            if beside or has_parts or not rows.is_empty():
                 copy.write(rows, beside)
+            has_parts = not is_last
             self._copied_entry = copy.known.last["entries"].number
             if not is_last:
                 self.progress = self.progress._replace(missing_entries=self._missing_entries())

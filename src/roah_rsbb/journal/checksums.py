@@ -1,8 +1,9 @@
 """Verifies the checksums of many rows of the numbered tables, several times as fast as `schema.row_crc` row by row.
 
-A checksum begins with numbers that neighbouring rows share, such as the time of the event, and continues with short
-texts that recur. The bytes of both are kept, so that only the last column is new in most rows. A row that does not pass
-is verified again by `row_crc`, which decides.
+SQLite counts the rows that do not pass, so that no row becomes a Python object. A checksum begins with numbers that
+neighbouring rows share, such as the time of the event, and continues with short texts that recur. The bytes of both are
+kept, so that only the last column is new in most rows. If a row does not pass, its neighbours and it are verified again
+by `row_crc`, which decides.
 """
 
 import contextlib
@@ -11,7 +12,7 @@ import pathlib
 import sqlite3
 import zlib
 from functools import partial
-from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.journal import schema
 from roah_rsbb.journal.processes import shared_out
@@ -19,16 +20,18 @@ from roah_rsbb.journal.processes import shared_out
 # The columns that number rows without gaps.
 NUMBERS = {"entries": "id", "links": "rowid"}
 HIGHEST = (1 << 63) - 1
-# How many of the checked columns are the beginning, which neighbouring rows share.
-_BEGINNING = {"entries": 3, "links": 1}
-# Rows that are verified at once: few enough for the processor's cache.
+# The first checked columns, which neighbouring rows share.
+_BEGINNING = {"entries": ("session", "utc", "mono"), "links": ("port",)}
+# Rows that SQLite verifies at once.
+_AT_ONCE = 1000
+# Rows that are verified one by one, until the next ones are taken.
 _BATCH = 64
 # Values whose bytes are kept.
 _KEPT = 5000
 # Rows that a process verifies at once, and the maximum number of these parts, whatever a damaged number says.
 _PART = 20_000
 _MOST_PARTS = 1000
-_Row = Tuple[object, ...]
+_Values = Tuple[object, ...]
 
 
 class Verified(NamedTuple):
@@ -41,25 +44,51 @@ class Verified(NamedTuple):
 def verified_rows(connection: sqlite3.Connection, table: str, first: int, last: int) -> Iterator[Verified]:
     """Verify the rows of a numbered table with these numbers, in order. Raises sqlite3.Error after the last row that
     can be read."""
-    beginnings, middles = _Beginnings(), _Middles()
-    columns, split = ", ".join(schema.CHECKED[table]), _BEGINNING[table]
-    is_end = False
-    while not is_end:
+    checksums = _Checksums(connection, table)
+    while True:
+        low = checksums.next_number(first, last)
+        if low is None:
+            break
+        high = min(last, low + _AT_ONCE - 1)
+        numbers = checksums.if_good(low, high)
+        if numbers:
+            yield Verified(numbers, [])
+        else:
+            yield from _one_by_one(connection, table, low, high)
+        if high == last:
+            break
+        first = high + 1
+
+
+class _Checksums:
+    """Lets SQLite verify rows of a table."""
+
+    def __init__(self, connection: sqlite3.Connection, table: str) -> None:
+        self._connection = connection
+        beginning, rest = _BEGINNING[table], schema.CHECKED[table][len(_BEGINNING[table]):]
+        key = NUMBERS[table]
+        connection.create_function(f"{table}_crc", len(beginning) + len(rest), _CRC[table]())
+        crc = f"{table}_crc({', '.join((*beginning, *map(schema.bytes_of, rest)))})"
+        of = f"FROM {table} WHERE {key} BETWEEN ? AND ?"
+        self._next = f"SELECT min({key}) {of}"
+        self._numbers = f"SELECT {key} {of} ORDER BY {key}"
+        self._verify = f"SELECT count(*), max({key}), sum(crc IS NOT {crc}) {of}"
+
+    def next_number(self, first: int, last: int) -> Optional[int]:
+        """Return the first of these numbers that a row has; None: no row has one."""
+        return self._connection.execute(self._next, (first, last)).fetchone()[0]
+
+    def if_good(self, low: int, high: int) -> Sequence[int]:
+        """Return the numbers of the rows from `low`, which exists, to `high` if all of them are good; else nothing."""
         try:
-            for batch in _rows(connection, table, f"{columns}, crc", first, last):
-                numbers, *values, texts, sums = zip(*batch)
-                starts = map(beginnings.__getitem__, zip(*values[:split]))
-                starts = map(zlib.crc32, map(middles.__getitem__, zip(*values[split:])), starts)
-                damaged = [] if _are_good(starts, texts, sums) else _damaged(connection, table, numbers)
-                yield Verified(numbers, damaged)
-                first = max(first, numbers[-1]) + 1
-            is_end = True
-        except sqlite3.Error:  # the row cannot be read, or a text in it is not UTF-8
-            batch = next(_rows(connection, table, f"crc IS NOT {schema.crc_of(table)}", first, last), None)
-            if batch is None:
-                break
-            yield Verified([number for number, _ in batch], [number for number, is_damaged in batch if is_damaged])
-            first = max(first, batch[-1][0]) + 1
+            count, found, bad = self._connection.execute(self._verify, (low, high)).fetchone()
+            if bad:
+                return ()
+            if count == found - low + 1:
+                return range(low, found + 1)
+            return [number for (number,) in self._connection.execute(self._numbers, (low, high))]
+        except sqlite3.Error:  # a row cannot be read, or the last column is not a text
+            return ()
 
 
 @contextlib.contextmanager
@@ -107,30 +136,28 @@ def immutable(path: str) -> str:
     return f"{pathlib.Path(path).absolute().as_uri()}?immutable=1"
 
 
-def _are_good(starts: Iterator[int], texts: Sequence[object], sums: Sequence[object]) -> bool:
-    try:
-        return tuple(map(zlib.crc32, map(str.encode, texts), starts)) == sums
-    except TypeError:  # one is not a text
-        return False
+def _one_by_one(connection: sqlite3.Connection, table: str, low: int, high: int) -> Iterator[Verified]:
+    """Verify rows by `row_crc`. Raises sqlite3.Error after the last row that can be read."""
+    for batch in _rows(connection, table, low, high):
+        yield Verified([number for number, _ in batch], [number for number, is_damaged in batch if is_damaged])
 
 
-def _rows(connection: sqlite3.Connection, table: str, columns: str, first: int, last: int) -> Iterator[List[_Row]]:
-    """Return rows in batches. Raises sqlite3.Error after the last row that can be read."""
+def _rows(connection: sqlite3.Connection, table: str, low: int, high: int) -> Iterator[List[Tuple[int, bool]]]:
+    """Return the numbers of rows, and whether they are damaged, in batches. Raises sqlite3.Error after the last row
+    that can be read."""
     key = NUMBERS[table]
     rows = connection.execute(
-        f"SELECT {key}, {columns} FROM {table} WHERE {key} BETWEEN ? AND ? ORDER BY {key}", (first, last))
+        f"SELECT {key}, crc IS NOT {schema.crc_of(table)} FROM {table} WHERE {key} BETWEEN ? AND ? ORDER BY {key}",
+        (low, high))
     try:
         problem = None
         while problem is None:
-            batch: List[_Row] = []
-            texts, connection.text_factory = connection.text_factory, str
+            batch: List[Tuple[int, bool]] = []
             try:
                 for row in itertools.islice(rows, _BATCH):
                     batch.append(row)  # noqa: PERF402: keep the rows before an error
             except sqlite3.Error as error:
                 problem = error
-            finally:
-                connection.text_factory = texts
             if not batch:
                 break
             yield batch
@@ -141,33 +168,46 @@ def _rows(connection: sqlite3.Connection, table: str, columns: str, first: int, 
         rows.close()
 
 
-def _damaged(connection: sqlite3.Connection, table: str, numbers: Sequence[int]) -> List[int]:
-    key = NUMBERS[table]
-    statement = f"SELECT {key} FROM {table} WHERE {key} BETWEEN ? AND ? AND crc IS NOT {schema.crc_of(table)}"
-    damaged = {number for (number,) in connection.execute(statement, (min(numbers), max(numbers)))}
-    return [number for number in numbers if number in damaged]
-
-
-class _Beginnings(Dict[_Row, int]):
+class _Beginnings(Dict[_Values, int]):
     """The checksum of the first columns, by their values."""
 
-    def __missing__(self, values: _Row) -> int:
+    def __missing__(self, values: _Values) -> int:
         if len(self) >= _KEPT:
             self.clear()
-        crc = self[values] = zlib.crc32(_bytes(values) + b"\0")
+        crc = self[values] = zlib.crc32(schema.row_bytes(*values) + b"\0")
         return crc
 
 
-class _Middles(Dict[_Row, bytes]):
+class _Middles(Dict[_Values, bytes]):
     """The bytes of the columns between the first ones and the text of the last one, by their values."""
 
-    def __missing__(self, values: _Row) -> bytes:
+    def __missing__(self, values: _Values) -> bytes:
         if len(self) >= _KEPT:
             self.clear()
-        found = self[values] = _bytes(values) + b"\0s"
+        found = self[values] = schema.row_bytes(*values) + b"\0s"
         return found
 
 
-def _bytes(values: _Row) -> bytes:
-    """Return the bytes of some columns. A blob, which no good row has, gets a byte that no row has."""
-    return b"\xff" if any(value.__class__ is bytes for value in values) else schema.row_bytes(*values)
+def _entries_crc() -> Callable[..., int]:
+    crc32, beginnings, middles = zlib.crc32, _Beginnings(), _Middles()
+
+    def crc(
+        session: int, utc: float, mono: float, zone: bytes, identity: bytes, port: int, who: bytes, kind: bytes,
+        value: bytes,
+    ) -> int:
+        return crc32(middles[zone, identity, port, who, kind] + value, beginnings[session, utc, mono])
+
+    return crc
+
+
+def _links_crc() -> Callable[..., int]:
+    crc32, beginnings, middles = zlib.crc32, _Beginnings(), _Middles()
+
+    def crc(port: int, utc: float, mono: float, sample: bytes) -> int:
+        return crc32(middles[utc, mono] + sample, beginnings[port,])
+
+    return crc
+
+
+# Functions for SQL. They have a parameter for each column, because a tuple of all of them takes longer.
+_CRC = {"entries": _entries_crc, "links": _links_crc}

@@ -46,13 +46,14 @@ CHECKED = {
 
 def crc_of(table: str) -> str:
     """SQL that computes the checksum of a row of a table."""
-    return f"row_crc({', '.join(map(_bytes_of, CHECKED[table]))})"
+    return f"row_crc({', '.join(map(bytes_of, CHECKED[table]))})"
 
 
-def _bytes_of(column: str) -> str:
-    """Return SQL for a value as it is stored, because Python refuses damaged text."""
-    return (f"CASE typeof({column}) WHEN 'text' THEN CAST({column} AS BLOB) WHEN 'blob' THEN 0"
-            f" ELSE {column} END")
+def bytes_of(column: str) -> str:
+    """Return SQL for a value as it is stored, because Python refuses damaged text. A blob becomes 0."""
+    # In SQLite's order, numbers are before texts, and these before blobs: `typeof` takes four times as long.
+    return (f"CASE WHEN +{column} >= '' AND +{column} < x'' THEN CAST({column} AS BLOB)"
+            f" WHEN +{column} >= x'' THEN 0 ELSE {column} END")
 
 
 # version -> the statements that migrate to the next version.
@@ -96,7 +97,7 @@ def change(table: str, changed: Tuple[str, ...]) -> str:
     """Return a statement that changes some columns of a row, and its checksum. The row is identified by the table's
     first checked column. The parameters are the new values in this order, then that column's value."""
     sets = ", ".join(f"{name} = ?{i}" for i, name in enumerate(changed, 1))
-    values = ", ".join(f"?{changed.index(name) + 1}" if name in changed else _bytes_of(name)
+    values = ", ".join(f"?{changed.index(name) + 1}" if name in changed else bytes_of(name)
                        for name in CHECKED[table])
     return f"UPDATE {table} SET {sets}, crc = row_crc({values}) WHERE {CHECKED[table][0]} = ?{len(changed) + 1}"
 

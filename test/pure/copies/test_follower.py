@@ -7,6 +7,8 @@ import shutil
 import sqlite3
 import threading
 
+import pytest
+
 from helpers.competition import run_record
 from helpers.copied import contents
 from helpers.journals import Writer
@@ -57,6 +59,33 @@ def test_a_large_journal_is_copied_in_parts(copied, monkeypatch):
     for number in range(35):
         copied.writer.entry("/notification", number, identity=run_record().identity)
     assert copied.step()
+
+
+@pytest.mark.parametrize("count", [folders.TOGETHER - 1, folders.TOGETHER, 2 * folders.TOGETHER + 3])
+def test_many_rows_are_copied_at_once(copied, count):
+    for number in range(count):
+        copied.writer.entry("/notification", number)
+    assert copied.step()
+    assert contents(copied.stick) == contents(copied.log_dir)
+
+
+def test_only_the_last_part_waits_for_the_disk(copied, monkeypatch):
+    """Also if it has no rows."""
+    monkeypatch.setattr(rows, "PART", 5)
+    assert copied.step()
+    happened, write = [], folders.CopyFolder.write
+
+    def written(copy, part, beside):
+        write(copy, part, beside)
+        (level,) = copy._connection.execute("PRAGMA synchronous").fetchone()
+        happened.append((part.is_last, part.is_empty(), level))
+
+    monkeypatch.setattr(folders.CopyFolder, "write", written)
+    for number in range(10):
+        copied.writer.entry("/notification", number)
+    assert copied.step()
+    normal, full = 1, 2
+    assert happened == [(False, False, normal), (False, False, normal), (True, True, full)]
 
 
 def test_an_unfinished_copy_has_no_newer_state_than_entries(copied, monkeypatch):

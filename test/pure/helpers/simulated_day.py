@@ -139,7 +139,8 @@ class Day:
         zones = [replace(zone, events=tuple(event for event in zone.events if day_of(event) == today))
                  for zone in loaded.zones]
         self.config = replace(loaded, zones=tuple(zone for zone in zones if zone.events))
-        self.world = World(self.config, FakeLink(random.Random(1), loss=LOSS), Settings())
+        # Without jitter many datagrams arrive at the same time, so that there are fewer moments to simulate.
+        self.world = World(self.config, FakeLink(random.Random(1), loss=LOSS, jitter=False), Settings())
         codes = sorted({event.benchmark.code for zone in self.config.zones for event in zone.events
                         if event.benchmark.kind is BenchmarkKind.FUNCTIONALITY})
         self.world.companions.append(RealModules(self.world, os.path.join(folder, "modules"), codes))
