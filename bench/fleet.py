@@ -120,6 +120,11 @@ class Robot:
         self.awaited = Awaited(expects, time.time_ns(), done)
         self._transmit(datagram)
 
+    def follow(self) -> None:
+        """Follow the box's states from now on, beginning with the present one."""
+        self.follows = True
+        self._follow()
+
     def _tick(self, due: float) -> None:
         self.send()
         following = max(due + self.period_s, self._loop.time())

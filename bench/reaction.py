@@ -35,7 +35,10 @@ def start(box: Box, fleet: Fleet, count: int) -> None:
 
 
 def react(fleet: Fleet, robots: Sequence[Robot], probes: int, pause_s=PAUSE_S) -> List[float]:
-    """Milliseconds from a RobotState that must change the state until the box sends the new state."""
+    """Milliseconds from a RobotState that must change the state until the box sends the new state.
+
+    All robots must execute. They do so again when this returns, so that it can be called again.
+    """
     taken: List[float] = []
     dice = random.Random(1)
     begun = {id(robot): 0 for robot in robots}
@@ -55,8 +58,8 @@ def react(fleet: Fleet, robots: Sequence[Robot], probes: int, pause_s=PAUSE_S) -
         if not answered.wait(ANSWER_S):
             taken.append(float("inf"))
         time.sleep(dice.uniform(*pause_s))
-    for robot in robots:
-        robot.follows = True
+    fleet.do(lambda: [robot.follow() for robot in robots])
+    wait(lambda: all(robot.box_state is BoxState.WAITING_RESULT for robot in robots), "all robots execute again")
     return taken
 
 
