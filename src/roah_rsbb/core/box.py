@@ -32,6 +32,7 @@ from roah_rsbb.core.zones import EventKey, Zones, ZoneState
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.rulebook.registry import DEVICES, TABLET
+from roah_rsbb.wording import superseded
 
 
 class Box:
@@ -232,7 +233,7 @@ class Box:
 
     def stay_superseded(self, by: str) -> None:
         """A standby took over before the restart. Nothing is sent, and the runs stay as they were."""
-        self._superseded = (f"This box is superseded: the box at {by} has taken over. Nothing is sent to robots, and "
+        self._superseded = (f"{superseded.PREFIX}: the box at {by} has taken over. Nothing is sent to robots, and "
                             "commands are refused. Use the panels of the other box")
         self._record.close(self._superseded)
 
@@ -409,7 +410,7 @@ class Box:
 
     def on_copy_report(self, now: Now, report: CopyReport) -> None:
         """The node that copies the journal reports how complete the copy is."""
-        self.tick(now)
+        self.tick_if_due(now)
         change = self.copies.report(now, report)
         if change is not None:
             level, text = (Level.ERROR, change) if change else (

@@ -18,7 +18,7 @@ from roah_rsbb.standby.channel import TIMEOUT_S, Channel, Lost, box_context
 from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage, Message
 from roah_rsbb.standby.pair import Side
 from roah_rsbb.standby.pairing import KEY_BYTES, NONCE_BYTES, Codes, Exchange, hashed, is_same
-from roah_rsbb.standby.partners import FOLDER, PairedStandby, partners_of, read_standby, write_standby
+from roah_rsbb.standby.partners import FOLDER, PairedStandby, partners_of, read_box, read_standby, write_standby
 from roah_rsbb.standby.remote import RemoteCopy
 from roah_rsbb.standby.words import rejoin_proof
 
@@ -28,6 +28,8 @@ T = TypeVar("T")
 MAX_STRANGERS = 8
 MAX_NAME = 60
 _NOT_CONNECTED = "the standby is not connected. Check that it runs and that its cable is plugged in"
+_NONE_YET = ("no standby is connected since this computer took over. Enter 'standby rejoin' on the computer that was "
+             "the box, start 'standby follow', or pair another computer")
 
 
 class BoxEnd:
@@ -48,6 +50,7 @@ class BoxEnd:
         self._codes = Codes()
         self._lock = threading.Lock()  # of codes, the pairing and the channel
         self._channel: Optional[Channel] = None
+        self._was_connected = False
         self._strangers = threading.BoundedSemaphore(MAX_STRANGERS)
         standby = read_standby(log_dir)
         self.name, self._key_sha256 = ("", "") if standby is None else (standby.name, standby.key_sha256)
@@ -86,7 +89,8 @@ class BoxEnd:
         if not self.is_paired:
             raise CannotWriteCopy("no standby is paired yet. The log of roah_rsbb_backup shows the code")
         if channel is None:
-            raise CannotWriteCopy(_NOT_CONNECTED)
+            took_over = read_box(self._log_dir) is not None and not self._was_connected
+            raise CannotWriteCopy(_NONE_YET if took_over else _NOT_CONNECTED)
         return RemoteCopy(lambda message: self._doing(channel, lambda: channel.send(message)),
                           lambda: self._doing(channel, channel.receive))
 
@@ -153,6 +157,7 @@ class BoxEnd:
             return False
         channel.send({})
         self._note_host(host)
+        self._was_connected = True
         self._use(channel)
         self._on_event(f"The standby {self.name} is connected from {host}")
         return True

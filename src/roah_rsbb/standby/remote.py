@@ -1,5 +1,6 @@
-"""The copy on the standby, as the box sees it, and the standby's end of it. No sockets and no clock."""
+"""The copy on the standby, as the box sees it, and the standby's end of it. No sockets."""
 
+import time
 from typing import Callable, Optional
 
 from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent
@@ -17,6 +18,8 @@ from roah_rsbb.standby.messages import (
 )
 
 OPEN, WRITE, SET_ASIDE, BEAT = "open", "write", "set_aside", "beat"
+# Each end hears the other one at least this often.
+BEAT_S = 0.5
 
 
 class RemoteCopy(Copy):
@@ -26,16 +29,21 @@ class RemoteCopy(Copy):
     the copy is closed, and what it has is asked again when it is opened.
     """
 
-    def __init__(self, send: Callable[[Message], None], receive: Callable[[], Message]) -> None:
+    def __init__(
+        self, send: Callable[[Message], None], receive: Callable[[], Message],
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:
         """`send` sends a message, and `receive` waits for its answer. Both raise `CannotWriteCopy`."""
         super().__init__()
-        self._send, self._receive = send, receive
+        self._send, self._receive, self._now = send, receive, now
+        self._heard_mono = now()
         self._is_answer_due = False
         self._open(OPEN)
 
     def check(self) -> None:
-        """Hear from the standby."""
-        self._ask({"do": BEAT})
+        """Hear from the standby, if it did not answer lately."""
+        if self._now() - self._heard_mono >= BEAT_S:
+            self._ask({"do": BEAT})
 
     def write(self, rows: Rows, beside: FileContent) -> None:
         """Send rows and files."""
@@ -75,6 +83,7 @@ class RemoteCopy(Copy):
 
     def _answer(self) -> Message:
         answer = self._receive()
+        self._heard_mono = self._now()
         if "error" in answer:
             raise CannotWriteCopy(f"the standby reports: {answer['error']}")
         return answer
@@ -113,6 +122,7 @@ class Receiver:
             self._copy.set_aside()
             return self._opened(self._copy)
         if what == WRITE:
+            self._copy.check()
             rows, files = rows_of(message.get("rows", {})), files_of(message.get("files", {}))
             self._copy.write(rows, files)
             return {"box_uuid": self._copy.box_uuid}

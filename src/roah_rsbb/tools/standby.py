@@ -12,6 +12,7 @@ import datetime
 import fcntl
 import json
 import os
+import shutil
 import signal
 import socket
 import sqlite3
@@ -39,7 +40,7 @@ from roah_rsbb.standby.standby_end import CannotPair, StandbyEnd, is_alive, is_o
 from roah_rsbb.standby.words import rejoin_key
 from roah_rsbb.tools.preflight_checks import Severity, check_other_box
 from roah_rsbb.tools.standby_ears import Automatic, Ears
-from roah_rsbb.tools.standby_network import NoAddress, give_back_address, take_address
+from roah_rsbb.tools.standby_network import PING, NoAddress, give_back_address, is_own, take_address
 from roah_rsbb.tools.standby_prepared import Prepared
 from roah_rsbb.tools.standby_rehearsal import Failed, rehearse
 from roah_rsbb.tools.standby_request import Answer, Requests, request
@@ -130,6 +131,8 @@ def _follow(options: argparse.Namespace, folder: str) -> int:
     box = box if not options.box else box._replace(host=options.box, port=options.port)
     if options.take_address and os.geteuid():
         raise Refused("--take-address needs the rights of root")
+    if options.witness and not shutil.which(PING):
+        raise Refused("--witness needs the program ping: install iputils-ping")
     automatic = Automatic(options.automatic, options.witness) if options.automatic else None
     return _keep_copy(folder, box, options.arguments, automatic, options.take_address)
 
@@ -217,7 +220,7 @@ def _give_back_address(folder: str) -> None:
 def _check_unused(folder: str) -> None:
     for name in (LOCK, f"{FILE_NAME}.lock"):
         lock = os.path.join(folder, name)
-        if os.path.exists(lock) and not _is_free(lock):
+        if _is_held(lock):
             raise Refused(f"another program uses {folder} (process {_holder(lock) or 'unknown'}): end it first")
 
 
@@ -270,8 +273,7 @@ def _status_of_box(standby: Optional[PairedStandby], standing: epochs.Standing) 
 def _status_of_standby(folder: str, box: PairedBox) -> Iterator[str]:
     answer = "answers" if is_alive(box, ALIVE_S) else "does not answer"
     yield f"This computer is the standby of the box at {box.host}, which {answer}"
-    lock = os.path.join(folder, LOCK)
-    is_kept = os.path.exists(lock) and not _is_free(lock)
+    is_kept = _is_held(os.path.join(folder, LOCK))
     yield "The copy is kept" if is_kept else "The copy is not kept: start 'standby follow'"
     if os.path.exists(os.path.join(folder, FILE_NAME)):
         yield last_moment(folder)
@@ -285,6 +287,9 @@ def _takeover(options: argparse.Namespace, folder: str) -> int:
     standby = read_standby(folder)
     if box is None and standby is not None:
         return _claim_again(folder, standby, options.anyway)
+    if options.take_address and box is not None and _is_running_box(folder, standby):
+        _take_address_or_refuse(folder, box)
+        return 0
     launch_command(folder, options.arguments)  # refuses if there is nothing to start
     standing = epochs.standing_in(os.path.join(folder, FILE_NAME))
     if standing.is_superseded and not options.anyway:
@@ -304,18 +309,34 @@ def _takeover(options: argparse.Namespace, folder: str) -> int:
         if not is_prepared:
             end_follower(folder)
         if options.take_address and box is not None:
-            try:
-                print(f"This computer has the address {box.host} now, on {take_address(box.host, folder)}", flush=True)
-            except NoAddress as error:
-                raise Refused(
-                    f"the box's address cannot be taken over: {error}\nRobots that were given the box's address "
-                    "would not hear this computer. To take over without it, omit --take-address") from None
+            _take_address_or_refuse(folder, box)
         if is_prepared:
             print("\n".join([*found.go(), "The program that kept the copy is the box now"]), flush=True)
             return 0
     command, _ = _become_box(folder, box, options.arguments)
     os.execvp(command[0], command)
     return 0
+
+
+def _is_running_box(folder: str, standby: Optional[PairedStandby]) -> bool:
+    """Whether this computer took over before, and its box runs."""
+    return standby is not None and _is_held(os.path.join(folder, f"{FILE_NAME}.lock"))
+
+
+def _take_address_or_refuse(folder: str, box: PairedBox) -> None:
+    try:
+        print(f"This computer has the address {box.host} now, on {take_address(box.host, folder)}", flush=True)
+    except NoAddress as error:
+        raise Refused(
+            f"the box's address cannot be taken over: {error}\nRobots that send to the box's address would not be "
+            "heard by this computer. To take over without it, omit --take-address") from None
+
+
+def _not_heard(folder: str, box: PairedBox) -> str:
+    """Say which robots the new box does not hear, and what to do."""
+    return (f"Robots that send to the box's address {box.host} instead of the broadcast address are not heard here: "
+            "panels show them as silent. If there are such robots, take this address over. Enter as root:\n"
+            f"rosrun roah_rsbb standby takeover --take-address --log-dir {folder}")
 
 
 def _become_box(folder: str, box: Optional[PairedBox], arguments: Sequence[str]) -> Tuple[List[str], List[str]]:
@@ -332,6 +353,8 @@ def _become_box(folder: str, box: Optional[PairedBox], arguments: Sequence[str])
         write_standby(folder, PairedStandby(f"the box before, at {box.host}", hashed(rejoin_key(hashed(box.key))),
                                             box.host, box.port))
     lines += [f"Epoch {standing.epoch}: the box before stops when it hears this one", " ".join(command)]
+    if box is not None and not is_own(box.host):
+        lines.append(_not_heard(folder, box))
     print("\n".join(lines), flush=True)
     return command, lines
 
@@ -418,6 +441,11 @@ def end_follower(folder: str) -> None:
             asked = pid
             os.kill(pid, signal.SIGTERM)
         time.sleep(0.05)
+
+
+def _is_held(path: str) -> bool:
+    """Whether a program holds a lock. Does not make its file."""
+    return os.path.exists(path) and not _is_free(path)
 
 
 def _is_free(path: str) -> bool:

@@ -15,6 +15,8 @@ import threading
 import time
 from typing import Iterator, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.wording import superseded
+
 BOX, STANDBY, ROBOT, BROADCAST = "127.0.0.21", "127.0.0.22", "127.0.0.23", "127.255.255.255"
 TEAM, PASSWORD, ZONE = "TestingTeam", "PASSWORD", "Testing TestingTeam"
 # Longest time for each step, on a slow computer.
@@ -148,7 +150,7 @@ def _rehearse(folder: str, cleanup: contextlib.ExitStack, ports: Ports) -> Itera
 
     began = time.monotonic()
     yield "The first box starts again"
-    mono, reason = box().wait("(This box is superseded.*)")
+    mono, reason = box().wait(f"({superseded.PREFIX}.*)")
     yield f"{mono - began:5.1f} s  {reason}"
 
 

@@ -8,6 +8,7 @@ from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views import views
+from roah_rsbb.wording.superseded import is_superseded
 
 HOST = "10.0.0.3"
 RUN = RunName("tbm")
@@ -30,8 +31,19 @@ def test_it_is_recorded_once(driver):
 def test_every_panel_shows_it(driver):
     (warning,) = driver.box.warnings(driver.now)
     assert warning.startswith(f"This box is superseded: the box at {HOST}")
+    assert is_superseded([warning]) and not is_superseded(BoxDriver().box.warnings(driver.now))
     assert views.box_status(driver.box, driver.now) == warning
     assert all(driver.off(command) == [warning] for command in COMMANDS)
+
+
+def test_panels_offer_no_command_any_more():
+    """Also of a run in progress, whose view is kept while nothing happens."""
+    driver = BoxDriver()
+    driver.executing()
+    shown = views.ZoneViews(driver.box)
+    assert any(not view.reasons_off("stop") for view in shown.look(driver.now))
+    driver.event(lambda now: driver.box.supersede(2, 17, HOST))
+    assert all(view.reasons_off(command) for view in shown.look(driver.now) for command in COMMANDS)
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -5,7 +5,10 @@ import os
 
 import pytest
 
-from helpers.replayed import ReplayedCompetition
+from helpers.competition import DOOR
+from helpers.journaled import NO_LISTENING, JournaledDriver
+from helpers.jury import Jury, judged
+from helpers.replayed import LOOK_S, ReplayedCompetition
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.referee import Refused
@@ -111,6 +114,55 @@ def test_all_commands_are_refused_with_the_reason(played):
 def test_only_a_replay_is_marked_as_one():
     assert is_replay(f"{PREFIX}1f691652")
     assert not is_replay("1f691652-bd12-41b6-ba41-403569205c35")
+
+
+# -- judges -----------------------------------------------------------------------------------------
+
+
+def judgings(box, now):
+    return [judging._replace(record=judging.record._replace(elapsed_s=0.0)) for judging in box.judges.unsigned(now)]
+
+
+class JudgedCompetition(JournaledDriver):
+    """Conducts a run with two judges, and notes what referees and judges see."""
+
+    def __init__(self, log_dir):
+        super().__init__(log_dir, judged(), NO_LISTENING)
+        self.jury = Jury(self)
+        self.noted = []  # UTC seconds, and what /core/judging is made of
+
+    def look(self):
+        self.jump(LOOK_S)
+        self.noted.append((self.now.utc, judgings(self.box, self.now)))
+        self.jump(LOOK_S)
+
+    def play(self):
+        """Conduct the run; returns the path of the journal."""
+        acts = [
+            lambda: self.jury.mark("Anna", DOOR, 1), lambda: self.jury.mark("Bert", DOOR, 0),
+            lambda: self.jury.submit("Anna"), lambda: self.jury.submit("Bert"),
+            lambda: self.jury.settle(DOOR, 1), lambda: self.command("stop"),
+        ]
+        self.look()
+        for act in acts:
+            act()
+            self.look()
+        self.command("disconnect")
+        self.journal.close()
+        return self.journal.path
+
+
+def test_judges_are_shown_as_they_were(tmp_path):
+    driver = JudgedCompetition(tmp_path)
+    with JournalReader(driver.play()) as reader:
+        box = ReplayedBox(read_run(reader, "1", []), driver.config)
+    shown = [judging for _, seen in driver.noted for judging in seen]
+    assert [len(judging.active) for judging in shown] == [0, 1, 2, 2, 2, 2, 2]
+    assert [judging.is_complete for judging in shown] == [False] * 4 + [True] * 3
+    assert [verdict.value for verdict in shown[4].verdicts] != [verdict.value for verdict in shown[5].verdicts]
+    for utc, seen in driver.noted:
+        box.show(utc)
+        assert judgings(box.box, box.now) == seen
 
 
 # -- what cannot be replayed ------------------------------------------------------------------------

@@ -131,7 +131,7 @@ class World:
     def open_copy(self):
         self.check_link()
         sent = []
-        return RemoteCopy(sent.append, lambda: self.exchange(sent.pop(0)))
+        return RemoteCopy(sent.append, lambda: self.exchange(sent.pop(0)), lambda: self.mono)
 
     def check_link(self):
         if self.is_cut or self.has_taken_over:

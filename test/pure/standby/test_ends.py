@@ -285,6 +285,8 @@ def test_the_old_box_becomes_the_new_standby(ends, tmp_path):
     ends.box.close()
     old, ends.log_dir, ends.far = ends.log_dir, ends.far, tmp_path / "third"
     ends.start_box()
+    ends.follower.step()
+    assert "'standby rejoin' on the computer that was the box" in ends.follower.progress.trouble
     rejoin(str(old), str(ends.far))
     ends.follow()
     ends.wait_connected()

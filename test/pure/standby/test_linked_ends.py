@@ -16,7 +16,7 @@ from roah_rsbb.copies import rows
 from roah_rsbb.copies.copy import CannotWriteCopy
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.standby.messages import BadMessage, decode, encode
-from roah_rsbb.standby.remote import Receiver, RemoteCopy
+from roah_rsbb.standby.remote import BEAT_S, Receiver, RemoteCopy
 
 
 class Link:
@@ -26,6 +26,12 @@ class Link:
         self.receiver = receiver
         self.faults = []
         self.is_down = False
+        self.passing_s = BEAT_S  # from one look at the clock to the next
+        self._mono = 0.0
+
+    def now(self):
+        self._mono += self.passing_s
+        return self._mono
 
     def open_copy(self):
         answers = []  # of this connection; None: it is lost
@@ -36,7 +42,7 @@ class Link:
                 raise CannotWriteCopy("answer lost")
             return answer
 
-        return RemoteCopy(lambda message: answers.append(self.request(message)), receive)
+        return RemoteCopy(lambda message: answers.append(self.request(message)), receive, self.now)
 
     def request(self, message):
         fault = self.faults.pop(0) if self.faults else ""
@@ -155,6 +161,29 @@ def test_data_that_cannot_be_read(data):
 
 def test_damaged_values_pass_unchanged():
     assert decode(encode({"v": [1, 1.5, None, "\udcff", float("inf")]}))["v"] == [1, 1.5, None, "\udcff", float("inf")]
+
+
+def test_a_standby_that_answered_lately_is_only_asked_to_write(ends):
+    assert ends.is_complete()
+    requests, request = [], ends.link.request
+    ends.link.request = lambda message: (requests.append(message["do"]), request(message))[1]
+    ends.link.passing_s = BEAT_S / 10
+    ends.follower.step()
+    ends.writer.entry("/notification", 1)
+    assert ends.is_complete()
+    assert requests == ["write"]
+    ends.link.passing_s = BEAT_S
+    assert ends.is_complete()
+    assert requests == ["write", "beat"]
+
+
+def test_a_removed_copy_is_not_written(ends):
+    assert ends.is_complete()
+    ends.link.passing_s = 0.0
+    ends.far.rename(ends.far.with_name("away"))
+    ends.writer.entry("/notification", 1)
+    ends.follower.step()
+    assert "the standby reports: it was removed" in ends.follower.progress.trouble
 
 
 def test_the_box_reads_the_next_part_while_the_standby_writes(ends, monkeypatch):

@@ -1,5 +1,6 @@
 """The takeover: it is refused while the box is heard, and starts the box with everything that was copied."""
 
+import contextlib
 import json
 import os
 import subprocess
@@ -9,6 +10,8 @@ import pytest
 
 from helpers.copied import Copied
 from roah_rsbb.copies.folder import CopyFolder
+from roah_rsbb.journal import epochs
+from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
 from roah_rsbb.standby.partners import PairedBox, PairedStandby, write_box, write_standby
 from roah_rsbb.tools import standby
@@ -84,6 +87,37 @@ def test_a_takeover_needs_an_option_while_the_box_is_heard(copied, monkeypatch, 
         with pytest.raises(standby.Refused, match="The box answers.*\n.*--anyway"):
             standby._takeover(options, str(copied.stick))
         assert not started
+
+
+@pytest.mark.parametrize("host, is_said", [("203.0.113.2", True), ("127.0.0.1", False)])
+def test_a_takeover_says_which_robots_are_not_heard(copied, capsys, host, is_said):
+    """Not if this computer has the old box's address."""
+    standby._become_box(str(copied.stick), PairedBox(host, 8083, "ff", "key"), [])
+    said = capsys.readouterr().out
+    assert (f"the box's address {host} instead of the broadcast address are not heard" in said) == is_said
+    assert (f"takeover --take-address --log-dir {copied.stick}" in said) == is_said
+
+
+def test_the_address_can_be_taken_while_the_new_box_runs(copied, monkeypatch, capsys):
+    folder, taken = str(copied.stick), []
+    box = PairedBox("203.0.113.2", 8083, "ff", "key")
+    monkeypatch.setattr(standby, "read_box", lambda _: box)
+    monkeypatch.setattr(standby, "take_address", lambda host, _: taken.append(host) or "eth7")
+    standby._become_box(folder, box, [])
+    options = standby._options(["takeover", "--take-address", "--log-dir", folder])
+    with contextlib.closing(CopyFolder(folder)):  # locked, as a core locks its journal
+        assert standby._takeover(options, folder) == 0
+    assert taken == [box.host]
+    assert f"This computer has the address {box.host} now, on eth7" in capsys.readouterr().out
+    assert epochs.standing_in(os.path.join(folder, FILE_NAME)).epoch == 2
+
+
+def test_a_witness_needs_the_program_ping(copied, monkeypatch):
+    monkeypatch.setattr(standby, "read_box", lambda _: PairedBox("203.0.113.2", 8083, "ff", "key"))
+    monkeypatch.setattr(standby.shutil, "which", lambda name: None)
+    options = standby._options(["follow", "--automatic", "5", "--witness", "203.0.113.1"])
+    with pytest.raises(standby.Refused, match="install iputils-ping"):
+        standby._follow(options, str(copied.stick))
 
 
 def test_the_program_that_keeps_the_copy_is_ended(copied, tmp_path):

@@ -172,9 +172,9 @@ class ZoneViews:
     """The views of all zones, for a caller that needs them often.
 
     A box may have many runs of task benchmarks in progress, which hardly change. The view of such a run is only made
-    again when more than its times changed: an event raised the zone's revision, or the warnings changed, which also
-    depend on time. A report that says something new is logged, which raises the revision. All other views are made
-    each time.
+    again when more than its times changed: an event raised the zone's revision, another box took over, or the warnings
+    changed, which also depend on time. A report that says something new is logged, which raises the revision. All other
+    views are made each time.
     """
 
     def __init__(self, box: Box) -> None:
@@ -193,7 +193,7 @@ class ZoneViews:
         run = zone.run
         if type(run) is not Run or run.phase is not Phase.RUNNING:
             return _zone(self._box, zone, now)
-        made_of = self._box.revision_of(zone.name), self._box.warnings_of(now, zone.name)
+        made_of = self._box.revision_of(zone.name), self._box.warnings_of(now, zone.name), self._box.is_superseded
         if before is None or before[0] != made_of:
             before = made_of, _zone(self._box, zone, now)
         self._kept[zone.name] = before

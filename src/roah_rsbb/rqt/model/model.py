@@ -21,8 +21,9 @@ from roah_rsbb.msg import (
     ZoneState,
 )
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
+from roah_rsbb.wording import superseded
 from roah_rsbb.wording.clock import Clock, clock_of
-from roah_rsbb.wording.judging import Judging, judging_of
+from roah_rsbb.wording.judging import Judging, judgings_of
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.replay import NO_COMMANDS, is_replay
 
@@ -121,7 +122,12 @@ class Model(QObject):
     def is_old(self) -> bool:
         """Whether the state shown may be out of date."""
         silence = self.silence_s
-        return silence is None or silence > SILENT_S
+        return silence is None or silence > SILENT_S or self.is_superseded
+
+    @property
+    def is_superseded(self) -> bool:
+        """Whether another box took over from the one that is shown."""
+        return self.details is not None and superseded.is_superseded(self.details.warnings)
 
     @property
     def is_replay(self) -> bool:
@@ -130,9 +136,14 @@ class Model(QObject):
 
     def why_read_only(self, silent: str) -> str:
         """Return why nothing can be changed now; empty: it can. `silent`: the reason if the core is silent."""
-        if self.is_old:
-            return silent
-        return tr(NO_COMMANDS) if self.is_replay else ""
+        return self.why_old(silent) or (tr(NO_COMMANDS) if self.is_replay else "")
+
+    def why_old(self, silent: str) -> str:
+        """Return why the state shown may be out of date; empty: it is not. `silent`: the reason if the core is
+        silent."""
+        if self.is_superseded:
+            return tr(superseded.NO_COMMANDS)
+        return silent if self.is_old else ""
 
     @property
     def clock_s(self) -> float:
@@ -228,11 +239,8 @@ class Model(QObject):
     def judgings_of(self, zone_name: str) -> List[Judging]:
         """Return how far judges and results are of the runs of a zone that are not signed off: first those with judges
         or a published result."""
-        runs = () if self._judgings is None else self._judgings.runs
-        found = [judging_of(run) for run in runs if run.zone == zone_name]
-        known = {run.identity for run in found}
-        return found + [Judging(zone_name, run.identity) for run in self.runs_of(zone_name)
-                        if run.closed.to_sec() and not run.signed.to_sec() and run.identity not in known]
+        judgings = () if self._judgings is None else self._judgings.runs
+        return judgings_of(judgings, self.runs_of(zone_name), zone_name)
 
     @property
     def has_devices(self) -> bool:

@@ -251,7 +251,7 @@ class BenchmarkControlPanel(Panel):
             self._show_run(zone, details)
         for command in COMMANDS.values():
             self._show_button(command, zone, details)
-        silent = tr(NO_ZONE) if zone is None else tr(SILENT) if self.model.is_old else ""
+        silent = tr(NO_ZONE) if zone is None else self.model.why_old(tr(SILENT))
         self.rules.show_details(details, self.model.has_phases(self.model.zone_name), silent)
         self.more.show_details(details, silent)
         self.reason.show_run()
@@ -338,7 +338,8 @@ class BenchmarkControlPanel(Panel):
         allowed = getattr(zone, f"{command.field}_enabled")
         if self.model.is_old:
             # The run may still be running: STOP stays available in case the command gets through.
-            button.allow(allowed and command.service == "stop", [tr(SILENT)], basic.ALARM if running else None)
+            button.allow(allowed and command.service == "stop", [self.model.why_old(tr(SILENT))],
+                         basic.ALARM if running else None)
             return
         reasons = getattr(details, f"{command.field}_off") if details else ()
         tone = NEXT_STEP.get((details.phase if details else "", command.service))

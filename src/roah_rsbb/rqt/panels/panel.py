@@ -20,7 +20,7 @@ from roah_rsbb.rqt.qt import (
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.marked_title import MarkedTitle
 from roah_rsbb.srv import StopRun
-from roah_rsbb.wording import sheets, times
+from roah_rsbb.wording import sheets, superseded, times
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.replay import NOT_LIVE
 
@@ -113,7 +113,9 @@ class Panel(QWidget):
             return
         self._where.setText(self.where())
         self._where.setToolTip(self.where_tip())
-        if self.model.is_old:
+        if self.model.is_superseded:
+            self._news.show_text(f"⚠ {tr(superseded.NOT_LIVE)}", basic.OLD)
+        elif self.model.is_old:
             self._news.show_text(f"⚠ {times.silence(self.model.silence_s)}", basic.OLD)
         elif self.model.is_replay:
             self._news.show_text(f"▶ {tr(NOT_LIVE)}", basic.OLD)

@@ -63,29 +63,31 @@ LOST["FunctionalityRun"] |= {"_modules"}
 LOST["MemberRun"] = {"_whole"}
 
 
-def facts(value, path=""):
-    """All that an object consists of, in plain values by their paths."""
+def facts(value, path, found):
+    """Add all that an object consists of, in plain values by their paths."""
     if isinstance(value, enum.Enum) or value is None or isinstance(value, (bool, int, float, str, frozenset)):
-        yield path, value
+        found[path] = value
     elif isinstance(value, dict) and not hasattr(value, "__dict__"):
         for key, item in value.items():
-            yield from facts(item, f"{path}[{key!r}]")
+            facts(item, f"{path}[{key!r}]", found)
     elif isinstance(value, (list, tuple, collections.deque)):
-        yield f"{path}#", len(value)
+        found[f"{path}#"] = len(value)
         for number, item in enumerate(value):
-            yield from facts(item, f"{path}[{number}]")
+            facts(item, f"{path}[{number}]", found)
     else:
         if isinstance(value, dict):
-            yield from facts(dict(value), path)
+            facts(dict(value), path, found)
         lost = set().union(*(LOST.get(cls.__name__, ()) for cls in type(value).__mro__))
         for name, item in vars(value).items():
             if name not in lost:
-                yield from facts(item, f"{path}.{name}")
+                facts(item, f"{path}.{name}", found)
 
 
 def all_facts(box):
     parts = {"zones": box.zones, "finished": box.finished, "devices": box.devices, "tablet": box.tablet.state}
-    return dict(facts(parts))
+    found = {}
+    facts(parts, "", found)
+    return found
 
 
 def restarted(driver):
