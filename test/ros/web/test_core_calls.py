@@ -33,7 +33,7 @@ class TestCoreCalls(unittest.TestCase):
         self.ros = Ros()
         self.addCleanup(self.ros.loop.close)
         self.calls = CoreCalls(self.ros)
-        proxy = mock.patch.object(core_calls.rospy, "ServiceProxy", lambda *_of, **_how: self.service)
+        proxy = mock.patch.object(core_calls, "KnownService", lambda *_of, **_how: self.service)
         proxy.start()
         self.addCleanup(proxy.stop)
 

@@ -9,6 +9,7 @@ import rospy
 
 from roah_rsbb.ros import refusals
 from roah_rsbb.ros.connections import REFEREE_HEADER
+from roah_rsbb.ros.known_services import KnownService
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.srv import (
     ConnectRobot,
@@ -132,7 +133,7 @@ class CoreCalls:
 
 def _outcome(command: Command) -> Outcome:
     call = CALLS[command.name]
-    proxy = rospy.ServiceProxy(f"/core/{call.service}", call.kind, headers={REFEREE_HEADER: command.session.who})
+    proxy = KnownService(f"/core/{call.service}", call.kind, headers={REFEREE_HEADER: command.session.who})
     try:
         answer = proxy(*call.request(command))
     except rospy.ServiceException as error:

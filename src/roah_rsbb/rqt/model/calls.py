@@ -10,6 +10,7 @@ import rospy
 
 from roah_rsbb.ros import refusals
 from roah_rsbb.ros.connections import REFEREE_HEADER
+from roah_rsbb.ros.known_services import KnownService
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.srv import GetClock, MarkItem, MarkItemRequest, MarkItemResponse
 from roah_rsbb.wording.language import tr
@@ -80,7 +81,7 @@ class Calls(QObject):
     ) -> None:
         """Call the service `name` of type `kind` with the request's fields; `done` receives the outcome."""
         headers = self._headers()
-        self.run(owner, name, lambda: rospy.ServiceProxy(name, kind, headers=headers)(*request), done)
+        self.run(owner, name, lambda: KnownService(name, kind, headers=headers)(*request), done)
 
     def mark(self, owner: object, mark: MarkItemRequest, done: Callable[[CallOutcome], None]) -> None:
         """Mark a scoring item; the result is a `Marked`. `mark` needs no id and no referee.
@@ -92,8 +93,8 @@ class Calls(QObject):
         headers = self._headers()
 
         def job() -> Marked:
-            answer = _until_answered(lambda: rospy.ServiceProxy("/core/mark", MarkItem, headers=headers)(mark))
-            return Marked(rospy.ServiceProxy("/core/clock", GetClock)().clock.to_sec(), answer)
+            answer = _until_answered(lambda: KnownService("/core/mark", MarkItem, headers=headers)(mark))
+            return Marked(KnownService("/core/clock", GetClock)().clock.to_sec(), answer)
 
         self.run(owner, "/core/mark", job, done)
 
