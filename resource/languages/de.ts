@@ -977,6 +977,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>Time for objections</source>
+        <translation>Zeit für Einsprüche</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
         <source>Uphold the objection</source>
         <translation>Dem Einspruch stattgeben</translation>
     </message>
@@ -984,6 +989,24 @@
         <location filename="../../src/roah_rsbb/wording/judging.py"/>
         <source>Reject the objection</source>
         <translation>Den Einspruch ablehnen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>As the benchmarks file says</source>
+        <translation>Wie in der Benchmark-Datei</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>None</source>
+        <translation>Keine</translation>
+    </message>
+    <message numerus="yes">
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>{n} minutes</source>
+        <translation>
+            <numerusform>{n} Minute</numerusform>
+            <numerusform>{n} Minuten</numerusform>
+        </translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/module_scores.py"/>
@@ -1835,6 +1858,16 @@
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>{withdrawn}, a correction</source>
         <translation>{withdrawn}, eine Korrektur</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/superseded.py"/>
+        <source>superseded: not live</source>
+        <translation>abgelöst: nicht live</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/superseded.py"/>
+        <source>Another box has taken over: commands have no effect here</source>
+        <translation>Eine andere Box hat übernommen: Befehle bewirken hier nichts</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/team_page.py"/>
@@ -3345,29 +3378,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/rqt/widgets/basic.py"/>
         <source>… keep holding</source>
         <translation>… weiter halten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/judge_dialogs.py"/>
-        <source>As the benchmarks file says</source>
-        <translation>Wie in der Benchmark-Datei</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/judge_dialogs.py"/>
-        <source>None</source>
-        <translation>Keine</translation>
-    </message>
-    <message numerus="yes">
-        <location filename="../../src/roah_rsbb/rqt/widgets/judge_dialogs.py"/>
-        <source>{n} minutes</source>
-        <translation>
-            <numerusform>{n} Minute</numerusform>
-            <numerusform>{n} Minuten</numerusform>
-        </translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/judge_dialogs.py"/>
-        <source>Time for objections</source>
-        <translation>Zeit für Einsprüche</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>

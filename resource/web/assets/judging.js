@@ -8,7 +8,7 @@ import {Sheet} from "/assets/sheet.js";
 const HAND_BACK = 0, WITHDRAW = 1, WAIVE = 2, SETTLE = 3;
 const AGAIN_MS = 2000;
 
-// What the box answers about a run, asked again after each change; null: no answer yet.
+// What the box answers about a run, asked again after each change; null: no answer yet. Of revision 0 there is nothing to ask.
 function useAnswer(zone, run) {
   const [answer, setAnswer] = useState(null);
   const wanted = useRef("");
@@ -27,7 +27,9 @@ function useAnswer(zone, run) {
         timer = setTimeout(fetch, AGAIN_MS);
       }
     };
-    fetch();
+    if (run.revision !== 0) {
+      fetch();
+    }
     return () => clearTimeout(timer);
   }, [zone, run.identity, run.revision]);
   useEffect(() => () => (wanted.current = ""), []);
@@ -140,12 +142,17 @@ function Judged({one, settle, texts}) {
 
 function Objections({run, objections, give, texts}) {
   const [by, setBy] = useState("");
+  const [seconds, setSeconds] = useState(texts.objection_times[0][0]);
   const ask = (name, label, more) => give(name, texts, label, {identity: run.identity, ...more});
   return html`
     <details>
       <summary>${texts.publication}${run.publication && `: ${run.publication}`}</summary>
+      <label>${texts.objection_time}
+        <select class="objection-time" onChange=${(event) => setSeconds(Number(event.target.value))}>
+          ${texts.objection_times.map(([value, text]) => html`<option value=${value} selected=${value === seconds}>${text}</option>`)}
+        </select></label>
       <${Twice} name="publish" label=${texts.publish} question=${texts.really}
-        reasons=${run.is_over ? [] : [texts.not_over]} act=${() => ask("publish", texts.publish, {seconds: -1})} />
+        reasons=${run.is_over ? [] : [texts.not_over]} act=${() => ask("publish", texts.publish, {seconds})} />
       <ul>${objections.map((one) => html`
         <li class="item" key=${one.number}><p><strong>${one.number}. ${one.by}</strong>: ${one.text}</p>
           ${one.is_answered && html`<p class="why">${one.answer}</p>`}
@@ -162,12 +169,19 @@ function Objections({run, objections, give, texts}) {
     </details>`;
 }
 
+// The way of a result from provisional to final, of a run without judges.
+export function Publication({zone, run, give, texts}) {
+  const answer = useAnswer(zone, run);
+  return html`<div data-run=${run.identity}>
+    <${Objections} run=${run} objections=${answer ? answer.objections : []} give=${give} texts=${texts} /></div>`;
+}
+
 export function HeadReferee({zone, run, give, texts}) {
   const answer = useAnswer(zone, run);
   const decide = (decision, label, more) => give("decide", texts, label, {identity: run.identity, decision, ...more});
   return html`
     <section class="judging" data-run=${run.identity}>
-      <h2>${run.count > 0 ? texts.judges : texts.publication}</h2>
+      <h2>${texts.judges}</h2>
       <p><strong>${run.title}</strong></p>
       <${Progress} run=${run} texts=${texts} />
       ${run.differences > 0 && html`<p class="todo urgent" role="status">${texts.differences.replace("{number}", () => run.differences)}</p>`}
@@ -175,18 +189,17 @@ export function HeadReferee({zone, run, give, texts}) {
         <ul>${answer.judged.map((one) => html`
           <${Judged} key="${run.identity}/${one.item.group}/${one.item.desc}" one=${one} texts=${texts}
             settle=${(item, value, reason) => decide(SETTLE, texts.settle, {group: item.group, desc: item.desc, ...value, reason})} />`)}</ul>`}
-      ${run.count > 0 && html`
-        <details>
-          <summary>${texts.judges_more}</summary>
-          ${run.missing > 0 && !run.waiver && html`<${Reasoned} name="waive" label=${texts.waive} texts=${texts}
-            act=${(reason) => decide(WAIVE, texts.waive, {reason})} />`}
-          ${run.judges.map((one) => html`
-            <div key=${one.judge}><h3>${one.judge}</h3>
-              ${one.submitted && html`<${Reasoned} name="hand_back" label=${texts.hand_back} texts=${texts}
-                act=${(reason) => decide(HAND_BACK, texts.hand_back, {judge: one.judge, reason})} />`}
-              <${Reasoned} name="withdraw" label=${texts.withdraw_sheet} texts=${texts}
-                act=${(reason) => decide(WITHDRAW, texts.withdraw_sheet, {judge: one.judge, reason})} /></div>`)}
-        </details>`}
+      <details>
+        <summary>${texts.judges_more}</summary>
+        ${run.missing > 0 && !run.waiver && html`<${Reasoned} name="waive" label=${texts.waive} texts=${texts}
+          act=${(reason) => decide(WAIVE, texts.waive, {reason})} />`}
+        ${run.judges.map((one) => html`
+          <div key=${one.judge}><h3>${one.judge}</h3>
+            ${one.submitted && html`<${Reasoned} name="hand_back" label=${texts.hand_back} texts=${texts}
+              act=${(reason) => decide(HAND_BACK, texts.hand_back, {judge: one.judge, reason})} />`}
+            <${Reasoned} name="withdraw" label=${texts.withdraw_sheet} texts=${texts}
+              act=${(reason) => decide(WITHDRAW, texts.withdraw_sheet, {judge: one.judge, reason})} /></div>`)}
+      </details>
       ${answer && html`<${Objections} run=${run} objections=${answer.objections} give=${give} texts=${texts} />`}
     </section>`;
 }

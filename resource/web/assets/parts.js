@@ -124,10 +124,10 @@ export function Ticking({make, tag = "span", ...rest}) {
   return html`<${tag} ...${rest}>${make()}<//>`;
 }
 
-// Why the content may be out of date; empty: it is current.
+// Why the content may be out of date, or that it is a replay; empty: it is current.
 export function troubleText(live, words) {
   if (live.silentSince === null || !live.data["page.runs"]) {
-    return "";
+    return (live.data["page.runs"] || {}).replay || "";
   }
   return words.no_signal.replace("{time}", clockText(live.silentSince, words));
 }

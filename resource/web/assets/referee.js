@@ -7,7 +7,7 @@ import {ask, reasonsText, roleText} from "/assets/device.js";
 import {Marks, Stop, send, signal} from "/assets/commands.js";
 import {Command, Hold, Twice} from "/assets/buttons.js";
 import {Correction} from "/assets/correction.js";
-import {HeadReferee, JudgeRun} from "/assets/judging.js";
+import {HeadReferee, JudgeRun, Publication} from "/assets/judging.js";
 import {ADD, Sheet} from "/assets/sheet.js";
 
 const SILENT_S = 2.2;
@@ -254,9 +254,12 @@ function Unsigned({zone, texts}) {
         <li key=${run.identity}>
           <p><strong>${run.title}</strong></p>
           <p>${run.end}${run.score && ` · ${run.score}`}</p>
-          <${Correction} zone=${zone} run=${run} marks=${state.marks} texts=${texts} undo=${(last) => undo(last, texts)} />
+          ${zone.judging.some((one) => one.identity === run.identity && one.count > 0) || html`
+            <${Correction} zone=${zone} run=${run} marks=${state.marks} texts=${texts} undo=${(last) => undo(last, texts)} />`}
           <${Twice} name="sign_off" label=${texts.sign_off} question=${texts.really}
             act=${() => give("sign_off", texts, texts.sign_off, {identity: run.identity})} />
+          ${zone.judging.filter((one) => one.identity === run.identity && one.count === 0).map((one) => html`
+            <${Publication} zone=${zone.zone} run=${one} texts=${texts} give=${give} />`)}
         </li>`)}</ul>
     </section>`;
 }
@@ -348,7 +351,7 @@ function Page() {
   const judge = session.role === "judge" ? session.person : "";
   const isJudged = Boolean(zone) && zone.judging.some((run) => run.identity === zone.identity && run.count > 0);
   const last = zone && marks.last(zone.identity);
-  const isShown = (mark) => zone && (mark.identity === zone.identity || zone.judging.some((run) => run.identity === mark.identity));
+  const isShown = (mark) => zone && (mark.identity === zone.identity || zone.judging.some((run) => run.identity === mark.identity && run.count > 0));
   const others = marks.waiting.filter((mark) => !isShown(mark));
   return html`
     ${isOld && html`<p class="alarm" role="alert">${live.silentSince === null ? (zone ? texts.offline_now : words.waiting)
@@ -371,7 +374,7 @@ function Page() {
           ${zone.switches && html`<${Switches} zone=${zone} texts=${texts} />`}
           ${zone.phase === "running" || html`<${Commands} zone=${zone} texts=${texts} />`}
           ${zone.phase === "ended" && html`<${Reason} key=${zone.identity} zone=${zone} texts=${texts} />`}`}
-        ${zone.judging.filter((run) => run.count > 0 || !judge).map((run) => judge ? html`
+        ${zone.judging.filter((run) => run.count > 0).map((run) => judge ? html`
           <${JudgeRun} key=${run.identity} zone=${zone.zone} run=${run} marks=${marks} texts=${texts} person=${judge} give=${give} />` : html`
           <${HeadReferee} key=${run.identity} zone=${zone.zone} run=${run} texts=${texts} give=${give} />`)}
         ${isJudged && !judge && html`<p class="nothing">${texts.judges_score}</p>`}

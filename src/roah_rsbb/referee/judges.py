@@ -16,7 +16,6 @@ from roah_rsbb.wording.judging import Judged, Judging, ObjectionLine
 from roah_rsbb.wording.texts import escaped
 
 _IN = "    "
-BY_THE_FILE = -1.0  # PublishResult.seconds: the time for objections that the benchmarks file gives
 
 
 class JudgedRun(NamedTuple):
@@ -118,7 +117,7 @@ def _decision(number: int) -> Callable[[Link, Any, Output], Exit]:
 
 
 def _publish(link: Link, options: Any, output: Output) -> Exit:
-    seconds = BY_THE_FILE if options.minutes is None else 60.0 * options.minutes
+    seconds = judging.BY_THE_FILE_S if options.minutes is None else 60.0 * options.minutes
     return _publication(link, options, output, action=PublishResultRequest.PUBLISH, seconds=seconds)
 
 

@@ -124,8 +124,8 @@ class Desk(Numbered):
                 return
             clock = self._clock_of(zone_name, details_of[zone_name].identity)
             page = zone_documents.zone_page(
-                zone, details_of[zone_name], details.warnings, clock, self._runs, gui.clock.to_sec())
-            page["judging"] = zone_documents.judging_page(self._judgings, zone_name, self._runs, gui.clock.to_sec())
+                zone, details_of[zone_name], details.warnings, clock, self._runs, self._judgings,
+                gui.clock.to_sec())
             self._put((ZONE, language, zone_name), page)
             if clock is not None:
                 passed_s = gui.clock.to_sec() - self._clocks.clock.to_sec()

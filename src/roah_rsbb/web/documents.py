@@ -9,6 +9,8 @@ from typing import Any, Dict, List, Optional
 
 from roah_rsbb.wording import public
 from roah_rsbb.wording.explained import explained as explained_texts
+from roah_rsbb.wording.language import tr
+from roah_rsbb.wording.replay import NOT_LIVE, is_replay
 
 Data = Dict[str, Any]
 
@@ -155,8 +157,9 @@ def page_words(language: str, title: str, utc_s: Optional[float], utc_offset_s: 
 
 
 def page_runs(details, runs: List[Data]) -> Data:
-    """Return the texts of all runs. `runs`: those of `state`, for the times that the page counts itself."""
-    return {"runs": [
+    """Return the texts of all runs, and the mark of a replay. `runs`: those of `state`, for the times that the page
+    counts itself."""
+    return {"replay": tr(NOT_LIVE) if is_replay(details.box_uuid) else "", "runs": [
         {
             **card._replace(big=public.still(card, run, details.clock.to_sec()))._asdict(),
             **{name: times[name] for name in ("zone", "teams", "ends", "counts_from")},

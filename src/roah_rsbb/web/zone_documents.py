@@ -19,15 +19,19 @@ OFF_FIELDS = {
         "pause", "resume", "next_phase", "previous_phase", "open_sheet", "no_show", "withdrawn")},
 }
 _MARKS = {"idle": "○", "connected": "●", "running": "▶", "ended": "■"}
-# Runs that are over and not signed off. The page is no archive.
+# Runs without judges that are over and not signed off. The page is no archive.
 MAX_UNSIGNED = 5
 
 
-def zone_page(zone, details, box_warnings: Iterable[str], clock, runs: Iterable[Any], utc_s: float) -> Data:
+def zone_page(
+    zone, details, box_warnings: Iterable[str], clock, runs: List[Any], judgings: List[Any], utc_s: float,
+) -> Data:
     """Return everything about a zone but its running times.
 
-    `zone`: ZoneState; `details`: ZoneDetails; `clock`: RunClock of the same run, or None; `runs`: RunSummary of all.
+    `zone`: ZoneState; `details`: ZoneDetails; `clock`: RunClock of the same run, or None; `runs`: RunSummary of all;
+    `judgings`: Judging of all.
     """
+    unsigned = _unsigned(runs, judgings, zone.zone)
     task = todo.todo(zone, details)
     lines = [line for line in zone.state.split("\n") if line]
     mark = _MARKS.get(details.phase, "–")
@@ -57,7 +61,8 @@ def zone_page(zone, details, box_warnings: Iterable[str], clock, runs: Iterable[
         if zone.omf else None,
         "items": [item_page(item) for item in details.items],
         "points": _points(details.points),
-        "unsigned": [_run(run, moments, utc_s) for run in runs if _is_unsigned(run, zone.zone)][:MAX_UNSIGNED],
+        "unsigned": [_run(run, moments, utc_s) for run in unsigned],
+        "judging": _judging(judging.judgings_of(judgings, unsigned, zone.zone), runs, utc_s),
     }
 
 
@@ -106,8 +111,11 @@ def _points(message) -> str:
     return sheets.points_text(message.total, groups) if message.total else ""
 
 
-def _is_unsigned(run, zone: str) -> bool:
-    return run.zone == zone and bool(run.closed.to_sec()) and not run.signed.to_sec()
+def _unsigned(runs: List[Any], judgings: List[Any], zone: str) -> List[Any]:
+    """Return the newest runs that are not signed off, and older ones that judges score or that are published."""
+    found = [run for run in runs if run.zone == zone and run.closed.to_sec() and not run.signed.to_sec()]
+    known = {one.identity for one in judgings}
+    return found[:MAX_UNSIGNED] + [run for run in found[MAX_UNSIGNED:] if run.identity in known]
 
 
 def _run(run, moments: Moments, utc_s: float) -> Data:
@@ -122,8 +130,8 @@ def _run(run, moments: Moments, utc_s: float) -> Data:
 # How far the judges are is part of the zone's document, without values. The values come with the answer to a device
 # that asks: a judge gets the own sheet, the others get all sheets side by side, once the core shows them.
 
-def judging_page(judgings: Iterable[Any], zone: str, runs: Iterable[Any], utc_s: float) -> List[Data]:
-    """Return how far the judges of the runs of a zone are. `judgings`: Judging of all; `runs`: RunSummary of all."""
+def _judging(judgings: List[judging.Judging], runs: List[Any], utc_s: float) -> List[Data]:
+    """Return how far the judges and the results of runs are. `runs`: RunSummary of all."""
     names = {run.identity: sheets.run_name(run.code, run.team, run.round, run.run) for run in runs}
     over = {run.identity for run in runs if run.closed.to_sec()}
 
@@ -138,7 +146,7 @@ def judging_page(judgings: Iterable[Any], zone: str, runs: Iterable[Any], utc_s:
                     "state": judging.judge_state(each)} for each in one.judges],
         "publication": judging.publication_text(one, utc_s, when),
         "is_published": one.published_utc_s is not None,
-    } for one in map(judging.judging_of, judgings) if one.zone == zone]
+    } for one in judgings]
 
 
 def own_sheet(answer) -> Data:

@@ -121,6 +121,7 @@ def page_words() -> Dict[str, str]:
         "withdraw_sheet": tr(judging.WITHDRAW), "waive": tr(judging.WAIVE),
         "judges_score": tr("Several judges score this run, each on a sheet of their own"),
         "publication": tr("Provisional result and objections"), "publish": tr(judging.PUBLISH),
+        "objection_time": tr(judging.OBJECTION_TIME), "objection_times": list(map(list, judging.objection_times())),
         "not_over": tr(judging.NOT_OVER),
         "object": tr(judging.OBJECT), "objection_by": tr("Who objects"),
         "uphold": tr(judging.UPHOLD), "reject": tr(judging.REJECT),

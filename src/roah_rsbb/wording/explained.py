@@ -19,7 +19,7 @@ _SAID = {
 }
 
 
-class Step(NamedTuple):
+class ShownStep(NamedTuple):
     """A step of a run."""
 
     text: str
@@ -30,7 +30,7 @@ class ExplainedTexts(NamedTuple):
     """The texts of a run."""
 
     about: str  # may be empty
-    steps: Tuple[Step, ...]
+    steps: Tuple[ShownStep, ...]
     now: str  # one sentence
     progress: str  # may be empty
     said: Tuple[str, ...]  # the newest last
@@ -52,21 +52,21 @@ def _about(run, language: str) -> str:
     return next(iter(texts.values()), "")
 
 
-def _steps(run) -> List[Step]:
+def _steps(run) -> List[ShownStep]:
     """The phases of a task or, without them, what happens in every run. Goals repeat: no step of theirs is ever over
     while the run continues."""
     if run.phases:
         is_over = run.doing == "ended"
-        return [Step(name, DONE if is_over or number < run.phase else NOW if number == run.phase else LATER)
+        return [ShownStep(name, DONE if is_over or number < run.phase else NOW if number == run.phase else LATER)
                 for number, name in enumerate(run.phases, 1)]
     if run.doing == "by_hand":
         return []
     now = _ORDER[run.doing]
     if run.kind == "functionality":
         texts = [(1, _REFEREE), (2, _PREPARES), (3, _WAYPOINT if run.waypoints else _GOAL)]
-        return [Step(tr(text), DONE if now == _ORDER["ended"] else NOW if number == now else LATER)
+        return [ShownStep(tr(text), DONE if now == _ORDER["ended"] else NOW if number == now else LATER)
                 for number, text in texts]
-    return [Step(tr(text), DONE if number < now else NOW if number == now else LATER)
+    return [ShownStep(tr(text), DONE if number < now else NOW if number == now else LATER)
             for number, text in ((2, _PREPARES), (3, _EXECUTES))]
 
 

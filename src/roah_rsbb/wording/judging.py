@@ -5,7 +5,7 @@ Panel, terminal and pages show this model of /core/judging and of the answer of 
 (docs/referee.md, "JSON") and never change. Times are UTC seconds since 1970; None: not yet.
 """
 
-from typing import Callable, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
@@ -27,6 +27,9 @@ NOT_OVER = tr_later("The run is still connected")
 SETTLE, HAND_BACK = tr_later("Settle"), tr_later("Hand back: look again")
 WITHDRAW, WAIVE = tr_later("Withdraw the sheet"), tr_later("Do not wait for missing judges")
 PUBLISH, OBJECT = tr_later("Publish as provisional"), tr_later("Enter an objection")
+OBJECTION_TIME = tr_later("Time for objections")
+BY_THE_FILE_S = -1.0  # PublishResult.seconds: the time for objections that the benchmarks file gives
+_OBJECTION_MINUTES = (5, 10, 15, 30, 60)
 UPHOLD, REJECT = tr_later("Uphold the objection"), tr_later("Reject the objection")
 
 # What became of an item, by the numbers in JudgedItem.
@@ -134,6 +137,15 @@ def objections_of(answer) -> Tuple[ObjectionLine, ...]:
         for one in answer.objections)
 
 
+def judgings_of(judgings: Iterable[Any], runs: Iterable[Any], zone: str) -> List[Judging]:
+    """Return how far judges and results are of the runs of a zone that are not signed off: first those with judges or a
+    published result. `judgings`: Judging messages; `runs`: RunSummary."""
+    found = [judging_of(one) for one in judgings if one.zone == zone]
+    known = {one.identity for one in found}
+    return found + [Judging(zone, run.identity) for run in runs if run.zone == zone and run.closed.to_sec()
+                    and not run.signed.to_sec() and run.identity not in known]
+
+
 # -- in words ---------------------------------------------------------------------------------------
 
 
@@ -168,6 +180,12 @@ def publication_text(judging: Judging, utc_s: float, when: Callable[[float], str
     limit = tr(OBJECTIONS_UNTIL, time=when(until)) if until > utc_s else tr(OBJECTIONS_OVER)
     waiting = [tr(OPEN_OBJECTIONS, number=judging.open_objections)] if judging.open_objections else []
     return " · ".join([tr(PROVISIONAL), limit, *waiting])
+
+
+def objection_times() -> List[Tuple[float, str]]:
+    """Return the times for objections that can be chosen: PublishResult.seconds, and its text."""
+    return [(BY_THE_FILE_S, tr("As the benchmarks file says")), (0.0, tr("None")),
+            *((60.0 * minutes, tr("{n} minutes", n=minutes)) for minutes in _OBJECTION_MINUTES)]
 
 
 def outcome_text(item: Judged) -> str:

@@ -42,6 +42,13 @@ def clocks(identity="run 1", elapsed=10.0, clock=NOW):
         phase_limit=Time(0.0), phase_elapsed=Time(0.0))])
 
 
+def judging(identity, **fields):
+    return SimpleNamespace(**{
+        "zone": "Home", "identity": identity, "revision": 4, "count": 0, "rule": "", "missing": 0, "complete": False,
+        "judges": [], "waiver": "", "differences": 0, "published": Time(0.0), "objections_until": Time(0.0),
+        "open_objections": 0, **fields})
+
+
 def closed_run(identity, zone="Home", closed=NOW, signed=0.0):
     return SimpleNamespace(identity=identity, zone=zone, code="HWV", team="Alpha", round=1, run=1, opened=Time(NOW),
                            started=Time(NOW), closed=Time(closed), signed=Time(signed), end_reason="stopped", score="2",
@@ -121,6 +128,23 @@ def test_score_sheets_that_wait_for_a_signature(desk):
     ]))
     desk.on_gui(MONO + 0.1, gui(NOW + 0.1))
     assert [(run["identity"], run["revision"]) for run in data(desk)["unsigned"]] == [("a", 7)]
+
+
+def test_a_result_without_judges_can_be_published(desk):
+    runs = [closed_run(f"run {n}") for n in range(7)]
+    desk.on_results(SimpleNamespace(runs=[*runs, closed_run("hall", zone="Hall")]))
+    desk.on_judging(SimpleNamespace(runs=[
+        judging("run 6", published=Time(NOW), objections_until=Time(NOW + 60.0), open_objections=1),
+        judging("judged", count=2),
+    ]))
+    desk.on_gui(MONO + 0.1, gui(NOW + 0.1))
+    assert [run["identity"] for run in data(desk)["unsigned"]] == ["run 0", "run 1", "run 2", "run 3", "run 4", "run 6"]
+    shown = {run["identity"]: run for run in data(desk)["judging"]}
+    assert list(shown) == ["run 6", "judged", "run 0", "run 1", "run 2", "run 3", "run 4"]
+    new, old = shown["run 0"], shown["run 6"]
+    assert (new["count"], new["revision"], new["is_over"], new["is_published"], new["publication"]) == (
+        0, 0, True, False, "")
+    assert old["is_published"] and "objections to answer: 1" in old["publication"]
 
 
 def test_a_message_names_each_document_once(desk):

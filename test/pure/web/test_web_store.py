@@ -12,6 +12,7 @@ from roah_rsbb.web.documents import DATA, PAGE_EXPLAINED, TEXTS
 from roah_rsbb.web.store import SILENT_S, Store
 from roah_rsbb.web.viewer import Viewer
 from roah_rsbb.wording.catalogues import read, translation
+from roah_rsbb.wording.replay import PREFIX
 
 SCHEMAS = pathlib.Path(__file__).resolve().parents[3] / "resource" / "web" / "schemas"
 MONO = 50.0
@@ -110,6 +111,16 @@ def test_texts_are_made_only_in_languages_that_somebody_reads(store):
     assert number(store, "page.runs", "en") == 0
     store.keys(["page.runs"], "en")
     assert data(store, "page.runs", "en")["runs"][0]["word"] == "running"
+
+
+def test_a_replay_is_marked_in_the_language_of_the_reader(store):
+    store.keys(["page.runs"], "de")
+    store.on_details(MONO, full())
+    assert data(store, "page.runs", "de")["replay"] == ""
+    replayed = full(NOW + 1.0)
+    replayed.box_uuid = f"{PREFIX}box"
+    store.on_details(MONO + 1, replayed)
+    assert data(store, "page.runs", "de")["replay"] == "WIEDERGABE: nicht live"
 
 
 def test_a_page_counts_by_itself(store):

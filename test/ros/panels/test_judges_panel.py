@@ -104,6 +104,10 @@ class TestJudgesPanel(WindowCase):
                    lambda: f"it is settled: {self.rows()}")
         self.assertIn("still connected", panel.publish.toolTip())
         self.zone.command("stop", "disconnect")
+        # The overview and the log get their space back, and the buttons of this panel move.
+        wait_until(lambda: not any(self.panel(name).is_collapsed for name in ("OverviewPanel", "LogDisplayPanel")),
+                   "they are back")
+        self.wait_quiet()
         self.publish("60 minutes")
         self.wait_progress("provisional · objections until")
         click_on(panel.tabs.tabBar(), panel.tabs.tabBar().tabRect(1).center())

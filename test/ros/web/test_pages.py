@@ -1,6 +1,6 @@
 """The web pages in a real browser, fed by the core; the gateway is killed in the middle of a run.
 
-Screenshots are left in build/screenshots.
+`make test-all` leaves screenshots in build/screenshots.
 """
 
 import json

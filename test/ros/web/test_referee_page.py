@@ -1,6 +1,6 @@
 """A run by a referee's phone, in a real browser: with a gateway that is killed, and with a network that goes.
 
-Screenshots are left in build/screenshots.
+`make test-all` leaves screenshots in build/screenshots.
 """
 
 import json
@@ -13,7 +13,7 @@ from typing import Any, Dict, Optional
 
 import rospy
 from support.box_case import BoxCase
-from support.browser import Browser, NeedsBrowser, Page, find
+from support.browser import IS_ALL, Browser, NeedsBrowser, Page, find
 from support.connections import kill, process_of
 from support.robots import RSBB_PORT
 from support.waiting import wait_until
@@ -160,11 +160,13 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertEqual(page.inaccessible(), [], name)
         self.assertLessEqual(page.get("document.scrollingElement.scrollWidth"), page.get("innerWidth"), name)
 
-    def shot(self, name: str, page: Page) -> None:
+    def shot(self, name: str, page: Page, is_on_laptop: bool = IS_ALL) -> None:
         """Look at the page, on a phone and on a laptop."""
         page.get("scrollTo(0, 0)")
         self.assert_accessible(name, page)
         page.screenshot(SHOTS / f"web_referee_{name}.png")
+        if not is_on_laptop:
+            return
         page.resize(*LAPTOP)
         page.screenshot(SHOTS / f"web_referee_{name}_laptop.png")
         self.assert_accessible(name, page)
@@ -194,7 +196,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.shows(page, ENTERS, "yes")
         page.wait("marks.waiting.length === 0", "the marks are confirmed")
         self.assertEqual(self.values()[DEVICE], 2)
-        self.shot("running", page)
+        self.shot("running", page, is_on_laptop=True)
         page.get(f"(() => {{ {COUNT_DRAWS} }})()")
         page.wait("ticks >= 2", "the clock ticks")
         self.assertEqual(page.get("draws"), 0, "a tick of the clock draws nothing else")
@@ -222,6 +224,11 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertTrue(self.sheet(identity).summary.corrected)
         self.shot("correction", page)
         self.tap(page, command("correct"))
+        self.tap(page, ".unsigned summary")
+        self.publish(page, 300, "provisional · objections until")
+        state = rospy.ServiceProxy("/core/judges", GetJudging)(ZONE, identity, "").state
+        self.assertEqual((state.objections_until - state.published).to_sec(), 300.0)
+        self.publish(page, 0, "the time for objections is over")
         asks = page.note(f"{TEXT}.includes('Sign off: press again to confirm')")
         self.tap(page, command("sign_off"))
         page.wait(asks, "it asks")
@@ -231,6 +238,13 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertIn("Anna, Linux", self.sheet(identity).summary.signed_by)
         network = ("WebSocket", "Failed to load resource")  # while a gateway is killed
         self.assertEqual([error for error in self.browser.errors if not any(mark in error for mark in network)], [])
+
+    def publish(self, page: Page, seconds: int, shown: str) -> None:
+        """Publish a result without judges as provisional, with this time for objections."""
+        page.get(f"(s => (s.value = {seconds}, s.dispatchEvent(new Event('change', {{bubbles: true}}))))"
+                 "(document.querySelector('.unsigned .objection-time')), 0")
+        self.press_twice(page, "publish", "press again")
+        page.wait(f"{TEXT}.includes({json.dumps(shown)})", "it is published")
 
     def running(self, language: str = "en", browser: Optional[Browser] = None) -> Page:
         """A run in progress, and a phone that shows it."""
@@ -273,7 +287,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page.wait(f"!{TEXT}.includes('NO LINK') && {TEXT}.includes('stopped')", "the page is current again")
         self.assertIn("Anna, Linux", self.sheet().stops[-1].who)
 
-    def test_a_mark_without_an_answer_is_shown_and_counts_once(self) -> None:
+    def test_marks_without_an_answer_are_shown_and_count_once(self) -> None:
         page = self.running()
         page.get("window.sent = 0, window.realFetch = fetch, window.fetch = (...what) => realFetch(...what).then(() => "
                  "{ sent += 1; throw new TypeError('the answer is lost'); }), 0")
@@ -286,9 +300,10 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page.wait("marks.waiting.length === 0", "the mark is confirmed")
         self.shows(page, DEVICE, "1")
         self.assertEqual(self.values()[DEVICE], 1, "it came several times and counted once")
+        self.a_mark_survives_a_killed_gateway_and_a_reload(page)
 
-    def test_a_mark_survives_a_killed_gateway_and_a_reload(self) -> None:
-        page = self.running()
+    def a_mark_survives_a_killed_gateway_and_a_reload(self, page: Page) -> None:
+        """The second mark of a run."""
         identity = self.box.zone_details(ZONE).identity
         page.get("window.fetch = () => Promise.reject(new TypeError('no network')), 0")
         self.tap(page, item(DEVICE, 2))
@@ -298,9 +313,9 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertEqual(page.get("marks.waiting.length"), 1)
         page.command("Page.reload")
         page.wait_address("/referee")
-        self.shows(page, DEVICE, "1")
+        self.shows(page, DEVICE, "2")
         page.wait("marks.waiting.length === 0", "the mark is confirmed")
-        self.assertEqual([(one.value, one.desc) for one in self.sheet(identity).history], [(1, DEVICE)])
+        self.assertEqual([(one.value, one.desc) for one in self.sheet(identity).history], [(1, DEVICE), (2, DEVICE)])
 
     def test_nothing_acknowledged_is_lost_with_the_core_or_the_browser(self) -> None:
         browser = Browser(find())
@@ -342,26 +357,23 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.phase("ended")
         page.wait(f"!{TEXT}.includes('NO LINK') && {TEXT}.includes('stopped')", "the page is current again")
 
-    def test_a_pairing_that_is_ended_is_noticed(self) -> None:
-        page = self.paired()
-        rospy.ServiceProxy("/web/revoke", RevokeDevice)("")
-        page.wait(f"{TEXT}.includes('This device is not paired')", "the page says so")
-        self.assert_accessible("not paired", page)
-        self.assertEqual(self.post(page, "connect"), 401)
-
     def post(self, page: Page, name: str, **fields: Any) -> int:
         """The status of a command that the page's scripts send."""
         body = json.dumps({"zone": ZONE, **fields})
         return page.get(f"fetch('/api/v1/commands/{name}', {{method: 'POST', body: {json.dumps(body)}, "
                         "headers: {'Content-Type': 'application/json'}}).then(answer => answer.status)")
 
-    def test_a_judge_gives_no_commands(self) -> None:
+    def test_a_judge_gives_no_commands_and_notices_the_end_of_the_pairing(self) -> None:
         self.robot("Delta")
         page = self.paired("judge", "Cora")
         self.assertEqual(page.get(f"document.querySelector({json.dumps(command('connect'))})"), None)
         self.assertEqual(self.post(page, "connect"), 403)
         self.assertEqual(self.post(page, "mark", identity="x", id="x", group="x", desc="x", judge="Dora"), 403)
         self.assert_accessible("judge", page)
+        rospy.ServiceProxy("/web/revoke", RevokeDevice)("")
+        page.wait(f"{TEXT}.includes('This device is not paired')", "the page says so")
+        self.assert_accessible("not paired", page)
+        self.assertEqual(self.post(page, "connect"), 401)
 
     def judged(self) -> str:
         """A run without a robot in the hall, which two judges score."""
@@ -418,7 +430,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         # While the core is away, the page does not show them.
         given = f"(document.querySelector({json.dumps(settle + '.given')}) || document.body)"
         head.wait(f"{given}.innerText.replace(/\\s+/g, ' ') === 'Ann 2 Ben 3'", "side by side")
-        self.shot("judges", head)
+        self.shot("judges", head, is_on_laptop=True)
         self.tap(head, settle + ".given button:last-child")  # what Ben gave
         chosen = f"(document.querySelector({json.dumps(settle + 'input.value')}) || {{}})"
         head.wait(f"{chosen}.value === '3'", "it is chosen")

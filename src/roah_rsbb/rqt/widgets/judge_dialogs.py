@@ -148,9 +148,6 @@ class ObjectionDialog(ReasonDialog):
 class PublishDialog(NoteDialog):
     """Asks for the time for objections; calls `then(seconds)`, negative: as the benchmarks file says."""
 
-    MINUTES = (5, 10, 15, 30, 60)
-    BY_THE_FILE = -1.0  # as in PublishResult
-
     def __init__(self, parent: QWidget, text: str, then: Callable[[float], None]) -> None:
         """`text`: what it is about."""
         self._then_published = then
@@ -160,11 +157,9 @@ class PublishDialog(NoteDialog):
 
     def add_fields(self) -> None:
         self.chosen = QComboBox()
-        self.chosen.addItem(tr("As the benchmarks file says"), self.BY_THE_FILE)
-        self.chosen.addItem(tr("None"), 0.0)
-        for minutes in self.MINUTES:
-            self.chosen.addItem(tr("{n} minutes", n=minutes), 60.0 * minutes)
-        self.form.addRow(tr("Time for objections"), self.chosen)
+        for seconds, text in judging.objection_times():
+            self.chosen.addItem(text, seconds)
+        self.form.addRow(tr(judging.OBJECTION_TIME), self.chosen)
 
     def answer(self) -> None:
         self._then_published(self.chosen.currentData())
