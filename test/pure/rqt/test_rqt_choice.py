@@ -1,6 +1,8 @@
 """Which windows a client opens, and how long it keeps them open."""
 
+import os
 import signal
+import subprocess
 import sys
 
 import pytest
@@ -35,6 +37,36 @@ def test_rqt_starts_with_a_clear_settings_file_of_its_own():
     """Else qt_gui 0.4.2 crashes at the second start; and the referee's own rqt must keep its settings."""
     assert "settings_filename='roah_rsbb_rqt'" in gui.RQT[2]
     assert "--clear-config" in gui.RQT
+
+
+INTERRUPTED_WHILE_LOADING = """
+import os, signal, sys
+from roah_rsbb.rqt.app.application import for_rqt
+from roah_rsbb.rqt.qt import QApplication, QTimer
+app = for_rqt(QApplication, sys.argv[:1])
+state = "loading"
+def end(*_):
+    print(state, flush=True)
+    os._exit(0)
+signal.signal(signal.SIGINT, end)
+os.kill(os.getpid(), signal.SIGINT)
+timer = QTimer()  # Python handles signals only while it runs
+timer.timeout.connect(lambda: None)
+timer.start(10)
+state = "loaded"
+app.exec_()
+"""
+
+
+def test_rqt_is_not_interrupted_while_it_loads_panels():
+    """Else qt_gui closes its window in the middle of it, and crashes or hangs."""
+    pytest.importorskip("PyQt5.QtWidgets")
+    pytest.importorskip("rospy")
+    assert "for_rqt(create, argv)" in gui.RQT[2]
+    environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen", "PYTHONPATH": os.pathsep.join(sys.path)}
+    program = [sys.executable, "-c", INTERRUPTED_WHILE_LOADING]
+    ended = subprocess.run(program, stdout=subprocess.PIPE, text=True, check=True, env=environment)
+    assert ended.stdout == "loaded\n"
 
 
 def test_rqt_that_is_not_there_is_named_with_its_remedy():

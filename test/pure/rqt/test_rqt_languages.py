@@ -20,7 +20,7 @@ NOT_IN_WINDOWS = {"rqt/app/gui.py", "rqt/public/node.py", "rqt/qt.py", "rqt/lang
 NOT_TEXTS = {
     "Esc", "Shift+Esc", "UTC", "{} UTC", "OK", "Panel", "PANEL", "{}Panel", "Results", "Judges", "Schedule",
     "Devices", "{} – RoAH RSBB", "WARNING", "ERROR", "ALL", "all robots",
-    "unable to connect to service", "transport error", "{} of team {}: ",
+    "unable to connect to service", "transport error", "{} of team {}: ", "This box is superseded",
 }
 
 

@@ -4,7 +4,7 @@ import signal
 import sys
 import time
 import traceback
-from typing import List
+from typing import Callable, List
 
 import rosgraph
 import rospy
@@ -51,6 +51,17 @@ def grow(app: QApplication) -> QApplication:
     factor = 1.0 if screen is None else growth(screen.availableSize().height(), basic.em())
     if factor > 1.0:
         app.setFont(basic.scaled(app.font(), factor))
+    return app
+
+
+def for_rqt(create: Callable[[List[str]], QApplication], argv: List[str]) -> QApplication:
+    """Return the application that rqt creates: it grows, and SIGINT waits until Qt's loop runs.
+
+    SIGINT is blocked before Qt starts threads: one of them would take it.
+    """
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    app = grow(create(argv))
+    QTimer.singleShot(0, lambda: signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT}))
     return app
 
 
