@@ -6,6 +6,7 @@ import pytest
 
 from helpers.config_files import SHIPPED
 from helpers.dummy_set_up import DummySetUp
+from helpers.examples import ALL
 from roah_rsbb.bmbox.framework.dummy_world import TABLE_SIZE
 from roah_rsbb.bmbox.framework.ground_truth import Pose3, compose, seen_from
 from roah_rsbb.bmbox.framework.parameters import read_parameters
@@ -13,7 +14,9 @@ from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.scoring.records import EndReason
 
-RESTARTS = [None, 1.7]  # seconds from one crash of the modules to the next
+# Seconds from one crash of the modules to the next. The two longest runs are without crashes in `make test-all` only;
+# test_bmbox_hopf.py and test_bmbox_hpff.py prove their scores.
+RESTARTS = [None, 1.7]
 
 
 def completed(set_up, **how):
@@ -25,7 +28,7 @@ def completed(set_up, **how):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("restart_every_s", RESTARTS)
+@pytest.mark.parametrize("restart_every_s", RESTARTS if ALL else RESTARTS[1:])
 def test_hopf(restart_every_s):
     def result():
         """Return the correct result for a red cup, at a position that is 0.3 m and 0.4 m away from any cup."""
@@ -59,7 +62,7 @@ def test_hppf(restart_every_s):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("restart_every_s", [None, 50.0])
+@pytest.mark.parametrize("restart_every_s", [None, 50.0] if ALL else [50.0])
 def test_hpff(restart_every_s):
     set_up = DummySetUp("HPFF", None, goal=300.0, total=305.0)
     score = completed(set_up, period_s=0.25, restart_every_s=restart_every_s)

@@ -8,7 +8,7 @@ from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
 from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.own_rules import load_rules
 from roah_rsbb.bmbox.framework.parameters import read_parameters
-from roah_rsbb.bmbox.framework.zone_folders import file_in
+from roah_rsbb.bmbox.framework.zone_folders import file_in, zone_folders
 from roah_rsbb.core.modules.messages import RunForModule
 from roah_rsbb.nodes.modules.watched_file import WatchedFile
 from roah_rsbb.rulebook.errors import ConfigErrors
@@ -41,6 +41,11 @@ class Driven:
         """Return the parameters in a zone; raises ConfigErrors."""
         self.reload()
         return self._in_zone(zone).content()
+
+    def has_parameters(self) -> bool:
+        """Whether there is a file with parameters, for all zones or for one."""
+        zones = ["", *zone_folders(self._folder)]
+        return any(os.path.lexists(file_in(self._folder, zone, f"{self.code}.yaml")) for zone in zones)
 
     def reload(self) -> None:
         """Read again what has changed. Other rules may have other parameters."""

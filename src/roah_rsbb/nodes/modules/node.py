@@ -59,10 +59,7 @@ class ModulesNode:
         self._sent: Optional[ModulesState] = None
         self._is_ticking = False
         self._publisher = rospy.Publisher("/modules/state", ModulesStateMsg, queue_size=1, latch=True)
-        rospy.loginfo("Running modules %s with the parameters in %s", ", ".join(self._codes()), folder)
-        for code in self._codes():
-            for problem in self._driven[code].problems():
-                rospy.logerr("%s", problem)
+        self._log_parameters()
 
     def run(self) -> None:
         """Run until shut down."""
@@ -77,6 +74,19 @@ class ModulesNode:
         # ROS may have shut down already.
         with contextlib.suppress(rospy.ROSException):
             _publish_and_wait(self._publisher, modules_state_message(ModulesState(self._node, (), ())))
+
+    def _log_parameters(self) -> None:
+        """Log which benchmarks can run. A competition has files for its own benchmarks only, which is no error."""
+        problems = {code: self._driven[code].problems() for code in self._codes()}
+        left_out = [] if self._chosen else [
+            code for code in problems if problems[code] and not self._driven[code].has_parameters()]
+        ready = ", ".join(code for code in problems if code not in left_out)
+        rospy.loginfo("Running modules %s with the parameters in %s", ready or "of no benchmark", self._folder)
+        if left_out:
+            rospy.loginfo("No parameters there for %s, which cannot run", ", ".join(left_out))
+        for code, found in problems.items():
+            for problem in found if code not in left_out else ():
+                rospy.logerr("%s", problem)
 
     # -- the core -----------------------------------------------------------------------------------
 
