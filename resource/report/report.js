@@ -28,8 +28,8 @@ const COLOURS = ["#1b5faa", "#c2410c", "#15803d", "#7e22ce", "#b91c1c", "#0e7490
 const DASHES = [[], [8, 4], [2, 3]];
 
 // A plot has `x` and `y` (what the axes show), `ticks` (place and text of each), `labels` (text of each point),
-// `series` (their names), `data` (the places, then the values of each series), `bars`, and `least` (the y axis reaches
-// at least this).
+// `series` (their names), `data` (the places, then the values of each series), `bars`, `lines` (between the points), and
+// `least` (the y axis reaches at least this).
 for (const place of document.querySelectorAll("[data-plot]")) {
   const plot = JSON.parse(document.getElementById(place.dataset.plot).textContent);
   const texts = new Map(plot.ticks);
@@ -38,7 +38,8 @@ for (const place of document.querySelectorAll("[data-plot]")) {
     return {
       label: name, stroke: colour, spanGaps: false, width: 2, points: {show: !plot.bars, size: 6, fill: colour},
       dash: DASHES[Math.floor(i / COLOURS.length) % DASHES.length], fill: plot.bars ? colour : undefined,
-      paths: plot.bars ? uPlot.paths.bars({size: [0.7, 60]}) : undefined,
+      paths: plot.bars ? uPlot.paths.bars({size: [0.7, 60]}) : plot.lines ? undefined : () => null,
+      value: (_, y) => y == null ? "" : String(Math.round(100 * y) / 100),
     };
   });
   const axis = text => ({label: text, font: "12px sans-serif", labelFont: "12px sans-serif", labelSize: 22});
@@ -46,7 +47,7 @@ for (const place of document.querySelectorAll("[data-plot]")) {
   const size = () => ({width: Math.max(280, place.clientWidth), height: isLong ? 340 : 280});
   const shown = new uPlot({
     ...size(), padding: [null, isLong ? 70 : 16, null, null],
-    series: [{label: plot.x, value: (self, x, _, i) => i == null ? "–" : plot.labels[i]}, ...series],
+    series: [{label: plot.x, value: (self, x, _, i) => i == null ? "" : plot.labels[i]}, ...series],
     scales: {
       x: {time: false, range: plot.bars ? (_, low, high) => [low - 0.6, high + 0.6] : undefined},
       y: {range: (_, low, high) => [Math.min(0, low), Math.max(1.05 * high, plot.least)]},

@@ -42,6 +42,9 @@ from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.tools.results_journal import BENCHMARKS_FILE, RULES_FILE, SCHEDULE_FILE, Usage, open_journal, warn
 
+# The log_dir in the folder of a competition.
+LOG_FOLDER = "log"
+
 
 def export(options: argparse.Namespace) -> int:
     """The command of this name."""
@@ -126,7 +129,7 @@ def report(options: argparse.Namespace) -> int:
         return 0
     compared = []
     for number, (source, given) in enumerate(zip(sources, options.competitions), 1):
-        name = os.path.basename(os.path.abspath(given))
+        name = _name_of(given)
         sub_folder = f"competition{number}"
         site = _write_site(options, source, os.path.join(options.html, sub_folder), shared, "../index.html")
         compared.append(Compared(f"{number}. {name}", f"{sub_folder}/index.html", site))
@@ -142,11 +145,21 @@ def _resource(options: argparse.Namespace, name: str) -> str:
 
 def _journal_in(source: str) -> str:
     """Return the journal of a competition's folder, of a log_dir, or the journal itself."""
-    places = (source, os.path.join(source, FILE_NAME), os.path.join(source, "log", FILE_NAME))
+    places = (source, os.path.join(source, FILE_NAME), os.path.join(source, LOG_FOLDER, FILE_NAME))
     found = next((path for path in places if os.path.isfile(path)), None)
     if found is None:
         raise Usage(f"{source}: there is no journal: name the folder of a competition, a log_dir, or a journal")
     return found
+
+
+def _name_of(source: str) -> str:
+    """Return the name of a competition: its folder's, also if the journal in it is given."""
+    folder = os.path.abspath(source)
+    if os.path.isfile(folder):
+        folder = os.path.dirname(folder)
+    if os.path.basename(folder) == LOG_FOLDER:
+        folder = os.path.dirname(folder)
+    return os.path.basename(folder)
 
 
 def _write_site(

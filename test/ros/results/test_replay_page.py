@@ -1,6 +1,6 @@
 """The replay of a run in a real browser: what it shows at a moment is what the box showed then.
 
-Screenshots are left in build/screenshots.
+`make test-all` leaves screenshots in build/screenshots.
 """
 
 import pathlib
@@ -18,7 +18,7 @@ from roah_rsbb.wording import sheets
 
 PROJECT = pathlib.Path(__file__).resolve().parents[3]
 SHOTS = PROJECT / "build" / "screenshots"
-SCREENS = {"390x844": (390, 844), "1920x1080": (1920, 1080)}
+SCREENS = {"360x740": (360, 740), "1920x1080": (1920, 1080)}
 # What stands beside a label of the state.
 STATE = """Object.fromEntries([...document.querySelectorAll("#state dt")].map(
   label => [label.textContent, label.nextElementSibling.textContent]))"""
@@ -101,13 +101,13 @@ class TestReplayPage(NeedsBrowser):
 
     def test_each_moment_is_that_of_the_box(self) -> None:
         for number, (identity, looks) in enumerate(sorted(self.competition.looks.items())):
-            page, opened = self.open(number, "390x844", dark=bool(number)), float(identity.split("-")[2])
+            page, opened = self.open(number, "360x740", dark=bool(number)), float(identity.split("-")[2])
             for look in looks[::4]:
                 self.seek(page, (look.utc - opened) * 1000)
                 self.assert_same(page.get(STATE), page.get(SCORES), look)
-            self.assertEqual(page.get("[document.documentElement.scrollWidth, innerWidth]"), [390, 390])
+            self.assertEqual(page.get("[document.documentElement.scrollWidth, innerWidth]"), [360, 360])
             self.assertEqual((page.get(FAINT), page.get(UNNAMED)), ([], []))
-            page.screenshot(SHOTS / f"replay_{number + 1}_390x844.png")
+            page.screenshot(SHOTS / f"replay_{number + 1}_360x740.png")
         self.assertEqual(self.browser.errors, [])
 
     def test_it_plays_jumps_and_stays_text(self) -> None:

@@ -1,6 +1,6 @@
 """The report of a competition in a real browser, from a folder: plots are drawn, tables are sorted, nothing is loaded.
 
-Screenshots are left in build/screenshots.
+`make test-all` leaves screenshots in build/screenshots.
 """
 
 import pathlib

@@ -165,10 +165,12 @@ def _percent(share: Optional[float]) -> str:
     return NOTHING if share is None else f"{100.0 * share:.2f}"
 
 
+_COUNTED = ("Runs count that were started and are over. An item is achieved, or a penalty given, if its value is not 0 "
+            "at the end.")
+
+
 def _items(site: Site) -> List[Child]:
-    body: List[Child] = [tag("p", "Runs count that were started and are over. An item is achieved, or a penalty "
-                                  "given, if its value is not 0 at the end. The time is from the last start to its "
-                                  "first mark.")]
+    body: List[Child] = [tag("p", f"{_COUNTED} The time is from the last start to its first mark.")]
     lines = statistics.item_lines(site.runs)
     for number, code in enumerate(dict.fromkeys(line.benchmark for line in lines)):
         of_code = [line for line in lines if line.benchmark == code]
@@ -329,12 +331,16 @@ def comparison(sites: Sequence[Compared], assets: Assets) -> str:
         for each in sites
     }
     keys = list(dict.fromkeys(key for each in sites for key in lines[each.name]))
+    if keys:
+        body += [tag("h2", "Items"), tag("p", _COUNTED)]
     for number, code in enumerate(dict.fromkeys(key[0] for key in keys)):
         of_code = [key for key in keys if key[0] == code]
+        site = next((each.site for each in sites if each.site.titles.get(code)), sites[0].site)
         shares = {each.name: [_achieved(lines[each.name].get(key)) for key in of_code] for each in sites}
         body += [
-            tag("h2", code),
-            plot(f"items{number}", Axes("Item", "Runs, %", 100.0), [str(i) for i in range(1, len(of_code) + 1)],
+            tag("h3", _benchmark(site, code)),
+            plot(f"items{number}", Axes("Item", "Runs, %", 100.0, lines=False),
+                 [str(i) for i in range(1, len(of_code) + 1)],
                  {name: [_hundred(share) for share in each] for name, each in shares.items()}),
             sortable(("No.", "Group", "Item", *(f"{each.name}: achieved" for each in sites)), [
                 (str(i), key[1], key[2], *(share_markup(shares[each.name][i - 1]) for each in sites))

@@ -39,6 +39,7 @@ class Axes(NamedTuple):
     y: str
     least: float = 0.0  # the y axis reaches at least this
     bars: bool = False
+    lines: bool = True  # between the points; not if neighbours have nothing to do with each other
 
 
 Values = Sequence[Optional[float]]
@@ -51,7 +52,8 @@ def plot(identity: str, axes: Axes, labels: Sequence[str], values: Dict[str, Val
     xs = list(range(len(labels))) if places is None else [round(place, 3) for place in places]
     labels = [visible(label) for label in labels]
     data: Dict[str, Any] = {
-        "x": axes.x, "y": axes.y, "least": axes.least, "bars": axes.bars, "labels": labels,
+        "x": axes.x, "y": axes.y, "least": axes.least, "bars": axes.bars, "lines": axes.lines,
+        "labels": labels,
         "ticks": _ticks(xs, labels), "series": [visible(name) for name in values],
         "data": [xs, *([None if v is None else round(v, 4) for v in each] for each in values.values())],
     }

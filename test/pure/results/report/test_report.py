@@ -24,6 +24,7 @@ from helpers.replayed import ReplayedCompetition
 from helpers.results_of import ACHIEVED, DOOR, EVIL, full_record, task_record, write_competition
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.scoring.records import ItemRecord, PhaseTime, ScoreEntry, ScoreValue, StopRecord
+from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.events import sections
 from roah_rsbb.results.report import statistics
@@ -267,7 +268,7 @@ def test_several_competitions(tmp_path, capsys):
     write_journal(first / "log", 6, zones=3, seconds=4)
     (tmp_path / "second").mkdir()
     write_competition(second)
-    run_program("report", first, second, "--html", tmp_path / "report", "--no-replays")
+    run_program("report", first / "log" / FILE_NAME, second, "--html", tmp_path / "report", "--no-replays")
     assert "2 competitions" in capsys.readouterr().out
     page = (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
     texts = Texts(page).texts
