@@ -273,8 +273,10 @@ class Session:
                 "and that no firewall blocks its broadcasts",
             ))
         if self.link is not None and self.link.silence.begins(now_mono):
+            # A box does not answer what it cannot decrypt.
+            password = "" if self.link.decoded else f"team {self.team} has the same password in the box, and that "
             self._effects.append(fx.Report(
                 fx.Problem.BOX_SILENT,
                 f"the box at {self.link.host} has sent nothing on port {self.link.port} for "
-                f"{SILENCE_S:.0f} s: check that no firewall blocks this port",
+                f"{SILENCE_S:.0f} s: check that {password}no firewall blocks this port",
             ))

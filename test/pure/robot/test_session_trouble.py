@@ -41,10 +41,19 @@ def test_a_box_silent_on_the_private_channel_is_reported_once(linked):
         linked.run(1)
     reports = linked.take_news(fx.Report)
     assert [(report.problem, report.over) for report in reports] == [(fx.Problem.BOX_SILENT, False)]
-    assert BOX in reports[0].text and str(PORT) in reports[0].text
+    assert BOX in reports[0].text and str(PORT) in reports[0].text and "password" not in reports[0].text
     assert linked.state is RobotState.PREPARING, "a bad network ends no run"
     linked.box_says(BoxState.PREPARE)
     assert [(report.problem, report.over) for report in linked.take_news()] == [(fx.Problem.BOX_SILENT, True)]
+
+
+def test_a_box_that_has_never_answered_may_have_another_password(linked):
+    for _ in range(6):
+        linked.beacon()
+        linked.run(1)
+    report, = linked.take_news(fx.Report)
+    assert report.problem is fx.Problem.BOX_SILENT
+    assert "the same password in the box" in report.text and "firewall" in report.text
 
 
 def test_a_wrong_password_is_reported_once_and_not_taken_for_silence(linked):
