@@ -55,7 +55,8 @@ def check_rosrun(package, script, *given):
     word = next((each for each in given if not each.startswith("-")), "")
     if script in ("referee", "results", "standby") and word:
         assert re.search(rf"\b{word}\b", said), f"{script} has no command {word}"
-        said += programs.help_of(script, word).text
+        if any(each.startswith("--") for each in given):
+            said += programs.help_of(script, word).text
     check_options(said, given)
 
 

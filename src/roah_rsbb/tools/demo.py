@@ -34,12 +34,24 @@ STOP_S = 15
 SHOWN_CHARACTERS = 1500
 
 
+# Sockets that reserve the chosen ports until the programs use them.
+_MARKS: List[socket.socket] = []
+
+
 def _free_port(kind: socket.SocketKind, host: str, first: int, step: int) -> int:
-    """Return the first port from `first` that no program uses on this machine, in steps of `step`."""
+    """Return the first port from `first` that no program uses on this machine, in steps of `step`.
+
+    Other demonstrations do not choose it: this process keeps a socket of the other kind, TCP or UDP, with its number.
+    """
+    other = socket.SOCK_DGRAM if kind == socket.SOCK_STREAM else socket.SOCK_STREAM
     for port in range(first, 65000, step):
+        mark = socket.socket(socket.AF_INET, other)
         with socket.socket(socket.AF_INET, kind) as probe, contextlib.suppress(OSError):
+            mark.bind((BOX_HOST, port))
             probe.bind((host, port))
+            _MARKS.append(mark)
             return port
+        mark.close()
     raise SystemExit(f"demo: no free port from {first}: end the programs that use these ports, and try again")
 
 
