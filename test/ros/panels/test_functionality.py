@@ -24,7 +24,9 @@ class TestManualOperation(PanelCase):
 
     def ask(self, *asked: object) -> None:
         self.zone.asked = Asked(*asked)
-        wait_until(lambda: self.panel.text.text() == asked[1], "the request is shown")
+        # Its text and its number come in two messages.
+        wait_until(lambda: self.panel.text.text() == asked[1] and self.panel._request[2] == asked[0],
+                   "the request is shown")
 
     def test_without_a_request_there_is_nothing_to_do(self) -> None:
         wait_until(lambda: self.panel.text.text() == manual_operation.NOTHING, "nothing is to be done")

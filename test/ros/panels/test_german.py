@@ -1,15 +1,16 @@
 """The window in German: no text in English, and none that does not fit. in_sight.test starts it in that language."""
 
+import functools
 import html
 import re
 import unittest
-from typing import Dict, Iterator, List
+from typing import Dict, Iterator, List, Tuple
 
 from support.fakes.core import Asked
 from support.fakes.public import FakePublic, scene
 from support.gui_testing import QTest, QWidget, click, show, wait_until
 from support.panel_case import BUMPS, DOOR
-from support.window_case import WindowCase
+from support.window_case import WindowCase, is_closed
 
 from helpers import catalogues
 from roah_rsbb.core.scoring.sheet import Mark
@@ -41,6 +42,7 @@ LANGUAGE = "de"
 LONG = re.compile(r"[^\W\d_]{3,}")
 
 
+@functools.lru_cache(maxsize=None)
 def english() -> Dict[str, "re.Pattern[str]"]:
     """The texts in English that differ from those in this language; values may be in their places."""
     entries = catalogues.read(catalogues.FOLDER / f"{LANGUAGE}.ts")[catalogues.CONTEXT]
@@ -50,6 +52,12 @@ def english() -> Dict[str, "re.Pattern[str]"]:
         text: re.compile(".+".join(map(re.escape, re.split("{[^{}]*}", text))))
         for text in texts if LONG.search(re.sub("{[^{}]*}", "", text))
     }
+
+
+@functools.lru_cache(maxsize=None)
+def sources(part: str) -> Tuple[str, ...]:
+    """The texts in English that this part of a text is. Most parts are looked at many times."""
+    return tuple(source for source, pattern in english().items() if pattern.fullmatch(part))
 
 
 def texts_of(widget: QWidget) -> Iterator[str]:
@@ -110,13 +118,10 @@ class TestPublicDisplay(unittest.TestCase):
 
     def wait_text(self, start: str) -> None:
         """Wait for a text that begins so; on each page until then all is in German, and whole."""
-        patterns = english().values()
-
         def is_shown() -> bool:
             self.display.look()
             written = list(self.display.written)
-            self.assertEqual([one.text for one in written for part in parts(one.text)
-                              if any(pattern.fullmatch(part) for pattern in patterns)], [])
+            self.assertEqual([one.text for one in written for part in parts(one.text) if sources(part)], [])
             self.assertEqual([one.text for one in written if one.shown != one.text], [])
             return any(one.text.startswith(start) for one in written)
 
@@ -159,15 +164,11 @@ class TestGerman(WindowCase):
 
     maxDiff = None
 
-    def setUp(self) -> None:
-        super().setUp()
-        self.english = english()
-
     def assert_german(self, root: QWidget) -> None:
         found = [
             (type(widget).__name__, part, source)
             for widget in [root, *root.findChildren(QWidget)] for text in texts_of(widget) for part in parts(text)
-            for source, pattern in self.english.items() if pattern.fullmatch(part)
+            for source in sources(part)
         ]
         self.assertEqual(found, [])
 
@@ -193,15 +194,29 @@ class TestGerman(WindowCase):
         wait_until(lambda: not panel.visibleRegion().isEmpty(), f"{name} is in front")
         wait_until(lambda: "live" in panel._news.text(), f"{name} shows the core")
 
-    def test_before_a_run(self) -> None:
+    def test_before_during_and_after_a_run(self) -> None:
         self.look_at_all()
         self.client.keys_key.open()
+        self.look_at_dialog(must_fit=True)
+        self.run_zone()
+        self.look_during_the_run()
+        identity = self.zone.identity
+        self.zone.asked, self.zone.switches_asked = None, False
+        self.zone.command("stop", "disconnect")
+        self.look_after_the_run(identity)
+
+    def look_at_dialog(self, must_fit: bool) -> List[str]:
+        """Look at the open dialog and close it. Returns the texts of its buttons."""
         dialog = self.dialog(QDialog)
         self.assert_german(dialog)
-        self.assert_fits(dialog)
+        if must_fit:
+            self.assert_fits(dialog)
+        texts = [button.text() for button in dialog.findChildren(QPushButton)]
+        dialog.close()
+        wait_until(lambda: is_closed(dialog), "the dialog is closed")
+        return texts
 
-    def test_during_a_run(self) -> None:
-        self.run_zone()
+    def look_during_the_run(self) -> None:
         for number in range(3):
             self.zone.mark(Mark(*BUMPS, number + 1, note=str(number)), "Anna")
         self.zone.mark(Mark(*DOOR, 1), "Anna")
@@ -211,16 +226,11 @@ class TestGerman(WindowCase):
         # It comes to the front by itself.
         wait_until(lambda: self.panel("ManualOperationPanel").isVisible(), "the request is shown")
         self.look_at_all()
-        dialog = self.ask_note()
-        self.assert_german(dialog)
-        self.assert_fits(dialog)
+        self.ask_note()
+        self.look_at_dialog(must_fit=True)
 
-    def test_after_a_run(self) -> None:
-        self.run_zone()
-        self.zone.mark(Mark(*BUMPS, 1, note="the vase"), "Anna")
-        identity = self.zone.identity
-        self.zone.command("stop", "disconnect")
-        self.zone.mark(Mark(*BUMPS, 2), "Ben", identity)
+    def look_after_the_run(self, identity: str) -> None:
+        self.zone.mark(Mark(*BUMPS, 4), "Ben", identity)
         results = self.panel("ResultsPanel")
         self.bring("ResultsPanel")
         self.client.referee.set("Anna")
@@ -228,9 +238,7 @@ class TestGerman(WindowCase):
         self.look_at_all()
         self.bring("ResultsPanel")
         click(results.sign)
-        dialog = self.dialog(QDialog)
-        self.assert_german(dialog)
-        self.assertIn("Abbrechen", [button.text() for button in dialog.findChildren(QPushButton)])
+        self.assertIn("Abbrechen", self.look_at_dialog(must_fit=False))
 
     def test_the_box_receives_what_it_receives_in_english(self) -> None:
         self.run_zone()

@@ -55,9 +55,10 @@ class _AtAllSizes(WindowCase):
 
 
 class TestInSight(_AtAllSizes):
-    """All that counts during a run."""
+    """All that counts before and during a run."""
 
-    def test_every_item_and_every_command_is_in_sight_during_the_run(self) -> None:
+    def test_all_is_in_sight_before_and_during_a_run(self) -> None:
+        self.no_title_of_a_tab_is_shortened()
         self.window.resize(*(length // SCALE for length in SIZES[0]))
         self.wait_quiet()
         self.run_zone()
@@ -67,30 +68,30 @@ class TestInSight(_AtAllSizes):
         self.zone.goal = RunClock(goal=1)
         wait_until(self.control.times.goal.isVisible, "the goal's time is shown")
         for size in self.at_all_sizes():
-            parts = {f"item {row.text.text()}": row for row in self.scoring.rows.values()}
-            parts.update({f"buttons of {name}": row.menu_button for name, row in parts.items()})
-            parts.update({f"undo {number}": button for number, button in enumerate(self.scoring.undo.buttons)})
-            parts.update({f"command {name}": button for name, button in self.control.buttons.items()})
-            overview = self.panel("OverviewPanel")
-            self.assert_in_sight(
-                size, stop_all=overview.stop, running=overview.head, phase=self.control._phase,
-                run_time=self.control.times.main, goal_time=self.control.times.goal, reason=self.control.reason,
-                zone=self.control._zones, referee=self.scoring.referee, answer=self.scoring._answer,
-                history=self.scoring.history, **parts)
-            self.assertEqual(len(self.scoring.rows), 9)
-
-    def test_no_text_of_an_item_is_cut_off(self) -> None:
-        self.run_zone()
-        for size in self.at_all_sizes():
+            self.every_item_and_every_command_is_in_sight(size)
             wait_until(lambda: not self.cut(), lambda size=size: f"no text is cut off at {size}, as {self.cut()}")
+            self.the_history_covers_neither_the_time_nor_the_commands(size)
+        self.disqualifying_items_do_not_scroll_away()
+
+    def every_item_and_every_command_is_in_sight(self, size) -> None:
+        parts = {f"item {row.text.text()}": row for row in self.scoring.rows.values()}
+        parts.update({f"buttons of {name}": row.menu_button for name, row in parts.items()})
+        parts.update({f"undo {number}": button for number, button in enumerate(self.scoring.undo.buttons)})
+        parts.update({f"command {name}": button for name, button in self.control.buttons.items()})
+        overview = self.panel("OverviewPanel")
+        self.assert_in_sight(
+            size, stop_all=overview.stop, running=overview.head, phase=self.control._phase,
+            run_time=self.control.times.main, goal_time=self.control.times.goal, reason=self.control.reason,
+            zone=self.control._zones, referee=self.scoring.referee, answer=self.scoring._answer,
+            history=self.scoring.history, **parts)
+        self.assertEqual(len(self.scoring.rows), 9)
 
     def cut(self) -> list:
         """The texts of items that are cut off."""
         texts = [row.text for row in self.scoring.rows.values()]
         return [text.text() for text in texts if text.height() < text.heightForWidth(text.width())]
 
-    def test_disqualifying_items_do_not_scroll_away(self) -> None:
-        self.run_zone()
+    def disqualifying_items_do_not_scroll_away(self) -> None:
         click(self.panel("OverviewPanel").toggle)
         wait_until(lambda: not self.panel("OverviewPanel").is_collapsed, "the overview is back")
         self.window.resize(1366 // SCALE, 700 // SCALE)
@@ -102,19 +103,17 @@ class TestInSight(_AtAllSizes):
             settle(self.scoring)
             self.assertTrue(in_sight(self.scoring.rows[PERSON].more))
 
-    def test_the_history_covers_neither_the_time_nor_the_commands(self) -> None:
-        self.run_zone()
-        for size in self.at_all_sizes():
-            click(self.scoring.history)
-            wait_until(lambda: self.window.findChild(HistoryDialog) is not None, "the history is open")
-            dialog = self.window.findChild(HistoryDialog)
-            wait_until(dialog.isVisible, "it is shown")
-            control = QRect(self.control.mapToGlobal(QPoint()), self.control.size())
-            self.assertFalse(dialog.frameGeometry().intersects(control), f"at {size}")
-            click(dialog.close_button)
-            wait_until(lambda: self.window.findChild(HistoryDialog) is None, "it is closed")
+    def the_history_covers_neither_the_time_nor_the_commands(self, size) -> None:
+        click(self.scoring.history)
+        wait_until(lambda: self.window.findChild(HistoryDialog) is not None, "the history is open")
+        dialog = self.window.findChild(HistoryDialog)
+        wait_until(dialog.isVisible, "it is shown")
+        control = QRect(self.control.mapToGlobal(QPoint()), self.control.size())
+        self.assertFalse(dialog.frameGeometry().intersects(control), f"at {size}")
+        click(dialog.close_button)
+        wait_until(lambda: self.window.findChild(HistoryDialog) is None, "it is closed")
 
-    def test_no_title_of_a_tab_is_shortened(self) -> None:
+    def no_title_of_a_tab_is_shortened(self) -> None:
         # The smallest screen. Fusion is the style of the pictures and of desktops without one of their own.
         sizes = [*SIZES, (1280 * SCALE, 720 * SCALE)]
         for size in sizes:

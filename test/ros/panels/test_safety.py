@@ -17,12 +17,6 @@ class TestStop(WindowCase):
     def click_stop(self) -> None:
         click_on(self.control.buttons["stop"])
 
-    def test_the_mouse_reaches_stop_while_a_dialog_is_open(self) -> None:
-        self.run_zone()
-        self.ask_note()
-        self.click_stop()
-        self.wait_call(*STOP_HOME_A)
-
     def test_the_mouse_reaches_stop_while_a_question_is_open(self) -> None:
         self.run_zone()
         click(self.control.buttons["disconnect"])
@@ -75,6 +69,12 @@ class TestStop(WindowCase):
         click_on(history.close_button)
         wait_until(lambda: is_closed(history), "it also has a button")
         self.assertEqual(self.core.calls, [])
+        self.the_mouse_reaches_stop_while_a_dialog_is_open()
+
+    def the_mouse_reaches_stop_while_a_dialog_is_open(self) -> None:
+        self.ask_note()
+        self.click_stop()
+        self.wait_call(*STOP_HOME_A)
 
     def test_esc_never_leaves_a_run(self) -> None:
         self.run_zone()

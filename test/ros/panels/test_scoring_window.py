@@ -103,7 +103,7 @@ class TestKeys(WindowCase):
         wait_until(lambda: self.client.referee.name.lower().startswith("a6"), "it is typed")
         self.assertEqual(self.core.calls, [])
 
-    def test_every_item_is_reached_by_tab_and_the_frame_shows_where(self) -> None:
+    def test_every_item_is_reached_by_tab_and_space_presses_the_button_in_the_frame(self) -> None:
         first = self.scoring.rows[DOOR].toggle
         first.setFocus(Qt.TabFocusReason)
         seen = []
@@ -121,9 +121,7 @@ class TestKeys(WindowCase):
         controls = [row.toggle if row._is_bool else row.more for row in rows]
         places = [seen.index(control) for control in controls]
         self.assertEqual(places, sorted(places), "in the order of the sheet")
-
-    def test_space_presses_the_button_in_the_frame(self) -> None:
-        self.scoring.rows[DOOR].toggle.setFocus(Qt.TabFocusReason)
+        first.setFocus(Qt.TabFocusReason)
         press_key("space")
         self.wait_call("score", "Home A", *DOOR, 1)
 
@@ -187,10 +185,10 @@ class TestOperation(WindowCase):
             wait_until(lambda: in_sight(panel.text), "the request comes to the front")
             click_on(panel.buttons[0])
             wait_until(lambda: in_sight(self.scoring.history), "Scoring is back in front")
+        self.another_panel_that_the_referee_chose_stays_in_front()
 
-    def test_another_panel_that_the_referee_chose_stays_in_front(self) -> None:
-        self.run_zone()
-        self.zone.asked = Asked(1, "Place the mug")
+    def another_panel_that_the_referee_chose_stays_in_front(self) -> None:
+        self.zone.asked = Asked(3, "Place the mug")
         panel, results = self.panel("ManualOperationPanel"), self.panel("ResultsPanel")
         wait_until(lambda: in_sight(panel.text), "the request comes to the front")
         self.window.docks["ResultsPanel"].raise_()
@@ -212,9 +210,9 @@ class TestTimes(WindowCase):
         self.assertIn("PAUSED", self.panel("OverviewPanel").tiles["Home A"]._phase_text)
         self.zone.pause("")
         wait_until(lambda: "RUNNING" in self.control._phase.text(), "the run continues")
+        self.after_the_end_the_final_time_is_the_largest_figure()
 
-    def test_after_the_end_the_final_time_is_the_largest_figure(self) -> None:
-        self.run_zone()
+    def after_the_end_the_final_time_is_the_largest_figure(self) -> None:
         self.core.pass_time(92.0)
         self.zone.command("stop")
         main = self.control.times.main

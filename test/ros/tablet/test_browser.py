@@ -1,6 +1,6 @@
 """The tablet's page in a real browser, touched by a finger; what is touched goes all the way to the robot.
 
-Screenshots are left in build/screenshots.
+`make test-all` leaves screenshots in build/screenshots.
 """
 
 import os
