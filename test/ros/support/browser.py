@@ -28,6 +28,26 @@ LOOK_AGAIN_S = 0.05
 IS_ALL = os.environ.get("ROAH_TEST_ALL") == "yes"
 _AXE = pathlib.Path(__file__).resolve().parents[2] / "data" / "axe" / "axe.min.js"
 _MAX_ANSWER_BYTES = 64 * 1024 * 1024
+# Sets window.tapped when the next touch ends: whether an element was clicked. Nothing else is: the page may move the
+# element away between the look at its place and the touch.
+_NOTE_TAP = """element => {
+  window.tapped = null;
+  window.taps?.abort();
+  window.taps = new AbortController();
+  for (const kind of ["pointerup", "pointercancel", "click"]) {
+    window.addEventListener(kind, event => {
+      const isHit = kind !== "pointercancel" && element.contains(event.target) && !element.matches(":disabled");
+      if (window.tapped !== true && !isHit) {
+        event.preventDefault();
+        event.stopImmediatePropagation();
+        window.tapped = false;
+      } else if (kind === "click" && window.tapped === null) {
+        window.tapped = true;
+        window.taps.abort();
+      }
+    }, {capture: true, signal: window.taps.signal});
+  }
+}"""
 
 
 def find() -> Optional[str]:
@@ -234,6 +254,14 @@ class Page:
         """Touch an element; `u`, `v`: fractions of it from its left and top."""
         left, top, width, height = self.box(selector)
         self.touch(left + u * width, top + v * height)
+
+    def tap(self, selector: str) -> bool:
+        """Touch a button. Returns whether the touch has reached it: the page may move it away at this moment. What is
+        reached instead does not notice."""
+        self.get(f"({_NOTE_TAP})(document.querySelector({json.dumps(selector)})), 0")
+        self.touch_at(selector)
+        self.wait("window.tapped !== null", "the touch is taken")
+        return self.get("window.tapped")
 
     def key(self, name: str) -> None:
         """Press a key of a keyboard."""

@@ -112,12 +112,14 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         return page
 
     def tap(self, page: Page, selector: str) -> None:
-        """Touch a button as soon as it is there and on."""
-        page.wait(f"(b => b && !b.matches(':disabled'))(document.querySelector({json.dumps(selector)}))",
-                  f"{selector} is on")
-        page.wait("!document.body.dataset.moved", "the page is still")
-        page.get(f"document.querySelector({json.dumps(selector)}).scrollIntoView({{block: 'center'}})")
-        page.touch_at(selector)
+        """Touch a button as soon as it is there and on; again if the page has just moved."""
+        is_hit = False
+        while not is_hit:
+            page.wait(f"(b => b && !b.matches(':disabled'))(document.querySelector({json.dumps(selector)}))",
+                      f"{selector} is on")
+            page.wait("!document.body.dataset.moved", "the page is still")
+            page.get(f"document.querySelector({json.dumps(selector)}).scrollIntoView({{block: 'center'}})")
+            is_hit = page.tap(selector)
 
     def press_twice(self, page: Page, name: str, question: str) -> None:
         """Press a command, and again when it asks. A script does it: the page forgets the first press after 4 s."""
