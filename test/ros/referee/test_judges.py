@@ -6,6 +6,7 @@ from typing import Any, Dict, List
 
 from support.box_case import BoxCase
 from support.referee_program import called
+from support.waiting import wait_until
 
 from roah_rsbb.srv import MarkItem, MarkItemRequest, SubmitSheet
 
@@ -88,7 +89,7 @@ class TestJudges(BoxCase):
         self.assertIn("objections are possible until", refused.stderr)
         self.judges("publish", "--minutes", "0", *BY)
         self.assertEqual(called(*sign_off).returncode, 0)
-        self.assertNotIn(self.identity, called("judges", "list").stdout)
+        wait_until(lambda: self.identity not in called("judges", "list").stdout, "the final result is not listed")
 
     def test_a_judge_who_leaves(self) -> None:
         self.submit("Ann", 2, "7")
