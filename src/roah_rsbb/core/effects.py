@@ -2,7 +2,7 @@
 
 The core itself does no I/O (docs/architecture.md, "The core does no I/O"). Its driver calls `Box.take_effects` after
 each event and carries out the effects one after the other. A record is written before what it causes leaves the box
-(docs/architecture.md, "First written, then done").
+(docs/architecture.md, "Write first, then act").
 """
 
 import enum

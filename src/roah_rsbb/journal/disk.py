@@ -17,7 +17,7 @@ from typing import Callable, Optional
 from roah_rsbb import durable
 
 # Commits within this time (s) are synced together. It is half of what a power failure may lose (docs/architecture.md,
-# "First written, then done").
+# "Write first, then act").
 GROUP_S = 0.05
 # The write-ahead log is moved into the database when it is this large, or this old.
 CHECKPOINT_BYTES = 1_000_000

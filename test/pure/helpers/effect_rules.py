@@ -1,7 +1,6 @@
 """Rules that the effects of a box obey in every test: the order of them, and what run logs may contain.
 
-What must be on record comes before what leaves the box because of it (docs/architecture.md, "First written, then
-done").
+What must be on record comes before what leaves the box because of it (docs/architecture.md, "Write first, then act").
 """
 
 from roah_rsbb.core import run_log

@@ -1,7 +1,7 @@
 """Connects the core with its journal: turns effects into batches, and saved batches into a resumed box.
 
-The changes of an event are in the journal before any of its effects leave the box (docs/architecture.md, "First
-written, then done").
+The changes of an event are in the journal before any of its effects leave the box (docs/architecture.md, "Write
+first, then act").
 """
 
 import json
