@@ -79,7 +79,8 @@ class Box:
         self._clock = ClockWatch()
         self._calm_until: Optional[float] = None  # see `tick_if_due`
         self._replay = ""  # see `begin_replay`
-        self._superseded = ""  # see `supersede`
+        self.superseded_by = ""  # address of the box that took over; see `supersede`
+        self._superseded = ""  # what panels say then
 
     # -- driving ------------------------------------------------------------------------------------
 
@@ -233,6 +234,7 @@ class Box:
 
     def stay_superseded(self, by: str) -> None:
         """A standby took over before the restart. Nothing is sent, and the runs stay as they were."""
+        self.superseded_by = by
         self._superseded = (f"{superseded.PREFIX}: the box at {by} has taken over. Nothing is sent to robots, and "
                             "commands are refused. Use the panels of the other box")
         self._record.close(self._superseded)

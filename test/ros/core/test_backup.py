@@ -17,7 +17,7 @@ from support.waiting import LIMIT_S, wait_until
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError
-from roah_rsbb.msg import CopyState, CoreToPublic, PublicDetails
+from roah_rsbb.msg import CopyState, CoreToPublic, PublicDetails, Superseded
 
 ZONE = "Home"
 PORT = RSBB_PORT + 94
@@ -179,6 +179,9 @@ class TestBackup(OwnCoreCase):
         """The box says on each panel that it was superseded, and by whom."""
         warning = self.wait_warned("This box is superseded")
         wait_until(lambda: warning in self.box.gui.status, "the status says so, too")
+        heard = rospy.wait_for_message("/core/superseded", Superseded, LIMIT_S)
+        wait_until(lambda: self.box.details.box_uuid == heard.box_uuid, "that topic is from the same core")
+        self.assertIn(f"the box at {heard.by} has taken over", warning)
 
     def assert_not_live(self) -> None:
         """Public displays hear no clock any more, so they say that there is no signal."""

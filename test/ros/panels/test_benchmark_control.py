@@ -12,7 +12,6 @@ from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.rqt.model import calls, model
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rulebook.benchmarks import PhaseRule, Rules
-from roah_rsbb.wording.superseded import PREFIX
 
 
 class TestBenchmarkControl(PanelCase):
@@ -245,11 +244,11 @@ class TestBenchmarkControl(PanelCase):
 
     def test_a_superseded_box_does_not_look_live(self) -> None:
         self.run_zones()
-        self.core.box_warnings = [f"{PREFIX}: the box at 10.0.0.3 has taken over"]
+        self.core.superseded_by = "10.0.0.3"
         wait_until(lambda: "superseded" in self.panel._news.text(), "it is marked")
         self.assertTrue(self.panel.times.main.figure.text().startswith("("))
         self.assertIn("Another box has taken over", self.buttons["disconnect"].why_off)
-        self.core.box_warnings = []
+        self.core.superseded_by, self.core.box_uuid = "", "another"
         wait_until(lambda: self.panel._news.text() == "● live", "another box is shown")
 
     def test_of_a_core_that_stays_silent_the_last_state_is_still_shown(self) -> None:

@@ -50,6 +50,7 @@ from roah_rsbb.msg import (
     Results,
     RunClocks,
     Schedule,
+    Superseded,
     Unsaved,
     UnsavedParts,
 )
@@ -170,6 +171,7 @@ class CoreNode:
         self._public_revision: Optional[int] = None  # of the box, to which that view belongs
         self._last_explained: Optional[Tuple[object, ...]] = None
         self._last_unsaved: Optional[Tuple[object, ...]] = None
+        self._said_superseded = False
         ports = PortRecord(log_dir)
         last_port, port_warnings = ports.read()
         now = CoreDriver.now()
@@ -241,6 +243,7 @@ class CoreNode:
             "results": rospy.Publisher("/core/results", Results, queue_size=1, latch=True),
             "judging": rospy.Publisher("/core/judging", Judgings, queue_size=1, latch=True),
             "schedule": rospy.Publisher("/core/schedule", Schedule, queue_size=1, latch=True),
+            "superseded": rospy.Publisher("/core/superseded", Superseded, queue_size=1, latch=True),
             "unsaved": rospy.Publisher("/core/unsaved", Unsaved, queue_size=1, latch=True),
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
             "timeout": rospy.Publisher("/timeout", Empty, queue_size=1),
@@ -417,6 +420,9 @@ class CoreNode:
         if unsaved != self._last_unsaved:
             self._last_unsaved = unsaved
             self._publish("unsaved", Unsaved(self._uuid, [UnsavedParts(*parts) for parts in unsaved]))
+        if self._box.is_superseded and not self._said_superseded:
+            self._said_superseded = True
+            self._publish("superseded", Superseded(self._uuid, self._box.superseded_by))
 
     def _write_links(self) -> None:
         if self._ticks % JOURNAL_EVERY == 0:

@@ -15,6 +15,7 @@ from roah_rsbb.msg import (
     RunClocks,
     RunSummary,
     Schedule,
+    Superseded,
     Unsaved,
     UnsavedParts,
     ZoneDetails,
@@ -34,6 +35,7 @@ UNSAVED_TOPIC = "/core/unsaved"
 CLOCKS_TOPIC = "/core/clocks"
 SCHEDULE_TOPIC = "/core/schedule"
 JUDGING_TOPIC = "/core/judging"
+SUPERSEDED_TOPIC = "/core/superseded"
 DEVICES_TOPIC = "/devices/state"
 DEVICES_STATUS_TOPIC = "/devices/status"
 TOPICS = {
@@ -44,6 +46,7 @@ TOPICS = {
     CLOCKS_TOPIC: RunClocks,
     SCHEDULE_TOPIC: Schedule,
     JUDGING_TOPIC: Judgings,
+    SUPERSEDED_TOPIC: Superseded,
     DEVICES_TOPIC: DevicesState,
     DEVICES_STATUS_TOPIC: DevicesStatus,
 }
@@ -51,8 +54,8 @@ TOPICS = {
 # The attribute of `Model` with the newest message of a topic.
 _FIELDS = {
     GUI_TOPIC: "gui", DETAILS_TOPIC: "details", RESULTS_TOPIC: "results", UNSAVED_TOPIC: "_unsaved",
-    CLOCKS_TOPIC: "_clocks", SCHEDULE_TOPIC: "schedule", JUDGING_TOPIC: "_judgings", DEVICES_TOPIC: "devices",
-    DEVICES_STATUS_TOPIC: "devices_status",
+    CLOCKS_TOPIC: "_clocks", SCHEDULE_TOPIC: "schedule", JUDGING_TOPIC: "_judgings",
+    SUPERSEDED_TOPIC: "_superseded", DEVICES_TOPIC: "devices", DEVICES_STATUS_TOPIC: "devices_status",
 }
 
 TICK_MS = 100
@@ -89,6 +92,7 @@ class Model(QObject):
         self.results: Optional[Results] = None
         self.schedule: Optional[Schedule] = None
         self._judgings: Optional[Judgings] = None
+        self._superseded: Optional[Superseded] = None
         self._unsaved: Optional[Unsaved] = None
         self._clocks: Optional[RunClocks] = None
         self.devices: Optional[DevicesState] = None
@@ -127,7 +131,8 @@ class Model(QObject):
     @property
     def is_superseded(self) -> bool:
         """Whether another box took over from the one that is shown."""
-        return self.details is not None and superseded.is_superseded(self.details.warnings)
+        return (self.details is not None and self._superseded is not None
+                and self._superseded.box_uuid == self.details.box_uuid)
 
     @property
     def is_replay(self) -> bool:

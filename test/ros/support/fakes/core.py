@@ -35,6 +35,7 @@ from roah_rsbb.msg import (
     RunClock,
     RunClocks,
     Schedule,
+    Superseded,
 )
 from roah_rsbb.nodes.core.judging_convert import JudgingBoard
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
@@ -246,6 +247,7 @@ def _read(message: Any) -> Any:
 TOPICS = {
     "/core/to_gui": CoreToGui, "/core/details": CoreDetails, "/core/clocks": RunClocks, "/core/results": Results,
     "/core/schedule": Schedule, "/core/judging": Judgings,
+    "/core/superseded": Superseded,
 }
 NODE = FakeNode(TOPICS, _offered(mock.Mock(), None, None)[0])  # the types do not depend on the box
 
@@ -277,6 +279,7 @@ class FakeCore:
         self._speaking = threading.Lock()  # held while it publishes by itself
         self.said_utc_s = 0.0  # clock of the newest messages
         self.box_warnings: List[str] = []
+        self.superseded_by = ""
         self.heard_ago_s = 0.4
         self.robots = [("TestingTeam", "mbot", 0.0123), ("AnotherTeam", "amigo", -0.0871)]  # as they are published
         self.tablet_heard = True
@@ -288,7 +291,7 @@ class FakeCore:
             RobotId(team, name if not other else f"{name} {other + 1}"): f"10.0.{number}.{other + 2}"
             for number, (team, name) in enumerate(ROBOTS.items()) for other in range(len(zones))
         }
-        self._box_uuid = box_uuid
+        self.box_uuid = box_uuid
         self.box = self._new_box(zones)
         self.zones = {name: FakeZone(self, name) for name in zones}
         self._results, self._schedule = ResultsBoard(self.box, box_uuid), ScheduleBoard(self.box, box_uuid)
@@ -404,7 +407,7 @@ class FakeCore:
         with self._lock:
             self.event(self.box.tick)
             now = self._now()
-            made = PanelMessages(self.box, self._box_uuid, "127.255.255.255")  # a new one: all of it is news
+            made = PanelMessages(self.box, self.box_uuid, "127.255.255.255")  # a new one: all of it is news
             gui, details, clocks = _read(made.to_gui(now, {})), _read(made.details(now)), _read(made.clocks(now))
             results, schedule, judging = (
                 board.take(now) for board in (self._results, self._schedule, self._judging))
@@ -420,7 +423,8 @@ class FakeCore:
         if scores is not None:
             for group in gui.zones[0].scoring:
                 group.current_values = [scores.get((group.group_name, desc), 0) for desc in group.descriptions]
-        for message in (gui, details, clocks, results, schedule, judging):
+        taken_over = Superseded(self.box_uuid, self.superseded_by) if self.superseded_by else None
+        for message in (gui, details, clocks, results, schedule, judging, taken_over):
             if message is not None:
                 topic = next(name for name, kind in TOPICS.items() if isinstance(message, kind))
                 NODE.publish(self, topic, message)
