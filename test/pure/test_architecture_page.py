@@ -94,5 +94,33 @@ def test_a_function_exists(name):
     assert function in names().functions.get(module, set())
 
 
+def table_of(heading: str) -> List[List[str]]:
+    """The rows of the table of a section, without their back quotes."""
+    section = PAGE.split(f"\n## {heading}\n")[1].split("\n## ")[0]
+    rows = [re.split(r" *\| *", line.strip("| ").replace("`", "")) for line in section.splitlines() if line[:1] == "|"]
+    return rows[2:]
+
+
+def test_the_table_of_the_box_has_all_objects_of_its_constructor():
+    tree = ast.parse((PACKAGE / "core" / "box.py").read_text(encoding="utf-8"))
+    modules = {name.name: node.module.split(".", 1)[1] for node in tree.body if isinstance(node, ast.ImportFrom)
+               for name in node.names if node.module.startswith("roah_rsbb.core")}
+    constructor = next(node for node in ast.walk(tree)
+                       if isinstance(node, ast.FunctionDef) and node.name == "__init__")
+    made = [node.func.id for node in ast.walk(constructor)
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)]
+    # What a device or robot reports is a message, not a part.
+    parts = {name: modules[name] for name in made if modules.get(name, "core.messages") != "core.messages"}
+    assert {row[0]: row[1] for row in table_of("The box")} == {
+        name: f"{module.replace('.', '/')}.py" for name, module in parts.items()}
+
+
+def test_the_table_of_topics_has_all_that_the_core_publishes():
+    text = (PACKAGE / "nodes" / "core" / "node.py").read_text(encoding="utf-8")
+    topics = re.findall(r'rospy\.Publisher\("(/\w[\w/]*)"', text)
+    assert len(topics) > 10
+    assert sorted(row[0] for row in table_of("What the core publishes")) == sorted(topics)
+
+
 def test_files_to_check_are_found():
     assert len(FILES) > 40 and len(METHODS) > 30 and len(CLASSES) > 15 and len(FUNCTIONS) > 5
