@@ -31,9 +31,8 @@ class _Channel:
         loop: asyncio.AbstractEventLoop,
         on_message: OnMessage,
         on_complaint: OnComplaint,
-        complaints: Optional[Complaints],
     ) -> None:
-        self.complaints = Complaints() if complaints is None else complaints
+        self.complaints = Complaints()
         self._peer = peer
         self._name = name
         self._types = types
@@ -99,21 +98,20 @@ class PublicChannel(_Channel):
         on_complaint: OnComplaint,
         bind_host: str = ANY_HOST,
         max_datagram: int = 1024,
-        complaints: Optional[Complaints] = None,
         apart: bool = False,
         make_peer: Optional[MakePeer] = None,
     ) -> None:
         """Opens nothing yet: see `open`.
 
         `on_message(message, (host, port))` and `on_complaint(text)` are called in the loop's thread; their exceptions
-        are logged. `complaints` may be shared between channels. `apart`: for a second participant on the same machine,
-        see `Peer`. `make_peer` replaces `Peer`, for another network.
+        are logged. `apart`: for a second participant on the same machine, see `Peer`. `make_peer` replaces `Peer`, for
+        another network.
         """
         peer = (make_peer or Peer)(
             loop, rsbb_host, rsbb_port, self._receive, on_complaint, bind_host, max_datagram, apart=apart)
         super().__init__(
             peer, "public channel", frame.PUBLIC_TYPES, frame.decode_public,
-            loop, on_message, on_complaint, complaints)
+            loop, on_message, on_complaint)
 
     def send(self, message: Message) -> bool:
         """Broadcast a message; returns whether it was sent. Network errors do not raise: see `on_complaint`.
@@ -139,7 +137,6 @@ class PrivateChannel(_Channel):
         bind_host: str = ANY_HOST,
         broadcast: bool = False,
         max_datagram: int = 1024,
-        complaints: Optional[Complaints] = None,
         read: Callable[[bytes], Any] = frame.private_message,
         seen: Optional[Seen] = None,
         on_copy: Callable[[Address], None] = lambda sender: None,
@@ -157,7 +154,7 @@ class PrivateChannel(_Channel):
             loop, rsbb_host, port, self._receive, on_complaint, bind_host, max_datagram, shared=False)
         super().__init__(
             peer, f"private channel {port}", frame.PRIVATE_TYPES,
-            self._decrypt, loop, on_message, on_complaint, complaints)
+            self._decrypt, loop, on_message, on_complaint)
         self._key = key
         self._read = read
         self._seen = seen

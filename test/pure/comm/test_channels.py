@@ -9,8 +9,6 @@ from helpers import golden
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
-from roah_rsbb.comm.complaints import Complaints
-from roah_rsbb.comm.frame import BadDatagram, Reason
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 BROADCAST, ANY = "127.255.255.255", "0.0.0.0"
@@ -93,13 +91,6 @@ def test_a_bad_datagram_is_one_complaint_and_the_next_message_is_received(public
     assert len(box.reported) == 2
     assert f"public channel: a bad datagram from {RIVAL}:" in box.reported[0]
     assert box.complaints.totals() == {(RIVAL, "wrong size"): 2, (RIVAL, "too short"): 1}
-
-
-def test_channels_may_share_their_complaints(public, private):
-    complaints = Complaints()
-    complaints.add(0.0, "x", (ROBOT, 1), BadDatagram(Reason.SIZE, "detail"))
-    assert public(BOX, complaints=complaints).complaints is complaints
-    assert public(BOX).complaints is not complaints
 
 
 def test_no_state_is_sent_unencrypted(public):
