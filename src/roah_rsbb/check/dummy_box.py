@@ -49,7 +49,7 @@ from roah_rsbb.wording.texts import escaped
 
 PROGRAM = called("dummy_box")
 ZONE = "laptop"
-STEP_S, BEAT_S = 0.1, 0.5
+STEP_S = 0.1
 # The robot must have reported STOP, and its clock must be known.
 RETRY_S = 0.5
 STOPPED_S = 3.0

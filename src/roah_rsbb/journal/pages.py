@@ -56,7 +56,7 @@ def read_frames(path: str) -> List[Frame]:
     salt = content[16:24] if before is not None else salts.most_common(1)[0][0]
     frames = []
     for at in places:
-        if content[at + 8:at + 16] != salt and content[16:24] == salt and not _belongs(content, at, size, salt, places):
+        if content[at + 8:at + 16] != salt and content[16:24] == salt and not _belongs(content, at, salt, places):
             break  # the rest is from an earlier use of the file
         body = content[at + _FRAME_HEADER:at + _FRAME_HEADER + size]
         stored = struct.unpack_from(">II", content, at + 16)
@@ -78,7 +78,7 @@ def is_torn(frames: List[Frame]) -> bool:
     return bool(frames) and not frames[-1].is_good
 
 
-def _belongs(content: bytes, at: int, size: int, salt: bytes, places: range) -> bool:
+def _belongs(content: bytes, at: int, salt: bytes, places: range) -> bool:
     """Whether later frames of the same use of the file follow. If so, this frame is damaged, not old."""
     return any(content[later + 8:later + 16] == salt for later in places if later > at)
 

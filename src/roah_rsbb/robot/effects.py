@@ -76,9 +76,8 @@ class Execute:
 
 @dataclass(frozen=True)
 class Stop:
-    """Stop all activity. `halt`: immediately, because the robot did not complete the benchmark."""
+    """Stop all activity."""
 
-    halt: bool
     why: str
 
 

@@ -202,7 +202,7 @@ class RobotProgress:
             if step.state is not RobotState.EXECUTING:
                 self.goal = None
             if step.act in (Act.HALT, Act.END, Act.ERROR):
-                effects.append(fx.Stop(halt=step.act is not Act.END, why=why))
+                effects.append(fx.Stop(why))
         if step.act is Act.PREPARE:
             effects.append(fx.Prepare(self.benchmark or ""))
         elif step.act in (Act.EXECUTE, Act.EXECUTE_NO_GOAL):

@@ -22,13 +22,13 @@ class Listener(NamedTuple):
         return f"{self.port} ({self.program})" if self.program else str(self.port)
 
 
-def listeners(proc: str = "/proc") -> List[Listener]:
+def listeners() -> List[Listener]:
     """Return all TCP ports on which this computer accepts connections."""
-    programs = _programs(proc)
+    programs = _programs()
     return [
         Listener(_address(address), int(port, 16), programs.get(inode, ""))
         for name in ("tcp", "tcp6")
-        for address, port, inode in _sockets(os.path.join(proc, "net", name))
+        for address, port, inode in _sockets(f"/proc/net/{name}")
     ]
 
 
@@ -59,10 +59,10 @@ def _address(text: str) -> str:
     return socket.inet_ntop(socket.AF_INET if len(packed) == 4 else socket.AF_INET6, packed)
 
 
-def _programs(proc: str) -> Dict[str, str]:
+def _programs() -> Dict[str, str]:
     """Return the program's name by the inode of each socket that this user may see."""
     found: Dict[str, str] = {}
-    for process in pathlib.Path(proc).glob("[0-9]*"):
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
             name = (process / "comm").read_text("utf-8", "replace").strip()
             for handle in (process / "fd").iterdir():

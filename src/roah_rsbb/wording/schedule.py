@@ -10,7 +10,7 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.language import tr, tr_later
 
-MINUTE_S, HOUR_S, DAY_S = 60, 3600, 86400
+MINUTE_S, DAY_S = 60, 86400
 
 # By the state in ScheduleEvent.
 _STATES = {

@@ -106,10 +106,6 @@ def test_rotation_is_the_way_back_from_yaw(angle):
     assert yaw(rotation(angle)) == pytest.approx(angle)
 
 
-def test_a_pose_without_its_height():
-    assert Pose3(1, 2, 3, 4).planar == Pose2D(1, 2, 4)
-
-
 def test_without_teams_of_its_own_ground_truth_is_the_same_for_all():
     truth = GroundTruth()
     assert truth.for_team("Team") is truth

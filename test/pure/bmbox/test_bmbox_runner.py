@@ -2,7 +2,7 @@
 
 import pytest
 
-from roah_rsbb.bmbox.framework.ground_truth import Pose3
+from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3
 from roah_rsbb.bmbox.framework.module import Disconnected, Module, RunEnded, RunTimedOut, Stopped
 from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
@@ -31,7 +31,7 @@ class Story(Module):
             self.score["said"] = outcome.result
             self.score["looks"] = self.kept["looks"]
             pose = await self.pose("thing", may_skip=True)
-            await self.goal(pose=None if pose is None else pose.planar)
+            await self.goal(pose=None if pose is None else Pose2D(pose.x, pose.y, pose.theta))
         except RunEnded as ended:
             self.score["end"] = f"{type(ended).__name__} {ended}"
             raise

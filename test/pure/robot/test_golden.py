@@ -152,7 +152,7 @@ PUBLISHED = {
     # Timed out while executing, started again, and stopped while preparing.
     "TIMEOUT_2015": [*ONE_GOAL, "PREPARE", "STOP"],
 }
-HALTED = {"TIMEOUT_2015": [True, True]}
+STOPS = {"TIMEOUT_2015": 2}
 
 
 @pytest.mark.parametrize("name", SESSIONS)
@@ -168,8 +168,7 @@ def test_the_robots_programs_hear_what_the_box_said(name):
     executed = [effect.goal and effect.goal.text for effect in effects if isinstance(effect, fx.Execute)]
     sent = [state.get("generic_goal") for public, state in _from_original_box(name) if not public]
     assert executed == ([goal for goal in _news(sent) if goal] or [None])
-    stops = [effect.halt for effect in effects if isinstance(effect, fx.Stop)]
-    assert stops == HALTED.get(name, [False])
+    assert sum(isinstance(effect, fx.Stop) for effect in effects) == STOPS.get(name, 1)
 
 
 @pytest.mark.parametrize("name", SESSIONS)

@@ -60,7 +60,7 @@ def test_another_port_is_another_channel(linked):
     assert [type(effect) for effect in news] == [
         fx.StateIs, fx.Stop, fx.BenchmarkIs, fx.CloseChannel, fx.OpenChannel
     ]
-    assert news[1].halt and news[2].code is None and news[4] == fx.OpenChannel(BOX, 6670)
+    assert news[2].code is None and news[4] == fx.OpenChannel(BOX, 6670)
     assert linked.last.robot_state == RobotState.STOP
 
 

@@ -40,7 +40,7 @@ def test_a_whole_goal(linked):
     linked.take_news()
     linked.box_says(BoxState.STOP)
     state, stop = linked.take_news()
-    assert state == fx.StateIs(RobotState.STOP) and isinstance(stop, fx.Stop) and not stop.halt
+    assert state == fx.StateIs(RobotState.STOP) and isinstance(stop, fx.Stop)
 
 
 def test_a_goal_and_the_next_one(linked):

@@ -29,11 +29,6 @@ class Pose3(NamedTuple):
     z: float  # metres
     theta: float  # radians
 
-    @property
-    def planar(self) -> Pose2D:
-        """The pose without its height."""
-        return Pose2D(self.x, self.y, self.theta)
-
 
 NO_TRANSFORM = Pose3(0.0, 0.0, 0.0, 0.0)
 

@@ -129,7 +129,7 @@ class TfGroundTruth(GroundTruth):
         if stamp is not None:
             age_s = (rospy.get_time() if at_utc is None else at_utc) - stamp
             if abs(age_s) > self.config.maximum_age_s:
-                raise NoPose(_age_text(subject, marker.frame, stamp, age_s, at_utc))
+                raise NoPose(_age_text(subject, marker.frame, age_s, at_utc))
         return compose(pose, marker.transform)
 
     def _seen(self, subject: str, frame: str, at_utc: Optional[float]) -> Tuple[Pose3, Optional[float]]:
@@ -231,7 +231,7 @@ class _TeamGroundTruth(GroundTruth):
         return self._whole._pose(frame, self._team, at_utc)
 
 
-def _age_text(subject: str, frame: str, stamp: float, age_s: float, at_utc: Optional[float]) -> str:
+def _age_text(subject: str, frame: str, age_s: float, at_utc: Optional[float]) -> str:
     about = f"{subject}: frame '{frame}'"
     if at_utc is not None:
         return f"{about} was not seen at {_clock(at_utc)}; the nearest time is {abs(age_s):.1f} s away: {_REMEDY_OLD}"

@@ -18,7 +18,7 @@ import asyncio
 import datetime
 import importlib.util
 import pathlib
-from typing import Any, List, Optional
+from typing import Any, List
 
 import rosgraph
 import rospkg
@@ -89,7 +89,6 @@ class WebPart:
         self._url = ""  # for paired devices
         PairingServices(self._ros, self._server, self._store.zones, lambda: self._url)
         self._feed = Feed(TOPICS, lambda: self._ros.post(self._take))
-        self._renew_timer: Optional[asyncio.TimerHandle] = None
 
     def start(self) -> None:
         """Serve as soon as that is possible."""
@@ -117,7 +116,7 @@ class WebPart:
 
     def _renew(self) -> None:
         """Subscribe again while the core is silent."""
-        self._renew_timer = self._ros.loop.call_later(RENEW_S, self._renew)
+        self._ros.loop.call_later(RENEW_S, self._renew)
         if not self._store.is_heard(self._server.now()):
             self._feed.renew()
             self._device_feed.renew()
