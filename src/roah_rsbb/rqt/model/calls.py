@@ -4,7 +4,7 @@ import contextlib
 import threading
 import time
 import uuid
-from typing import Any, Callable, Dict, NamedTuple, Optional
+from typing import Any, Callable, Dict, NamedTuple
 
 import rospy
 
@@ -31,8 +31,8 @@ class RefereeName(QObject):
 
     changed = Signal(str)
 
-    def __init__(self, parent: Optional[QObject] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self.name = ""
 
     def set(self, name: str) -> None:
@@ -67,9 +67,9 @@ class Calls(QObject):
 
     _answered = Signal(int, object)
 
-    def __init__(self, referee: RefereeName, parent: Optional[QObject] = None) -> None:
+    def __init__(self, referee: RefereeName) -> None:
         """`referee`: their name goes with each call."""
-        super().__init__(parent)
+        super().__init__()
         self._referee = referee
         self._waiting: Dict[int, _Waiting] = {}
         self._threads = 0

@@ -78,8 +78,8 @@ class Model(QObject):
 
     updated = Signal()
 
-    def __init__(self, feed, zone_parameter, parent: Optional[QObject] = None) -> None:
-        super().__init__(parent)
+    def __init__(self, feed, zone_parameter) -> None:
+        super().__init__()
         self._feed = feed
         self._zone_parameter = zone_parameter
         self._heard_at: Dict[str, float] = {}  # monotonic seconds of the newest message, by topic

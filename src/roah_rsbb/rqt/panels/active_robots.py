@@ -23,8 +23,8 @@ class ActiveRobotsPanel(CollapsingPanel):
 
     TITLE = tr_later("Active Robots")
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self.table = basic.enlarged(QTableWidget(0, len(COLUMNS)), 1.1)
         self.table.setHorizontalHeaderLabels([tr(column) for column in COLUMNS])
         self.table.horizontalHeaderItem(LINK).setToolTip(basic.tip(tr(

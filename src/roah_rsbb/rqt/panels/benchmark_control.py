@@ -153,8 +153,8 @@ class BenchmarkControlPanel(Panel):
     TITLE = tr_later("Benchmark Control")
     WHERE_FACTOR = 1.4
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self._zones = _ZoneBox()
         self._shown_zone = ""
         self._highlight = QTimer(self, singleShot=True)

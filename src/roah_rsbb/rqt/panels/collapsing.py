@@ -37,8 +37,8 @@ def dock_of(panel: Panel) -> Optional[QDockWidget]:
 class CollapsingPanel(Panel):
     """Base of these panels."""
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self.is_collapsed = False
         self._run = ""  # the run that is scored
         self._height = 0  # of the dock while no run is connected; 0: not known

@@ -39,8 +39,8 @@ class CoreStatusPanel(Panel):
     TITLE = tr_later("Core Status")
     TAB = tr_later("Core")
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self.notices = basic.Notices(1.3)
         self.notices.setMinimumHeight(round(3 * basic.em()))
         self.body.addWidget(self.notices, 1)

@@ -191,8 +191,8 @@ class DevicesPanel(Panel):
 
     TITLE = tr_later("Devices")
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self._edits = Edits(LATE_S)
         self.connection = basic.Badge(1.2)
         self.reason = basic.enlarged(QLabel(wordWrap=True), 1.1)

@@ -50,9 +50,9 @@ def why_fixed(summary: Optional[RunSummary], model: Model) -> str:
 class History(QWidget):
     """The entries of one sheet, newest first."""
 
-    def __init__(self, client: Client, owner: object, answer: Answer, parent: Optional[QWidget] = None) -> None:
+    def __init__(self, client: Client, owner: object, answer: Answer) -> None:
         """`owner`: owns the calls; `answer`: shows their outcome."""
-        super().__init__(parent)
+        super().__init__()
         self._client = client
         self._owner = owner
         self._answer = answer

@@ -42,8 +42,8 @@ class JudgesPanel(RefereePanel):
     TITLE = tr_later("Judges")
     TAB = tr_later("Jury")
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self._answers = Fetched(self, client.calls, "/core/judges", GetJudging, self._on_update)
         self._zone = ""
         self._judges: Optional[List[str]] = None  # of the columns

@@ -41,8 +41,8 @@ class LogDisplayPanel(TextPanel):
     TAB = tr_later("Log")
     NOTHING = tr_later("Nothing has been logged yet")
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self._colours = LevelColours(self.view.document())
 
     def text_of(self, zone: ZoneState) -> str:

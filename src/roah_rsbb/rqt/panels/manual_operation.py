@@ -37,8 +37,8 @@ class ManualOperationPanel(Panel):
     TITLE = tr_later("Manual Operation")
     TAB = tr_later("Manual")
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self._request: Optional[OperationKey] = None
         self._choices: Tuple[str, ...] = ()
         self._came = False  # to the front, for this request

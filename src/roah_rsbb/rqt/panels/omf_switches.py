@@ -24,8 +24,8 @@ class OmfSwitchesPanel(Panel):
     TITLE = tr_later("OMF Switches")
     TAB = tr_later("Switches")
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self.hint = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.2)
         self.body.addWidget(self.hint)
         grid = QGridLayout()

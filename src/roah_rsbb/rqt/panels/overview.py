@@ -101,8 +101,8 @@ class ZoneTile(QFrame):
 
     chosen = Signal(str)
 
-    def __init__(self, zone: str, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self, zone: str) -> None:
+        super().__init__()
         self.zone = zone
         self._texts = (zone, "", "")  # zone, team, event
         self._phase_text = ""
@@ -245,8 +245,8 @@ class OverviewPanel(CollapsingPanel):
 
     TITLE = tr_later("Overview")
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self.tiles: Dict[str, ZoneTile] = {}
         self._shape: Optional[TileArrangement] = None
         self._calls: Dict[str, Tuple[int, int]] = {}  # zone: port of the run, number of the operation
@@ -261,7 +261,7 @@ class OverviewPanel(CollapsingPanel):
         self._area.setFrameShape(QFrame.NoFrame)
         self._area.setWidget(self._inside)
         self.body.addWidget(self._area, 1)
-        self.stop = HoldButton(tr(STOP_ALL), tr(STOP_TIP, key=STOP_KEY), 1.4)
+        self.stop = HoldButton(tr(STOP_ALL), tr(STOP_TIP, key=STOP_KEY))
         self.stop.kept.connect(self._stop_all)
         self.stop.too_short.connect(lambda: client.stop_keys.prompt.say(tr(HOLD_IT), basic.OLD, DONE_S))
         self.body.addWidget(self.stop)

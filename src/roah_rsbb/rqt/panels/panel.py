@@ -38,8 +38,8 @@ class Panel(QWidget):
     TAB = ""  # a shorter title for the tabs of our window; empty: the title
     WHERE_FACTOR = 1.0
 
-    def __init__(self, client: Client, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self, client: Client) -> None:
+        super().__init__()
         self.client = client
         self.model = client.model
         self.setObjectName(type(self).__name__)
@@ -148,8 +148,8 @@ DONE_MS = 4000
 class Answer(QLabel):
     """The line in which a panel shows the result of the last command."""
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self._done = QTimer(self, singleShot=True)
         self._done.timeout.connect(self.clear_answer)
         # It keeps its height while it is empty, so that nothing moves under the mouse when a text appears.
@@ -196,8 +196,8 @@ MAX_NAME = 60
 class RefereeLine(QLineEdit):
     """The field for the referee's name."""
 
-    def __init__(self, shared: RefereeName, parent: Optional[QWidget] = None) -> None:
-        super().__init__(shared.name, parent)
+    def __init__(self, shared: RefereeName) -> None:
+        super().__init__(shared.name)
         self._shared = shared
         self.setMaxLength(MAX_NAME)
         self.setFocusPolicy(Qt.ClickFocus)  # a stray key press must not change the name
@@ -237,8 +237,8 @@ class RefereeLine(QLineEdit):
 class RefereePanel(Panel):
     """Base of panels whose records carry the referee's name. A subclass places `self.referee`."""
 
-    def __init__(self, client: Client, parent: Optional[QWidget] = None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client: Client) -> None:
+        super().__init__(client)
         self.referee = RefereeLine(client.referee)
 
     def shutdown(self) -> None:

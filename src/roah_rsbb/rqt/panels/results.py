@@ -27,8 +27,8 @@ class ResultsPanel(RefereePanel):
 
     TITLE = tr_later("Results")
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self._sheets = RunSheets(self, client.calls, self._on_update)
         self._zone = ""
         self.runs = Rows(

@@ -61,8 +61,8 @@ class SchedulePanel(Panel):
 
     TITLE = tr_later("Schedule")
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self._events: List[Event] = []
         self._shown: Optional[EventFilter] = None
         self._scroll = QTimer(self, singleShot=True, interval=0)

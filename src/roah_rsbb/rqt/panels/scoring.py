@@ -356,8 +356,8 @@ class ScoringPanel(RefereePanel):
 
     TITLE = tr_later("Scoring")
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self._sheet: tuple = ()  # identifies the sheet that is shown
         self._edits = Edits()
         self._clock_steps = 0

@@ -25,8 +25,8 @@ class TabletStatusPanel(Panel):
     TITLE = tr_later("Tablet Status")
     TAB = tr_later("Tablet")
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         form = QFormLayout()
         form.setRowWrapPolicy(QFormLayout.WrapLongRows)
         self._values: Dict[str, QLabel] = {}

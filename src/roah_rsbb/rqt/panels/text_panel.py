@@ -16,8 +16,8 @@ class TextPanel(CollapsingPanel):
 
     NOTHING = ""
 
-    def __init__(self, client, parent=None) -> None:
-        super().__init__(client, parent)
+    def __init__(self, client) -> None:
+        super().__init__(client)
         self._source: tuple = ()
         self._published = ""
         self.view = QPlainTextEdit(readOnly=True)

@@ -121,12 +121,9 @@ OLD_LOOK = _Look(CARD_BACKGROUND, FAINT, FAINT)
 class PublicDisplay(QWidget):
     """A full-screen widget. `feed` is a `roah_rsbb.ros.feed.Feed` of TOPIC and BOARD_TOPIC."""
 
-    def __init__(
-        self, feed, page_s: float = PAGE_S, parent: Optional[QWidget] = None, title: str = "",
-        logo: Optional[QPixmap] = None,
-    ) -> None:
+    def __init__(self, feed, page_s: float = PAGE_S, title: str = "", logo: Optional[QPixmap] = None) -> None:
         """`page_s`: how long each page is shown if there are several, seconds. `title`, `logo`: of the competition."""
-        super().__init__(parent)
+        super().__init__()
         self.setWindowTitle(tr("RoAH RSBB – public display"))
         self._marked_title = MarkedTitle(self)
         self.setCursor(Qt.BlankCursor)

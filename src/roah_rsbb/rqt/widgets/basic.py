@@ -113,8 +113,8 @@ class ShortenedLabel(QLabel):
     PADDING_EMS = 0.0
     _text = ""
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self.setTextFormat(Qt.PlainText)
 
     def text(self) -> str:
@@ -157,8 +157,8 @@ class Badge(ShortenedLabel):
 
     PADDING_EMS = 1.0
 
-    def __init__(self, factor: float = 1.0, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self, factor: float = 1.0) -> None:
+        super().__init__()
         enlarged(self, factor, bold=True)
         self.setAlignment(Qt.AlignCenter)
         self.setMinimumWidth(1)  # a long text must not push its neighbours away
@@ -172,8 +172,8 @@ class Badge(ShortenedLabel):
 class Notices(QTextEdit):
     """Lines of text, with warnings marked. A long list scrolls instead of growing."""
 
-    def __init__(self, factor: float = 1.2, parent: Optional[QWidget] = None) -> None:
-        super().__init__(parent)
+    def __init__(self, factor: float = 1.2) -> None:
+        super().__init__()
         enlarged(self, factor)
         self.setReadOnly(True)
         self.setFocusPolicy(Qt.ClickFocus)
@@ -196,13 +196,13 @@ def _notice_html(text: str, alarm: bool) -> str:
 class FittedText(QWidget):
     """A text as large as its rectangle allows. Changing digits do not change its size."""
 
-    def __init__(self, lines_high: float = 2.0, parent: Optional[QWidget] = None) -> None:
-        """`lines_high`: minimum height, in lines of the desktop's font."""
-        super().__init__(parent)
+    LINES_HIGH = 2.6  # minimum height, in lines of the desktop's font
+
+    def __init__(self) -> None:
+        super().__init__()
         self._text = ""
         self._tone: Optional[Tone] = None
         self._framed = False
-        self._lines_high = lines_high
         self.setSizePolicy(QSizePolicy.Expanding, QSizePolicy.Expanding)
 
     def text(self) -> str:
@@ -222,10 +222,10 @@ class FittedText(QWidget):
             self.update()
 
     def sizeHint(self) -> QSize:
-        return QSize(round(10 * em()), round(2 * self._lines_high * em()))
+        return QSize(round(10 * em()), round(2 * self.LINES_HIGH * em()))
 
     def minimumSizeHint(self) -> QSize:
-        return QSize(round(5 * em()), round(self._lines_high * em()))
+        return QSize(round(5 * em()), round(self.LINES_HIGH * em()))
 
     def paintEvent(self, event) -> None:
         painter = QPainter(self)
@@ -252,8 +252,8 @@ class FittedText(QWidget):
 class CommandButton(QPushButton):
     """A button that gives a command. While it is disabled its tooltip lists the reasons."""
 
-    def __init__(self, text: str, explanation: str, factor: float = 1.3, parent: Optional[QWidget] = None) -> None:
-        super().__init__(text, parent)
+    def __init__(self, text: str, explanation: str, factor: float = 1.3) -> None:
+        super().__init__(text)
         enlarged(self, factor, bold=True)
         # Tab reaches it, but a click does not focus it: a stray space bar does nothing.
         self.setFocusPolicy(Qt.TabFocus)
@@ -272,13 +272,11 @@ class CommandButton(QPushButton):
     def minimumSizeHint(self) -> QSize:
         return self.sizeHint()
 
-    def allow(
-        self, allowed: bool, reasons: Sequence[str] = (), tone: Optional[Tone] = None, explanation: str = ""
-    ) -> None:
-        """Enable or disable it. `tone`: colour while enabled; `explanation`: replaces the usual tooltip."""
+    def allow(self, allowed: bool, reasons: Sequence[str] = (), tone: Optional[Tone] = None) -> None:
+        """Enable or disable it. `tone`: colour while enabled."""
         self._allowed = allowed
         self.why_off = "" if allowed else texts.bullets(reasons or (tr("Not possible now"),))
-        self.setToolTip(tip(self.why_off or explanation or self._explanation))
+        self.setToolTip(tip(self.why_off or self._explanation))
         on = allowed and tone is not None
         set_style(self, _button_style(tone) if on else "")
         self._apply()
@@ -320,8 +318,8 @@ class HoldButton(CommandButton):
     kept = Signal()
     too_short = Signal()
 
-    def __init__(self, text: str, explanation: str, factor: float = 1.3, parent: Optional[QWidget] = None) -> None:
-        super().__init__(text, explanation, factor, parent)
+    def __init__(self, text: str, explanation: str) -> None:
+        super().__init__(text, explanation, 1.4)
         self._text = text
         # Its text changes, but its size must not.
         self.setText(tr(KEEP_HOLDING))

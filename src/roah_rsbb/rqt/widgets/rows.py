@@ -2,7 +2,7 @@
 
 from typing import Hashable, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.rqt.qt import QAbstractItemView, QHeaderView, Qt, QTableWidget, QTableWidgetItem, QWidget
+from roah_rsbb.rqt.qt import QAbstractItemView, QHeaderView, Qt, QTableWidget, QTableWidgetItem
 from roah_rsbb.rqt.widgets import basic
 
 
@@ -19,12 +19,9 @@ class Row(NamedTuple):
 class Rows(QTableWidget):
     """Rows of text in columns; one row can be chosen."""
 
-    def __init__(
-        self, columns: Sequence[str], stretched: Tuple[int, ...], wrapped: bool = True,
-        parent: Optional[QWidget] = None,
-    ) -> None:
+    def __init__(self, columns: Sequence[str], stretched: Tuple[int, ...], wrapped: bool = True) -> None:
         """`stretched`: columns that share the remaining width. `wrapped`: long texts take several lines."""
-        super().__init__(0, len(columns), parent)
+        super().__init__(0, len(columns))
         basic.enlarged(self, 1.05)
         self.setHorizontalHeaderLabels(list(columns))
         self.setAlternatingRowColors(True)

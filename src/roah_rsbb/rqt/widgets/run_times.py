@@ -36,7 +36,7 @@ class _Time(QWidget):
         super().__init__()
         self.label = QLabel(alignment=Qt.AlignCenter)
         self.label.setMinimumWidth(1)
-        self.figure = basic.FittedText(lines_high=2.6)
+        self.figure = basic.FittedText()
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
