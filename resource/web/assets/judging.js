@@ -1,7 +1,7 @@
 // Several judges of a run: the own sheet of a judge, and the settlement by the head referee (docs/web.md, "Judges").
 
 import {html, useEffect, useRef, useState} from "/assets/parts.js";
-import {Command, Twice} from "/assets/buttons.js";
+import {Twice} from "/assets/buttons.js";
 import {send} from "/assets/commands.js";
 import {Sheet} from "/assets/sheet.js";
 

@@ -138,10 +138,6 @@ class JournalReader:
 
     # -- contents -----------------------------------------------------------------------------------
 
-    def meta(self) -> Dict[str, str]:
-        """Data about the whole journal, such as the competition's events (JSON)."""
-        return dict(self._rows("SELECT key, value FROM meta"))
-
     def sessions(self) -> List[JournalSession]:
         """All starts of the core, in order."""
         rows = self._rows("SELECT id, utc, mono, boot_id, pid, box_uuid, launch FROM sessions ORDER BY id")

@@ -290,7 +290,7 @@ class Play:
     def _look(self) -> None:
         """Make the messages that are published and sent periodically."""
         driver = self.driver
-        for view in views.zones(driver.box, driver.now):
+        for view in views.ZoneViews(driver.box).look(driver.now):
             assert view.state
             assert view.timer >= 0
         assert views.box_status(driver.box, driver.now)

@@ -235,7 +235,6 @@ def read_steps(data: bytes) -> Iterator[Step]:
 
 def _read(path: str) -> None:
     with contextlib.suppress(JournalError), JournalReader(path) as reader:
-        reader.meta()
         reader.sessions()
         for run in reader.runs():
             reader.run(run.identity)

@@ -21,7 +21,6 @@ HERE = Pose3(0.5, 0.25, 0.8, 0.0)
 _ITEM = SimpleNamespace(**{
     "id": 1, "class": "mug", "instance": "red_mug", "description": "red mug", "transform": NO_TRANSFORM,
 })
-_MOST_STEPS = 20
 
 
 def _hopf() -> Rehearsal:

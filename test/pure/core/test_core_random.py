@@ -59,7 +59,7 @@ def test_no_order_of_events_breaks_the_box(sequence):
             assert run.message.state is not BoxState.GOAL_TX
             assert len(run.log) <= 300
         assert {r.port for r in driver.box.beacon().robots} == set(driver.channels) == {run.port for run in runs}
-        for view in views.zones(driver.box, driver.now):
+        for view in views.ZoneViews(driver.box).look(driver.now):
             assert view.state
             assert view.timer >= 0
         assert views.box_status(driver.box, driver.now)
@@ -75,8 +75,8 @@ class _Kept:
 
     def check(self):
         box, now = self._driver.box, self._driver.now
-        kept = self._views.look(now)
-        assert [view.without_time() for view in kept] == [view.without_time() for view in views.zones(box, now)]
+        kept, fresh = self._views.look(now), views.ZoneViews(box).look(now)
+        assert [view.without_time() for view in kept] == [view.without_time() for view in fresh]
         assert self._schedule.look(now) == schedule(box, now)
         public = (public_view(box, now, PublicResults.SCORES, provisional=True).without_time(),
                   views.coming_events(box), explanations(box, PublicResults.SCORES, with_texts=True))

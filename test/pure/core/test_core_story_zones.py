@@ -21,7 +21,7 @@ def test_two_zones_at_once_do_not_touch_each_other():
     assert driver.logged(one.port, "/notification") == ["mine"]
     assert driver.logged(two.port, "/notification") == ["yours"]
     driver.score("Penalized", "bumps", 3, zone="a")
-    assert [v.scoring[1].items[0][1] for v in views.zones(driver.box, driver.now)] == [3, 0]
+    assert [v.scoring[1].items[0][1] for v in views.ZoneViews(driver.box).look(driver.now)] == [3, 0]
     driver.run(31)
     assert driver.run_in("b").end_reason is EndReason.TIMEOUT
     assert driver.taken(effects.TimeoutRung) == [effects.TimeoutRung("b")]

@@ -45,7 +45,7 @@ def _round(driver, number):
         _progress(driver, name)
         with contextlib.suppress(Refused):
             driver.event(box.command, "visitor", ("connect", "disconnect")[i % 2])
-        views.zones(box, driver.now)
+        views.ZoneViews(box).look(driver.now)
         views.box_status(box, driver.now)
 
 

@@ -123,7 +123,7 @@ class BoxDriver:
 
     def view(self, zone="tbm"):
         """The zone as the referee's panels show it."""
-        return next(view for view in views.zones(self.box, self.now) if view.zone == zone)
+        return next(view for view in views.ZoneViews(self.box).look(self.now) if view.zone == zone)
 
     def off(self, command, zone="tbm"):
         """Every reason why a button is off."""

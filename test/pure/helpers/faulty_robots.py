@@ -378,7 +378,6 @@ def _value(owner, name, value):
     return robot
 
 
-_STATES = tuple(RobotState)
 FAULTS = (
     # Finding the robot, its clock.
     Fault("no beacon", does(_no_beacon), ("find",), Cause.NO_BEACON),

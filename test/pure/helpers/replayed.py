@@ -55,7 +55,7 @@ class ReplayedCompetition(JournaledDriver):
         """Note what the box shows now."""
         self.jump(LOOK_S)
         explained = explanations(self.box, PublicResults.NONE, with_texts=False)
-        for view in views.zones(self.box, self.now):
+        for view in views.ZoneViews(self.box).look(self.now):
             if view.identity:
                 look = Look(self.now.utc, view, self.run_in(view.zone).desc, explained)
                 self.looks.setdefault(view.identity, []).append(look)

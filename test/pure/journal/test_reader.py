@@ -68,7 +68,6 @@ def test_what_is_in_it(writer):
         assert reader.links(6668) == []
         [session] = reader.sessions()
         assert (session.box_uuid, session.pid) == ("uuid", 1234)
-        assert reader.meta()["competition"] == "[]"
 
 
 def test_a_run_that_is_over(writer):

@@ -61,7 +61,7 @@ def test_every_moment_is_that_of_the_box(played):
     assert len(looks) > 50
     for look in looks:
         box.show(look.utc)
-        found = {view.zone: view for view in views.zones(box.box, box.now)}
+        found = {view.zone: view for view in views.ZoneViews(box.box).look(box.now)}
         assert_same(found[look.view.zone], look.view)
         assert explanations(box.box, PublicResults.NONE, with_texts=False) == look.explained
 
@@ -84,15 +84,15 @@ def test_the_run_begins_connected_and_ends_left(played):
     while not box.is_over:
         box.show(box.now.utc + 1e6)
     assert box.box.zones["tbm"].run is None
-    assert "Disconnected" not in views.zones(box.box, box.now)[0].state
+    assert "Disconnected" not in views.ZoneViews(box.box).look(box.now)[0].state
 
 
 def test_no_phase_is_skipped_however_fast(played):
     box, phases = replayed(played), []
     while not box.is_over:
-        phases.append(views.zones(box.box, box.now)[0].phase)
+        phases.append(views.ZoneViews(box.box).look(box.now)[0].phase)
         box.show(box.now.utc + 1e6)
-    phases.append(views.zones(box.box, box.now)[0].phase)
+    phases.append(views.ZoneViews(box.box).look(box.now)[0].phase)
     assert [phase for phase, _ in itertools.groupby(phases)] == ["connected", "running", "ended", "idle"]
 
 
@@ -101,7 +101,7 @@ def test_all_commands_are_refused_with_the_reason(played):
     box = replayed(played)
     reason = ("This is a replay of HCFGAC, team Alpha, round 1, run 1: nothing here is live, and commands have no "
               "effect")
-    for view in views.zones(box.box, box.now):
+    for view in views.ZoneViews(box.box).look(box.now):
         assert view.off == ((reason,),) * len(COMMANDS)
     for command in COMMANDS:
         with pytest.raises(Refused) as refused:

@@ -66,7 +66,6 @@ class Program:
     def __init__(self, *command: str, typed: str = "", **environment: str) -> None:
         """`typed`: its standard input."""
         self.lines: List[str] = []
-        self.began_mono = time.monotonic()
         self.ended_mono: Optional[float] = None
         reading, writing = os.pipe()
         self._output = os.fdopen(reading, encoding="utf-8", errors="replace")

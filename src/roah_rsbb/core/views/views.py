@@ -163,11 +163,6 @@ def box_status(box: Box, now: Now) -> str:
     return "; ".join(box.warnings(now)) or "OK"
 
 
-def zones(box: Box, now: Now) -> List[ZoneView]:
-    """Return all zones, in the order of the schedule file."""
-    return [_zone(box, zone, now) for zone in box.zones.values()]
-
-
 class ZoneViews:
     """The views of all zones, for a caller that needs them often.
 

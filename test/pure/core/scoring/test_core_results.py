@@ -27,10 +27,6 @@ def _runs(*records):
     return runs
 
 
-def _identities(runs):
-    return [record.identity for record in runs.records()]
-
-
 # -- which runs are kept ----------------------------------------------------------------------------
 
 
