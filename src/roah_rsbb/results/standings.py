@@ -23,8 +23,7 @@ from roah_rsbb.results.standing_rules import (
     Term,
     day_of,
 )
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_RULES, CountingAttempt, NoShow
-from roah_rsbb.rulebook.benchmarks import Rules as EventRules
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_RULES, CountingAttempt, EventRules, NoShow
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import NOT_SIGNED_OFF, end_reason, turn

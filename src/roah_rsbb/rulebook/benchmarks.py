@@ -48,7 +48,7 @@ class PhaseRule:
 
 
 @dataclass(frozen=True)
-class Rules:
+class EventRules:
     """The rules about time and attempts. The defaults are those of all benchmarks that do not have such rules."""
 
     setup_time: float = 0.0  # seconds from *connect* until the run should start; 0.0: no such rule
@@ -60,7 +60,7 @@ class Rules:
     no_show: NoShow = NoShow.NO_SCORE
 
 
-NO_RULES = Rules()
+NO_RULES = EventRules()
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Benchmark:
     total_timeout: float
     scoring: Tuple[ScoringItem, ...]
     own: Optional[Profile] = None  # None: that of the registry
-    rules: Rules = NO_RULES
+    rules: EventRules = NO_RULES
     sheet_rules: SheetRules = NO_SHEET_RULES
     about: Tuple[Tuple[str, str], ...] = ()  # what spectators read of it: languages and texts
     judges: Optional[JudgesRule] = None  # None: the referee scores

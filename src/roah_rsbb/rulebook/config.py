@@ -17,10 +17,10 @@ from roah_rsbb.rulebook.benchmarks import (
     Benchmark,
     Config,
     CountingAttempt,
+    EventRules,
     NoShow,
     PhaseRule,
     Restarts,
-    Rules,
     ScheduledEvent,
     ZonePlan,
 )
@@ -187,7 +187,7 @@ class BenchmarksFile:
             self._report.warn(got["phases"].place, f"the phases of {code} take {sum(limits):g} s together: its "
                               f"total_timeout {total:g} ends the run earlier")
 
-    def _rules(self, got: Dict[str, Node], kind: Optional[BenchmarkKind]) -> Optional[Rules]:
+    def _rules(self, got: Dict[str, Node], kind: Optional[BenchmarkKind]) -> Optional[EventRules]:
         """Read the rules about time and attempts; None after an error."""
         report = self._report
         found: Dict[str, object] = {}
@@ -206,7 +206,7 @@ class BenchmarksFile:
                 found[name] = None if word is None else words[word]
         if "phases" in got:
             found["phases"] = self._phases(got["phases"], kind)
-        return None if None in found.values() else Rules(**found)
+        return None if None in found.values() else EventRules(**found)
 
     def _about(self, node: Node) -> Tuple[Tuple[str, str], ...]:
         """Read the texts for spectators: one text, which is English, or one for each language."""

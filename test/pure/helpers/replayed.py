@@ -13,10 +13,10 @@ from roah_rsbb.core.views import views
 from roah_rsbb.core.views.explained import Explanation, explanations
 from roah_rsbb.core.views.public import PublicResults
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.rulebook.benchmarks import PhaseRule, Rules
+from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
-RULES = Rules(setup_time=20.0, pause=True, phases=(PhaseRule("kitchen", 30.0), PhaseRule("bed room")))
+RULES = EventRules(setup_time=20.0, pause=True, phases=(PhaseRule("kitchen", 30.0), PhaseRule("bed room")))
 SHEET = (DOOR, ScoringItem(OBJECTS.group, "objects <b>brought</b>", ScoreKind.UINT, Decimal("2.5")), BUMPS)
 LOOK_S = 0.002  # after an event
 

@@ -38,8 +38,7 @@ from roah_rsbb.results.standings import (
     standing_markup,
     standings,
 )
-from roah_rsbb.rulebook.benchmarks import CountingAttempt, NoShow
-from roah_rsbb.rulebook.benchmarks import Rules as EventRules
+from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "config" / "standings.yaml"

@@ -11,7 +11,7 @@ from support.panel_case import BUMPS, DOOR, PanelCase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.rqt.model import calls, model
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
-from roah_rsbb.rulebook.benchmarks import PhaseRule, Rules
+from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 
 
 class TestBenchmarkControl(PanelCase):
@@ -42,7 +42,7 @@ class TestBenchmarkControl(PanelCase):
 
     def test_phases_and_pauses(self) -> None:
         self.assertFalse(self.panel.rules.isVisible())
-        rules = Rules(pause=True, phases=(PhaseRule("Enter", 3600.0), PhaseRule("Leave")))
+        rules = EventRules(pause=True, phases=(PhaseRule("Enter", 3600.0), PhaseRule("Leave")))
         zone, buttons = self.core.box.zones["Home A"], self.panel.rules.buttons
         zone.events = tuple(replace(e, benchmark=replace(e.benchmark, rules=rules)) for e in zone.events)
         for command in ("connect", "start"):

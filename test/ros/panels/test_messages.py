@@ -11,7 +11,7 @@ from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.msg import CoreDetails, CoreToGui, RunClock, RunClocks, ZoneState
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.public_convert import public_details
-from roah_rsbb.rulebook.benchmarks import NO_LIMIT, PhaseRule, Rules
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule
 
 BUTTONS = dict(zip(COMMANDS, ("connect", "disconnect", "start", "stop", "prev", "next")))
 LOG = "/logs/run.bag"
@@ -165,7 +165,7 @@ class TestRules(unittest.TestCase):
     """What panels receive of the rules about time and attempts."""
 
     def box_with(self, timeout: float, **rules: object) -> None:
-        self.driver = BoxDriver(competition(tbm=[event(timeout=timeout, rules=Rules(**rules))]))
+        self.driver = BoxDriver(competition(tbm=[event(timeout=timeout, rules=EventRules(**rules))]))
         self.messages = PanelMessages(self.driver.box, "uuid", "127.255.255.255")
         self.clocks: Optional[RunClocks] = None  # the last message
 

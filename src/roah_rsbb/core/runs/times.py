@@ -11,7 +11,7 @@ from typing import List, NamedTuple, Optional, Tuple
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.runs.clock import Countdown, CountdownState
 from roah_rsbb.core.scoring.records import PhaseTime
-from roah_rsbb.rulebook.benchmarks import NO_LIMIT, PhaseRule, Rules
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule
 from roah_rsbb.wording import times
 
 # Why the clock is paused.
@@ -50,7 +50,7 @@ class PhaseView(NamedTuple):
 class RunTimes:
     """Setup time, pauses and phases of one run."""
 
-    def __init__(self, rules: Rules, state: TimesState) -> None:
+    def __init__(self, rules: EventRules, state: TimesState) -> None:
         self.state = state
         self.rules = rules
         self._setup = Countdown(NO_LIMIT, state.setup)

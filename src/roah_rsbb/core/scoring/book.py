@@ -26,7 +26,7 @@ from roah_rsbb.core.scoring.records import (
     StopRecord,
 )
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, value_text
-from roah_rsbb.rulebook.benchmarks import Benchmark, Rules, ScheduledEvent
+from roah_rsbb.rulebook.benchmarks import Benchmark, EventRules, ScheduledEvent
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.wording import sheets, times
 
@@ -352,7 +352,7 @@ class FinishedRuns:
         """Return the newest runs, the most recently left first."""
         return list(itertools.islice(reversed(self._runs.values()), count))
 
-    def event_rules(self) -> Dict[str, Rules]:
+    def event_rules(self) -> Dict[str, EventRules]:
         """Return the rules about time and attempts by the benchmarks' codes."""
         return {code: benchmark.rules for code, benchmark in self._benchmarks.items()}
 

@@ -12,7 +12,7 @@ from roah_rsbb.rqt.qt import QComboBox, QHBoxLayout, QPushButton, Qt, QTabWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.judge_dialogs import ChoiceDialog, ObjectionDialog, PublishDialog, ReasonDialog, SettleDialog
 from roah_rsbb.rqt.widgets.rows import Row, Rows
-from roah_rsbb.rqt.widgets.score_dialogs import Given
+from roah_rsbb.rqt.widgets.score_dialogs import Entered
 from roah_rsbb.srv import (
     DecideJudges,
     DecideJudgesRequest,
@@ -243,7 +243,7 @@ class JudgesPanel(RefereePanel):
         if message is not None:
             basic.show_dialog(SettleDialog(self, message, item, partial(self._settle, one, message)))
 
-    def _settle(self, one: Judging, item: ScoreItem, given: Given) -> None:
+    def _settle(self, one: Judging, item: ScoreItem, given: Entered) -> None:
         self._decide(one, item.desc, DecideJudgesRequest(
             decision=DecideJudgesRequest.SETTLE, group=item.group, desc=item.desc, value=given.value, text=given.text,
             not_attempted=given.not_attempted, reason=given.note))

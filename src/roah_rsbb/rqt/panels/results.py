@@ -8,7 +8,7 @@ from roah_rsbb.rqt.panels.panel import Answer, RefereePanel, ask
 from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QPushButton, QSplitter, Qt, QTabWidget, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
-from roah_rsbb.rqt.widgets.score_dialogs import Given, NoteDialog, ScoreDialog
+from roah_rsbb.rqt.widgets.score_dialogs import Entered, NoteDialog, ScoreDialog
 from roah_rsbb.srv import MarkItemRequest, SignOff, StopReason
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.language import tr, tr_later
@@ -168,7 +168,7 @@ class ResultsPanel(RefereePanel):
             lambda given: self._mark(summary, item, given),
         ))
 
-    def _mark(self, summary: RunSummary, item: ScoreItem, given: Given) -> None:
+    def _mark(self, summary: RunSummary, item: ScoreItem, given: Entered) -> None:
         what = self._begin(summary, item.desc)
         self.client.calls.mark(self, MarkItemRequest(
             zone=summary.zone, identity=summary.identity, group=item.group, desc=item.desc,

@@ -26,7 +26,7 @@ from roah_rsbb.rqt.qt import (
     QWidget,
 )
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.rqt.widgets.score_dialogs import MAX_VALUE, Given, ScoreDialog
+from roah_rsbb.rqt.widgets.score_dialogs import MAX_VALUE, Entered, ScoreDialog
 from roah_rsbb.rqt.widgets.score_fields import NO_JUDGE, ChoiceField, NumberField, RatingFields
 from roah_rsbb.rqt.widgets.sheet_view import SheetView
 from roah_rsbb.rqt.widgets.undo import PLACES, UNDO, UndoRow
@@ -539,7 +539,7 @@ class ScoringPanel(RefereePanel):
         row = self.rows[name]
         before = row.value
 
-        def then(given: Given) -> None:
+        def then(given: Entered) -> None:
             if sheet == self._sheet:
                 value = NOT_ATTEMPTED if given.not_attempted else given.value if item.type in _WHOLE else given.text
                 send = partial(self._send_count, before=before) if row.is_count else self._send

@@ -8,7 +8,7 @@ from typing import Callable, List
 
 from roah_rsbb.msg import ScoreItem
 from roah_rsbb.rqt.qt import QComboBox, QHBoxLayout, QLineEdit, QPushButton, QWidget
-from roah_rsbb.rqt.widgets.score_dialogs import Given, NoteDialog, ScoreDialog
+from roah_rsbb.rqt.widgets.score_dialogs import Entered, NoteDialog, ScoreDialog
 from roah_rsbb.wording import judging
 from roah_rsbb.wording.language import tr
 
@@ -19,7 +19,7 @@ class SettleDialog(ScoreDialog):
     """Asks for the value of an item on which judges differ: that of a judge with one press, or another one."""
 
     def __init__(
-        self, parent: QWidget, item: ScoreItem, judged: judging.Judged, then: Callable[[Given], None]
+        self, parent: QWidget, item: ScoreItem, judged: judging.Judged, then: Callable[[Entered], None]
     ) -> None:
         self._judged = judged
         self._is_chosen = False

@@ -63,7 +63,7 @@ class NoteDialog(QDialog):
         self.answer()
 
 
-class Given(NamedTuple):
+class Entered(NamedTuple):
     """What the referee entered for an item."""
 
     value: int = 0
@@ -78,7 +78,7 @@ class ScoreDialog(NoteDialog):
 
     def __init__(
         self, parent: QWidget, title: str, item: ScoreItem, value: Hashable, not_attempted: bool,
-        then: Callable[[Given], None],
+        then: Callable[[Entered], None],
     ) -> None:
         """`value`: a number or a text; ignored if the item was not attempted."""
         self._item = item
@@ -128,10 +128,10 @@ class ScoreDialog(NoteDialog):
     def answer(self) -> None:
         note = self.note.text().strip()
         if self.not_attempted.isChecked():
-            self._then_scored(Given(not_attempted=True, note=note))
+            self._then_scored(Entered(not_attempted=True, note=note))
         elif self.field is not None:
             judge = "" if self.judge is None else self.judge.currentText()
-            self._then_scored(Given(0, self.field.text_value(), judge, False, note))
+            self._then_scored(Entered(0, self.field.text_value(), judge, False, note))
         else:
             value = int(self.tick.isChecked()) if self.tick is not None else self.number.value()
-            self._then_scored(Given(value, note=note))
+            self._then_scored(Entered(value, note=note))

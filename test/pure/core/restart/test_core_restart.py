@@ -25,14 +25,14 @@ from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.rulebook.benchmarks import NO_LIMIT, PhaseRule, Restarts, Rules
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule, Restarts
 
 OLD_STATES = pathlib.Path(__file__).resolve().parents[3] / "data" / "journal_states.json"
 TEAMS = ("Alpha", "Beta", "Gamma", "Delta", "Epsilon")
 # Nothing is dropped from a log by its size, so that the line that a restart adds can be taken away again.
 SETTINGS = Settings(listen_duration=0.0, display_log_size=10**9)
 
-RULES = Rules(
+RULES = EventRules(
     setup_time=60.0, attempts=3, restarts=Restarts.CLOCK_STOPS, pause=True,
     phases=(PhaseRule("Enter", 2.0), PhaseRule("Serve"), PhaseRule("Leave", 60.0)),
 )
@@ -124,7 +124,7 @@ class Competition:
             teams=TEAMS, tbm=[event("HCFGAC", timeout=timeout, rules=RULES), event("HWV")],
             fbm=[event("HNF", team="Beta", timeout=60.0, total_timeout=300.0)],
             omf=[event("HOMF", team="Gamma", timeout=60.0, total_timeout=300.0)],
-            all=[event("HSUF", team="ALL", timeout=120.0, rules=Rules(setup_time=30.0, pause=True))],
+            all=[event("HSUF", team="ALL", timeout=120.0, rules=EventRules(setup_time=30.0, pause=True))],
         )
         self.driver = BoxDriver(config, SETTINGS)
         self.driver.config = config

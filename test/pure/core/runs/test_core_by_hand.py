@@ -10,7 +10,7 @@ from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.core.views.schedule import EventState, schedule
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.rulebook.benchmarks import PhaseRule, Rules
+from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 
 TWO = {"tbm": [event(timeout=60.0), event("HWV", scheduled=UTC0 + 600)]}
 
@@ -57,7 +57,7 @@ def test_the_clock_of_a_run_by_hand_times_out():
 
 
 def test_a_run_by_hand_follows_the_rules():
-    rules = Rules(setup_time=10.0, pause=True, phases=(PhaseRule("A", 20.0), PhaseRule("B")))
+    rules = EventRules(setup_time=10.0, pause=True, phases=(PhaseRule("A", 20.0), PhaseRule("B")))
     driver = BoxDriver(competition(tbm=[event(rules=rules)]))
     driver.command("open_sheet")
     driver.run(11.0)
@@ -144,7 +144,7 @@ def test_a_team_that_withdraws_after_a_stop_keeps_its_time_and_sheet():
 
 
 def test_a_team_that_appears_after_all_gets_its_run():
-    driver = BoxDriver(competition(tbm=[event(rules=Rules(attempts=1))]))
+    driver = BoxDriver(competition(tbm=[event(rules=EventRules(attempts=1))]))
     driver.command("no_show")
     assert driver.off("open_sheet") == []
     driver.connected()

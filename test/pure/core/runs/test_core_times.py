@@ -10,14 +10,14 @@ from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.rulebook.benchmarks import NO_LIMIT, PhaseRule, Restarts, Rules
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule, Restarts
 
-PHASES = Rules(phases=(PhaseRule("Take the order", 30.0), PhaseRule("Serve"), PhaseRule("Clear", 20.0)))
+PHASES = EventRules(phases=(PhaseRule("Take the order", 30.0), PhaseRule("Serve"), PhaseRule("Clear", 20.0)))
 
 
 def box_with(code="HGTKMH", timeout=600.0, second=None, **rules):
     """A box whose zone has one event with these rules, or two."""
-    events = [event(code, timeout=timeout, rules=Rules(**rules))]
+    events = [event(code, timeout=timeout, rules=EventRules(**rules))]
     return BoxDriver(competition(tbm=events + ([event(second)] if second else [])))
 
 
@@ -101,7 +101,7 @@ def test_the_end_of_the_setup_time_is_a_warning_only():
 
 
 def test_a_run_of_all_robots_has_one_setup_time():
-    driver = BoxDriver(competition(all=[event("HSUF", team="ALL", rules=Rules(setup_time=10.0, pause=True))]))
+    driver = BoxDriver(competition(all=[event("HSUF", team="ALL", rules=EventRules(setup_time=10.0, pause=True))]))
     robots = [driver.robot(team, "r") for team in ("Alpha", "Beta")]
     for robot in robots:
         robot.beacon()
@@ -192,7 +192,7 @@ def test_the_robot_may_complete_its_task_in_a_pause():
 
 def started_hnf():
     """A running benchmark whose runs may be paused, and its module."""
-    driver = BoxDriver(competition(tbm=[event("HNF", timeout=60.0, total_timeout=600.0, rules=Rules(pause=True))]))
+    driver = BoxDriver(competition(tbm=[event("HNF", timeout=60.0, total_timeout=600.0, rules=EventRules(pause=True))]))
     modules = FakeModules(driver, "HNF")
     modules.beat()
     driver.connected()
@@ -310,7 +310,7 @@ def test_a_restart_of_the_run_begins_with_the_first_phase():
 
 
 def test_a_pause_pauses_the_phase():
-    rules = Rules(phases=PHASES.phases, pause=True)
+    rules = EventRules(phases=PHASES.phases, pause=True)
     driver = BoxDriver(competition(tbm=[event(rules=rules)]))
     robot = driver.executing()
     robot.lives(10)
@@ -364,7 +364,7 @@ def test_a_run_that_was_never_started_is_no_attempt():
 
 
 def test_attempts_at_another_event_do_not_count():
-    rules = Rules(attempts=1)
+    rules = EventRules(attempts=1)
     driver = BoxDriver(competition(tbm=[event(rules=rules), event(rules=rules, run=2, scheduled=UTC0 + 600)]))
     attempted(driver)
     driver.command("next")

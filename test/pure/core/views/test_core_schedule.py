@@ -8,7 +8,7 @@ from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.schedule import NO_LIMIT_S, SETUP_S, schedule, slot_lengths
 from roah_rsbb.core.zones import key_of
-from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Rules, ZonePlan
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, ZonePlan
 
 MINUTE = 60.0
 T0 = UTC0 - UTC0 % MINUTE + 10 * MINUTE  # some minutes after the driver's beginning
@@ -106,7 +106,7 @@ def test_a_slot_is_what_the_schedule_gives():
 
 def test_a_slot_without_a_limit_and_with_a_setup_time_of_its_own():
     def plan(**rules):
-        return ZonePlan("z", (event(timeout=NO_LIMIT, rules=Rules(**rules)),))
+        return ZonePlan("z", (event(timeout=NO_LIMIT, rules=EventRules(**rules)),))
 
     assert slot_lengths([plan()]) == {"HGTKMH": NO_LIMIT_S + SETUP_S}
     assert slot_lengths([plan(setup_time=60.0)]) == {"HGTKMH": NO_LIMIT_S + 60.0}
