@@ -7,7 +7,7 @@ The names of the fields are the names in the JSON output (docs/referee.md) and n
 from functools import partial
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.referee.state import SheetItem, items_of, points_of
+from roah_rsbb.referee.state import SheetItem, items_of
 from roah_rsbb.referee.view import BOLD, YELLOW, Style, sheet_line
 from roah_rsbb.referee.words import BadWord
 from roah_rsbb.wording import sheets, times
@@ -85,7 +85,7 @@ def sheet_of(sheet) -> Sheet:
             RunEnd(number, stop.time.to_sec(), stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)
             for number, stop in enumerate(sheet.stops, 1)
         ),
-        points_of(sheet.points),
+        sheets.points_of(sheet.points),
     )
 
 

@@ -264,7 +264,7 @@ def _zone(zone, details, run_times: RunTimes) -> ZoneSnapshot:
         warnings=tuple(details.warnings),
         off={command: list(getattr(details, field)) for command, field in COMMANDS.items()},
         score=items_of(details.items),
-        points=points_of(details.points),
+        points=sheets.points_of(details.points),
         log_file=details.log_file,
         log=zone.log,
         online_data=zone.online_data,
@@ -305,12 +305,6 @@ def _json_value(text: str) -> Any:
         return json.loads(text)
     except ValueError:
         return text
-
-
-def points_of(message) -> str:
-    """Read SheetPoints."""
-    groups = [(group.name, group.points) for group in message.groups]
-    return sheets.points_text(message.total, groups) if message.total else ""
 
 
 def items_of(messages) -> Tuple[SheetItem, ...]:

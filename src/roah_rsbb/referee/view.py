@@ -83,11 +83,11 @@ def schedule_lines(events: Sequence[schedule.Event], style: Style) -> List[str]:
 
 
 def _event_row(event: schedule.Event, in_utc: bool) -> Tuple[str, ...]:
-    begins = "" if event.state == "skipped" else schedule.moment(event.begins_utc_s, "%H:%M", in_utc)
+    begins = "" if event.state == "skipped" else times.formatted(event.begins_utc_s, "%H:%M", in_utc)
     estimate = "~" if event.state in ("next", "later", "connected") else ""
     return (
         escaped(event.zone), f"{event.number}{'*' if event.current else ''}",
-        schedule.moment(event.scheduled_utc_s, "%Y-%m-%d %H:%M", in_utc), estimate + begins,
+        times.formatted(event.scheduled_utc_s, "%Y-%m-%d %H:%M", in_utc), estimate + begins,
         schedule.delay_text(event.late_s),
         escaped(sheets.run_name(event.code, event.team, event.round, event.run)), schedule.state_text(event),
         escaped(event.score), schedule.sheet_text(event),

@@ -3,7 +3,6 @@
 from typing import Iterator, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.scoring.records import ItemRecord, JudgeSheet, RunRecord, Settlement
-from roah_rsbb.wording import sheets
 
 
 class JudgedItem(NamedTuple):
@@ -29,15 +28,10 @@ def judged_items(record: RunRecord) -> Iterator[JudgedItem]:
     if not judges and not settled:
         return
     for item in record.items:
-        values = {sheet.judge: value_of(each) for sheet in judges for each in sheet.items if each.key == item.key}
+        values = {sheet.judge: each.in_words() for sheet in judges for each in sheet.items if each.key == item.key}
         settlement = settled.get(item.key)
         counts = settlement is not None and settlement.proposals == tuple(sorted(values.items()))
         yield JudgedItem(item, tuple(values.get(s.judge, "") for s in judges), settlement if counts else None)
-
-
-def value_of(item: ItemRecord) -> str:
-    """Return the value of an item in words."""
-    return sheets.item_value(item.kind, item.value, item.not_attempted, item.text)
 
 
 def act_lines(record: RunRecord) -> List[Tuple[float, str, str]]:

@@ -192,7 +192,7 @@ def _what(item: ItemRecord) -> str:
 
 
 def _value(item: ItemRecord) -> str:
-    text = sheets.item_value(item.kind, item.value, item.not_attempted, item.text)
+    text = item.in_words()
     return f"{text} ×" if item.kind in ("uint", "int") and not item.not_attempted else text
 
 

@@ -180,7 +180,7 @@ def _counted(record: RunRecord, known: Sequence[RunMoment]) -> Iterable[Tuple[fl
 
 
 def _shown(item: ItemRecord) -> List[str]:
-    return [visible(sheets.item_value(item.kind, item.value, item.not_attempted, item.text)), item.points]
+    return [visible(item.in_words()), item.points]
 
 
 def _module_scores(moment: RunMoment) -> List[List[str]]:

@@ -67,10 +67,6 @@ def _title(record: RunRecord) -> str:
     return sheets.run_name(record.benchmark, record.team, record.round, record.run)
 
 
-def _value(item: ItemRecord) -> str:
-    return sheets.item_value(item.kind, item.value, item.not_attempted, item.text)
-
-
 def _titled(title: str, lines: List[str]) -> Iterator[str]:
     if lines:
         yield ""
@@ -86,7 +82,7 @@ def _by(who: str) -> str:
 def _items(record: RunRecord) -> Iterator[str]:
     for group, items in grouped(record.items).items():
         yield from _titled(line(group), [
-            f"{_value(item):>13}{_points(item)}  {line(item.desc)}{_ratings(item)}"
+            f"{item.in_words():>13}{_points(item)}  {line(item.desc)}{_ratings(item)}"
             + (f"  ({sheets.CORRECTED})" if item.corrected else "")
             for item in items
         ])
@@ -136,7 +132,8 @@ def _judges(record: RunRecord, in_utc: bool) -> Iterator[str]:
     names = [line(sheet.judge) for sheet in submitted(record)]
     yield from _titled("Judges", [
         f"{line(each.item.desc)}: "
-        + "; ".join(f"{name} {line(value)}" for name, value in zip(names, each.proposals)) + f" → {_value(each.item)}"
+        + "; ".join(f"{name} {line(value)}" for name, value in zip(names, each.proposals))
+        + f" → {each.item.in_words()}"
         + (f" (settled by {line(sheets.person(each.settlement.who))}: {line(each.settlement.reason)})"
            if each.settlement is not None else "")
         for each in judged_items(record)
@@ -207,7 +204,7 @@ def _items_markup(record: RunRecord) -> Iterator[Markup]:
         yield tag("h3", f"{group}: {points[group]} points" if group in points else group)
         yield table(("Value", *(("Points",) if has_points else ()), "Item", ""), [
             (
-                _value(i), *((i.points,) if has_points else ()), f"{i.desc}{_ratings(i)}",
+                i.in_words(), *((i.points,) if has_points else ()), f"{i.desc}{_ratings(i)}",
                 mark(sheets.CORRECTED) if i.corrected else "",
             )
             for i in items
@@ -251,7 +248,7 @@ def _judges_markup(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
         names = [sheet.judge for sheet in submitted(record)]
         yield tag("h2", "Judges")
         yield table(("Item", *names, "Counts", "Settled"), [
-            (each.item.desc, *each.proposals, _value(each.item),
+            (each.item.desc, *each.proposals, each.item.in_words(),
              f"{sheets.person(each.settlement.who)}: {each.settlement.reason}" if each.settlement is not None else "")
             for each in judged
         ], ("what", *("value" for _ in names), "value"))

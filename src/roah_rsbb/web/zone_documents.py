@@ -60,7 +60,7 @@ def zone_page(
         "switches": {"on": list(zone.omf_switches), "damaged": zone.omf_damaged, "to_confirm": bool(zone.omf_complete)}
         if zone.omf else None,
         "items": [item_page(item) for item in details.items],
-        "points": _points(details.points),
+        "points": sheets.points_of(details.points),
         "unsigned": [_run(run, moments, utc_s) for run in unsigned],
         "judging": _judging(judging.judgings_of(judgings, unsigned, zone.zone), runs, utc_s),
     }
@@ -68,7 +68,7 @@ def zone_page(
 
 def sheet_page(sheet) -> Data:
     """Return the score sheet of a run (RunSheet), as `zone_page` has that of the run in the zone."""
-    return {"items": [item_page(item) for item in sheet.items], "points": _points(sheet.points)}
+    return {"items": [item_page(item) for item in sheet.items], "points": sheets.points_of(sheet.points)}
 
 
 def clock_page(message, passed_s: float) -> Data:
@@ -104,11 +104,6 @@ def item_page(item) -> Data:
         "min": item.min, "max": item.max, "choices": list(item.choices), "judges": list(item.judges),
         "ratings": list(item.ratings),
     }
-
-
-def _points(message) -> str:
-    groups = [(group.name, group.points) for group in message.groups]
-    return sheets.points_text(message.total, groups) if message.total else ""
 
 
 def _unsigned(runs: List[Any], judgings: List[Any], zone: str) -> List[Any]:

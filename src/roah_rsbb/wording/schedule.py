@@ -4,7 +4,6 @@ Panel and terminal decorate these words and add none of their own.
 """
 
 import enum
-import time
 from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence
 
 from roah_rsbb.wording import sheets, times
@@ -148,23 +147,15 @@ _SHOWN = {
 
 def day_of(event: Event, in_utc: bool = False) -> str:
     """Return the day of an event's scheduled time."""
-    return moment(event.scheduled_utc_s, "%Y-%m-%d", in_utc)
-
-
-def moment(utc_s: float, pattern: str, in_utc: bool = False) -> str:
-    """Return a local or UTC moment in this format."""
-    try:
-        return time.strftime(pattern, time.gmtime(utc_s) if in_utc else time.localtime(utc_s))
-    except (OverflowError, OSError, ValueError):  # a clock that is far off must not stop a panel
-        return "?"
+    return times.formatted(event.scheduled_utc_s, "%Y-%m-%d", in_utc)
 
 
 def moment_text(utc_s: float, with_day: bool, in_utc: bool = False) -> str:
     """Return a local or UTC moment as HH:MM, or as ``Thu 31 HH:MM``."""
-    number = moment(utc_s, "%u", in_utc)
+    number = times.formatted(utc_s, "%u", in_utc)
     if not with_day or not number.isdigit():
-        return moment(utc_s, "%H:%M", in_utc)
-    return f"{tr(times.DAYS[int(number) - 1])} {moment(utc_s, '%d %H:%M', in_utc)}"
+        return times.formatted(utc_s, "%H:%M", in_utc)
+    return f"{tr(times.DAYS[int(number) - 1])} {times.formatted(utc_s, '%d %H:%M', in_utc)}"
 
 
 # -- choosing ---------------------------------------------------------------------------------------

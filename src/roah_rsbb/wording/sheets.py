@@ -5,7 +5,7 @@ are shown in the format that the caller passes (`When`).
 """
 
 import re
-from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import NOTHING
@@ -159,6 +159,11 @@ def points_text(total: str, groups: Iterable[Tuple[str, str]]) -> str:
     groups = list(groups)
     more = ": " + " · ".join(f"{name} {points}" for name, points in groups) if len(groups) > 1 else ""
     return tr("{points} points", points=total) + more
+
+
+def points_of(message: Any) -> str:
+    """Return the points in SheetPoints; empty: the sheet gives none."""
+    return points_text(message.total, [(group.name, group.points) for group in message.groups]) if message.total else ""
 
 
 def _sum(group: GroupOfValues) -> str:

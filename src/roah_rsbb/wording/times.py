@@ -65,7 +65,7 @@ def silence(seconds: Optional[float]) -> str:
 
 def time_of_day(utc_s: float) -> str:
     """Return HH:MM:SS in UTC, where a heading or the text beside it says UTC."""
-    return _format("%H:%M:%S", utc_s)
+    return formatted(utc_s, "%H:%M:%S", in_utc=True)
 
 
 def time_with_zone(utc_s: float) -> str:
@@ -73,7 +73,8 @@ def time_with_zone(utc_s: float) -> str:
     return f"{time_of_day(utc_s)}Z"
 
 
-def _format(pattern: str, utc_s: float, in_utc: bool = True) -> str:
+def formatted(utc_s: float, pattern: str, in_utc: bool) -> str:
+    """Return a local or UTC moment in this format."""
     try:
         return time.strftime(pattern, time.gmtime(utc_s) if in_utc else time.localtime(utc_s))
     except (OverflowError, OSError, ValueError):  # a clock that is far off must not stop a panel
@@ -94,15 +95,15 @@ class Moments(NamedTuple):
 
     def time_of_day(self, utc_s: float) -> str:
         """Return HH:MM:SS, where the name of the time zone is shown elsewhere."""
-        return _format("%H:%M:%S", utc_s, self.in_utc)
+        return formatted(utc_s, "%H:%M:%S", self.in_utc)
 
     def short(self, utc_s: float) -> str:
         """Return HH:MM."""
-        return _format("%H:%M", utc_s, self.in_utc)
+        return formatted(utc_s, "%H:%M", self.in_utc)
 
     def with_zone(self, utc_s: float) -> str:
         """Return the time of day with the time zone, such as ``14:03:59 CET``."""
-        return f"{self.time_of_day(utc_s)} {'UTC' if self.in_utc else _format('%Z', utc_s, in_utc=False)}"
+        return f"{self.time_of_day(utc_s)} {'UTC' if self.in_utc else formatted(utc_s, '%Z', in_utc=False)}"
 
     def stamp(self, utc_s: float) -> str:
         """Return the time of day at the beginning of a line, such as ``14:03:59``, or ``14:03:59Z`` in UTC."""
@@ -110,7 +111,7 @@ class Moments(NamedTuple):
 
     def scheduled(self, utc_s: float, today_utc_s: float) -> str:
         """Return HH:MM of an event, after its date if it is not today."""
-        day, today = (_format("%Y-%m-%d", moment, self.in_utc) for moment in (utc_s, today_utc_s))
+        day, today = (formatted(utc, "%Y-%m-%d", self.in_utc) for utc in (utc_s, today_utc_s))
         return self.short(utc_s) if day == today else f"{day} {self.short(utc_s)}"
 
     def and_age(self, utc_s: float, now_utc_s: float) -> str:
@@ -133,7 +134,7 @@ class Moments(NamedTuple):
     @staticmethod
     def tip(utc_s: float) -> str:
         """Return the moment in UTC with its date, for a tooltip."""
-        return f"{_format('%Y-%m-%d %H:%M:%S', utc_s)} UTC"
+        return f"{formatted(utc_s, '%Y-%m-%d %H:%M:%S', in_utc=True)} UTC"
 
 
 def offset_s(utc_s: float) -> int:

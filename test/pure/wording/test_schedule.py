@@ -5,7 +5,7 @@ import types
 import pytest
 
 from helpers.time_zones import local_time
-from roah_rsbb.wording import schedule
+from roah_rsbb.wording import schedule, times
 from roah_rsbb.wording.schedule import Event, EventFilter, Show
 
 DAY0 = 1_800_000_000.0 - 1_800_000_000.0 % 86400
@@ -101,7 +101,7 @@ def test_filters_by_zone_team_and_day(madrid):
 
 def test_the_day_of_an_event_around_midnight_is_the_venues_day(madrid):
     late = one(schedule=Stamp(DAY0 + 23.5 * 3600))
-    days = [schedule.moment(DAY0 + shift, "%Y-%m-%d", in_utc=True) for shift in (0, 86400)]
+    days = [times.formatted(DAY0 + shift, "%Y-%m-%d", in_utc=True) for shift in (0, 86400)]
     assert schedule.day_of(late, in_utc=True) == days[0]
     assert schedule.day_of(late) == days[1], "23:30 UTC is the next day in Madrid"
 
@@ -136,5 +136,5 @@ def test_why_an_event_cannot_be_chosen():
 
 
 def test_a_clock_that_is_far_off():
-    assert schedule.moment(1e18, "%H:%M") == "?"
+    assert times.formatted(1e18, "%H:%M", in_utc=False) == "?"
     assert isinstance(one(schedule=Stamp(1e18)), Event)

@@ -285,7 +285,7 @@ class Judges:
         return tuple((sheet.judge, item) for sheet in self._submitted() for item in sheet.items if item.key == key)
 
     def _proposals(self, key: Key) -> Tuple[Tuple[str, str], ...]:
-        return tuple((judge, _in_words(item)) for judge, item in self._records(key))
+        return tuple((judge, item.in_words()) for judge, item in self._records(key))
 
     def _verdict(self, item: ScoringItem) -> Verdict:
         assert self.rule is not None, "it has judges"
@@ -298,10 +298,6 @@ class Judges:
         value_agreed = agreed(self.rule.agreement, item, [value_of(record) for _, record in records])
         who = ", ".join(judge for judge, _ in records)
         return Verdict(item, proposals, value_agreed, _ratings(item, records), who, "judge")
-
-
-def _in_words(item: ItemRecord) -> str:
-    return sheets.item_value(item.kind, item.value, item.not_attempted, item.text)
 
 
 def _ratings(item: ScoringItem, records: Tuple[Tuple[str, ItemRecord], ...]) -> Tuple[Tuple[str, str], ...]:

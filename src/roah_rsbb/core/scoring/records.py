@@ -7,6 +7,7 @@ import enum
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.rulebook.scoring import Key, SheetForm
+from roah_rsbb.wording.sheets import item_value
 
 
 class Phase(enum.Enum):
@@ -71,6 +72,10 @@ class ItemRecord(NamedTuple):
     def key(self) -> Key:
         """Its identity."""
         return self.group, self.desc
+
+    def in_words(self) -> str:
+        """Return its value as people read it."""
+        return item_value(self.kind, self.value, self.not_attempted, self.text)
 
 
 def grouped(items: Iterable[ItemRecord]) -> Dict[str, List[ItemRecord]]:

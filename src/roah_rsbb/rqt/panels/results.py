@@ -275,8 +275,7 @@ def _item_rows(sheet: RunSheet) -> List[Row]:
             name, f"{item.desc}{_ratings(item)}", value, _notes(item)
         ), bold=bool(sheets.is_marked(item.value, item.text) or item.not_attempted or item.corrected)))
     if sheet.points.total:
-        points = [(group.name, group.points) for group in sheet.points.groups]
-        rows.append(Row(None, ("", sheets.points_text(sheet.points.total, points), "", ""), bold=True))
+        rows.append(Row(None, ("", sheets.points_of(sheet.points), "", ""), bold=True))
     for name, lines in by_group(sheet.module_scores):
         rows += [
             Row(None, (tr("Module: {name}", name=name) if index == 0 else "", line.name, line.value, ""))

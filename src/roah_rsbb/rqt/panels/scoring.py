@@ -457,10 +457,9 @@ class ScoringPanel(RefereePanel):
         self._show_points(details.points)
 
     def _show_points(self, points: SheetPoints) -> None:
-        groups = [(group.name, group.points) for group in points.groups]
-        self.sheet.show_points({name: tr("{points} points", points=number) for name, number in groups})
+        self.sheet.show_points({group.name: tr("{points} points", points=group.points) for group in points.groups})
         self.points.setVisible(bool(points.total))
-        text = sheets.points_text(points.total, groups)
+        text = sheets.points_of(points)
         if text != self.points.text():
             self.points.setText(text)
 
