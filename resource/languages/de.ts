@@ -2264,11 +2264,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>The core is silent: this is its last known state</source>
-        <translation>Der Core ist stumm: Dies ist sein letzter bekannter Zustand</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Benchmark Control</source>
         <translation>Benchmark-Steuerung</translation>
     </message>
@@ -3020,6 +3015,11 @@
         <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
         <source>▶ RUNNING: {zones}</source>
         <translation>▶ LÄUFT: {zones}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
+        <source>The core is silent: this is its last known state</source>
+        <translation>Der Core ist stumm: Dies ist sein letzter bekannter Zustand</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>

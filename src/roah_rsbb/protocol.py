@@ -1,4 +1,4 @@
-"""The states and times that both ends of a private channel share.
+"""The states, times and names of devices that both ends of a private channel share.
 
 The core does not use protobuf, and the robot's side does not use the core. Both use these names. The numbers of the
 states are those of ``BenchmarkState`` and ``RobotState`` on the wire. This module imports nothing of the project.
@@ -15,6 +15,10 @@ WireTime = Tuple[int, int]
 BURST_COUNT = 10
 BURST_INTERVAL_S = 0.05
 PERIOD_S = 1.0
+
+# Home devices that a robot sets: the names of their fields after ``devices_`` (``RobotState``). Switches are on or off.
+SWITCHES = ("switch_1", "switch_2", "switch_3")
+PERCENTAGES = ("dimmer", "blinds")
 
 
 class BoxState(enum.IntEnum):

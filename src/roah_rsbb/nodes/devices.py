@@ -15,10 +15,10 @@ from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 from std_srvs.srv import EmptyResponse
 
-from roah_rsbb.core.runs.device_commands import PERCENTAGES, SWITCHES
 from roah_rsbb.devices.client import SmartIfClient
 from roah_rsbb.devices.home import OUTPUTS, BadValue, Home
 from roah_rsbb.msg import DevicesState, DevicesStatus
+from roah_rsbb.protocol import PERCENTAGES, SWITCHES
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import Params

@@ -118,13 +118,10 @@ class Client:
         self.caller = caller
         self._remapped = remapped or {}
 
-    def ask_master(self, method: str, *arguments: str, limit_s: float = _LIMIT_S) -> Any:
-        """Call the master; raises `RosError`."""
-        return _xml_rpc(self.master_uri, method, [self.caller, *arguments], time.monotonic() + limit_s)
-
     def published(self, limit_s: float = _LIMIT_S) -> Dict[str, List[str]]:
-        """Return the topics that have publishers, and the names of these nodes."""
-        topics: Dict[str, List[str]] = dict(self.ask_master("getSystemState", limit_s=limit_s)[0])
+        """Return the topics that have publishers, and the names of these nodes; raises `RosError`."""
+        state = _xml_rpc(self.master_uri, "getSystemState", [self.caller], time.monotonic() + limit_s)
+        topics: Dict[str, List[str]] = dict(state[0])
         return {name: topics[actual] for name, actual in self._names(topics)}
 
     def _names(self, topics: Dict[str, List[str]]) -> List[Tuple[str, str]]:

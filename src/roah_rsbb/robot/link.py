@@ -10,7 +10,7 @@ from typing import Deque, Dict, List, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.protocol import BoxState, RobotState, WireTime
+from roah_rsbb.protocol import PERCENTAGES, SWITCHES, BoxState, RobotState, WireTime
 from roah_rsbb.robot.goals import RESULT_BUDGET_BYTES, result_size, write_result
 from roah_rsbb.robot.machine import IllegalEvent, RobotProgress
 from roah_rsbb.robot.watch import SILENCE_S, Silence
@@ -182,9 +182,6 @@ def _size(key: _Key) -> int:
 
 
 # -- the channel ------------------------------------------------------------------------------------
-
-SWITCHES = ("switch_1", "switch_2", "switch_3")
-PERCENTAGES = ("dimmer", "blinds")
 
 # Limit for all strings of a message, which leaves room for short results. A longer result waits until the box has
 # acknowledged the strings (`Link.message`).

@@ -39,6 +39,8 @@ class ScoreKind(enum.IntEnum):
 
 # Types whose value is a whole number. Other values are texts, such as "1.5".
 WHOLE = frozenset((ScoreKind.BOOL, ScoreKind.UINT, ScoreKind.INT))
+# Types whose values can be added.
+NUMBERS = frozenset((ScoreKind.UINT, ScoreKind.INT, ScoreKind.DECIMAL))
 
 
 class JuryResult(enum.Enum):

@@ -183,7 +183,7 @@ def test_whatever_does_not_serve_is_reported(node: Node, client: Client, talk: A
 ])
 def test_what_is_not_a_master_is_reported(talk: Any, error: type, reason: str) -> None:
     with server(talk) as port, pytest.raises(error, match=reason):
-        Client(f"http://127.0.0.1:{port}", CALLER).ask_master("getPid", limit_s=SHORT_S if error is Late else LIMIT_S)
+        Client(f"http://127.0.0.1:{port}", CALLER).published(SHORT_S if error is Late else LIMIT_S)
 
 
 @pytest.mark.parametrize("uri", ["", "127.0.0.1:11311", "http://127.0.0.1", "http://127.0.0.1:port", "http://[::1"])

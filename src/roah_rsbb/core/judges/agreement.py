@@ -9,7 +9,7 @@ from typing import NamedTuple, Optional, Sequence
 
 from roah_rsbb.core.scoring.points import jury_text, nearest_whole
 from roah_rsbb.core.scoring.records import ItemRecord
-from roah_rsbb.rulebook.scoring import WHOLE, Agreement, JuryResult, ScoreKind, ScoringItem
+from roah_rsbb.rulebook.scoring import NUMBERS, WHOLE, Agreement, JuryResult, ScoreKind, ScoringItem
 
 # How numbers become one. Answers that are no numbers are decided by the majority.
 _OF_NUMBERS = {
@@ -17,7 +17,6 @@ _OF_NUMBERS = {
     Agreement.MEDIAN: JuryResult.MEDIAN,
     Agreement.WITHOUT_EXTREMES: JuryResult.WITHOUT_EXTREMES,
 }
-_NUMBERS = frozenset((ScoreKind.UINT, ScoreKind.INT, ScoreKind.DECIMAL))
 
 
 class Value(NamedTuple):
@@ -49,7 +48,7 @@ def agreed(agreement: Agreement, item: ScoringItem, given: Sequence[Value]) -> O
         return None if not text else Value(nearest_whole(text), text)
     if agreement is Agreement.ALL_AGREE:
         return None
-    if agreement is Agreement.MAJORITY or item.kind not in _NUMBERS:
+    if agreement is Agreement.MAJORITY or item.kind not in NUMBERS:
         value, count = Counter(given).most_common(1)[0]
         return value if 2 * count > len(given) else None
     return None if is_mixed else _middle(_OF_NUMBERS[agreement], item, given)

@@ -11,11 +11,10 @@ from dataclasses import dataclass
 from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.protocol import PERCENTAGES, SWITCHES
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.registry import DEVICES, TABLET
 
-SWITCHES = ("switch_1", "switch_2", "switch_3")
-PERCENTAGES = ("dimmer", "blinds")
 FIELDS = SWITCHES + PERCENTAGES + ("display_map",)
 
 # Values of FIELDS; None: no command.

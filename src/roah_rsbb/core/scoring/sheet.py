@@ -26,7 +26,7 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.points import jury_text, nearest_whole, text_of
 from roah_rsbb.core.scoring.records import ItemRecord, Rating, ScoreEntry
-from roah_rsbb.rulebook.scoring import MAX_DECIMALS, MAX_NUMBER, MAX_VALUE, WHOLE, Key, ScoreKind, ScoringItem
+from roah_rsbb.rulebook.scoring import MAX_DECIMALS, MAX_NUMBER, MAX_VALUE, NUMBERS, WHOLE, Key, ScoreKind, ScoringItem
 from roah_rsbb.wording.sheets import item_value
 from roah_rsbb.wording.suggestions import did_you_mean
 
@@ -39,9 +39,6 @@ MAX_NOTED = 100
 MAX_MARKS = 1000
 
 Place = Tuple[str, str, str]  # group and description of an item, and the judge; no judge: the item itself
-
-# Types to which a mark can add.
-_COUNTED = frozenset((ScoreKind.UINT, ScoreKind.INT, ScoreKind.DECIMAL))
 
 _NUMBER = re.compile(rf"[+-]?([0-9]{{1,7}}\.?[0-9]{{0,{MAX_DECIMALS}}}|\.[0-9]{{1,{MAX_DECIMALS}}})")
 
@@ -203,7 +200,7 @@ class ScoreSheet:
 
     def _counted(self, item: ScoringItem, mark: Mark) -> Mark:
         """Return the mark with the value that the item has after it. The caller checks that value."""
-        if item.kind not in _COUNTED:
+        if item.kind not in NUMBERS:
             raise Refused([f"'{item.desc}' cannot be counted: set its value"])
         if not _NUMBER.fullmatch(mark.added) or not Decimal(mark.added):
             raise Refused([f"'{item.desc}' cannot be changed by '{mark.added}': give a number such as +1 or -1"])

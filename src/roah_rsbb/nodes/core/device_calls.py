@@ -11,9 +11,9 @@ import rospy
 
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.messages import DevicesState
-from roah_rsbb.core.runs.device_commands import FIELDS, SWITCHES
+from roah_rsbb.core.runs.device_commands import FIELDS
 from roah_rsbb.msg import DevicesState as DevicesStateMsg
-from roah_rsbb.protocol import WireTime
+from roah_rsbb.protocol import SWITCHES, WireTime
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Bool, Percentage
 

@@ -19,10 +19,9 @@ from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalOMF, TabletState
 from roah_rsbb.nodes.team.generations import Types
-from roah_rsbb.protocol import RobotState
+from roah_rsbb.protocol import PERCENTAGES, SWITCHES, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
-from roah_rsbb.robot.link import PERCENTAGES, SWITCHES
 from roah_rsbb.ros.times import ros_wire_time
 from roah_rsbb.rulebook.registry import DEVICES, OTHER, STRINGS, TABLET, GoalForm, ResultForm, profile_of
 from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String

@@ -22,9 +22,9 @@ from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.msg import BenchmarkState, GoalHGMF, GoalOMF
 from roah_rsbb.nodes.team.dummy_robots import log_to_ros
+from roah_rsbb.protocol import PERCENTAGES
 from roah_rsbb.robot.dummy import PHASES, DummyOptions, DummyRobot
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
-from roah_rsbb.robot.link import PERCENTAGES
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop

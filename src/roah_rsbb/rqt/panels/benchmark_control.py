@@ -10,7 +10,7 @@ from roah_rsbb.msg import RunSummary, ZoneDetails, ZoneState
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels.history import RunSheets, why_fixed
 from roah_rsbb.rqt.panels.more_commands import WHATS, Command, MoreMenu, RuleButtons
-from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
+from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel, ask
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
 from roah_rsbb.rqt.qt import (
     QComboBox,
@@ -129,7 +129,6 @@ COMMANDS = {
     )
 }
 NO_ZONE = tr_later("This zone is not in the schedule. Choose a zone above.")
-SILENT = tr_later("The core is silent: this is its last known state")
 
 # The usual next command of each phase is highlighted while it is possible.
 NEXT_STEP = {

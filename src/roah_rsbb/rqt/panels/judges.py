@@ -222,15 +222,15 @@ class JudgesPanel(RefereePanel):
         submitted = judged and any(judge.submitted_utc_s for judge in one.judges)
         is_missing = judged and one.missing and not one.waiver
         published = one is not None and one.published_utc_s is not None
-        _allow(self.settle, named or ("" if self._item() else tr("Choose an item above") if self._judged else
-                                      tr(WAITING if judged else NO_JUDGES)))
-        _allow(self.hand_back, named or ("" if submitted else tr("No judge has submitted")))
-        _allow(self.withdraw, named or ("" if judged and one.judges else tr("No judge has a sheet")))
-        _allow(self.waive, named or ("" if is_missing else tr("No judge is waited for")))
-        _allow(self.publish, over)
-        _allow(self.object, over or ("" if published else tr("The result is not published yet")))
-        _allow(self.reply, over or ("" if self._objection() else tr(NO_OBJECTIONS)))
-        _allow(self.sign, over or named)
+        basic.allow(self.settle, named or ("" if self._item() else tr("Choose an item above") if self._judged else
+                                           tr(WAITING if judged else NO_JUDGES)))
+        basic.allow(self.hand_back, named or ("" if submitted else tr("No judge has submitted")))
+        basic.allow(self.withdraw, named or ("" if judged and one.judges else tr("No judge has a sheet")))
+        basic.allow(self.waive, named or ("" if is_missing else tr("No judge is waited for")))
+        basic.allow(self.publish, over)
+        basic.allow(self.object, over or ("" if published else tr("The result is not published yet")))
+        basic.allow(self.reply, over or ("" if self._objection() else tr(NO_OBJECTIONS)))
+        basic.allow(self.sign, over or named)
 
     # -- doing it -----------------------------------------------------------------------------------
 
@@ -347,11 +347,6 @@ def _line(*buttons: QPushButton) -> QHBoxLayout:
         line.addWidget(button)
     line.addStretch(1)
     return line
-
-
-def _allow(button: QPushButton, why_off: str) -> None:
-    button.setEnabled(not why_off)
-    button.setToolTip(basic.tip(why_off))
 
 
 def _objection_row(one: ObjectionLine, when: Callable[[float], str]) -> Row:

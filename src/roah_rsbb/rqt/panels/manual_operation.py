@@ -4,7 +4,7 @@ from typing import List, Optional, Tuple
 
 from roah_rsbb.msg import ZoneDetails
 from roah_rsbb.rqt.panels.collapsing import scoring_in
-from roah_rsbb.rqt.panels.panel import Answer, Panel
+from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel
 from roah_rsbb.rqt.qt import QApplication, QHBoxLayout, QLabel, QLineEdit, QScrollArea, Qt, QTimer, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import ManualOperationAnswer
@@ -15,7 +15,6 @@ SWITCHES = tr_later(
     "The robot has finished. Enter and confirm the switches that it changed in the panel OMF Switches.")
 COMPLETE = tr_later("✔ Manual operation complete")
 COMPLETE_WITH = tr_later("✔ Complete with this answer")
-SILENT = tr_later("The core is silent: this is its last known state")
 # How many times a new request flashes, and for how long each time.
 FLASHES = 8
 FLASH_MS = 350

@@ -3,7 +3,7 @@
 from typing import List
 
 from roah_rsbb.msg import ZoneState
-from roah_rsbb.rqt.panels.panel import Answer, Panel
+from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel
 from roah_rsbb.rqt.qt import QGridLayout, QHBoxLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import Zone, ZoneUInt8
@@ -11,7 +11,6 @@ from roah_rsbb.wording.language import tr, tr_later
 
 NO_SWITCHES = tr_later("Used in HOMF only, from the robot's first goal.")
 EXECUTING = tr_later("The robot has not finished. Confirm when it has.")
-SILENT = tr_later("The core is silent: this is its last known state")
 # The test bed's panel has ten switches.
 COUNT = 10
 COLUMNS = 5

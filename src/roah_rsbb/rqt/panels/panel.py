@@ -21,9 +21,10 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.marked_title import MarkedTitle
 from roah_rsbb.srv import StopRun
 from roah_rsbb.wording import sheets, superseded, times
-from roah_rsbb.wording.language import tr
+from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.replay import NOT_LIVE
 
+SILENT = tr_later("The core is silent: this is its last known state")
 # More than all panels of a window have.
 MOST_CONTROLS = 1000
 

@@ -141,10 +141,11 @@ class ResultsPanel(RefereePanel):
         general = self._why_off(summary, sheet)
         item = self._chosen_item(sheet)
         over = summary is not None and summary.closed.to_sec()
-        _allow(self.correct, general or ("" if item is not None else tr("Choose an item above")))
-        _allow(self.give_reason, general or ("" if sheet and sheet.stops else tr("The run has not been stopped yet")))
-        _allow(self.sign, general or ("" if over else tr("The run is still connected. Disconnect it first."))
-               or ("" if self.client.referee.name else tr("Enter your name at the bottom left")))
+        basic.allow(self.correct, general or ("" if item is not None else tr("Choose an item above")))
+        is_stopped = sheet is not None and bool(sheet.stops)
+        basic.allow(self.give_reason, general or ("" if is_stopped else tr("The run has not been stopped yet")))
+        basic.allow(self.sign, general or ("" if over else tr("The run is still connected. Disconnect it first."))
+                    or ("" if self.client.referee.name else tr("Enter your name at the bottom left")))
         self.correct.setText(tr("Correct …") if over else tr("Change …"))
 
     def _why_off(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> str:
@@ -230,11 +231,6 @@ def _page(rows: Rows, button: QPushButton) -> QWidget:
     column.addWidget(rows, 1)
     column.addWidget(button, 0, Qt.AlignLeft)
     return page
-
-
-def _allow(button: QPushButton, why_off: str) -> None:
-    button.setEnabled(not why_off)
-    button.setToolTip(basic.tip(why_off))
 
 
 def _name(run: RunSummary) -> str:

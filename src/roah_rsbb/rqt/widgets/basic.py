@@ -103,6 +103,12 @@ def tip(text: str) -> str:
     return f"<p>{_escaped(text)}</p>" if text else ""
 
 
+def allow(button: QPushButton, why_off: str) -> None:
+    """Enable a button, or disable it with the reason as its tooltip."""
+    button.setEnabled(not why_off)
+    button.setToolTip(tip(why_off))
+
+
 def _escaped(text: str) -> str:
     return html.escape(text).replace("\n", "<br>")
 

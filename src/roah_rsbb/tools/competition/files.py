@@ -11,6 +11,7 @@ from xml.sax.saxutils import quoteattr
 
 import yaml
 
+from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME as GROUND_TRUTH
 from roah_rsbb.bmbox.framework.zone_folders import own_file
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.config import PasswordsFile
@@ -139,7 +140,6 @@ LAUNCH = "competition.launch"
 FIREWALL = "firewall.nft"
 RSBB_PORT = 6666  # roah_rsbb.launch's
 MODULES = "modules"
-GROUND_TRUTH = "ground_truth.yaml"
 _BEFORE = SCHEDULE + "~"
 
 
