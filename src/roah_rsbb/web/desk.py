@@ -5,19 +5,18 @@ Documents are made only for zones and languages that a connected device shows.
 
 from typing import Any, Dict, Iterable, List, Optional, Set
 
-from roah_rsbb.box_clock import BoxClock
 from roah_rsbb.web import documents, zone_documents
 from roah_rsbb.web.numbered import Document, Key, Numbered
 from roah_rsbb.web.store import Store
 from roah_rsbb.wording import team_page
 
-# The core publishes the zones ten times a second.
-SILENT_S = 1.5
 ZONE, CLOCK, ZONES = "page.zone", "page.clock", "page.zones"
 
 
 class Desk(Numbered):
     """The documents for devices. The fixed texts of pages are those of the store."""
+
+    SILENT_S = 1.5  # the core publishes the zones ten times a second
 
     def __init__(self, store: Store) -> None:
         super().__init__(store.session)
@@ -28,8 +27,6 @@ class Desk(Numbered):
         self._schedule: Optional[Any] = None
         self._runs: List[Any] = []
         self._judgings: List[Any] = []
-        self._heard_mono = float("-inf")
-        self._clock = BoxClock()
         self._shown: Set[Key] = set()  # pairs of language and zone
 
     # -- from the core --------------------------------------------------------------------------------
@@ -70,14 +67,6 @@ class Desk(Numbered):
         their details have come again: details from before would show a run of before."""
         self._details = self._clocks = None
         self._heard_mono = float("-inf")
-
-    def is_heard(self, mono: float) -> bool:
-        """Whether the core publishes."""
-        return mono - self._heard_mono <= SILENT_S
-
-    def clock(self, mono: float) -> Optional[float]:
-        """Return the box's clock in UTC seconds, or None before its first message."""
-        return None if self._gui is None else round(self._clock.now(mono), 3)
 
     # -- for devices ----------------------------------------------------------------------------------
 

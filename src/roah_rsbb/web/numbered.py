@@ -8,6 +8,8 @@ import json
 import uuid
 from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.box_clock import BoxClock
+
 # A document's name first, then what distinguishes documents of this name, such as the language of the texts.
 Key = Tuple[str, ...]
 # Messages that were made at one moment. Readers of the same documents share them.
@@ -25,20 +27,25 @@ EMPTY = Document(0, "null")
 
 
 class Numbered:
-    """Documents by key."""
+    """Documents by key, made from what the core publishes."""
+
+    # When the core is no longer heard. A repeated message may be the latched one of a core that hangs.
+    SILENT_S: float
 
     def __init__(self, session: str = "") -> None:
         self.session = session or uuid.uuid4().hex  # of this process: numbers begin again with each
         self._documents: Dict[Key, Document] = {}
         self._pieces: Dict[Key, str] = {}  # parts of messages
+        self._heard_mono = float("-inf")
+        self._clock = BoxClock()
 
     def is_heard(self, mono: float) -> bool:
         """Whether the core publishes."""
-        raise NotImplementedError
+        return mono - self._heard_mono <= self.SILENT_S
 
     def clock(self, mono: float) -> Optional[float]:
         """Return the box's clock in UTC seconds, or None before its first message."""
-        raise NotImplementedError
+        return round(self._clock.now(mono), 3) or None
 
     def document(self, key: Key) -> Document:
         """Return a document; before the core is heard it is empty."""

@@ -3,7 +3,6 @@
 import time
 from typing import Any, Callable, ContextManager, Dict, Iterable, List, Optional, Set, Tuple
 
-from roah_rsbb.box_clock import BoxClock
 from roah_rsbb.web import documents
 from roah_rsbb.web.documents import DATA, TEXTS, Data
 from roah_rsbb.web.numbered import Key, Numbered
@@ -11,14 +10,13 @@ from roah_rsbb.wording import device
 from roah_rsbb.wording.language import Translate, in_language
 from roah_rsbb.wording.public import ALL_TEAMS
 
-# The core publishes twice a second, with its clock in every message. A repeated message may be the latched one of a
-# core that hangs.
-SILENT_S = 2.0
 ENGLISH = "en"
 
 
 class Store(Numbered):
     """The documents of the gateway."""
+
+    SILENT_S = 2.0  # the core publishes for the public twice a second
 
     def __init__(self, languages: Dict[str, Translate], title: str = "", session: str = "",
                  logos: Optional[Dict[str, str]] = None) -> None:
@@ -35,8 +33,6 @@ class Store(Numbered):
         self._board: Optional[Any] = None
         self._explained: Optional[Any] = None
         self._state: Optional[Data] = None
-        self._heard_mono = float("-inf")
-        self._clock = BoxClock()
         self._day: Optional[Tuple[int, int, int]] = None
 
     # -- from the core --------------------------------------------------------------------------------
@@ -70,14 +66,6 @@ class Store(Numbered):
         self._explained = explained
         if self._details is not None:
             self._make((documents.EXPLAINED, documents.PAGE_EXPLAINED))
-
-    def is_heard(self, mono: float) -> bool:
-        """Whether the core publishes."""
-        return mono - self._heard_mono <= SILENT_S
-
-    def clock(self, mono: float) -> Optional[float]:
-        """Return the box's clock in UTC seconds, or None before its first message."""
-        return None if self._details is None else round(self._clock.now(mono), 3)
 
     def zones(self) -> List[str]:
         """Return all zones, in alphabetical order."""

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.public_messages import NOW, Time
-from roah_rsbb.web.desk import SILENT_S, Desk
+from roah_rsbb.web.desk import Desk
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.zone_documents import OFF_FIELDS
 
@@ -106,7 +106,7 @@ def test_only_what_devices_show_is_made(desk):
 
 def test_a_repeated_message_is_no_sign_of_life(desk):
     desk.on_gui(MONO + 10.0, gui())
-    assert desk.is_heard(MONO + SILENT_S) and not desk.is_heard(MONO + SILENT_S + 0.1)
+    assert desk.is_heard(MONO + Desk.SILENT_S) and not desk.is_heard(MONO + Desk.SILENT_S + 0.1)
 
 
 def test_details_from_before_a_pause_are_not_shown_as_current(desk):

@@ -135,11 +135,11 @@ def test_the_clock_comes_without_being_asked(served):
 
 def test_silence_of_the_box_is_sent(served, monkeypatch):
     # The box is silent when the test says so, however late this process is.
-    monkeypatch.setattr("roah_rsbb.web.store.SILENT_S", 1e9)
+    monkeypatch.setattr("roah_rsbb.web.store.Store.SILENT_S", 1e9)
     viewer = served.viewer("?documents=state")
     assert served.read(viewer, "clock")["heard"]
     served.server._beat_due_mono = 1e9  # the next regular one
-    monkeypatch.setattr("roah_rsbb.web.store.SILENT_S", -1.0)
+    monkeypatch.setattr("roah_rsbb.web.store.Store.SILENT_S", -1.0)
     assert not served.read(viewer)["heard"]
 
 

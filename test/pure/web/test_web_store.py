@@ -9,7 +9,7 @@ from helpers import catalogues
 from helpers.public_messages import NOW, board, details, event, explained, explanation, result, run, standing
 from helpers.time_zones import local_time
 from roah_rsbb.web.documents import DATA, PAGE_EXPLAINED, TEXTS
-from roah_rsbb.web.store import SILENT_S, Store
+from roah_rsbb.web.store import Store
 from roah_rsbb.web.viewer import Viewer
 from roah_rsbb.wording.catalogues import read, translation
 from roah_rsbb.wording.replay import PREFIX
@@ -181,7 +181,7 @@ def test_before_the_core_is_heard_a_page_has_its_words(store):
 def test_a_core_that_hangs_is_silent(store):
     store.on_details(MONO, full())
     store.on_details(MONO + 5.0, full())  # the latched message of a core that hangs
-    assert store.is_heard(MONO + SILENT_S) and not store.is_heard(MONO + 5.0)
+    assert store.is_heard(MONO + Store.SILENT_S) and not store.is_heard(MONO + 5.0)
     assert store.clock(MONO + 1.0) == pytest.approx(NOW + 1.0)
 
 
