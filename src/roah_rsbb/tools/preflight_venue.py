@@ -65,13 +65,13 @@ def _check_tcp_port(host: str, port: int, what: str, parameter: str, level: Seve
     return Finding(Severity.OK, f"TCP port {port} of {what} is free")
 
 
-def check_devices(loaded: Config, host: str, port: int, timeout_s: float = CONNECT_S) -> List[Finding]:
+def check_devices(loaded: Config, host: str, port: int) -> List[Finding]:
     """Check that the controller of the home devices can be reached, if a benchmark needs it."""
     codes = _needing(loaded, DEVICES, BELL)
     if not codes:
         return []
     try:
-        socket.create_connection((host, port), timeout_s).close()
+        socket.create_connection((host, port), CONNECT_S).close()
     except OSError as error:
         why = error.strerror or str(error) or "no answer"
         return [Finding(Severity.FAILED, f"the SmartIF controller at {host}:{port} cannot be reached: {why}",
