@@ -5,6 +5,12 @@ import asyncio
 from tornado import httpclient
 
 HOST = "127.0.0.1"
+BROKEN_REQUESTS = (
+    b"\0\1\2\r\n\r\n", b"GET\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n",
+    b"POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n",
+    b"GET / HTTP/1.1\r\nx: " + b"y" * 20000 + b"\r\n\r\n",
+    b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nffffffff\r\n",
+)
 
 
 class HttpClients:

@@ -34,6 +34,18 @@ def free_ports() -> int:
     return first
 
 
+@contextlib.asynccontextmanager
+async def running(client):
+    """Run a client in a `with` block."""
+    task = asyncio.get_event_loop().create_task(client.run())
+    try:
+        yield client
+    finally:
+        task.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await task
+
+
 class SmallBox:
     """Lists the robot while `listed`, and takes it through `goals` once `start` was called.
 

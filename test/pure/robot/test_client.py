@@ -1,12 +1,11 @@
 """A robot client on real loopback sockets, against a small box."""
 
 import asyncio
-import contextlib
 import socket
 
 import pytest
 
-from helpers.small_box import BOX, BROADCAST, NAME, PASSWORD, ROBOT, TEAM, SmallBox
+from helpers.small_box import BOX, BROADCAST, NAME, PASSWORD, ROBOT, TEAM, SmallBox, running
 from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -61,25 +60,17 @@ class Recorder(Behaviour):
         self.reports.append(report)
 
 
-@contextlib.asynccontextmanager
-async def running(box, behaviour, password=PASSWORD, **settings):
-    """A client on the box's network that runs `behaviour`; ended afterwards."""
-    client = RobotClient(
+def client_at(box, behaviour, password=PASSWORD, **settings):
+    """Run a client on the box's network, in a `with` block."""
+    return running(RobotClient(
         TEAM, password, behaviour, NAME, rsbb_host=BROADCAST, rsbb_port=box.port, bind_host=ROBOT, **settings
-    )
-    task = asyncio.get_event_loop().create_task(client.run())
-    try:
-        yield client
-    finally:
-        task.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
-            await task
+    ))
 
 
 def run_through(behaviour, code="HGTKMH", goals=({},), **settings):
     """Take a client through a whole run. Returns the box."""
     async def body():
-        async with SmallBox(code, goals) as box, running(box, behaviour, **settings):
+        async with SmallBox(code, goals) as box, client_at(box, behaviour, **settings):
             await box.run_through()
             return box
     return asyncio.run(body())
@@ -120,7 +111,7 @@ def test_a_waypoint_that_times_out():
 
     async def body():
         goals = [{"generic_goal": "[1, 2, 3]"}, {"generic_goal": "[4, 5, 6]"}]
-        async with SmallBox("HNF", goals) as box, running(box, behaviour):
+        async with SmallBox("HNF", goals) as box, client_at(box, behaviour):
             await box.until(lambda: box.received)
             box.start()
             await box.until(lambda: box.state is BoxState.WAITING_RESULT)
@@ -140,7 +131,7 @@ def test_stopped_by_the_referee_and_started_again():
     behaviour = Recorder(waits=True)
 
     async def body():
-        async with SmallBox() as box, running(box, behaviour) as client:
+        async with SmallBox() as box, client_at(box, behaviour) as client:
             await box.until(lambda: box.received)
             for _ in range(2):
                 box.start()
@@ -188,7 +179,7 @@ def test_what_happens_at_home():
     async def body():
         async with SmallBox() as box:
             box.beacon_fields = {"devices_dimmer": 10}
-            async with running(box, behaviour):
+            async with client_at(box, behaviour):
                 await box.until(lambda: box.received)
                 now = pb.Time(sec=5, nsec=0)
                 box.beacon_fields = {
@@ -215,7 +206,7 @@ def test_mistakes_of_a_behaviour_do_not_end_the_connection(caplog):
             raise RuntimeError("execute")
 
     async def body():
-        async with SmallBox() as box, running(box, Broken()):
+        async with SmallBox() as box, client_at(box, Broken()):
             await box.until(lambda: box.received)
             for _ in range(2):
                 box.start()
@@ -245,7 +236,7 @@ def test_one_phase_begins_when_the_cancelled_one_has_ended():
                 order.append("ready")
 
     async def body():
-        async with SmallBox() as box, running(box, Slow()):
+        async with SmallBox() as box, client_at(box, Slow()):
             await box.until(lambda: box.received)
             box.start()
             await box.until(lambda: box.robot_state is RobotState.PREPARING)
@@ -263,7 +254,7 @@ def test_sent_datagrams_can_be_lost_too():
     network = {"passes": True}
 
     async def body():
-        async with SmallBox() as box, running(box, Recorder(), passes=lambda: network["passes"]):
+        async with SmallBox() as box, client_at(box, Recorder(), passes=lambda: network["passes"]):
             await box.until(lambda: box.received)
             network["passes"] = False  # in the middle of the first burst
             ticks = []
@@ -277,7 +268,7 @@ def test_a_wrong_password_is_reported():
     behaviour = Recorder()
 
     async def body():
-        async with SmallBox() as box, running(box, behaviour, password="wrong"):
+        async with SmallBox() as box, client_at(box, behaviour, password="wrong"):
             await box.until(lambda: behaviour.reports)
 
     asyncio.run(body())
@@ -291,7 +282,7 @@ def test_a_private_port_in_use_is_reported_and_tried_again():
         async with SmallBox() as box:
             with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
                 other.bind((ROBOT, box.private_port))
-                async with running(box, behaviour):
+                async with client_at(box, behaviour):
                     await box.until(lambda: behaviour.reports)
                     assert behaviour.reports[0].problem is fx.Problem.CHANNEL
                     assert f"{ROBOT}:{box.private_port}" in behaviour.reports[0].text
@@ -306,7 +297,7 @@ def test_another_robot_of_this_name_is_reported():
     behaviour = Recorder()
 
     async def body():
-        async with SmallBox() as box, running(box, behaviour):
+        async with SmallBox() as box, client_at(box, behaviour):
             await box.until(lambda: box.received)
             reported = []
             loop = asyncio.get_event_loop()

@@ -1,7 +1,6 @@
 """The dummy robot: every benchmark, each misbehaviour, and the program's arguments."""
 
 import asyncio
-import contextlib
 import os
 import signal
 import subprocess
@@ -13,7 +12,7 @@ import pytest
 
 import roah_rsbb
 from helpers.examples import ALL
-from helpers.small_box import BROADCAST, NAME, PASSWORD, ROBOT, TEAM, SmallBox, free_ports
+from helpers.small_box import BROADCAST, NAME, PASSWORD, ROBOT, TEAM, SmallBox, free_ports, running
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.sockets import listen
 from roah_rsbb.protocol import RobotState
@@ -24,20 +23,12 @@ from roah_rsbb.robot.dummy import CRASH_STATUS, DummyOptions, DummyRobot, dummy_
 QUICK = {"prepare_duration": 0.05, "execute_duration": 0.05, "seed": 1}
 
 
-@contextlib.asynccontextmanager
-async def dummy_at(box, **options):
-    """A dummy robot on the box's network; ended afterwards."""
-    client = dummy_client(
+def dummy_at(box, **options):
+    """Run a dummy robot on the box's network, in a `with` block."""
+    return running(dummy_client(
         TEAM, PASSWORD, NAME, DummyOptions(**{**QUICK, **options}),
         rsbb_host=BROADCAST, rsbb_port=box.port, bind_host=ROBOT,
-    )
-    task = asyncio.get_event_loop().create_task(client.run())
-    try:
-        yield client
-    finally:
-        task.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
-            await task
+    ))
 
 
 def run_through(code, goals=({},), until=None, **options):

@@ -2,24 +2,13 @@
 
 import pytest
 
-from helpers.robot_bench import BOX, PORT, ROBOT, TEAM, UTC0, Bench, executing, linked_bench
+from helpers.robot_bench import BOX, PORT, ROBOT, TEAM, UTC0, executing
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import HopfResult, Pose
 from roah_rsbb.robot.machine import IllegalEvent
 from roah_rsbb.robot.session import Session
-
-
-@pytest.fixture
-def bench():
-    return Bench()
-
-
-@pytest.fixture
-def linked():
-    return linked_bench()
-
 
 # Beacons and channels.
 

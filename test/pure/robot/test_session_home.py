@@ -2,15 +2,9 @@
 
 import pytest
 
-from helpers.robot_bench import OTHER_BOX, PORT, Bench
+from helpers.robot_bench import OTHER_BOX, PORT
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.robot import effects as fx
-
-
-@pytest.fixture
-def bench():
-    return Bench()
-
 
 # The home.
 

@@ -2,22 +2,11 @@
 
 import pytest
 
-from helpers.robot_bench import BOX, PORT, UTC0, Bench, executing, linked_bench
+from helpers.robot_bench import BOX, PORT, UTC0, executing
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Goal, HppfResult, Pose
-
-
-@pytest.fixture
-def bench():
-    return Bench()
-
-
-@pytest.fixture
-def linked():
-    return linked_bench()
-
 
 # The run.
 

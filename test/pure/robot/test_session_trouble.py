@@ -2,21 +2,10 @@
 
 import pytest
 
-from helpers.robot_bench import BOX, OTHER_BOX, PORT, ROBOT, TEAM, Bench, executing, linked_bench
+from helpers.robot_bench import BOX, OTHER_BOX, PORT, ROBOT, TEAM, executing
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
-
-
-@pytest.fixture
-def bench():
-    return Bench()
-
-
-@pytest.fixture
-def linked():
-    return linked_bench()
-
 
 # Trouble.
 

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 from tornado import httpclient, websocket
 
-from helpers.http_clients import HOST, HttpClients
+from helpers.http_clients import BROKEN_REQUESTS, HOST, HttpClients
 from roah_rsbb.tablet import server as server_module
 from roah_rsbb.tablet import state as state_module
 from roah_rsbb.tablet.maps import Map
@@ -104,12 +104,7 @@ def test_nothing_can_be_put_there(served, method):
     assert served.get("/", method=method, body=body).code == 405
 
 
-@pytest.mark.parametrize("data", [
-    b"\0\1\2\r\n\r\n", b"GET\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n",
-    b"POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n",
-    b"GET / HTTP/1.1\r\nx: " + b"y" * 20000 + b"\r\n\r\n",
-    b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nffffffff\r\n",
-])
+@pytest.mark.parametrize("data", BROKEN_REQUESTS)
 def test_broken_requests_are_cut_off_and_the_next_one_is_served(served, data):
     assert b"200 OK" not in served.raw(data)
     assert served.get("/").code == 200

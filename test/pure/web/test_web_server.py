@@ -7,7 +7,7 @@ import socket
 import pytest
 from tornado import httpclient, websocket
 
-from helpers.http_clients import HOST, HttpClients
+from helpers.http_clients import BROKEN_REQUESTS, HOST, HttpClients
 from helpers.public_messages import NOW, board, details, event, result, run
 from roah_rsbb.web import events, serving
 from roah_rsbb.web.limits import Places, Rates
@@ -188,12 +188,7 @@ def test_nothing_can_be_written(served, path, method):
     assert served.get(path, method=method, body=body).code == 405
 
 
-@pytest.mark.parametrize("data", [
-    b"\0\1\2\r\n\r\n", b"GET\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n",
-    b"POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n",
-    b"GET / HTTP/1.1\r\nx: " + b"y" * 20000 + b"\r\n\r\n",
-    b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nffffffff\r\n",
-])
+@pytest.mark.parametrize("data", BROKEN_REQUESTS)
 def test_broken_requests_are_cut_off_and_the_next_one_is_served(served, data):
     assert b"200 OK" not in served.raw(data)
     assert served.get("/").code == 200
