@@ -1388,7 +1388,7 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Without a robot: the clock starts and stops by the referee only</source>
+        <source>Without a robot: only the referee starts and stops the clock</source>
         <translation>Ohne Roboter: Nur der Schiedsrichter startet und stoppt die Uhr</translation>
     </message>
     <message>

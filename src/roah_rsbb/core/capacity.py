@@ -1,4 +1,4 @@
-"""Checks whether more runs are possible: private ports, and bytes in the beacon, which lists their robots."""
+"""Checks whether more runs are possible: free private ports, and space in the beacon to list the robots."""
 
 from typing import Callable, List, NamedTuple, Sequence
 
@@ -19,7 +19,7 @@ LONGEST_TABLET = TabletState(call_time=LONGEST_TIME, position_time=LONGEST_TIME)
 
 
 def ports_warning(rsbb_port: int, last_port: int) -> List[str]:
-    """Warn if the next private ports are beyond those that firewalls allow; empty: no warning."""
+    """Return a warning if the next private ports are beyond those that firewalls allow; empty: no warning."""
     end = rsbb_port + PORTS - 1
     if last_port + PORTS_LEFT <= end:
         return []

@@ -35,7 +35,7 @@ class _Copy:
         self.warning = ""  # the last one that was logged
 
     def is_connected(self, now: Now) -> bool:
-        """Whether it was written to without trouble the last time."""
+        """Whether the latest report is recent and says that the copy works."""
         report = self.report
         return (report is not None and report.is_of_this_box and not report.trouble
                 and now.mono - self.heard_mono < SILENT_S)
@@ -57,8 +57,8 @@ class Copies:
 
     def __init__(self) -> None:
         self._copies: Dict[str, _Copy] = {}
-        # Numbers of questions whether the standby has everything up to now: the newest one, the newest one that was
-        # answered, and the newest one for which an answer to a referee did not wait any longer.
+        # The box asks the standby whether it has everything up to now. These are numbers of such questions: the newest
+        # one, the newest one with an answer, and the newest one for which the answer to a referee no longer waited.
         self._asked = self._answered = self._given_up = 0
 
     def expect(self, now: Now, place: str) -> None:
@@ -66,7 +66,7 @@ class Copies:
         self._copies[place] = _Copy(now, is_expected=True)
 
     def report(self, now: Now, report: CopyReport) -> Optional[str]:
-        """Take a report. Return a change to log: a warning, or empty if the copy is complete again."""
+        """Take a report. Return a text to log: a new warning, or empty: the copy is complete again; None: no change."""
         copy = self._copies.get(report.place)
         if copy is None:
             copy = self._copies[report.place] = _Copy(now, is_expected=False)
@@ -87,21 +87,21 @@ class Copies:
         return self._asked
 
     def is_worth_waiting(self, now: Now) -> bool:
-        """Whether the standby probably answers in time: it is connected, and answered the questions before."""
+        """Whether the standby will probably answer in time: it is connected, and it answered the earlier questions."""
         copy = self._copies[STANDBY]
         return copy.is_connected(now) and self._given_up <= self._answered
 
     def answer(self, number: int) -> bool:
-        """The standby has everything up to this question. Return whether a warning ends."""
+        """Note that the standby has everything up to this question. Return whether that ends a warning."""
         copy = self._copies[STANDBY]
-        if copy.report is not None:  # which may be older than this answer
+        if copy.report is not None:  # this report may be older than the answer
             copy.report = copy.report._replace(trouble="")
         was_missing = self._given_up > self._answered
         self._answered = max(self._answered, min(number, self._asked))
         return was_missing and self._given_up <= self._answered
 
     def give_up(self, now: Now, number: int) -> Optional[str]:
-        """An answer to a referee does not wait for this question any longer. Return a new warning to log."""
+        """Note that the answer to a referee no longer waits for this question. Return a new warning to log, or None."""
         was_missing = self._given_up > self._answered
         self._given_up = max(self._given_up, number)
         is_missing = self._given_up > self._answered

@@ -189,7 +189,7 @@ class Outbox:
         self.revisions: Dict[str, int] = {}
         """For each zone a number that rises whenever the zone's state changes."""
         self.revision = 0
-        """Rises with each of them, and with each record of a finished run."""
+        """Rises with each change of any zone's state, and whenever the record of a run changes."""
 
     def emit(self, effect: Effect) -> None:
         """Add an effect that belongs to no run."""

@@ -7,8 +7,8 @@ class Settings(NamedTuple):
     """All durations in seconds."""
 
     rsbb_port: int = 6666
-    robot_timeout: float = 30.0  # without a beacon: no longer active
-    allowed_skew: float = 0.1  # below it a benchmark may start
+    robot_timeout: float = 30.0  # a robot is no longer active after this long without a beacon
+    allowed_skew: float = 0.1  # a run can start if the skew is below it
     after_stop_duration: float = 120.0  # time left after a stop, shown to the referee
     display_log_size: int = 3000  # characters
     check_messages_saved: bool = True

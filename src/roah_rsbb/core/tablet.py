@@ -45,7 +45,7 @@ class HeardTablet(NamedTuple):
 
 
 class _Said(NamedTuple, Generic[T]):
-    """A value and the tablet's time of it."""
+    """A value, with its time by the tablet's clock."""
 
     time: WireTime
     value: T

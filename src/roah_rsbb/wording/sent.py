@@ -11,13 +11,13 @@ from roah_rsbb.wording import language
 from roah_rsbb.wording.language import tr, tr_later
 
 SENTENCES: Tuple[str, ...] = (
-    # How a run is, and how it ended.
+    # The state of a run, and how it ended.
     tr_later("All OK for start"),
     tr_later("Can be restarted. The clock kept running"),
     tr_later("Can be restarted. The clock is stopped"),
     tr_later("Clock paused by the referee"),
     tr_later("Attempt {number} of {all}"),
-    tr_later("Without a robot: the clock starts and stops by the referee only"),
+    tr_later("Without a robot: only the referee starts and stops the clock"),
     tr_later("Robot ready to accept connection: {robot}"),
     tr_later("{number} robots ready to accept connection: {robots}"),
     tr_later("Several robots of team {team} are active ({robots}): choose which one connects"),
@@ -42,7 +42,7 @@ SENTENCES: Tuple[str, ...] = (
     tr_later("Stopped: the benchmarking module cannot continue"),
     tr_later("No-show: the team did not appear"),
     tr_later("The team withdrew"),
-    # Why its time does not count.
+    # Why the time of a run does not count.
     tr_later("manual operation"),
     tr_later("the benchmarking module is missing"),
     tr_later("by the referee"),

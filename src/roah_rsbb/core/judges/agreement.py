@@ -7,7 +7,7 @@ from collections import Counter
 from decimal import ROUND_HALF_UP, Decimal
 from typing import NamedTuple, Optional, Sequence
 
-from roah_rsbb.core.scoring.points import jury_text, nearest_whole
+from roah_rsbb.core.scoring.points import jury_text, whole_part
 from roah_rsbb.core.scoring.records import ItemRecord
 from roah_rsbb.rulebook.scoring import NUMBERS, WHOLE, Agreement, JuryResult, ScoreKind, ScoringItem
 
@@ -45,7 +45,7 @@ def agreed(agreement: Agreement, item: ScoringItem, given: Sequence[Value]) -> O
     is_mixed = any(value.not_attempted for value in given)
     if item.kind is ScoreKind.RATING:
         text = "" if is_mixed else jury_text(item, [value.text for value in given])
-        return None if not text else Value(nearest_whole(text), text)
+        return None if not text else Value(whole_part(text), text)
     if agreement is Agreement.ALL_AGREE:
         return None
     if agreement is Agreement.MAJORITY or item.kind not in NUMBERS:
@@ -58,4 +58,4 @@ def _middle(jury: JuryResult, item: ScoringItem, given: Sequence[Value]) -> Valu
     text = jury_text(item.with_jury(jury), [value.text or str(value.value) for value in given])
     if item.kind in WHOLE:
         return Value(int(Decimal(text).to_integral_value(ROUND_HALF_UP)))
-    return Value(nearest_whole(text), text)
+    return Value(whole_part(text), text)

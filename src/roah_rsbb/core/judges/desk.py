@@ -19,7 +19,7 @@ from roah_rsbb.rulebook.scoring import SheetForm
 class Judging(NamedTuple):
     """What a judge or the head referee may see of a run's judges now."""
 
-    record: RunRecord  # its judging has all sheets: whoever shows it leaves out those that are not complete
+    record: RunRecord  # has the sheets of all judges: show those of others only if `is_complete`
     count: int  # judges that the benchmark asks for; 0: it has no judges with sheets of their own
     agreement: str
     missing: int
@@ -48,7 +48,7 @@ class JudgeDesk:
     # -- looking ------------------------------------------------------------------------------------
 
     def judging(self, now: Now, name: RunName, judge: str = "") -> Judging:
-        """Return the judging of a run, and the own sheet of a judge. Raises `Refused`."""
+        """Return the judging of a run, with the sheet of `judge` (empty: of nobody). Raises `Refused`."""
         return self._judging(now, self._scores.named(name), checked_who(judge))
 
     def unsigned(self, now: Now) -> List[Judging]:
@@ -79,7 +79,7 @@ class JudgeDesk:
             self._change(now, name, lambda book: _silent(book.judges.mark(now, judge, marked)))
 
     def outcome(self, name: RunName, mark: Mark, judge: str) -> MarkOutcome:
-        """Return what a mark that was applied led to. Raises `Refused`."""
+        """Return the result of a mark that was applied. Raises `Refused`."""
         return MarkOutcome(*self._scores.named(name).book.judges.outcome(checked_who(judge), mark))
 
     def submit(self, now: Now, name: RunName, judge: str, device: str = "") -> None:
@@ -92,7 +92,7 @@ class JudgeDesk:
     # -- the head referee ---------------------------------------------------------------------------
 
     def hand_back(self, now: Now, name: RunName, judge: str, reason: str, who: str = "") -> None:
-        """Let a judge look again. Raises `Refused`."""
+        """Hand a judge's sheet back, so that the judge looks again. Raises `Refused`."""
         self._tick(now)
         with self._acts.of(name, who, "hand_back", judge=judge, reason=reason):
             by = By(checked_who(who), checked_note(reason))
@@ -113,7 +113,7 @@ class JudgeDesk:
             self._change(now, name, lambda book: book.judges.waive(now, by))
 
     def settle(self, now: Now, name: RunName, mark: Mark, reason: str, who: str = "") -> None:
-        """Set the value of an item, with a reason. Raises `Refused`."""
+        """Settle an item with a value and a reason. Raises `Refused`."""
         self._tick(now)
         with self._acts.of(name, who, "settle", **{**asked_of(mark), "reason": reason}):
             by = By(checked_who(who), checked_note(reason))
@@ -122,7 +122,7 @@ class JudgeDesk:
     # -- publication --------------------------------------------------------------------------------
 
     def publish(self, now: Now, name: RunName, seconds: float = -1.0, who: str = "") -> None:
-        """Publish the result of a finished run as provisional. Raises `Refused`."""
+        """Publish the result of a finished run as provisional. `seconds`: as in `Publication`. Raises `Refused`."""
         self._tick(now)
         with self._publications.of(name, who, "publish", seconds=seconds):
             by = By(checked_who(who))
@@ -165,5 +165,5 @@ class JudgeDesk:
 
 
 def _silent(_item: ItemRecord) -> str:
-    """Others must not read what a judge marks."""
+    """Return no text for the log, because others must not read what a judge marks."""
     return ""

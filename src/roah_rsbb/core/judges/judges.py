@@ -48,7 +48,7 @@ class JudgesState:
 
     @classmethod
     def of(cls, record: JudgingRecord) -> "JudgesState":
-        """Return the state that a record has."""
+        """Return the state that a record contains."""
         return cls(list(record.sheets), list(record.settlements), record.waiver, list(record.acts))
 
 
@@ -145,7 +145,7 @@ class Judges:
         return f"Scored without waiting for missing judges: {by.reason}"
 
     def settle(self, now: Now, by: By, mark: Mark) -> str:
-        """Set the value of an item, for what the judges submitted. Raises `Refused`."""
+        """Settle an item. The value holds for what the judges have submitted. Raises `Refused`."""
         self._needed_rule()
         if not self.is_complete():
             raise Refused([*self._waits(), "settle the items after that"])
@@ -173,7 +173,7 @@ class Judges:
         return self.rule is not None and (self.state.waiver is not None or not self.missing())
 
     def verdicts(self) -> Tuple[Verdict, ...]:
-        """Return what became of each item; empty: the judges are not complete, or none has submitted or settled."""
+        """Return what became of each item; empty: sheets are missing that the head referee waits for."""
         return tuple(self._verdict(item) for item in self._form.items) if self.is_complete() else ()
 
     def differences(self) -> Tuple[Verdict, ...]:
@@ -185,7 +185,7 @@ class Judges:
         return self._sheet(self.own_sheet(judge) or JudgeSheet(judge, 0.0)).items()
 
     def own_form(self, judge: str) -> SheetForm:
-        """Return the items of a judge's sheet, and what they take."""
+        """Return the items of a judge's sheet, and the values that they accept."""
         sheet = self.own_sheet(judge)
         name = judge if sheet is None else sheet.judge
         return SheetForm(tuple(item.rated_by(name) for item in self._form.items))
@@ -204,7 +204,7 @@ class Judges:
         return (self._waits() if not self.is_complete() else []) + settle
 
     def record(self) -> JudgingRecord:
-        """Return the state as a record of the run has it."""
+        """Return the state in the form in which the run's record contains it."""
         state = self.state
         return JudgingRecord(tuple(state.sheets), tuple(state.settlements), state.waiver, tuple(state.acts))
 
@@ -310,7 +310,7 @@ def _ratings(item: ScoringItem, records: Tuple[Tuple[str, ItemRecord], ...]) -> 
 
 
 def _with_reason(by: By, what: str) -> By:
-    """Return who decides and why. Raises `Refused` if one of both is missing."""
+    """Return who decides and why. Raises `Refused` if the name or the reason is missing."""
     if sheets.person(by.who) in ("", sheets.NO_NAME):
         raise Refused([f"to {what} needs the name of the head referee: enter it, in the terminal with --by"])
     if not by.reason:

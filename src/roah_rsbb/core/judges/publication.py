@@ -1,6 +1,6 @@
-"""The way of a result from provisional to final: it is published, teams may object, and it is signed off.
+"""How a result becomes final: it is published as provisional, teams may object, and it is signed off.
 
-The time limit is a time of the day, because teams read it, and it must survive a restart of the computer.
+The time limit is a time of day (UTC), because teams read it, and because it must survive a restart of the computer.
 """
 
 from dataclasses import dataclass, field
@@ -26,7 +26,7 @@ class PublicationState:
 
     @classmethod
     def of(cls, record: PublicationRecord) -> "PublicationState":
-        """Return the state that a record has."""
+        """Return the state that a record contains."""
         return cls(record.published, list(record.objections))
 
 
@@ -38,7 +38,7 @@ class Publication:
         self._limit_s = form.objection_time
 
     def publish(self, now: Now, by: By, seconds: float) -> str:
-        """Publish the result as provisional. `seconds`: for objections; negative: as the benchmarks file says.
+        """Publish the result as provisional. `seconds`: time for objections; negative: that of the benchmarks file.
 
         A result can be published again, with another time limit. Returns a text for the referees, as all changes do.
         Raises `Refused`.
@@ -91,5 +91,5 @@ class Publication:
         return reasons
 
     def record(self) -> PublicationRecord:
-        """Return the state as a record of the run has it."""
+        """Return the state in the form in which the run's record contains it."""
         return PublicationRecord(self.state.published, tuple(self.state.objections))

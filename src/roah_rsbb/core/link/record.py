@@ -222,7 +222,7 @@ class LinkRecorder:
         self._question, self._strings = None, frozenset()
 
     def sample(self, now: Now, skew_s: Optional[float], host: Optional[str], unreadable: int) -> LinkSample:
-        """Return the measurements since the last sample. `unreadable`: all unreadable datagrams of this channel."""
+        """Return the measurements since the last sample. `unreadable`: the channel's total so far."""
         sample = LinkSample(
             seconds=_rounded(now.mono - self._sampled_mono), received=self._received, lost=self._lost,
             skipped_states=self._skipped, duplicates=self._duplicates, stale=self._stale,

@@ -24,7 +24,7 @@ from roah_rsbb.core.zones import Zone, Zones, ZoneState, key_of
 from roah_rsbb.rulebook.benchmarks import Config, ScheduledEvent
 from roah_rsbb.wording import times
 
-# After a restart, a continued run shows this for so long.
+# For how long (s) a run that continued after a restart shows the warning.
 MARK_S = 60.0
 
 

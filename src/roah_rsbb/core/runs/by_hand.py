@@ -92,7 +92,7 @@ class HandRun(ZoneRun):
 
     def status_lines(self, now: Now) -> List[str]:
         """See `ZoneRun`."""
-        return ["Without a robot: the clock starts and stops by the referee only"]
+        return ["Without a robot: only the referee starts and stops the clock"]
 
     def _robot_names(self) -> Tuple[str, ...]:
         return ()

@@ -36,8 +36,8 @@ from roah_rsbb.wording import times
 WHOLE_WORDS = frozenset(kind.word for kind in WHOLE)
 # The least interval between two warnings that messages of a robot were dropped.
 DROPPED_PERIOD_S = 10.0
-# The robot state that a robot leaves when it receives the box's state, and the time after which the referee gets a
-# hint.
+# For states of the box, the state that a robot leaves when it receives them. If it does not leave it for `STUCK_S`
+# seconds, the referee gets a hint.
 STUCK = {BoxState.PREPARE: RobotState.STOP, BoxState.GOAL_TX: RobotState.WAITING_GOAL}
 STUCK_S = 10.0
 
@@ -252,7 +252,7 @@ class ZoneRun(abc.ABC):
         """Do what is due by now, in all members."""
 
     def _tick_times(self, now: Now) -> None:
-        """Warn of the rules' limits that are over."""
+        """Warn about time limits of the rules that are over."""
         for text in self.times.tick(now):
             self.say(now, Level.WARNING, text)
 
@@ -260,7 +260,7 @@ class ZoneRun(abc.ABC):
 
     @abc.abstractmethod
     def start(self, now: Now) -> None:
-        """Start, or start again after a stop. The run's clock has kept running since the stop."""
+        """Start, or start again after a stop. Since the stop the clock kept running, unless the rules say otherwise."""
 
     @abc.abstractmethod
     def stop(self, now: Now, by: By = NOBODY) -> None:
@@ -303,7 +303,7 @@ class ZoneRun(abc.ABC):
         self.say(now, Level.INFO, self.state.desc)
 
     def warn(self, now: Now, text: str) -> None:
-        """Log a problem around this run."""
+        """Log a problem of this run."""
         self.say(now, Level.WARNING, text)
 
     def mark(self, now: Now, who: str, mark: Mark) -> None:
@@ -323,7 +323,7 @@ class ZoneRun(abc.ABC):
             self._score_changed(now, marked)
 
     def change_book(self, now: Now, change: Callable[[RunBook], str]) -> None:
-        """Change the book by judges, and take over on what they agree. Raises `Refused`.
+        """Apply what judges did to the book, and enter what they agree on into the sheet. Raises `Refused`.
 
         `change` returns the text for the referees; empty: only the judge may know.
         """
@@ -390,7 +390,7 @@ class ZoneRun(abc.ABC):
         self._record_changed(now)
 
     def _note_end(self, now: Now, desc: str, by: By) -> None:
-        """Record that the run ended just now. `end_reason` is set."""
+        """Record that the run ended just now. `end_reason` must be set already."""
         assert self.end_reason is not None, "it ended"
         self.times.ended(now)
         self.book.ended(now, self.end_reason.name.lower(), desc, by, self.clock.elapsed(now))
@@ -428,7 +428,7 @@ class Run(ZoneRun):
         self.devices = DeviceCommands(self.event.benchmark, self.state.devices)
         self._show_map = context.show_map
         self._strings_budget = StringsBudget()
-        self._unused_strings = assignment.event.benchmark.unused_strings  # of which the referee was not warned yet
+        self._unused_strings = assignment.event.benchmark.unused_strings  # the referee was not warned about these yet
         self._dropped_strings = self._unread = 0
         self._say_dropped_from = float("-inf")  # monotonic time (s)
         self._state_mono = now.mono  # when the box's state changed last, or the core was restarted
@@ -578,7 +578,7 @@ class Run(ZoneRun):
         self._say_dropped(now)
 
     def _say_dropped(self, now: Now) -> None:
-        """Warn of dropped messages, at most once per interval."""
+        """Warn about dropped messages, at most once in `DROPPED_PERIOD_S`."""
         if now.mono < self._say_dropped_from:
             return
         self._say_dropped_from = now.mono + DROPPED_PERIOD_S

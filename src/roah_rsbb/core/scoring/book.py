@@ -1,8 +1,8 @@
 """The book of a run (score sheet, starts, ends, reasons of stops), and the books of finished runs.
 
-A run is finished when it was started at least once and then left (*disconnect*). Before that, it can be started again,
-and its score can change. The referee may correct a finished run until it is signed off; each such change is a
-correction.
+A run is finished when it was started at least once, or ended as a no-show or by a withdrawal, and was then left
+(*disconnect*). Before that, it can be started again, and its score can change. The referee may correct a finished run
+until it is signed off; each such change is a correction.
 """
 
 import itertools
@@ -153,7 +153,7 @@ class RunBook:
         return Marked(after, ("Correction: " if self._over else "") + text + (f" ({note})" if note else ""))
 
     def counted(self, end_reason: str) -> Counted:
-        """Return the items with their points. `end_reason`: name of why the run ended; empty: it has not."""
+        """Return the items with their points. `end_reason`: name of an `EndReason`; empty: the run has not ended."""
         items, elapsed_s = self.sheet.items(), self.state.elapsed_s if end_reason else 0.0
         last = self._counted
         if last is None or last[0] is not items or last[1:3] != (elapsed_s, end_reason):
@@ -238,7 +238,7 @@ class FinishedRun:
         return self._book
 
     def change_book(self, now: Now, change: Callable[[RunBook], str]) -> str:
-        """Change the book by judges or objections, and take over on what the judges agree. Raises `Refused`."""
+        """Apply judges' marks or objections to the book, and enter what the judges agree on. Raises `Refused`."""
         self._check_open()
         text = change(self._book)
         self._book.take_verdicts(now)
@@ -262,7 +262,8 @@ class FinishedRun:
         return self._changed(self._book.give_reason(number, by))
 
     def sign_off(self, now: Now, who: str) -> str:
-        """Make the score sheet final. Raises `Refused` if it already is, or if `who` has no name."""
+        """Make the score sheet final. Raises `Refused` if it already is, if `who` names nobody, or if sheets of judges
+        or answers to objections are missing."""
         self._check_open()
         if sheets.person(who) in ("", sheets.NO_NAME):
             raise Refused(["a sign-off needs the name of the referee: enter it, in the terminal with --by"])
@@ -313,11 +314,11 @@ class FinishedRuns:
         self._runs: Dict[str, FinishedRun] = {}  # by identity, the oldest first
 
     def use(self, benchmarks: Dict[str, Benchmark]) -> None:
-        """Take other benchmarks. The runs that are over keep theirs."""
+        """Use other benchmarks for the runs that follow. The runs that are over keep theirs."""
         self._benchmarks = benchmarks
 
     def add(self, record: RunRecord) -> None:
-        """Keep a run that was just left, unless it was never started. Drop the oldest one if there are too many."""
+        """Keep a run that was just left, unless it never ended. Drop the oldest one if there are too many."""
         if not record.end_reason:
             return
         benchmark = self._benchmarks.get(record.benchmark)
@@ -329,7 +330,7 @@ class FinishedRuns:
             del self._runs[next(iter(self._runs))]
 
     def restore(self, records: Iterable[RunRecord]) -> None:
-        """Take the records of all runs that were left before a restart, in any order."""
+        """Take records from before a restart, in any order. Only those of runs that were left are kept."""
         for record in sorted(records, key=lambda record: record.closed_utc):
             if record.closed_utc:
                 self.add(record)
@@ -357,7 +358,7 @@ class FinishedRuns:
         return {code: benchmark.rules for code, benchmark in self._benchmarks.items()}
 
     def newest(self, count: int = MAX_KEPT) -> Tuple[FinishedResult, ...]:
-        """The newest results first. Of a repeated run only the last one."""
+        """Return the newest results first, and of a repeated run only the last one."""
         results: Dict[Tuple[object, ...], FinishedResult] = {}
         for run in reversed(self._runs.values()):
             r = run.record

@@ -20,7 +20,7 @@ from roah_rsbb.rulebook.scoring import (
     SheetForm,
 )
 
-# More digits than any sum of values within the limits has.
+# More digits than any sum of values within the limits can have.
 _EXACT = Context(prec=80)
 _LAST_DECIMAL = Decimal(1).scaleb(-MAX_DECIMALS)
 ZERO = Decimal(0)
@@ -43,14 +43,14 @@ def number_of(text: str) -> Optional[Decimal]:
 
 
 def text_of(number: Decimal) -> str:
-    """Return a number without an exponent and without final zeros."""
+    """Return a number as text, without an exponent and without trailing zeros."""
     text = f"{number:f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     return "0" if text in ("-0", "") else text
 
 
-def nearest_whole(text: str) -> int:
-    """Return the whole part of a number, as far as an int32 holds it; 0 if the text is not a number."""
+def whole_part(text: str) -> int:
+    """Return the whole part of a number, limited to the range of an int32; 0 if the text is not a number."""
     number = number_of(text)
     if number is None:
         return 0
@@ -132,7 +132,7 @@ def _amount(item: ScoringItem, record: ItemRecord) -> Decimal:
 
 
 def _is_given(item: ScoringItem, record: ItemRecord) -> bool:
-    """Whether the robot earned the item at all. A choice without points is not given if others have points."""
+    """Whether the robot earned the item at all. A choice without points is not given if another choice has points."""
     if record.not_attempted:
         return False
     if item.kind is not ScoreKind.CHOICE:
@@ -141,7 +141,7 @@ def _is_given(item: ScoringItem, record: ItemRecord) -> bool:
 
 
 def _given(known: Mapping[Key, ScoringItem], records: Mapping[Key, ItemRecord]) -> Set[Key]:
-    """Return the items that are given, and that count because all items are given that they need."""
+    """Return the items that are given and for which all needed items are given, too."""
     own = {key for key, record in records.items() if key in known and _is_given(known[key], record)}
     while True:
         kept = {key for key in own if own.issuperset(known[key].needs)}

@@ -60,7 +60,7 @@ class ItemRecord(NamedTuple):
     group: str
     desc: str
     kind: str  # name of a `ScoreKind`, in lower case
-    # Of a bool, a uint or an int. Of other types: the nearest whole number, for programs that only know numbers.
+    # Of a bool, a uint or an int. Of other types: the whole part, for programs that only know whole numbers.
     value: int
     not_attempted: bool = False  # the robot did not try, unlike a 0 that it earned
     corrected: bool = False  # its value has changed since the run ended
@@ -162,12 +162,12 @@ class JudgeSheet(NamedTuple):
     marks: str = ""  # the newest ones that have an identity, see `SheetState`
     submitted_utc: float = 0.0  # UTC seconds; 0.0: not submitted
     items: Tuple[ItemRecord, ...] = ()  # as they were submitted
-    again: str = ""  # why the judge shall look again; empty: not handed back
+    again: str = ""  # why the judge should look again; empty: not handed back
     withdrawn_utc: float = 0.0  # UTC seconds; 0.0: it counts
 
 
 class Settlement(NamedTuple):
-    """The head referee's value of an item, for what the judges had submitted then."""
+    """The head referee's value of an item. It holds while the judges' values are those of `proposals`."""
 
     utc: float  # UTC seconds
     who: str
@@ -230,7 +230,7 @@ class Objection(NamedTuple):
 
 
 class PublicationRecord(NamedTuple):
-    """The way of a result from provisional to final. The sign-off ends it."""
+    """The publication of a result as provisional, and the objections to it. The sign-off ends both."""
 
     published: Optional[Published] = None
     objections: Tuple[Objection, ...] = ()  # oldest first

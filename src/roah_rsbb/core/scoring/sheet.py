@@ -24,7 +24,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.scoring.points import jury_text, nearest_whole, text_of
+from roah_rsbb.core.scoring.points import jury_text, text_of, whole_part
 from roah_rsbb.core.scoring.records import ItemRecord, Rating, ScoreEntry
 from roah_rsbb.rulebook.scoring import MAX_DECIMALS, MAX_NUMBER, MAX_VALUE, NUMBERS, WHOLE, Key, ScoreKind, ScoringItem
 from roah_rsbb.wording.sheets import item_value
@@ -162,7 +162,7 @@ class ScoreSheet:
             return mark._replace(value=_chosen(item, mark))
         is_rating = item.kind is ScoreKind.RATING
         text = _rating(item, mark) if is_rating else _decimal(item, mark.text or str(mark.value))
-        return mark._replace(text=text, value=nearest_whole(text))
+        return mark._replace(text=text, value=whole_part(text))
 
     def set(self, now: Now, who: str, mark: Mark, correction: bool = False) -> ItemRecord:
         """Set an item, or mark it as not attempted. Returns the item before the change. Raises as `check` does.
@@ -378,7 +378,7 @@ class ScoreSheet:
         text, value = own.text, own.value
         if item.kind is ScoreKind.RATING:
             text = "" if own.not_attempted else jury_text(item, [rating.text for rating in ratings])
-            value = nearest_whole(text)
+            value = whole_part(text)
         return ItemRecord(
             item.group, item.desc, item.kind.word, value, own.not_attempted,
             any(self._is_corrected((*key, judge)) for judge in ("", *item.judges)), text, tuple(ratings),

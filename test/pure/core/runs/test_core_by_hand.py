@@ -27,7 +27,7 @@ def test_the_referee_alone_starts_and_stops_the_clock():
     driver.command("open_sheet")
     view = driver.view()
     assert (view.phase, view.by_hand, view.robot, view.timer) == ("connected", True, None, 60.0)
-    assert "Without a robot: the clock starts and stops by the referee only" in view.state
+    assert "Without a robot: only the referee starts and stops the clock" in view.state
     assert driver.box.beacon().robots == ()
     driver.command("start")
     driver.run(20.0)

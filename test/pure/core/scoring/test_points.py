@@ -13,7 +13,7 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.restart.saved import BadState, freeze, thaw
 from roah_rsbb.core.scoring.book import FinishedRun, RunBook
-from roah_rsbb.core.scoring.points import counted, jury_text, nearest_whole, number_of, text_of
+from roah_rsbb.core.scoring.points import counted, jury_text, number_of, text_of, whole_part
 from roah_rsbb.core.scoring.records import By, ItemRecord, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.rulebook.scoring import (
@@ -192,13 +192,13 @@ def test_sums_are_exact():
 ])
 def test_numbers_as_text(text, number, whole):
     assert text_of(number_of(text)) == number
-    assert nearest_whole(text) == whole
+    assert whole_part(text) == whole
 
 
 @pytest.mark.parametrize("text", ["", "NaN", "Infinity", "alone"])
 def test_no_number(text):
     assert number_of(text) is None
-    assert nearest_whole(text) == 0
+    assert whole_part(text) == 0
 
 
 # -- against a second implementation ----------------------------------------------------------------
