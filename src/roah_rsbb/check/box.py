@@ -33,11 +33,11 @@ from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind, new_profile
 # The check judges clocks itself, so no skew may keep the box from starting a run.
 ANY_SKEW_S = 1e12
 MODULE_BEAT_S = 0.5
-# A code that no robot knows. Competitions may define their own ones.
+# A code that no robot knows. Competitions may define codes of their own.
 UNKNOWN_CODE = "XCHECK"
-# The tablet of the check, which is nowhere.
+# The address of the check's tablet, which does not exist.
 BEACON_HOST = "192.0.2.1"
-# Datagrams take no longer than this. Until then, the robot may act on what the box sent before.
+# Datagrams take no longer than this. For this long after a change of the box's state, the robot may act on the old one.
 STILL_VALID_S = 0.5
 
 
@@ -186,7 +186,7 @@ class CheckBox(NetworkDriver):
         box = WatchedBox(record, news, config, settings, beacon_size, last_port)
         super().__init__(loop, box, network, config.passwords, lambda text: None, utc, bad.peer)
         self.goals = Goals()
-        self.another: Optional[str] = None  # why the check must not run: there is another box
+        self.another: Optional[str] = None  # why the check must not run beside another box; None: there is none
         self._record = record
         self._news = news
         self._beat: Optional[asyncio.TimerHandle] = None
@@ -220,12 +220,12 @@ class CheckBox(NetworkDriver):
             self._loop.call_soon(self._publish)
 
     def run_in(self, code: str) -> Optional[Run]:
-        """The run of a benchmark that is connected; None: there is none."""
+        """The connected run of a benchmark; None: no run of it is connected."""
         run = self.box.zones[code].run
         return None if run is None else run.members()[0]
 
     def outcomes(self, code: str) -> List[OutcomeKind]:
-        """How the goals of the run ended."""
+        """How the goals of the connected run of a benchmark ended; empty: no run, or no goal has ended."""
         run = self.run_in(code)
         steps = run.steps if isinstance(run, FunctionalityRun) else ()
         return [step.outcome.kind for step in steps if step.outcome is not None]
@@ -270,7 +270,10 @@ def configuration(team: str, password: str) -> Config:
 
 
 def states_before(record: Record, heard: HeardReport, begin: float) -> List[BoxState]:
-    """The states that the box sent on a report's port before the report, since a time, and the one at that time."""
+    """The states that the box sent on a report's port from `begin` (monotonic, s) until the report.
+
+    The first one is the state in force at `begin`.
+    """
     found = [said for said in record.states[:heard.said] if said.port == heard.port]
     first = max((index for index, said in enumerate(found) if said.mono <= begin), default=0)
     return [said.state for said in found[first:]]

@@ -10,7 +10,7 @@ from roah_rsbb.check.scenarios import basic, boxes, goals, network
 from roah_rsbb.check.scenarios.scenario import Level, Scenario
 from roah_rsbb.rulebook.registry import PROFILES
 
-# A check that was stopped for longer than this at a moment of a scenario does not judge the robot's times.
+# If the check itself was stopped for longer than this (s) during a scenario, it does not judge the robot's times in it.
 BUSY_S = 0.3
 # Datagrams that a bad network delayed must not arrive in the next scenario.
 LATE_S = 0.5
@@ -90,7 +90,7 @@ class Engine:
 
 
 def _unjudge(result: ScenarioResult) -> None:
-    """The checker's machine was too busy: what it may have caused is not the robot's fault."""
+    """Turn failures that the checker's busy machine may have caused into "not judged"."""
     result.findings = [
         one._replace(verdict=Verdict.UNJUDGED, came=f"{one.came}; but the checker's machine was too busy to judge")
         if one.verdict is Verdict.FAILED and one.cause is not None and one.cause.timed else one

@@ -1,6 +1,6 @@
 """What the check found: verdicts, causes and findings.
 
-A failure always has a cause of the table `Cause`, with the likely mistake in the robot's code and a page that helps.
+A failure always has a cause from the table `Cause`, with the likely mistake in the robot's code and a page that helps.
 What the protocol allows is never a failure. It is a quirk if original robots do it and a referee may notice.
 """
 
@@ -25,7 +25,7 @@ PROTOCOL, WITHOUT_ROS, TEAM = "docs/protocol.md", "docs/robot_without_ros.md", "
 class _Advice(NamedTuple):
     likely: str  # the likely cause, in the robot's code or configuration
     page: str
-    timed: bool = False  # a busy machine of the checker may look like this
+    timed: bool = False  # the checker's machine may cause the same symptom when it is busy
 
 
 class Cause(enum.Enum):
@@ -42,7 +42,7 @@ class Cause(enum.Enum):
     BEACON_PERIOD = _Advice(
         "The beacon does not have a timer of its own, or a blocking callback delays the timer", f"{PROTOCOL}#timing",
         True)
-    BAD_NAME = _Advice("A name has 1 to 100 characters", f"{PROTOCOL}#messages")
+    BAD_NAME = _Advice("The team's or the robot's name is empty, or longer than 100 characters", f"{PROTOCOL}#messages")
     # The clock.
     CLOCK_SKEW = _Advice("The robot's clock is not synchronised: no NTP client, or another server than the box's",
                          f"{PROTOCOL}#timing", True)
@@ -114,7 +114,8 @@ class Cause(enum.Enum):
                              f"{PROTOCOL}#goals-and-results")
     RESULT_INCOMPLETE = _Advice("The result lacks fields of its benchmark, or is not YAML",
                                 f"{PROTOCOL}#goals-and-results")
-    BAD_COMMAND = _Advice("A percentage of a device is from 0 to 100", f"{PROTOCOL}#device-commands")
+    BAD_COMMAND = _Advice("The robot sets a device to less than 0 or more than 100 per cent",
+                          f"{PROTOCOL}#device-commands")
     # Networks and boxes.
     GIVES_UP = _Advice("The robot stops or leaves the run when it does not hear the box for some seconds",
                        f"{PROTOCOL}#timing")
@@ -147,7 +148,7 @@ class Cause(enum.Enum):
 
     @property
     def timed(self) -> bool:
-        """Whether a busy machine of the checker may look like this fault."""
+        """Whether the checker's machine may cause the same symptom when it is busy."""
         return self.value.timed
 
 

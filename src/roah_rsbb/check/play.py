@@ -27,11 +27,11 @@ from roah_rsbb.rulebook.registry import PROFILES, GoalForm, profile_of
 ANSWER_S = 5.0  # the first message on a private channel, after a beacon that lists the robot
 OBEY_S = 5.0  # a reaction to PREPARE or to a goal
 LEAVE_S = 6.0  # a beacon after the end of the run
-STILL_THERE_S = 2.5  # the program of a robot that was heard so recently runs
+STILL_THERE_S = 2.5  # a robot that was heard this recently is still running
 SILENT_S = 3.0  # a robot sends each second; the box warns the referee after this silence
 GONE_S = 10.0  # after this silence during a run, nothing more is expected
-MOST_UNANSWERED = 2  # private channels on which the robot never answered, before the check opens no more
-# A referee sees a robot that needs longer to report STOP still moving.
+MOST_UNANSWERED = 2  # after this many private channels without an answer, the check opens no more
+# If a robot needs longer to report STOP, the referee sees it still moving.
 STOP_S = 1.0
 STOP_LOST_S = 4.0  # then the robot ignores STOP
 STILL_S = 1.2  # for how long the robot must then stay in STOP
@@ -163,7 +163,7 @@ class Play:
     # -- waiting ------------------------------------------------------------------------------------
 
     async def until(self, is_true: Callable[[], bool], limit_s: float) -> bool:
-        """Wait until a condition holds. Returns whether it does within the limit.
+        """Wait until a condition holds. Returns whether it does within the limit. Raises AnotherBox.
 
         The checker's own stalls extend the limit.
         """
@@ -180,7 +180,7 @@ class Play:
         return True
 
     async def until_robot(self, is_true: Callable[[], bool], limit_s: float) -> bool:
-        """Wait as `until`, for the robot in its run. Gives up if nothing more is heard of it."""
+        """Wait like `until`, for a robot in a run. Raises GaveUp if nothing more is heard from the robot."""
         waited = 0.0
         while waited < limit_s:
             step = min(1.0, limit_s - waited)
@@ -259,7 +259,7 @@ class Play:
     ) -> None:
         """Connect the robot to a run of this benchmark, and wait for its first message.
 
-        `missing`: the cause if there is none.
+        `missing`: the cause to report if no message comes. Raises GaveUp.
         """
         if not self.robot:
             self.skip("The robot was not found")
@@ -278,7 +278,7 @@ class Play:
             self.box.event(self.box.box.connect_robot, code, self.robot)
         if not await self.until(lambda: self.last is not None, ANSWER_S):
             if silence > LEAVE_S:
-                self._not_known()  # the box still knew it
+                self._not_known()  # the robot was gone already, but the box still listed it
             if not self.record.reports:
                 self._unanswered += 1
             if len(self.record.unreadable) > unreadable:
@@ -294,7 +294,10 @@ class Play:
             self.give_up(Cause.OLD_STATE, "STOP at the beginning of a channel", f"{self.state.name}")
 
     def _not_known(self) -> NoReturn:
-        """Say why the robot sends no beacon. A robot that still used its channel at the end did not leave it."""
+        """Give up on a robot that sends no beacon.
+
+        If it was still using its private channel when the run was left, the fault is that it did not leave the channel.
+        """
         if self._is_gone:
             self.skip("The robot's beacons ended")
         reports, sign = self.record.reports, self._last_sign()
@@ -314,7 +317,7 @@ class Play:
         return not self.box.box.commands.reasons_off(self.box.now(), self.box.box.zones[code], "connect")
 
     def press(self, command: str) -> None:
-        """The referee presses a button."""
+        """Give a referee's command, such as "start", in the connected run. Raises Refused."""
         self.box.event(self.box.box.command, self.code, command)
 
     async def start(self, again: bool = False) -> None:
@@ -377,7 +380,7 @@ class Play:
             self.works.setdefault(self.code, Work(prepared - began, self.loop.time() - prepared))
             if number + 1 < goals:
                 await self._next_goal(number + 2)
-        # The robot's last result and the box's STOP are two events; asyncio may run this in between (Python 3.13 does).
+        # The robot's last result and the box's STOP are two events; asyncio may resume this in between (3.13 does).
         await self.until(lambda: self.record.states[-1].state is BoxState.STOP, OBEY_S)
         await self.after_stop("at the end of the run")
 
@@ -396,7 +399,7 @@ class Play:
                          self.state_name)
 
     async def stop(self, where: str, cause: Optional[Cause] = None) -> None:
-        """Stop the run, measure the robot's reaction, and see that it stays in STOP. `cause`: of a late reaction."""
+        """Stop the run, measure the robot's reaction, and check that it stays in STOP. `cause`: of a late reaction."""
         self.press("stop")
         await self.after_stop(where, cause)
 
@@ -419,7 +422,7 @@ class Play:
             self.fail(Cause.STOP_IGNORED, f"the robot stays in STOP after a stop {where}", self.state_name)
 
     def _first_stop(self) -> int:
-        """The index of the first of the STOPs that the robot reported last."""
+        """The index of the report with which the robot's present series of STOPs began."""
         index = len(self.record.reports) - 1
         port = self.record.reports[index].port
         while index and self.record.reports[index - 1].port == port and (
@@ -428,7 +431,7 @@ class Play:
         return index
 
     async def leave(self) -> None:
-        """Disconnect, and see that the robot leaves its private channel."""
+        """Disconnect, and check that the robot leaves its private channel."""
         beacons = len(self.record.beacons)
         self._disconnect()
         if not await self.until(lambda: any(b.robot == self.robot and b.team == self.options.team

@@ -105,8 +105,8 @@ def _parser() -> argparse.ArgumentParser:
                       help="basic: beacon, clock, one benchmark, STOP in all states (about a minute). full: all "
                            "scenarios (about eight minutes) (default: %(default)s)")
     what.add_argument("--benchmarks", type=_codes, default=None, metavar="CODES",
-                      help="codes separated by commas. Basic uses the first of them (default: HGTKMH, for full "
-                           "all)")
+                      help="codes separated by commas. Level basic uses only the first one (default: HGTKMH; with "
+                           "level full: all)")
     what.add_argument("--only", type=_names, default=None, metavar="NAMES",
                       help="only these scenarios, separated by commas, whatever the level")
     what.add_argument("--list", action="store_true", help="list all scenarios, and end")

@@ -28,11 +28,11 @@ class Stalls:
             self._timer.cancel()
 
     def since(self, mono: float) -> float:
-        """How long the check was delayed since a time, in total (s)."""
+        """How long the check was delayed since the monotonic time `mono`, in total (s)."""
         return sum(seconds for end, seconds in self._found if end > mono)
 
     def worst(self, mono: float) -> float:
-        """The longest delay within a short time, since a time (s)."""
+        """The largest sum of delays within `TOGETHER_S`, since the monotonic time `mono` (s)."""
         found = [(end, seconds) for end, seconds in self._found if end > mono]
         worst = together = 0.0
         first = 0

@@ -14,7 +14,7 @@ REPORT_PERIOD_S = 1.0
 OTHERS = "others"
 """The sender that stands for all forgotten senders."""
 
-_OTHER_PROGRAM = "Likely another program on this port: choose another rsbb_port, or end it."
+_OTHER_PROGRAM = "Likely another program on this port: choose another rsbb_port, or end that program."
 _OTHER_PORT = "Likely its rsbb_port differs from ours, so that it confuses the channels."
 _PASSWORD = "Likely a wrong password in the robot (rsbb_key) or in the box (passwords file)."
 _LIKELY_CAUSE = {

@@ -43,7 +43,7 @@ class Reason(enum.Enum):
 
 
 class BadDatagram(Exception):
-    """The datagram is invalid. `reason` is for counting, `detail` for people; it never has the content."""
+    """The datagram is invalid. `reason` is for counting, `detail` for people; it never shows the content."""
 
     def __init__(self, reason: Reason, detail: str) -> None:
         super().__init__(f"{reason.value}: {detail}")
@@ -87,7 +87,7 @@ PRIVATE_TYPES = tuple(kind.type for kind in _KINDS if not kind.public)
 
 def encode(message: Message, cipher: Cipher = Cipher.NONE, key: Optional[Key] = None,
            iv: Optional[bytes] = None) -> bytes:
-    """Encode a message as a frame; `iv` is for tests, otherwise random.
+    """Encode a message as a frame. `iv`: initialisation vector, given by tests only; otherwise it is random.
 
     Raises ValueError (a type that is not sent on its own, a cipher without key, a wrong length of `iv`) or protobuf's
     EncodeError (a required field is missing).
@@ -161,12 +161,12 @@ def decrypt(datagram: bytes, key: Key) -> bytes:
 
 
 def decrypt_frame(opened: PrivateFrame, key: Key) -> bytes:
-    """As `decrypt`, for a frame that is already open."""
+    """Like `decrypt`, for a frame that is already open."""
     cipher, iv, ciphertext = opened
     payload = key.decrypt(cipher, iv, ciphertext)
     if payload is None:
         raise BadDatagram(Reason.UNDECRYPTABLE, "the padding is wrong")
-    # One in 256 wrong keys gives a valid padding; then the component id is wrong.
+    # One in 256 wrong keys gives a valid padding. Then the component id is almost certainly wrong.
     if len(payload) >= _IDS.size and not payload.startswith(_COMPONENT):
         raise BadDatagram(Reason.UNDECRYPTABLE, "the content is meaningless")
     return payload

@@ -4,13 +4,13 @@ A sender encrypts each datagram with a new random initialisation vector, so only
 network duplicated it, or somebody recorded it and sends it again. The protocol itself cannot distinguish a copy
 (docs/protocol.md, "Frame").
 
-This is a Bloom filter. It never forgets one of the last `CAPACITY` ciphertexts, and mistakes one in a few thousand new
-ones for a copy, which then counts as a lost datagram. Two filters take turns, so that neither fills up.
+This is a Bloom filter. It never forgets one of the last `bits // BITS_PER_ENTRY` ciphertexts. It mistakes about one in
+2,000 new ones for a copy, and that datagram counts as lost. Two filters take turns, so that neither fills up.
 """
 
 from typing import List
 
-# Ciphertexts that a filter of each size holds: then it mistakes one in 2,000 new ones for a copy.
+# Bits for each ciphertext in a full filter, which then mistakes one in 2,000 new ciphertexts for a copy.
 BITS_PER_ENTRY = 24
 _PROBES = 4
 

@@ -167,7 +167,8 @@ class CoreRadio:
         if private is None:
             return  # its channel could not be opened: the box uses another port
         if how is How.CHANGE and message.repeats(private.message):
-            # A module begins with STOP and requests PREPARE at once. On the network, one may overtake the other.
+            # A repeated state needs no burst. A module begins with STOP again and then requests PREPARE at once: on the
+            # network, that STOP could overtake PREPARE.
             how = How.QUIET
         private.message, private.made = message, None
         if how is How.QUIET and private.timer is not None:

@@ -72,7 +72,7 @@ _CATER: Tuple[Action, ...] = (
 
 
 def _actions(profile: Profile) -> Tuple[Action, ...]:
-    """What the dummy does in a benchmark. In one that it does not know, it sends a notification only."""
+    """What the dummy does in a benchmark. In an unknown one, it only sends a notification."""
     if profile is not OTHER and "visitor" in profile.uses:
         return _WELCOME
     if profile is not OTHER and DEVICES in profile.uses:

@@ -158,7 +158,7 @@ class RepeatedStrings:
         return content
 
     def acknowledged(self, number: int) -> bool:
-        """The box has received message `number`. Returns whether waiting strings can be sent now."""
+        """Note that the box has received message `number`. Returns whether waiting strings can be sent now."""
         absent = [key for key, without in self._left_out.items() if without <= number]
         for key in absent:
             del self._left_out[key]
@@ -209,7 +209,7 @@ class Link:
         self._times = MessageTimes()
         self._commands: Dict[str, Union[bool, int]] = {}  # by field of RobotState
         self._acknowledged = 0  # number of the latest message that the box has seen; 0: none
-        self._begun = -1  # the same at its latest STOP or PREPARE
+        self._begun = -1  # the number that its latest STOP or PREPARE acknowledged; -1: a goal followed
         self._fresh_mono = now_mono
 
     @property

@@ -41,7 +41,7 @@ class Silence:
         return float("inf") if self._reported else self._heard_mono + self._limit_s
 
     def heard(self, now_mono: float) -> bool:
-        """Something was received. Returns whether this ends a reported silence."""
+        """Note that something was received. Returns whether this ends a reported silence."""
         ended, self._reported = self._reported, False
         self._heard_mono = now_mono
         return ended
@@ -54,7 +54,7 @@ class Silence:
         return True
 
     def lasts(self, now_mono: float) -> bool:
-        """Whether nothing was received for the limit."""
+        """Whether nothing was received for `limit_s` seconds."""
         return now_mono >= self._heard_mono + self._limit_s
 
 
@@ -66,14 +66,14 @@ class OtherBoxes:
         self._last_mono = float("-inf")
 
     def heard(self, now_mono: float) -> float:
-        """Another box was received. Returns for how many seconds only others were."""
+        """Note that another box was received. Returns for how many seconds only other boxes were received."""
         if now_mono - self._last_mono > _GAP_S:
             self._since_mono = now_mono
         self._last_mono = now_mono
         return now_mono - self._since_mono
 
     def end(self) -> None:
-        """The robot's box was received."""
+        """Note that the robot's box was received."""
         self._last_mono = float("-inf")
 
 
@@ -84,7 +84,7 @@ class Reports:
         self._reported: Set[Tuple[Problem, Hashable]] = set()
 
     def once(self, problem: Problem, key: Hashable, text: str) -> List[Report]:
-        """The report, unless it was made before for this `problem` and `key`."""
+        """The report; empty if it was made before for this `problem` and `key`."""
         if (problem, key) in self._reported or len(self._reported) >= _MAX_REPORTED:
             return []
         self._reported.add((problem, key))

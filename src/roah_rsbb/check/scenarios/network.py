@@ -20,7 +20,7 @@ ALIVE_S = 4.0
 STALE_COPIES, STALE_PERIOD_S = 4, 0.2
 MAX_DATAGRAM, MANY = 1024, 40
 DRIFT_S, WINDOW_S = 60.0, 5.0
-# NTP slews a clock by at most 0.5 ms each second. The allowed skew of 0.1 s is reached in 100 s with the second one.
+# Seconds per second. NTP slews a clock by at most 5e-4. A clock that drifts by 1e-3 reaches the allowed skew in 100 s.
 NOTED_DRIFT, MOST_DRIFT = 6e-4, 1e-3
 CLOCK_SET_S = 0.02
 
@@ -52,7 +52,7 @@ async def stale(play: Play, code: str) -> None:
     else:
         await play.stop("in EXECUTING")
     since, run = len(play.record.reports), play.box.run_in(code)
-    # The network is not slower than this: the robot received all of them, so every one is a copy.
+    # The robot has received all of these by now, so each one is a copy.
     chosen = [old[len(old) * part // 4] for part in range(1, 4)]
     for _ in range(STALE_COPIES):
         for datagram in chosen:
