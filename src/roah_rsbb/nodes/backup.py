@@ -34,7 +34,7 @@ NO_FOLDER = "none"
 
 
 def own_address(bind_host: str) -> str:
-    """Return the address at which the core of this computer hears datagrams of this computer."""
+    """Return the address at which the core of this computer hears datagrams from this computer."""
     return "127.0.0.1" if bind_host == "0.0.0.0" else bind_host
 
 
@@ -124,7 +124,7 @@ class BackupNode:
         self._copies.append(_Reported(place, follower))
 
     def _confirm(self, question: CopyQuestion) -> None:
-        """The standby has everything that the core asked for. Another core may ask, with another journal."""
+        """Answer the core that the standby has everything. Another core may also ask, but its journal is not copied."""
         if question.box_uuid == self._copies[-1].follower.progress.box_uuid:
             self._confirmed.publish(question)
 

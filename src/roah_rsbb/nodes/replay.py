@@ -1,9 +1,9 @@
 """`rosrun roah_rsbb replay`: panels and public displays show an earlier run again (docs/results.md, "On panels and
 displays").
 
-The node publishes what the core published then: the topics that panels, terminal and public display read. A box of the
-core's own code makes the messages from the states in the journal. Everything is marked as a replay, and the core's
-services refuse every command.
+The node publishes what the core published at the time: the topics that panels, terminal and public display read. A box
+of the core's own code makes the messages from the states in the journal. Everything is marked as a replay, and the
+core's services refuse every command.
 """
 
 import os
@@ -73,7 +73,7 @@ Examples:
   replay /media/usb/roah_rsbb_journal.sqlite3 3 --speed 8
 
 RUN is a run's number in 'rosrun roah_rsbb results list', its identity, or the beginning of its identity. A ROS master
-must run, and no core. The benchmarks and the schedule come from configuration.json beside the journal.
+must be running, and no core. The benchmarks and the schedule come from configuration.json beside the journal.
 The exit status is 1 if the run cannot be replayed, or if a core is running.
 """
 
@@ -86,7 +86,7 @@ def live_core() -> Optional[str]:
 
 
 class _Impatient(xmlrpc.client.Transport):
-    """Calls of `ANSWER_S` at most."""
+    """Calls time out after `ANSWER_S` seconds."""
 
     def make_connection(self, host: Any) -> HTTPConnection:
         connection = super().make_connection(host)
@@ -95,8 +95,8 @@ class _Impatient(xmlrpc.client.Transport):
 
 
 def _publishes(master: rosgraph.Master, node: str) -> bool:
-    """Whether a node publishes the core's topics. The master also lists nodes that have crashed, and by now, another
-    process may have the port of such a node, even this one."""
+    """Whether a node publishes the core's topics. The master also lists nodes that have crashed. Another process,
+    even this one, may now use the port of such a node."""
     try:
         uri = master.lookupNode(node)
         if uri == rospy.get_node_uri():
@@ -157,7 +157,7 @@ class ReplayNode:
         return self._status
 
     def _event(self, method: Callable[..., Any], *arguments: object) -> None:
-        """Answer who only reads; refuse every command."""
+        """Answer calls that only read, and refuse every command."""
         if arguments:
             raise Refused(self._shown.box.warnings(self._shown.now))
         method(self._shown.now)
@@ -165,7 +165,7 @@ class ReplayNode:
     def _tick(self) -> None:
         self._ros.loop.call_later(PERIOD_S, self._tick)
         now_s = self._ros.loop.time()
-        # Nothing is skipped when this process was stopped for a while.
+        # If this process was stopped for a while, nothing is skipped.
         passed_s, self._last_s = min(now_s - self._last_s, LONGEST_TICK_S), now_s
         self._has_begun = self._has_begun or any(self._topics[kind].get_num_connections() for kind in BEGINS_WITH)
         if not self._has_begun:
@@ -188,7 +188,7 @@ class ReplayNode:
         self._ticks += 1
 
     def _publish(self) -> None:
-        # Panels call a message with the clock of the one before old, also at the end, where the clock is paused.
+        # Panels mark a message as old if its clock did not advance. So it advances a little even if no time passes.
         box, now = self._shown.box, self._shown.now.later(self._ticks * CLOCK_STEP_S)
         self._results.on_record_changed()
         self._judging.on_record_changed()

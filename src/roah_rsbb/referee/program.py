@@ -1,6 +1,6 @@
 """The referee in a terminal: `rosrun roah_rsbb referee`, over ssh and in scripts.
 
-It shows what the core publishes and gives the core's commands, as the panels do. The core decides what is allowed. The
+Like the panels, it shows what the core publishes and sends commands to the core. The core decides what is allowed. The
 exit status shows the result.
 """
 
@@ -27,7 +27,7 @@ def options_of(words: List[str]) -> argparse.Namespace:
     """Read a command line. Raises SystemExit after help and for wrong options."""
     top = parser()
     options = top.parse_args([word for word in words if ":=" not in word])
-    options.ros_arguments = [word for word in words if ":=" in word]  # for ROS, as of every program of ROS
+    options.ros_arguments = [word for word in words if ":=" in word]  # remappings, as for every ROS program
     if options.command is None:
         top.print_help(sys.stderr)
         sys.exit(int(Exit.USAGE))
@@ -59,5 +59,5 @@ def main() -> None:
     status = carry_out(options)
     sys.stdout.flush()
     sys.stderr.flush()  # Python 3.8 buffers it, too, unless it is a terminal
-    # A thread that still looks for the name of a computer would delay the end.
+    # A thread that is still resolving the name of a computer would delay the end.
     os._exit(status)

@@ -1,4 +1,4 @@
-"""The asyncio loop in the main thread, in which rospy's threads have their calls executed.
+"""The asyncio loop in the main thread. rospy's threads hand their calls over to it.
 
 It is the thread of docs/architecture.md, "One thread owns the core".
 """
@@ -37,7 +37,10 @@ class RosLoop:
         self._log_lines = LogLines()
 
     def call(self, function: Callable[[], T]) -> T:
-        """From a thread of rospy: run a function in the loop's thread, and return its result or raise its exception."""
+        """From a thread of rospy: run a function in the loop's thread, and return its result or raise its exception.
+
+        Raises ServiceException if the loop does not answer within `ANSWER_TIMEOUT_S`.
+        """
         done: concurrent.futures.Future[T] = concurrent.futures.Future()
 
         def run() -> None:

@@ -27,7 +27,7 @@ def reasons(raised: str) -> List[str]:
 
 
 def answered_reasons(answered: str) -> List[str]:
-    """The reasons in the text of a service's answer that is an error, as it is in the connection."""
+    """The reasons in a service's error answer, as read from the connection (without the words that rospy adds)."""
     return _listed(_without_prefix(answered))
 
 
@@ -67,7 +67,7 @@ def _without_prefix(text: str) -> str:
 
 
 def _list_in(text: str) -> Optional[List[str]]:
-    """The list of texts that `text` is in JSON; None if it is not one."""
+    """The list of texts that `text` encodes as JSON; None: it does not encode one."""
     try:
         found = json.loads(text)
     except ValueError:

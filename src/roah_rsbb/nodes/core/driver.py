@@ -121,7 +121,7 @@ class CoreDriver:
                 self._do(notice)
 
     def _take_effects(self) -> List[Effect]:
-        """The effects, which are recorded when this returns."""
+        """Return the box's effects. When this returns, the journal has them."""
         todo = self.box.take_effects()
         if todo:
             try:

@@ -30,7 +30,7 @@ ZONE_STATE = "zone:"
 
 
 class _Place(NamedTuple):
-    """Zone and run of the robot with a private port."""
+    """The zone and the run to which a private port belongs."""
 
     zone: str
     identity: str
@@ -44,7 +44,7 @@ class _Written(NamedTuple):
 
 
 def competition(config: Config) -> str:
-    """Identifies a competition by its events."""
+    """Return a text that identifies a competition by its events."""
     return _json([[zone.name, *key_of(event)] for zone in config.zones for event in zone.events])
 
 
@@ -96,7 +96,7 @@ class CoreJournal:
             self._unsaved.changed(now.mono, self._ticket, record)
 
     def lost(self) -> None:
-        """An internal error prevented a record."""
+        """Note that an internal error prevented a record."""
         self._is_lost = True
 
     def ticket(self) -> Optional[int]:
@@ -253,7 +253,7 @@ def saved_state(before: PreviousSession, now: Now, boot: str) -> Tuple[Saved, Li
 
 
 def _clock_value(clock: ClockView) -> Dict[str, Any]:
-    """Return the times of a run as JSON, in milliseconds at most. Limits that do not exist are omitted."""
+    """Return the times of a run as JSON values, in seconds with three decimals, without absent limits."""
     return {name: round(value, 3) if isinstance(value, float) else value
             for name, value in freeze(clock).items() if value != NO_LIMIT}
 

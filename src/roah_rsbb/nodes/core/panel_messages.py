@@ -39,7 +39,7 @@ class _Zone(NamedTuple):
 class PanelMessages:
     """Makes the messages of one box."""
 
-    # Clock skew and time of the latest message always change. Alone, they are only published after this many ticks.
+    # Clock skew and time of the latest message always change. If nothing else does, they wait for this many ticks.
     DETAILS_EVERY = 10
 
     def __init__(self, box: Box, box_uuid: str, addr: str) -> None:
@@ -75,7 +75,10 @@ class PanelMessages:
         )
 
     def details(self, now: Now) -> Optional[CoreDetails]:
-        """Return what `to_gui`, which was called at `now`, has no field for; None: unchanged since the last message."""
+        """Return the message with everything for which `to_gui` has no field; None: unchanged since the last one.
+
+        Call `to_gui` with the same `now` first.
+        """
         warnings = self._box.warnings(now)
         if warnings != self._warnings:
             self._warnings, self._details_due_in = warnings, 0
@@ -92,7 +95,7 @@ class PanelMessages:
         )
 
     def clocks(self, now: Now) -> Optional[RunClocks]:
-        """Return the times of all runs at `now`, at which `to_gui` was called; None: only time has passed."""
+        """Return the times of all runs; None: only time has passed. Call `to_gui` with the same `now` first."""
         self._clocks_due_in -= 1
         if self._clocks_due_in >= 0:
             return None

@@ -11,7 +11,7 @@ from roah_rsbb.results.standings import Choice, Standing, criteria_of, number_ce
 
 
 class PublicBoardMaker:
-    """Makes /core/public_board of a box, whenever it changed."""
+    """Makes the message /core/public_board of a box when its content has changed."""
 
     def __init__(self, box: Box, box_uuid: str, rules: Dict[str, Rules], titles: Mapping[str, str]) -> None:
         """`rules`: how benchmarks are ranked; `titles`: what they are called; both by their codes."""
@@ -26,7 +26,7 @@ class PublicBoardMaker:
         self._rules, self._titles, self._shown = rules, titles, None
 
     def take(self, view: PublicView) -> Optional[PublicBoard]:
-        """Return the message if it differs from the one at the last call."""
+        """Return the message if it differs from that of the last call; None: it does not."""
         signed = [record for record in self._box.finished.records() if record.sign_off is not None]
         # A signed-off run never changes, so its identity is enough.
         shown = (view.finished, view.provisional, tuple(record.identity for record in signed))

@@ -48,7 +48,7 @@ class Driven:
         return any(os.path.lexists(file_in(self._folder, zone, f"{self.code}.yaml")) for zone in zones)
 
     def reload(self) -> None:
-        """Read again what has changed. Other rules may have other parameters."""
+        """Read the changed files again. If the rules changed, read their parameters again, too."""
         is_changed = self._rules is not None and self._rules.reload()
         for path, file in list(self._parameters.items()):
             if is_changed:

@@ -33,7 +33,7 @@ def checked_state(state: ModulesState) -> ModulesState:
 
 
 def checked(progress: Progress) -> Progress:
-    """Limit the state of one module; sets `failed` if it is invalid."""
+    """Limit the state of one module. If it is invalid, `failed` of the returned state gives the reason."""
     problem = progress.failed or _problem_of(progress)
     request = None if problem or progress.request is None else _cleaned(progress.request)
     return Progress(
@@ -70,7 +70,7 @@ def _checked_score(score: ScoreValue) -> ScoreValue:
 
 
 def _json_scalar(text: str) -> str:
-    """Return a JSON scalar. Other values become a text, numbers that are not finite null."""
+    """Return a JSON scalar. Other values become a text, and numbers that are not finite become null."""
     try:
         value = json.loads(text, parse_constant=lambda _: None) if len(text) <= MAX_TEXT else text
     except (ValueError, RecursionError):

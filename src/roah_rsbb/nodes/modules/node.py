@@ -70,7 +70,7 @@ class ModulesNode:
         self._ros.close()
 
     def _leave(self) -> None:
-        """Report to the core that this process drives no benchmark. Otherwise it counts as present for a while."""
+        """Report to the core that this process drives no benchmark now. Otherwise it counts as present for a while."""
         # ROS may have shut down already.
         with contextlib.suppress(rospy.ROSException):
             _publish_and_wait(self._publisher, modules_state_message(ModulesState(self._node, (), ())))
@@ -114,7 +114,7 @@ class ModulesNode:
     # -- the rules ----------------------------------------------------------------------------------
 
     def _find_rules(self) -> None:
-        """Find the rules of all benchmarks, also those that were added or removed just now.
+        """Find the rules of all benchmarks. Files may have been added or removed since the last call.
 
         Rules in the competition's folder replace those of the package.
         """
@@ -153,7 +153,7 @@ class ModulesNode:
     # -- state --------------------------------------------------------------------------------------
 
     def _infos_of(self, driven: Driven) -> List[ModuleInfo]:
-        """Return the state of a benchmark in all zones, and in each zone in which it differs."""
+        """Return a benchmark's common state, and its state in each zone in which that differs."""
         driven.reload()
         common = self._info(driven, "")
         of_zones = [self._info(driven, zone) for zone in zone_folders(self._folder)]

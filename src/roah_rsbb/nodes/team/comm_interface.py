@@ -1,6 +1,6 @@
 """The ROS side of node roah_rsbb_comm: its topics and services.
 
-Some of them exist always, some only during a benchmark or a phase of it (docs/ros_interface.md, "Team's side").
+Some of them always exist, others only during a benchmark or a phase of it (docs/ros_interface.md, "Team's side").
 Advertising takes time, because it involves the ROS master. A separate thread does it, in order, so that the box gets a
 new state before the robot's programs do.
 """
@@ -167,7 +167,7 @@ class CommInterface:
         self._announce(code)
 
     def _end_state_topic(self) -> None:
-        """The topic remains between consecutive benchmarks, and ends without one."""
+        """End the topic of the state because no benchmark runs. Between consecutive benchmarks it remains."""
         if self._state_topic is not None:
             _end(self._state_topic)
             self._state_topic = self._state_number = None

@@ -33,7 +33,8 @@ from roah_rsbb.web.commands import PLAIN, STOP, Command, Outcome
 
 # A later answer is ignored. The page of a device waits a little longer.
 TIMEOUT_S = 5.0
-# Calls that wait at the same time: a core that hangs must not fill this process with threads. STOP has its own.
+# Maximum number of waiting calls (True: of STOP; False: of all others), so that a core that hangs does not fill this
+# process with threads.
 MAX_WAITING = {True: 8, False: 24}
 TOO_MANY = "too many commands are waiting for an answer: check that the core is running"
 
@@ -108,7 +109,7 @@ class CoreCalls:
         self._waiting = {True: 0, False: 0}  # by whether it is a STOP
 
     async def carry_out(self, command: Command) -> Outcome:
-        """Call the core's service; returns its answer, or after the timeout that there was none."""
+        """Call the core's service. Returns its answer, or after `TIMEOUT_S` seconds an outcome that is not known."""
         is_stop = command.name == STOP
         if self._waiting[is_stop] >= MAX_WAITING[is_stop]:
             return Outcome((TOO_MANY,), is_known=False)

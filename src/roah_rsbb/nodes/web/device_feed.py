@@ -1,5 +1,5 @@
-"""The topics for paired devices. They are subscribed to only while one is connected, or a team's page
-asks: they come ten times a second."""
+"""The topics for paired devices. Their messages come ten times a second, so the node subscribes to them only while such
+a device is connected or a team's page asks."""
 
 from typing import Callable, Optional
 
@@ -39,7 +39,7 @@ class DeviceFeed:
             self._feed.renew()
 
     def _take(self) -> None:
-        """Take the newest messages. The zones come last: they are made into documents."""
+        """Take the newest messages. The zones come last, because their message is what publishes the documents."""
         if self._feed is None:
             return
         desk, feed = self._desk, self._feed

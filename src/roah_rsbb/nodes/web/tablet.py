@@ -1,6 +1,6 @@
 """The tablet's page of the gateway: serves it on a port of its own, and sends touches to the box (docs/tablet.md).
 
-It works with missing parts: without a network or a free port it retries, and without a map there is still the call
+It works with missing parts: without a network or a free port it retries, and without a map it offers only the call
 button.
 """
 
@@ -52,7 +52,7 @@ class TabletPart:
         retry_until_open(self._ros.loop, self._open_server)
 
     def stop(self) -> None:
-        """End."""
+        """Stop serving, and stop sending to the box."""
         self._server.close()
         self._radio.close()
 
