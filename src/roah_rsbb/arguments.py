@@ -9,7 +9,7 @@ T = TypeVar("T")
 
 
 def called(name: str) -> str:
-    """Return a program's name as its user types it: pip installs `roah-rsbb check-robot` for ROS's `check_robot`."""
+    """Return a program's name as users type it: `check_robot` in ROS, `roah-rsbb check-robot` if pip installed it."""
     is_command = os.path.basename(sys.argv[0]) == "roah-rsbb"
     return f"roah-rsbb {name.replace('_', '-')}" if is_command else name
 
@@ -25,7 +25,7 @@ class Parser(argparse.ArgumentParser):
         super().__init__(prog=prog, description=description, epilog=epilog, allow_abbrev=False, **options)
 
     def parse_args(self, args: Any = None, namespace: Any = None) -> argparse.Namespace:
-        """Parse, or print the possible words and end the program if bash asks for them."""
+        """Parse the arguments. If bash asks for completions, print these instead and end the program."""
         if "_ARGCOMPLETE" in os.environ:
             import argcomplete
 
@@ -51,7 +51,7 @@ def number(low: float, high: float) -> Callable[[str], float]:
 
 
 def read_by(read: Callable[[str], T]) -> Callable[[str], T]:
-    """A type for argparse: what `read` returns. The text of its ValueError is the error."""
+    """A type for argparse: the value that `read` returns. If it raises ValueError, the user sees that text."""
     def read_argument(text: str) -> T:
         try:
             return read(text)

@@ -1,4 +1,4 @@
-"""QR codes, with the library python3-qrcode. Without it nobody is stopped: addresses can be typed."""
+"""QR codes, with the library python3-qrcode. Without it, users type the address instead."""
 
 from typing import List, Optional
 
@@ -8,7 +8,7 @@ _BORDER = 2
 
 
 def modules_of(text: str) -> Optional[List[List[bool]]]:
-    """Return the rows of a text's QR code, with its border; True is dark. None: the library is not installed."""
+    """Return the rows of a text's QR code with its border. True: a dark module. None: the library is not installed."""
     try:
         import qrcode
     except ImportError:

@@ -1,4 +1,4 @@
-"""Detects that Python imported another copy of this package than the one that pip installed."""
+"""Detects when Python has imported a copy of this package other than the one that pip installed."""
 
 import importlib.metadata
 import os
@@ -24,7 +24,7 @@ def replaced() -> str:
 
 
 def warn_if_replaced() -> None:
-    """Print that warning, if there is one."""
+    """Print the warning of `replaced` on standard error, if there is one."""
     text = replaced()
     if text:
         print(f"warning: {text}", file=sys.stderr)

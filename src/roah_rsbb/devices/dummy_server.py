@@ -11,7 +11,7 @@ class DummyServer:
     """Reports received messages by `report(text)`. `open` raises OSError."""
 
     def __init__(self, host: str, port: int, report: Callable[[str], None]) -> None:
-        """`port` 0: any free port; the attribute `port` has it after `open`."""
+        """`port` 0: any free port; after `open`, the attribute `port` has its number."""
         self.host, self.port = host, port
         self._report = report
         self._server: Optional[asyncio.AbstractServer] = None

@@ -1,7 +1,7 @@
-"""The configuration of the box: three YAML files, read and checked once, at the start.
+"""The configuration of the box: three YAML files, read and checked at the start and at each reload.
 
 Comments at the top of each file in ``config/`` describe its format. All errors of all files are reported at once, and
-the box does not start. A name whose definition has an error is not reported again where another file uses it.
+the configuration is not used. A name whose definition has an error is not reported again where another file uses it.
 """
 
 import os
@@ -85,7 +85,7 @@ _BENCHMARK_OPTIONAL = {
     "timed_out_goal": "completed", "about": "The robot explores the home.",
     "judges": "2", "objection_time": "900",
 }
-# Spectators read it on a screen, in a moment.
+# Spectators read it on a screen, so it must be short.
 _MAX_ABOUT_BYTES = 300
 _LANGUAGE = re.compile("[a-z]{2,3}(_[A-Z]{2})?")
 _DEFAULT_LANGUAGE = "en"
@@ -175,7 +175,7 @@ class BenchmarksFile:
         return code if isinstance(node, Mapping) and node.whole else None
 
     def _warn_of_limits(self, benchmark: Benchmark, got: Dict[str, Node]) -> None:
-        """Warn of limits that have no effect."""
+        """Warn about limits that have no effect."""
         code, timeout, total = benchmark.code, benchmark.timeout, benchmark.total_timeout
         is_unused = total > timeout or total < timeout == NO_LIMIT
         if is_unused and benchmark.kind is not BenchmarkKind.FUNCTIONALITY:
@@ -294,7 +294,7 @@ class BenchmarksFile:
         return profile if goal is None else replace(profile, runs_until_timeout=_TIMED_OUT_GOAL[goal])
 
     def _timed_out_goal(self, node: Optional[Node], kind: Optional[BenchmarkKind]) -> Optional[str]:
-        """Read what a goal is whose timeout is over; empty after an error; None: not given."""
+        """Read what a goal counts as when its timeout is over; empty after an error; None: not given."""
         if node is None:
             return None
         if kind not in (None, BenchmarkKind.FUNCTIONALITY):

@@ -75,7 +75,7 @@ class Report:
             self.error(place, found, f"{expected}: it is already in line {first.line}")
 
     def warn(self, place: Place, text: str) -> None:
-        """Warn of something that is allowed but probably a mistake."""
+        """Add a warning about something that is allowed but probably a mistake."""
         self.warnings.append(f"{place}: {text}")
 
     def raise_errors(self) -> None:
@@ -95,7 +95,7 @@ def quote(text: str) -> str:
 
 
 def line_list(lines: List[int]) -> str:
-    """``3, 7 and 12``, or where there are many ``3, 7, ... and 90 more``."""
+    """Return numbers as a text: ``3, 7 and 12``, or if there are many ``3, 7, ... and 90 more``."""
     shown = [str(line) for line in lines]
     if len(shown) > _LINES_SHOWN:
         shown[_LINES_SHOWN:] = [f"{len(shown) - _LINES_SHOWN} more"]
@@ -103,6 +103,6 @@ def line_list(lines: List[int]) -> str:
 
 
 def listing(words: Iterable[str]) -> str:
-    """``a, b and c``."""
+    """Return words as a text: ``a, b and c``."""
     words = list(words)
     return ", ".join(words[:-1]) + " and " + words[-1] if len(words) > 1 else "".join(words)

@@ -40,8 +40,8 @@ class TabletServer:
     ) -> None:
         """`folder`: the page's files; `names`: of this computer (`limits.own_names`).
 
-        `on_touch()` is called when a page touched the tablet, `on_presence(there)` each second with whether any page is
-        open.
+        `on_touch()` is called when a page touched the tablet. `on_presence(there)` is called each second and reports
+        whether any page is open.
         """
         self._loop = loop
         self.names = names
@@ -73,7 +73,7 @@ class TabletServer:
         return self._listening[0].getsockname()[1]
 
     def close(self) -> None:
-        """Stop serving; has no effect if closed."""
+        """Stop serving. Has no effect if it is closed already."""
         if self._timer is not None:
             self._timer.cancel()
         for page in list(self._sockets):

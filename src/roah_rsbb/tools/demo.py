@@ -16,7 +16,7 @@ from roah_rsbb.arguments import Parser
 from roah_rsbb.tools import launched
 
 ZONE = "Testing TestingTeam"
-# For each benchmark, the scripted referee's options besides those that conduct the run.
+# For each benchmark, further options of the scripted referee.
 RUNS: Dict[str, List[str]] = {
     "HGTKMH": ["--score", "door=1", "--score", "moved furniture=2"],
     "HNF": ["--operations", "automatic"],
@@ -30,7 +30,7 @@ FIRST_TABLET_PORT = 8080
 # Seconds. A dummy run takes seconds; the robot is found after the box has listened for another box.
 WAIT_FOR_ROBOT_S = 40
 STOP_S = 15
-# Lines of output that are shown after a failure.
+# Characters of output that are shown after a failure.
 SHOWN_CHARACTERS = 1500
 
 
@@ -78,7 +78,7 @@ def _launched(command: List[str], environment: Dict[str, str]) -> Iterator[None]
 
 
 def _last_lines() -> str:
-    """Return the last lines of the programs' output, which show why they could not start."""
+    """Return the end of the programs' output, which shows why they could not start."""
     with open(LAUNCH_LOG, encoding="utf-8", errors="replace") as log:
         return "".join(line for line in log.readlines() if line.strip())[-SHOWN_CHARACTERS:]
 

@@ -7,7 +7,7 @@ import subprocess
 
 
 def end(launch: subprocess.Popen, limit_s: float) -> None:
-    """Ask it to end its nodes, as Ctrl-C does, and wait. After `limit_s` seconds, kill it and its nodes."""
+    """Ask roslaunch to end its nodes, as Ctrl-C does, and wait. After `limit_s` seconds, kill it and its nodes."""
     with contextlib.suppress(ProcessLookupError):
         launch.send_signal(signal.SIGINT)
     try:

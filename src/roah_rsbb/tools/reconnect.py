@@ -78,7 +78,7 @@ def clients(processes: Sequence[Process]) -> List[Process]:
 
 
 def is_started_by_launch(words: Sequence[str]) -> bool:
-    """Whether this is roslaunch, whose windows end with it, or a client."""
+    """Whether this is a client, or a roslaunch, with which the windows that it started end."""
     return is_client(words) or any(os.path.basename(word) == "roslaunch" for word in words[:2])
 
 
@@ -103,7 +103,7 @@ def _strings(pid: object, what: str) -> List[str]:
 def descendants(pid: int, processes: Sequence[Process]) -> List[int]:
     """Return a process and all that it started."""
     found = [pid]
-    for each in found:  # it grows meanwhile
+    for each in found:  # the list grows during the loop
         found += [process.pid for process in processes if process.parent == each]
     return found
 
@@ -184,5 +184,5 @@ def main() -> None:
     except (Refused, OSError) as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
         sys.exit(1)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches them, too, and this program waits for them
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C also reaches the started programs, for which this one waits
     sys.exit(max(abs(process.wait()) for process in started))

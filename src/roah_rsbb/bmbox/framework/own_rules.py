@@ -1,7 +1,7 @@
 """Loads the rules of a functionality benchmark from a file of the competition: `modules/CODE.py`.
 
-The file is the organiser's own code. Whatever is wrong with it is reported like every error of a configuration file,
-with file and line, and costs no other benchmark.
+The file is the organiser's own code. Each fault in it is reported like an error in a configuration file, with file and
+line. It does not affect other benchmarks.
 """
 
 import ast
@@ -33,7 +33,7 @@ def own_files(folder: str) -> Dict[str, str]:
 
 
 def load_rules(path: str) -> Type[Module]:
-    """Load the benchmarking module of the code that the file is named by; raises ConfigErrors."""
+    """Load the benchmarking module from a file that is named after the benchmark's code; raises ConfigErrors."""
     report = Report()
     code = os.path.splitext(os.path.basename(path))[0]
     text = read_text(path, report, f"the rules of {code}")
@@ -60,7 +60,7 @@ def _classes(report: Report, path: str, code: str, text: str) -> List[Type[Modul
     name = f"roah_rsbb_rules_{code}"
     file = types.ModuleType(name)
     file.__file__ = path
-    sys.modules[name] = file  # classes find their names there
+    sys.modules[name] = file  # dataclasses and others look up a class's module there
     try:
         exec(compile(text, path, "exec"), file.__dict__)
     except SyntaxError as error:
@@ -99,7 +99,7 @@ def place_of(path: str, error: BaseException) -> str:
 
 
 def _line(path: str, error: BaseException) -> int:
-    """Return the line in this file that an exception comes from; 0 if it comes from another one."""
+    """Return the line in this file that an exception comes from; 0 if it comes from another file."""
     lines: List[Optional[int]] = [
         frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == path]
     return lines[-1] or 0 if lines else 0

@@ -1,4 +1,4 @@
-"""Reads results of robots safely: no input takes much time or does harm.
+"""Reads results of robots safely: no input can do harm or take much time.
 
 A result is YAML (docs/protocol.md, "Goals and results") from an unknown robot. A module declares what it expects.
 Any other result is rejected, with a reason for the referee.
@@ -68,7 +68,7 @@ def _number(text: str) -> Optional[float]:
 
 
 _WHOLE = re.compile("[+-]?[0-9]{1,18}")
-# For each kind: the value of a text (None: it is not one), and what is expected.
+# For each kind, a function from a text to its value (None: the text is not of this kind) and to what is expected.
 _READERS: Dict[type, Callable[[str], Tuple[Any, str]]] = {
     str: lambda text: (text, "a text"),
     float: lambda text: (_number(text), "a number"),

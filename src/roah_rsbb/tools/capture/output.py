@@ -17,7 +17,7 @@ from roah_rsbb.wording.texts import escaped
 
 
 def fields_of(message: Message) -> Dict[str, Any]:
-    """The fields that a message contains: numbers, bools, texts, names of enum values, lists, dicts of messages."""
+    """The fields that a message contains: numbers, bools, texts, names of enum values, lists, and messages as dicts."""
     return {field.name: _field_value(field, value) for field, value in message.ListFields()}
 
 
@@ -68,7 +68,7 @@ class DatagramFilter:
         return entry.team == self._team
 
     def _changed(self, entry: HeardDatagram) -> bool:
-        """Whether it differs from the latest one of its sender and type, ignoring times."""
+        """Whether a datagram differs from the latest one of the same sender and type, ignoring times."""
         if entry.kind is not DatagramKind.MESSAGE:
             kind, content = entry.kind.value, entry.text.encode("utf-8", "replace")
         else:

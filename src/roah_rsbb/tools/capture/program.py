@@ -71,7 +71,7 @@ def parse_options(arguments: Optional[List[str]]) -> argparse.Namespace:
     source.add_argument("--host", default="10.255.255.255",
                         help="the network's broadcast address, like the box's rsbb_host (default: %(default)s)")
     source.add_argument("--port", type=_port, default=6666, help="public UDP port (default: %(default)s)")
-    source.add_argument("--plain", action="store_true", help="hear broadcasts only, also as root")
+    source.add_argument("--plain", action="store_true", help="hear broadcasts only, even as root")
     source.add_argument("--duration", type=number(0, 1e9), metavar="S", help="end after this many seconds")
     keep = source.add_mutually_exclusive_group()
     keep.add_argument("--write", metavar="FILE", help="record all datagrams in a new file (they stay encrypted)")
@@ -135,7 +135,7 @@ def _passwords_by_team(path: str) -> Dict[str, str]:
 
 
 def _decoder(options: argparse.Namespace, rsbb_port: int) -> Decoder:
-    """Raises ValueError or ConfigErrors, which name the remedy."""
+    """Make the decoder with the given passwords. Raises ValueError or ConfigErrors, which name the remedy."""
     passwords = _passwords_by_team(options.passwords) if options.passwords is not None else {}
     password = own_password(options.password, options.password_file)
     if password is not None and options.team is not None:
@@ -144,7 +144,7 @@ def _decoder(options: argparse.Namespace, rsbb_port: int) -> Decoder:
 
 
 def _listener(options: argparse.Namespace, decoder: Decoder, screen: _Screen) -> Listener:
-    """Raises OSError whose text names the remedy."""
+    """Open the best listener that this user may use. Raises OSError whose text names the remedy."""
     host = sockets.resolve(options.host, "--host")
     if not options.plain:
         try:

@@ -16,7 +16,7 @@ from roah_rsbb.rulebook.yaml_lines import Scalar
 from roah_rsbb.tools.competition.plan import Break, read_clock, read_day, read_time
 from roah_rsbb.tools.competition.rulebooks import Answer, Benchmarks
 
-# Two zones are what a competition usually has (docs/organiser.md, "A first competition").
+# A competition usually has two zones (docs/organiser.md, "A first competition").
 _TASKS, _OTHERS = "Task Benchmarks", "Functionality Benchmarks"
 _MAX_MINUTES = 24 * 60
 
@@ -120,7 +120,7 @@ def read_rounds(report: Report, place: Place, given: str) -> Optional[int]:
 
 
 def are_of(kind: BenchmarkKind, benchmarks: Benchmarks) -> Callable[[str], bool]:
-    """Return a function that says whether a code is of this kind."""
+    """Return a function that returns whether a code is of this kind."""
     return lambda code: benchmarks[code].kind is kind
 
 
@@ -204,8 +204,8 @@ def questions(benchmarks: Benchmarks) -> Tuple[Question, ...]:
                  "codes of the benchmarks, or 'tasks', or 'all'",
                  "Benchmarks: codes separated by commas, or 'tasks', or 'all'", of_sheet=True),
         Question("zones", of_codes(read_zones, benchmarks), "'Home: HGTKMH HWV, Arena: HNF'",
-                 "zones, which run in parallel, each with its own referee; with the benchmarks of each, or 'all', or "
-                 "without, then the benchmarks are distributed. Zones with the same benchmark share its teams "
+                 "zones, which run in parallel, each with its own referee. Name the benchmarks of each zone, or 'all'; "
+                 "zones without any share the remaining ones. Zones with the same benchmark share its teams "
                  "(default: a zone for task benchmarks, one for the others)",
                  "Zones, such as 'Home, Arena' or 'Home: HGTKMH HWV, Arena: HNF' (press Enter for one with task "
                  "benchmarks and one with the others)", "", True),
@@ -254,7 +254,7 @@ def known_answers(
 
     Errors in options are added to the report. At the terminal, a question is repeated after an error; `hints` by option
     are printed first. `ask` is None without a terminal. `usual`: the answers of the rulebook. With a sheet, the
-    questions that it answers are skipped.
+    questions that it answers are skipped. Raises `Missing`.
     """
     found: Dict[str, object] = {}
     missing: List[Question] = []

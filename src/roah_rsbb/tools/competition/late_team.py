@@ -8,7 +8,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, ScheduledEvent, ZonePlan
 from roah_rsbb.tools.competition.plan import UTC, PlannedRun, PlannedZone, VenueClock, planned_s
 
-# A run of the late team in addition to the benchmark's limit, where the schedule shows no longer interval.
+# Set-up time of a run, in addition to the longest benchmark, if the intervals of the schedule are shorter than that.
 _SET_UP = datetime.timedelta(minutes=5)
 
 
@@ -27,7 +27,8 @@ def late_runs(
 ) -> Dict[str, List[PlannedRun]]:
     """Return the runs of a late team by zone: each benchmark and round that other teams do, once.
 
-    Each run follows the last one of the zone and day in which the benchmark's round is done last. `days`: only these.
+    A run comes at the end of the day, in the zone and on the day where other teams do this round of the benchmark last.
+    `days`: consider only these.
     """
     lasts = _last_places(zones, clock, days)
     interval = {zone.name: _interval(zone.events) for zone in zones}
@@ -51,7 +52,7 @@ def late_runs(
 def _last_places(
     zones: Sequence[ZonePlan], clock: VenueClock, days: Optional[Sequence[datetime.date]]
 ) -> Dict[Tuple[str, int], Tuple[str, datetime.date]]:
-    """Zone and day of the last run of each benchmark and round that teams do one by one."""
+    """The zone and the day of the last run, for each benchmark and round that teams do one by one."""
     runs = [(run, zone.name) for zone in zones for run in map(_planned, zone.events) if run.team != ALL_TEAMS]
     found: Dict[Tuple[str, int], Tuple[str, datetime.date]] = {}
     for run, zone in sorted(runs, key=lambda entry: entry[0].begins):
@@ -62,7 +63,7 @@ def _last_places(
 
 
 def _interval(events: Sequence[ScheduledEvent]) -> datetime.timedelta:
-    """The shortest time between two runs of a zone, and enough for its longest benchmark."""
+    """The shortest interval between two runs of a zone, or a longer one that its longest benchmark needs."""
     longest = datetime.timedelta(seconds=max(planned_s(event.benchmark) for event in events))
     gaps = [after.scheduled - before.scheduled for before, after in zip(events, events[1:])]
     gap = datetime.timedelta(seconds=min((gap for gap in gaps if gap > 0), default=0))

@@ -200,7 +200,7 @@ def _turns(
 def _same_time(
     zones: Dict[str, List[str]], waiting: Dict[str, List[_Turn]]
 ) -> Iterator[Tuple[str, str, _Turn]]:
-    """Take for each zone a turn that can take place at the same time as the others; with the zone and the benchmark.
+    """Take turns that can take place at the same time, at most one for each zone. Yields zone, benchmark and turn.
 
     A zone waits while the remaining teams of its present benchmark are busy in other zones.
     """

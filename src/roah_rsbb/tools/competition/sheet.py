@@ -183,7 +183,7 @@ class _Sheet:
 
 
 def _plan(report: Report, rows: List[_Row]) -> Plan:
-    """Make the plan from the rows. Missing rounds are numbers of days; missing runs are numbered."""
+    """Make the plan from the rows. A missing round is the number of its day. Missing runs are numbered by time."""
     days = sorted({row.day for row in rows})
     zones: Dict[str, List[PlannedRun]] = {row.zone: [] for row in rows}
     seen: Dict[Tuple[str, str, int, int], Place] = {}
@@ -203,7 +203,7 @@ def _plan(report: Report, rows: List[_Row]) -> Plan:
 
 
 def _warn_of_names(report: Report, rows: List[_Row]) -> None:
-    """Warn of names that differ only in case or spaces, because they are probably the same."""
+    """Warn about names that differ only in case or spaces, because they are probably the same."""
     for what, names in (("team", [(row.team, row.place) for row in rows]),
                         ("zone", [(row.zone, row.place) for row in rows])):
         first: Dict[str, str] = {}
