@@ -9,10 +9,10 @@ from roah_rsbb.wording.language import Translate
 # The context of our texts in the files. Further contexts are those of Qt's own texts.
 CONTEXT = "roah_rsbb"
 
-# The forms of a text, by context and English text: one, or several for one with a count.
+# The forms of a text, by context and English text: one form, or several if the text has a count.
 Texts = Dict[Tuple[str, str], Tuple[str, ...]]
 
-# Which form a count has, where it is not the first one for 1 and the second one for all others.
+# Languages with other rules than "the first form for 1, the second for all other counts": count to index of the form.
 _FORMS: Dict[str, Callable[[int], int]] = {
     "fr": lambda n: int(n > 1),
     "ja": lambda n: 0,
@@ -42,7 +42,7 @@ def form(language: str, forms: Optional[Tuple[str, ...]], n: int) -> Optional[st
 
 
 def translation(language: str, texts: Texts) -> Translate:
-    """Return the function that translates our texts into a language. What is missing stays English."""
+    """Return the function that translates our texts into a language. Texts without a translation stay English."""
     def translate(text: str, n: int) -> str:
         return form(language, texts.get((CONTEXT, text)), n) or text
     return translate

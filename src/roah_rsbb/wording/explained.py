@@ -44,7 +44,7 @@ def explained(run, language: str, shows_outcomes: bool) -> ExplainedTexts:
 
 
 def _about(run, language: str) -> str:
-    """The text in a language; without it, in English; else the first one."""
+    """The text in a language. If that is missing, the English one, or else the first one."""
     texts = dict(zip(run.languages, run.about))
     for name in (language, language.partition("_")[0], _ENGLISH):
         if name in texts:
@@ -53,8 +53,8 @@ def _about(run, language: str) -> str:
 
 
 def _steps(run) -> List[ShownStep]:
-    """The phases of a task or, without them, what happens in every run. Goals repeat: no step of theirs is ever over
-    while the run continues."""
+    """The phases of a task or, without them, what happens in every run. Goals repeat, so their
+    steps are never done while the run continues."""
     if run.phases:
         is_over = run.doing == "ended"
         return [ShownStep(name, DONE if is_over or number < run.phase else NOW if number == run.phase else LATER)

@@ -1,4 +1,4 @@
-"""Several judges of a run, and the way of its result from provisional to final, as people read them.
+"""Several judges of a run, and how its result becomes final, as people read them.
 
 Panel, terminal and pages show this model of /core/judging and of the answer of /core/judges (docs/ros_interface.md,
 "Services of the core"), in these words. The names of the fields are those of the terminal's JSON output
@@ -45,7 +45,7 @@ class JudgeLine(NamedTuple):
 
 
 class Judging(NamedTuple):
-    """How far the judges of a run and its result are, without any values."""
+    """The progress of a run's judges and of its result, without any values."""
 
     zone: str
     identity: str
@@ -53,7 +53,7 @@ class Judging(NamedTuple):
     count: int = 0  # judges that the benchmark asks for; 0: the referee scores
     rule: str = ""
     missing: int = 0
-    complete: bool = False  # nobody is waited for
+    complete: bool = False  # no more sheets are expected
     judges: Tuple[JudgeLine, ...] = ()
     waiver: str = ""  # why missing judges are not waited for; empty: they are
     differences: int = 0
@@ -112,7 +112,7 @@ def judging_of(message) -> Judging:
 
 
 def judged_of(answer) -> Tuple[Judged, ...]:
-    """Read the items of a GetJudging response; empty: the judges are waited for."""
+    """Read the items of a GetJudging response; empty: more sheets are expected."""
     items = {(item.group, item.desc): item for item in answer.items}
     numbers = {key: number for number, key in enumerate(items, 1)}
     return tuple(_judged(one, items[one.group, one.desc], numbers[one.group, one.desc]) for one in answer.judged)
@@ -138,8 +138,10 @@ def objections_of(answer) -> Tuple[ObjectionLine, ...]:
 
 
 def judgings_of(judgings: Iterable[Any], runs: Iterable[Any], zone: str) -> List[Judging]:
-    """Return how far judges and results are of the runs of a zone that are not signed off: first those with judges or a
-    published result. `judgings`: Judging messages; `runs`: RunSummary."""
+    """Return the progress of all runs of a zone that are not signed off, first those with judges or a published result.
+
+    `judgings`: Judging messages; `runs`: RunSummary messages.
+    """
     found = [judging_of(one) for one in judgings if one.zone == zone]
     known = {one.identity for one in found}
     return found + [Judging(zone, run.identity) for run in runs if run.zone == zone and run.closed.to_sec()
@@ -150,12 +152,12 @@ def judgings_of(judgings: Iterable[Any], runs: Iterable[Any], zone: str) -> List
 
 
 def judge_state(judge: JudgeLine) -> str:
-    """Return how far a judge is."""
+    """Return the state of a judge's work."""
     return tr(SUBMITTED if judge.submitted_utc_s else LOOKS_AGAIN if judge.again else JUDGING)
 
 
 def judge_line(judge: JudgeLine) -> str:
-    """Return a judge, and how far the judge is."""
+    """Return a line with a judge and the state of the judge's work."""
     again = f" ({judge.again})" if judge.again else ""
     return f"{'✔' if judge.submitted_utc_s else '…'} {judge.judge}: {judge_state(judge)}{again}"
 
@@ -173,7 +175,7 @@ def differences_text(judging: Judging) -> str:
 
 
 def publication_text(judging: Judging, utc_s: float, when: Callable[[float], str]) -> str:
-    """Return how far the result is published at the time `utc_s`; empty: it is not."""
+    """Return the state of the publication at the time `utc_s`; empty: the result is not published."""
     if judging.published_utc_s is None:
         return ""
     until = judging.objections_until_utc_s or 0.0

@@ -41,12 +41,12 @@ When = Callable[[float], str]
 
 
 def turn(round_number: int, run: int) -> str:
-    """Return which turn of a team a run is."""
+    """Return the round and the number of a run as a text."""
     return tr("round {round}, run {run}", round=round_number, run=run)
 
 
 def run_name(code: str, team: str, round_number: int, run: int) -> str:
-    """Return which run it is."""
+    """Return the name of a run for people."""
     return tr("{benchmark}, team {team}, {turn}", benchmark=code, team=team, turn=turn(round_number, run))
 
 
@@ -132,12 +132,12 @@ def item_value(type_: str, value: int, not_attempted: bool = False, text: str = 
 
 
 def ratings_text(ratings: Iterable[Tuple[str, str]]) -> str:
-    """Return such as "Anna 7, Ben 8.5"; `ratings`: judges and what they gave."""
+    """Return ratings as a text, such as "Anna 7, Ben 8.5"; `ratings`: judges and what they gave."""
     return ", ".join(f"{judge} {text}" for judge, text in ratings if text)
 
 
 def is_marked(value: int, text: str) -> bool:
-    """Return whether the value of an item is another than at the beginning."""
+    """Return whether the value of an item differs from its initial value."""
     return bool(value) or text not in ("", "0")
 
 
@@ -150,12 +150,15 @@ class GroupOfValues(NamedTuple):
 
 
 def sums_text(groups: Iterable[GroupOfValues]) -> str:
-    """Return such as "Achievements 5 (1 not attempted) · Penalized 2". A yes counts 1; empty groups are left out."""
+    """Return the sums of groups, such as "Achievements 5 (1 not attempted) · Penalized 2".
+
+    A yes counts as 1; empty groups are left out.
+    """
     return " · ".join(_sum(group) for group in groups if group.values)
 
 
 def points_text(total: str, groups: Iterable[Tuple[str, str]]) -> str:
-    """Return such as "85 points: Achievements 100 · Penalized -15"; with one group its points only."""
+    """Return the points, such as "85 points: Achievements 100 · Penalized -15"; of a single group only the total."""
     groups = list(groups)
     more = ": " + " · ".join(f"{name} {points}" for name, points in groups) if len(groups) > 1 else ""
     return tr("{points} points", points=total) + more

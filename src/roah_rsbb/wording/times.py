@@ -138,7 +138,7 @@ class Moments(NamedTuple):
 
 
 def offset_s(utc_s: float) -> int:
-    """Seconds that local time is ahead of UTC."""
+    """Return by how many seconds local time is ahead of UTC."""
     try:
         return time.localtime(utc_s).tm_gmtoff
     except (OverflowError, OSError, ValueError):
@@ -181,7 +181,7 @@ def date_time(utc_s: float, in_utc: bool = False) -> str:
 
 
 def optional_date_time(utc_s: Optional[float], in_utc: bool = False) -> str:
-    """The same; 0 and None mean that it has not happened."""
+    """Like `date_time`. For 0 and None, which mean that it has not happened, return `NOTHING`."""
     return date_time(utc_s, in_utc) if utc_s else NOTHING
 
 
