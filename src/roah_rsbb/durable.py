@@ -10,7 +10,7 @@ USUAL = 0o666
 
 
 def write_file(path: str, content: bytes, mode: int = PRIVATE) -> None:
-    """Write a file whole or not at all. Raises OSError, and the old file stays: also if its draft is a link."""
+    """Write a file whole or not at all. Raises OSError, also if its draft is a link; the old file then stays."""
     draft = f"{path}.new"
     if not os.path.islink(draft):
         with contextlib.suppress(FileNotFoundError):

@@ -18,7 +18,7 @@ class HOPF(Module):
 
     All accuracies are shares of all goals of the run; a goal that timed out counts as wrong. With fewer items than
     configured goals, the run has one goal per item, and the referee is warned. Class and instance must match the
-    configured texts exactly. A result without a pose is still scored for its class, and the other way round.
+    configured texts exactly. A result without a pose is still scored for its class, and vice versa.
     """
 
     CODE = "HOPF"

@@ -23,8 +23,8 @@ class HPFF(Module):
 
     Measuring begins in the eighth second of execution. The path between two samples half a second apart counts as
     covered if the distance was between minimum and maximum at both. Without both poses, no path is counted. The
-    length of a run is the time from the start to the end of the goal. It also decides about runs that the referee
-    stops or that time out. Without motion capture, only the length of the run is scored.
+    length of a run is the time from the start to the end of the goal. It also decides whether a
+    run failed that the referee stopped or that timed out. Without motion capture, only the length of the run is scored.
     """
 
     CODE = "HPFF"
@@ -106,5 +106,5 @@ def add_sample(sums: Dict[str, Any], executing_s: float, robot: Any, person: Any
 
 
 def is_failed(length_s: float, timeout: float) -> bool:
-    """Whether a run of this length is a failed run. `timeout`: of the goal; 0: no limit, then none fails."""
+    """Whether a run of this length is a failed run. `timeout`: of the goal (s); 0: no limit, so no run fails."""
     return bool(timeout) and abs(length_s - timeout) > TOLERANCE_S

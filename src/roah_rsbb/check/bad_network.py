@@ -88,7 +88,7 @@ class BadPeer:
         return getattr(self._peer, name)
 
     def send(self, datagram: bytes, host: str) -> bool:
-        """Send, as `Peer.send`. A datagram that the bad network loses counts as sent."""
+        """Send like `Peer.send`. A datagram that the bad network loses counts as sent."""
         if self._is_private and self._network.keep:
             self._network.sent.append(datagram)
         self._network.treat(self._network.out, lambda: self._peer.send(datagram, host))

@@ -142,7 +142,7 @@ class PrivateChannel(_Channel):
         on_copy: Callable[[Address], None] = lambda sender: None,
         make_peer: Optional[MakePeer] = None,
     ) -> None:
-        """As `PublicChannel`. `cipher` is used for sending (ValueError for NONE); all ciphers are accepted.
+        """Like `PublicChannel`. `cipher` is used for sending (ValueError for NONE); all ciphers are accepted.
 
         `broadcast`: send to rsbb_host, as the original box did, instead of `remote`. `read` converts a decrypted
         payload to the argument of `on_message`, or raises `BadDatagram`. `seen`: what was remembered by `remember`; a

@@ -113,7 +113,7 @@ class Box:
             run.tick(now)
 
     def tick_if_due(self, now: Now) -> None:
-        """As `tick`, for beacons, reports and views, which are too frequent to check every run each time.
+        """Like `tick`, for beacons, reports and views, which are too frequent to check every run each time.
 
         No run has anything to do until `_calm_until` (monotonic, s). A report only moves the deadline of its own run, a
         beacon none. Every other event sets `_calm_until` to None; then all runs are checked again.
@@ -210,7 +210,7 @@ class Box:
     # -- replays ------------------------------------------------------------------------------------
 
     def begin_replay(self, run: str) -> None:
-        """Only show earlier states of a run from now on. That is the only warning, and why every command is refused."""
+        """Show only earlier states of a run from now on. The only warning says so, and every command is refused."""
         self._replay = f"This is a replay of {run}: nothing here is live, and commands have no effect"
         self._record.close(self._replay)
 
@@ -386,7 +386,7 @@ class Box:
             self._outbox.notice(Level.WARNING, text, zone_name)
 
     def on_notice(self, now: Now, text: str) -> None:
-        """Warn of something before this start. It is over, so referees see it for a minute only."""
+        """Warn of something that was over before this start. Referees see the warning for a minute."""
         self.tick(now)
         if self.watches.notice(now, text):
             self._outbox.notice(Level.WARNING, text)

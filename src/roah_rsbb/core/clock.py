@@ -6,7 +6,7 @@ The core never reads a clock: every method that needs the time takes a `Now`, wh
 
 from typing import Callable, NamedTuple, Optional
 
-# If the offset between both clocks changes by this much between two calls, somebody has set UTC: NTP slews by at most
+# If the offset between the clocks changes by this much between two calls, somebody has set UTC: NTP slews by at most
 # 0.5 ms a second.
 STEP_S = 0.05
 # Two clock readings count as simultaneous within this time; a busy machine may need several attempts.
@@ -26,9 +26,9 @@ class Now(NamedTuple):
 
 
 def one_moment(read_mono: Callable[[], float], read_utc: Callable[[], float]) -> Now:
-    """Read both clocks (s) as of one moment.
+    """Read both clocks (s) at one moment.
 
-    A pause of the process between both readings would look like a step of the clock. Then they are read again.
+    If the process paused between the two readings, that would look like a step of a clock, so they are read again.
     """
     for _ in range(MAX_READINGS):
         before, utc, mono = read_mono(), read_utc(), read_mono()

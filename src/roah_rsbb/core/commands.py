@@ -147,7 +147,7 @@ class Commands:
         }
 
     def give(self, now: Now, zone_name: str, command: str, who: str = "", reason: str = "") -> None:
-        """Carry out one of `COMMANDS`; raises `Refused`. `reason`: why the referee stops the run, if this does."""
+        """Carry out one of `COMMANDS`; raises `Refused`. `reason`: why the referee stops the run."""
         with self._record.of(RunName(zone_name), who, command, reason=reason):
             zone = self._zones.named(zone_name)
             reasons = self.reasons_off(now, zone, command)
@@ -393,7 +393,7 @@ class Commands:
         return [] if zone.run is not None and zone.run.times.state.paused else ["The clock is not paused"]
 
     def _phase_off(self, zone: Zone, by: int) -> List[str]:
-        """Return why the run cannot move by so many phases."""
+        """Return why the run cannot move by `by` phases; empty: it can."""
         phases = zone.event.benchmark.rules.phases
         if not phases:
             return ["This benchmark has no phases"]

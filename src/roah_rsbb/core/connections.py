@@ -69,8 +69,8 @@ class Connections:
     # -- looking ------------------------------------------------------------------------------------
 
     def listed(self) -> Tuple[BenchmarkingRobot, ...]:
-        """The robots in runs, as the beacon lists them. Whenever a port is taken, a zone's run is set, and the list of
-        members is another one."""
+        """The robots in runs, as the beacon lists them. `Zones.members` returns another list when a zone's run is set,
+        which happens whenever a port is taken."""
         members = self._zones.members()
         if members is not self._listed_of:
             self._listed_of, self._off = members, {}

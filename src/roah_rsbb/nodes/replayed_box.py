@@ -191,7 +191,7 @@ class ReplayedBox:
         if place < 0:
             return
         sample, known = link[place].sample, run.link.last_heard
-        # It was heard in the seconds of the sample; the longest silence says at most how long ago.
+        # The robot was heard within the seconds of the sample, at most `gap_s` before its end.
         heard = link[place].utc - min(sample.gap_s, sample.seconds)
         if known is None or heard > known.utc:
             run.link.show_heard(Now(heard, heard), sample.skew_s)

@@ -67,7 +67,7 @@ def _show(link: Link, which: JudgedRun, options: Any, output: Output) -> Exit:
 
 
 def _list(link: Link, options: Any, output: Output) -> Exit:
-    """Print how far the judges are; of a zone also what they submitted."""
+    """Print the progress of the judges; for a single zone also what they submitted."""
     if options.zone is not None:
         return _show(link, _which(link, options), options, output)
     if options.run is not None:
@@ -96,7 +96,7 @@ def _settle(link: Link, options: Any, output: Output) -> Exit:
 
 
 def settled_value(word: str, item: SheetItem) -> Entered:
-    """Return the value that settles an item: as `value_of`, but a sign belongs to the number, and a rating is a number.
+    """Return the value that settles an item, like `value_of`; but a sign belongs to the number and a rating is one.
 
     Raises `BadWord`, or `Refused` as the core itself does.
     """
@@ -154,7 +154,7 @@ def judges(link: Link, options: Any, output: Output) -> Exit:
 
 
 def lines_of(shown: JudgedRun, utc_s: float, style: Style) -> List[str]:
-    """Return the lines of a run: how far its judges are, their values side by side, and objections."""
+    """Return the lines of a run: the progress of its judges, their values side by side, and objections."""
     lines = [_title(shown.run, shown.judging), *_progress(shown.judging, utc_s, style)]
     group = None
     for item in shown.items:

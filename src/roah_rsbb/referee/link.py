@@ -304,7 +304,7 @@ class Link:
     # -- several judges -----------------------------------------------------------------------------
 
     def judgings(self) -> List[Judging]:
-        """Return how far the judges and results are of all runs that are not signed off; raises `NoCore`."""
+        """Return the progress of the judges and results of all runs that are not signed off; raises `NoCore`."""
         return [judging_of(one) for one in self._latched(JUDGING_TOPIC, Judgings).runs]
 
     def judging(self, zone: str, identity: str) -> GetJudgingResponse:

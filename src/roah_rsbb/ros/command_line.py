@@ -30,7 +30,7 @@ def explain(doc: str, settings: str = _SETTINGS) -> None:
 
 
 def explain_panel(doc: str) -> None:
-    """As `explain`, for a panel in its own window."""
+    """Like `explain`, for a panel in its own window."""
     explain(doc, _PANEL)
 
 

@@ -1,8 +1,8 @@
 """Protects a node's services from foreign TCP connections.
 
 rospy reads the first bytes of a new connection in the thread that accepts connections, without a timeout. One client
-that connects and sends nothing (a port scan, a browser) blocks every service of the node, also STOP. `protect` replaces
-that part of rospy in this process, before the node starts:
+that connects and sends nothing (a port scan, a browser) blocks every service of the node, including STOP.
+`protect` replaces that part of rospy in this process, before the node starts:
 
 - The TCP port for topics and services passes a connection on once its whole handshake has arrived. A connection
   without a handshake is closed after `DEADLINE_S`.
@@ -172,7 +172,7 @@ class Handshakes:
 
 
 def _wanted(sock: socket.socket) -> Optional[int]:
-    """Return how many bytes must arrive before the next check. 0: the handshake is complete. None: it is none."""
+    """Return how many bytes must arrive before the next check. 0: the handshake is complete. None: no handshake."""
     try:
         start = sock.recv(_SIZE.size, socket.MSG_PEEK | socket.MSG_DONTWAIT)
         if len(start) < _SIZE.size:

@@ -19,7 +19,7 @@ def has_display() -> bool:
 
 def _try() -> None:
     """End this process with 0 if it can open windows."""
-    faulthandler.disable()  # to abort is an answer
+    faulthandler.disable()  # Qt may abort: that is an answer, too
     try:
         nothing = os.open(os.devnull, os.O_RDWR)
         for standard in (0, 1, 2):

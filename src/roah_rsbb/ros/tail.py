@@ -7,8 +7,8 @@ MIN_OVERLAP = 80
 
 
 def added(old: str, new: str) -> Optional[str]:
-    """Return the text that `new` adds to `old`. `new` may lack the beginning of `old`. None: it does not continue
-    it."""
+    """Return the text that `new` adds to `old`. `new` may lack the beginning of `old`. None: `new` does not
+    continue `old`."""
     if new.startswith(old):
         return new[len(old):]
     # Find the longest end of `old` with which `new` begins: search `old` for the start of `new`.

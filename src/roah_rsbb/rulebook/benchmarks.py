@@ -33,7 +33,7 @@ class Restarts(enum.Enum):
 
 
 class NoShow(enum.Enum):
-    """How an event counts whose team did not appear, or withdrew."""
+    """How an event counts if its team did not appear or withdrew."""
 
     NO_SCORE = "no score"  # the standings list it without a score
     ZERO = "zero"  # as a run with nothing on its score sheet

@@ -48,7 +48,7 @@ class JuryResult(enum.Enum):
 
     MEAN = "mean"
     MEDIAN = "median"
-    WITHOUT_EXTREMES = "without extremes"  # the mean without the lowest and the highest; of two ratings, of both
+    WITHOUT_EXTREMES = "without extremes"  # the mean without the lowest and the highest; with two ratings, their mean
 
 
 class Agreement(enum.Enum):
@@ -157,8 +157,7 @@ NO_SHEET_RULES = SheetRules()
 
 @dataclass(frozen=True)
 class SheetForm:
-    """A score sheet before it is filled in, and by whom. `time_limit`: seconds of the run, for the bonus for the time
-    left."""
+    """A score sheet before it is filled in. `time_limit`: seconds of the run, for the bonus for the time left."""
 
     items: Tuple[ScoringItem, ...] = ()
     rules: SheetRules = NO_SHEET_RULES

@@ -5,7 +5,7 @@ The implementation (nodes/modules/ground_truth_tf.py, or a dictionary in tests) 
 frame that is and how the marker is mounted, so rules contain no frame names. A pose is planar with a height: x, y, z
 in metres and theta, the yaw, in radians, in the reference frame of the test bed. A missing pose raises `NoPose`.
 
-A competition without motion capture says so in its configuration (`Source`). Then this gives no poses.
+A competition without motion capture says so in its configuration (`Source`). Then `GroundTruth` gives no poses.
 """
 
 import enum
@@ -46,7 +46,7 @@ class NoPose(Exception):
 
 
 class GroundTruth:
-    """Interface of what provides poses."""
+    """Interface of a source of poses."""
 
     @property
     def source(self) -> Source:

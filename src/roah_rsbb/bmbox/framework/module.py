@@ -123,7 +123,7 @@ class Module:
 
         `goal` is sent as YAML to robots of 2019. `pose` is a waypoint, which is also sent in the form of 2015.
         Without both, the robot only gets the command to execute. `text` describes the goal to the referee. `watch` is
-        called `every` so many seconds while the robot executes, with the seconds since the command; it must store
+        called every `every` seconds while the robot executes, with the seconds since the command; it must store
         its data in `self.kept`.
         """
         if goal is None and pose is not None:
@@ -175,7 +175,7 @@ class Module:
     async def pose_at(self, subject: str, utc: float) -> Optional[Pose3]:
         """The pose of a subject at a past time (UTC seconds); None, with a warning, if it is unknown.
 
-        Without motion capture, as `pose`. The referee may skip it.
+        Without motion capture, like `pose`. The referee may skip it.
         """
         if self.source is not Source.MOTION_CAPTURE:
             return await self.pose(subject, may_skip=True)

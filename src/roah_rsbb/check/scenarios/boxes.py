@@ -39,7 +39,7 @@ def _fell(play: Play, since: int) -> bool:
 
 
 async def _finish(play: Play, cause: Cause, since: int, what: str) -> None:
-    """See that the robot completes its goal in spite of what happened."""
+    """Check that the robot completes its goal in spite of what happened."""
     is_over = await play.until(lambda: play.over, 2 * play.options.patience)
     if _fell(play, since):
         play.fail(cause, f"the robot keeps its state {what}", "STOP")

@@ -182,7 +182,7 @@ class RobotLink:
         return []
 
     def deadline(self) -> Optional[float]:
-        """Monotonic time (s) at which `tick` has a notice unless a message comes first; None: it had it."""
+        """Monotonic time (s) at which `tick` has a notice unless a message comes first; None: the notice was given."""
         return None if self._reported_silent else self._silent_from()
 
     def is_silent(self, now: Now) -> bool:

@@ -101,7 +101,7 @@ class MemberRun(Run):
         self._whole.say(now, level, f"{self.robot}: {text}")
 
     def show_online(self, now: Now, text: str) -> None:
-        """As `say`, for online data."""
+        """Like `say`, for online data."""
         self._whole.show_online(now, f"{self.robot}: {text}")
 
 

@@ -71,7 +71,7 @@ class Countdown:
         return None if self._seconds == NO_LIMIT else self.moment(self._seconds)
 
     def moment(self, elapsed: float) -> Optional[float]:
-        """Monotonic time (s) at which so many seconds are counted; None: not started, or paused."""
+        """Monotonic time (s) at which `elapsed` seconds are counted; None: not started, or paused."""
         if self.state.deadline is None or self.paused:
             return None
         return self.state.deadline + (elapsed - self._span)
@@ -152,7 +152,7 @@ class SavingWatch:
             self._since = now.mono
 
     def deadline(self) -> Optional[float]:
-        """Monotonic time (s) at which the run ends if the robot saves nothing before."""
+        """Monotonic time (s) at which the run ends unless the robot saves something before."""
         if self._timeout is None or self._since is None:
             return None
         return self._since + self._timeout

@@ -40,7 +40,7 @@ MAX_STEPS = 2000
 
 @dataclass
 class FunctionalityState:
-    """What the state of a functionality run has besides the state of every run."""
+    """The part of the state that only functionality runs have."""
 
     attempt: int
     steps: List[Step] = field(default_factory=list)

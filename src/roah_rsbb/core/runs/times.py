@@ -1,4 +1,4 @@
-"""What the rules say of a run's time besides its timeout: setup time, pauses, phases (docs/organiser.md, "Time and
+"""What the rules say about a run's time besides its timeout: setup time, pauses, phases (docs/organiser.md, "Time and
 attempts").
 
 Setup time counts from *connect* to the first *start*. A phase counts while the run's clock does, also beyond its limit:
@@ -79,7 +79,7 @@ class RunTimes:
         self.state.phase = 0
 
     def set_paused(self, now: Now, paused: bool) -> None:
-        """Pause or resume the current phase, as the run's clock."""
+        """Pause or resume the current phase, together with the run's clock."""
         if self.state.phase:
             self._clocks[self.state.phase - 1].set_paused(now, paused)
 

@@ -22,7 +22,7 @@ ROLES = ("referee", "judge", "organiser")
 
 
 class MarkOutcome(NamedTuple):
-    """What a mark led to."""
+    """The result of a mark."""
 
     entry: int  # its number in the history; 0: it made no entry
     item: ItemRecord  # as it is now
@@ -90,7 +90,7 @@ class ScoreDesk:
             self.report_correction(run, run.mark(now, checked_who(who), mark))
 
     def outcome(self, name: RunName, mark: Mark) -> MarkOutcome:
-        """Return what a mark that was applied led to. Raises `Refused`."""
+        """Return the result of a mark that was applied. Raises `Refused`."""
         sheet = self.named(name).sheet
         return MarkOutcome(sheet.taken(mark.id) or 0, sheet.item(mark.group, mark.desc))
 

@@ -454,7 +454,7 @@ def _after(before: Optional[ScoreEntry], entry: ScoreEntry) -> ScoreEntry:
 
 
 def _joined(first: ScoreEntry, later: ScoreEntry) -> ScoreEntry:
-    """Return an entry that changes an item as both do."""
+    """Return an entry that changes an item as the two entries together do."""
     whole = later._replace(old=first.old, old_text=first.old_text, old_not_attempted=first.old_not_attempted)
     if not later.added:
         return whole

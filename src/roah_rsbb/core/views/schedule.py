@@ -158,5 +158,5 @@ def _with_times(lines: List[EventLine], zone: Zone, slots: Dict[str, float], now
 
 
 def _minute(utc: float, scheduled: float) -> float:
-    """Rounds an estimate up to a minute; a time that is kept is not changed."""
+    """Round an estimate up to a minute. A time that is not after the scheduled one stays."""
     return utc if utc <= scheduled else math.ceil(utc / MINUTE_S) * MINUTE_S

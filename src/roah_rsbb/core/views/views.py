@@ -38,7 +38,7 @@ class ModuleView(NamedTuple):
     """The part of a run's view that concerns its benchmarking module."""
 
     operation: Optional[Request] = None  # the current manual operation
-    switches: Optional[Switches] = None  # from a goal for switches on
+    switches: Optional[Switches] = None  # from the first goal for switches on
     switches_asked: bool = False  # the referee must confirm them
     held: bool = False
     status: str = ""
@@ -50,7 +50,7 @@ NO_FORM, NO_SHEET = SheetForm(), Counted((), None)
 
 
 class ClockView(NamedTuple):
-    """The times of the run in a zone, in seconds. A pause counts in none of them. Limits may be `NO_LIMIT`."""
+    """The times of the run in a zone, in seconds. They do not include pauses. Limits may be `NO_LIMIT`."""
 
     limit: float  # from the start to the timeout
     elapsed: float = 0.0  # after the end: the final time
@@ -294,7 +294,7 @@ def clock_of(run: Optional[ZoneRun], benchmark: Benchmark, now: Now) -> ClockVie
 
 
 def robot_of(run: Optional[ZoneRun]) -> Optional[RobotInRunView]:
-    """Return the robot of a run of one robot; None: the run is no such run, or there is no run."""
+    """Return the robot of a run of one robot; None: another kind of run, or no run."""
     if not isinstance(run, Run):
         return None
     link = run.link

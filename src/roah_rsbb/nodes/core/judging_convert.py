@@ -44,7 +44,7 @@ class JudgingBoard:
 
 
 def judging_message(judging: Judging) -> JudgingMsg:
-    """How far the judges are, without any values."""
+    """The progress of the judges, without any values."""
     record = judging.record
     published, waiver = record.publication.published, record.judging.waiver
     return JudgingMsg(

@@ -287,7 +287,7 @@ class CoreNode:
         self._driver.event(method, *args)
 
     def _referee_event(self, method: Callable[..., object], *args: object) -> None:
-        """As `_event`. What the public sees of it is published at once, not at the next tick, but after the answer."""
+        """Like `_event`. After the answer, what the public sees is published without waiting for the next tick."""
         self._ros.loop.call_soon(self._publish_public)
         self._event(method, *args)
 

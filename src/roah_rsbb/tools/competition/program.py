@@ -156,7 +156,7 @@ def _zones(
 
 
 def _place(options: argparse.Namespace, book: Rulebook, option: str) -> Tuple[Place, bool]:
-    """Where an answer stands, and whether that is the rulebook."""
+    """Where an answer stands, and whether it comes from the rulebook."""
     of_rulebook = getattr(options, option) is None and option in book.answers
     return (book.answers[option].place if of_rulebook else Place("--" + option, 0, 0)), of_rulebook
 
@@ -198,7 +198,7 @@ def _check_daily(
 
 
 def _every(seconds: Sequence[float]) -> datetime.timedelta:
-    """The usual interval between runs that take so long: enough for the longest one, in steps of five minutes."""
+    """The usual interval between runs of these lengths: enough for the longest one, in steps of five minutes."""
     return datetime.timedelta(minutes=max(15, 5 * math.ceil(max(seconds) / 300)))
 
 
