@@ -2,25 +2,39 @@
 // the block of JSON, and uPlot sets them as text. A page without scripts shows all numbers in its tables.
 "use strict";
 
+// What a cell sorts as: a number, for a duration its seconds; null: missing; undefined: a text.
+function numberIn(text) {
+  if (text === "–" || text === "") return null;
+  if (/^(\d+:)?\d+:\d\d\.\d$/.test(text)) return text.split(":").reduce((sum, part) => 60 * sum + Number(part), 0);
+  return /^-?\d+(\.\d+)?%?$/.test(text) ? parseFloat(text) : undefined;
+}
+
+// Sort rows by a column: numbers by their size, others as texts, missing values last.
+function sort(table, column, down) {
+  const rows = [...table.tBodies[0].rows].map(row => {
+    const text = row.cells[column].textContent.trim();
+    return {row, text, number: numberIn(text)};
+  });
+  const numeric = rows.every(({number}) => number !== undefined);
+  const order = new Intl.Collator("en", {numeric: true});
+  rows.sort((a, b) => (a.number === null) - (b.number === null)
+    || (down ? -1 : 1) * (numeric ? a.number - b.number : order.compare(a.text, b.text)));
+  table.tBodies[0].append(...rows.map(({row}) => row));
+}
+
 for (const table of document.querySelectorAll("table.sorted")) {
   const headings = table.tHead.rows[0].cells;
   for (const heading of headings) {
     heading.tabIndex = 0;
     heading.setAttribute("role", "button");
-    const sort = () => {
+    const click = () => {
       const down = heading.getAttribute("aria-sort") === "ascending";
       for (const other of headings) other.removeAttribute("aria-sort");
       heading.setAttribute("aria-sort", down ? "descending" : "ascending");
-      const column = heading.cellIndex;
-      const rows = [...table.tBodies[0].rows].map(row => [row.cells[column].textContent.trim(), row]);
-      const numeric = rows.every(([text]) => text === "–" || text === "" || !isNaN(parseFloat(text)));
-      const order = new Intl.Collator("en", {numeric: true});
-      rows.sort(([a], [b]) => (down ? -1 : 1) * (numeric
-        ? (parseFloat(a) || 0) - (parseFloat(b) || 0) : order.compare(a, b)));
-      table.tBodies[0].append(...rows.map(([, row]) => row));
+      sort(table, heading.cellIndex, down);
     };
-    heading.addEventListener("click", sort);
-    heading.addEventListener("keydown", event => { if (event.key === "Enter") sort(); });
+    heading.addEventListener("click", click);
+    heading.addEventListener("keydown", event => { if (event.key === "Enter") click(); });
   }
 }
 

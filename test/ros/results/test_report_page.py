@@ -3,6 +3,7 @@
 `make test-all` leaves screenshots in build/screenshots.
 """
 
+import json
 import pathlib
 import subprocess
 import sys
@@ -28,6 +29,22 @@ COLOURS = """[...document.querySelectorAll(".plot canvas")].map(canvas => {
   return coloured;
 })"""
 FIRST_COLUMN = "[...document.querySelectorAll('table.sorted tbody tr')].map(row => row.cells[{}].textContent)"
+SORTED = """(([texts, down]) => {
+  const table = document.createElement("table"), body = table.createTBody();
+  for (const text of texts) body.insertRow().insertCell().textContent = text;
+  sort(table, 0, down);
+  return [...body.rows].map(row => row.cells[0].textContent);
+})(%s)"""
+# Columns in the order in which they are sorted.
+COLUMNS = (
+    ["2026-11-28 09:30:00Z", "2026-11-28 10:00:00Z", "2026-11-29 08:00:00Z", "–"],
+    ["0:07.1", "0:55.0", "9:58.3", "10:00.0", "1:02:03.4", "–"],
+    ["-15", "-1.5", "0", "0.25", "9", "10", "85", ""],
+    ["0%", "5%", "50%", "100%", "–"],
+    ["1 / 2", "1 / 10", "2 / 1"],
+    ["Alpha", "Beta 2", "Beta 10", "gamma"],
+    ["9 lives", "10 lives", "Alpha"],
+)
 CLICK = "document.querySelectorAll('table.sorted th')[{}].click()"
 
 
@@ -59,6 +76,16 @@ class TestReportPages(NeedsBrowser):
                 page.screenshot(SHOTS / f"report_{path.stem}_{screen}.png")
                 page.close()
         self.assertEqual(self.browser.errors, [])
+
+    def test_each_kind_of_column_is_sorted(self) -> None:
+        page = self.browser.page((self.folder / "report" / "runs.html").as_uri(), *SCREENS["1920x1080"])
+        self.addCleanup(page.close)
+        for column in COLUMNS:
+            missing = [text for text in column if text in ("–", "")]
+            known = column[:len(column) - len(missing)]
+            for down, expected in ((False, column), (True, known[::-1] + missing)):
+                for texts in (column, column[::-1], sorted(column)):
+                    self.assertEqual(page.get(SORTED % json.dumps([texts, down])), expected)
 
     def test_a_click_sorts_and_texts_stay_texts(self) -> None:
         page = self.browser.page((self.folder / "report" / "runs.html").as_uri(), *SCREENS["1920x1080"])
