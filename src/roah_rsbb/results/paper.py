@@ -11,7 +11,14 @@ from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, SheetPoints, g
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, tag
 from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.results.standing_rules import DEFAULT, Rules
-from roah_rsbb.results.standings import DISQUALIFIED, criteria_of, number_text, number_with_unit, standing_of_run
+from roah_rsbb.results.standings import (
+    DISQUALIFIED,
+    amount_of,
+    criteria_of,
+    number_text,
+    number_with_unit,
+    standing_of_run,
+)
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 from roah_rsbb.wording import sheets
@@ -113,7 +120,7 @@ def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool
 
 def robots_of(record: RunRecord) -> str:
     """Return the robots of a run in words."""
-    by_hand = "none: scored by hand" if record.started_utc or record.end_reason else NOTHING
+    by_hand = "none: scored by hand" if record.started_utc else NOTHING
     return ", ".join(record.robots) or by_hand
 
 
@@ -199,7 +206,7 @@ def _value(item: ItemRecord) -> str:
 def _points(rules: Rules, items: Sequence[ItemRecord]) -> str:
     """Return what items contribute to the criteria of the ranking; empty: they do not count."""
     counted = [
-        term.weight * item.value
+        term.weight * float(amount_of(item))
         for item in items for criterion in rules.criteria for term in criterion.terms if term.counts(item)
     ]
     return number_text(sum(counted)) if counted else ""

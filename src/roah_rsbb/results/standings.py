@@ -306,7 +306,7 @@ def _term(record: RunRecord, term: Term, missing: Dict[str, None]) -> Optional[f
     items = [item for item in record.items if term.counts(item)]
     if not items and (term.group or term.item):
         missing[term.item or term.group] = None
-    return term.weight * float(sum(_amount(item) for item in items))
+    return term.weight * float(sum(amount_of(item) for item in items))
 
 
 def points_of(record: RunRecord, name: str) -> Optional[Decimal]:
@@ -317,7 +317,7 @@ def points_of(record: RunRecord, name: str) -> Optional[Decimal]:
     return Decimal(groups[name]) if name in groups else None
 
 
-def _amount(item: ItemRecord) -> Decimal:
+def amount_of(item: ItemRecord) -> Decimal:
     """Return the value of an item as a number. A choice counts 0: it has points, but no number."""
     return Decimal(item.text) if item.text and item.kind in ("decimal", "rating") else \
         Decimal(0 if item.kind == "choice" else item.value)

@@ -96,6 +96,20 @@ def test_values_have_units_and_points():
     assert "Detects a changed object (corrected)" in values(front(full_record()))
 
 
+def test_the_points_of_decimals_and_ratings_are_exact():
+    """The record also has the nearest whole numbers of these, for programs that only know such."""
+    record = task_record("Alpha", 1)._replace(items=(
+        ItemRecord(ACHIEVED, "Litres", "decimal", 2, text="2.5"), ItemRecord(ACHIEVED, "Poster", "rating", 8, text="7.6"),
+        ItemRecord(ACHIEVED, "Way", "choice", 1, text="alone"),
+    ))
+    found = values(front(record, POINTS))
+    assert found["Litres"] == ("2.5", "25")
+    assert found["Poster"] == ("7.6", "76")
+    assert found["Way"] == ("alone", "0")
+    assert found["Total of Achievements"] == ("", "101")
+    assert front(record, POINTS).totals == (("Points", "101"),)
+
+
 def test_totals_are_the_numbers_of_the_ranking():
     hit = front(task_record("Alpha", 1, door=1, hits=1), POINTS)
     assert hit.totals == (("Points", "10"), ("Result", "disqualified"))
