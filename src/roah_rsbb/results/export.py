@@ -11,7 +11,7 @@ import os
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, TextIO, Tuple, Union
 
 from roah_rsbb.core.restart.saved import freeze
-from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry
+from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreEntry
 from roah_rsbb.results.runs import RunResult, run_state_text
 from roah_rsbb.results.standings import Standing
 from roah_rsbb.wording.sheets import ratings_text
@@ -108,13 +108,19 @@ def _item_rows(record: RunRecord, in_utc: bool) -> Iterator[Dict[str, Cell]]:
         entry = last.get((item.group, item.desc))
         row: Dict[str, Cell] = {
             "kind": "item", "group": item.group, "name": item.desc,
-            "value": _number(item.text) if item.text else item.value,
+            "value": _item_cell(item),
             "not_attempted": item.not_attempted, "corrected": item.corrected, "points": _number(item.points),
             "ratings": ratings_text(item.ratings),
         }
         if entry is not None:
             row.update(changed=iso(entry.utc, in_utc), changed_by=entry.who, note=entry.note)
         yield row
+
+
+def _item_cell(item: ItemRecord) -> Cell:
+    if item.kind == "choice":
+        return item.text  # also one that looks like a number, such as "inf"
+    return _number(item.text) if item.text else item.value
 
 
 def _number(text: str) -> Cell:
