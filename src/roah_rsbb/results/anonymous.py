@@ -23,6 +23,7 @@ from roah_rsbb.core.scoring.records import (
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.runs import LinkSecond, RobotPart, RunResult
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
+from roah_rsbb.wording.sheets import node_of
 
 # Hexadecimal digits of a pseudonym: two names of a competition never get the same one.
 _DIGITS = 12
@@ -40,6 +41,11 @@ class Names:
             return ""
         digest = hmac.new(self._key, f"{kind}\0{name}".encode("utf-8", "surrogatepass"), hashlib.sha256)
         return f"{kind}-{digest.hexdigest()[:_DIGITS]}"
+
+    def person(self, who: str) -> str:
+        """Return the pseudonym of a person, the same one whichever node their calls came from."""
+        node = node_of(who)
+        return self.of("person", who if node in ("", who) else who[:-len(f" ({node})")])
 
 
 def names_of(reader: JournalReader) -> Names:
@@ -65,7 +71,7 @@ def anonymous_record(record: RunRecord, names: Names) -> RunRecord:
         history=tuple(_entry(entry, names) for entry in record.history),
         module_scores=tuple(_score(score, names) for score in record.module_scores),
         stops=tuple(_stop(stop, names) for stop in record.stops),
-        sign_off=signed and signed._replace(who=names.of("person", signed.who)), marks="",
+        sign_off=signed and signed._replace(who=names.person(signed.who)), marks="",
         judging=_judging(record.judging, names), publication=_publication(record.publication, names),
     )
 
@@ -74,17 +80,17 @@ def _judging(judging: JudgingRecord, names: Names) -> JudgingRecord:
     waiver = judging.waiver
     return JudgingRecord(
         tuple(sheet._replace(
-            judge=names.of("person", sheet.judge), device="", marks="", again=names.of("text", sheet.again),
+            judge=names.person(sheet.judge), device="", marks="", again=names.of("text", sheet.again),
             history=tuple(_entry(entry, names) for entry in sheet.history),
             items=tuple(_item(item, names) for item in sheet.items),
         ) for sheet in judging.sheets),
         tuple(one._replace(
-            who=names.of("person", one.who), reason=names.of("text", one.reason),
-            proposals=tuple(sorted((names.of("person", judge), value) for judge, value in one.proposals)),
+            who=names.person(one.who), reason=names.of("text", one.reason),
+            proposals=tuple(sorted((names.person(judge), value) for judge, value in one.proposals)),
         ) for one in judging.settlements),
-        waiver and waiver._replace(who=names.of("person", waiver.who), reason=names.of("text", waiver.reason)),
+        waiver and waiver._replace(who=names.person(waiver.who), reason=names.of("text", waiver.reason)),
         tuple(act._replace(
-            who=names.of("person", act.who), judge=names.of("person", act.judge), reason=names.of("text", act.reason),
+            who=names.person(act.who), judge=names.person(act.judge), reason=names.of("text", act.reason),
         ) for act in judging.acts),
     )
 
@@ -92,10 +98,10 @@ def _judging(judging: JudgingRecord, names: Names) -> JudgingRecord:
 def _publication(publication: PublicationRecord, names: Names) -> PublicationRecord:
     published = publication.published
     return PublicationRecord(
-        published and published._replace(who=names.of("person", published.who)),
+        published and published._replace(who=names.person(published.who)),
         tuple(one._replace(
-            by=names.of("text", one.by), text=names.of("text", one.text), who=names.of("person", one.who),
-            answered_by=names.of("person", one.answered_by), answer=names.of("text", one.answer),
+            by=names.of("text", one.by), text=names.of("text", one.text), who=names.person(one.who),
+            answered_by=names.person(one.answered_by), answer=names.of("text", one.answer),
         ) for one in publication.objections),
     )
 
@@ -105,13 +111,13 @@ def _team(team: str, names: Names) -> str:
 
 
 def _item(item: ItemRecord, names: Names) -> ItemRecord:
-    return item._replace(ratings=tuple(Rating(names.of("person", r.judge), r.text) for r in item.ratings))
+    return item._replace(ratings=tuple(Rating(names.person(r.judge), r.text) for r in item.ratings))
 
 
 def _entry(entry: ScoreEntry, names: Names) -> ScoreEntry:
     return entry._replace(
-        who=names.of("person", entry.who), note=names.of("text", entry.note), judge=names.of("person", entry.judge),
-        withdrawn_by=names.of("person", entry.withdrawn_by), withdrawn_note=names.of("text", entry.withdrawn_note),
+        who=names.person(entry.who), note=names.of("text", entry.note), judge=names.person(entry.judge),
+        withdrawn_by=names.person(entry.withdrawn_by), withdrawn_note=names.of("text", entry.withdrawn_note),
         device=names.of("device", entry.device),
     )
 
@@ -127,8 +133,8 @@ def _score(score: ScoreValue, names: Names) -> ScoreValue:
 
 
 def _stop(stop: StopRecord, names: Names) -> StopRecord:
-    return stop._replace(who=names.of("person", stop.who), reason=names.of("text", stop.reason),
-                         reason_by=names.of("person", stop.reason_by), desc=names.of("text", stop.desc))
+    return stop._replace(who=names.person(stop.who), reason=names.of("text", stop.reason),
+                         reason_by=names.person(stop.reason_by), desc=names.of("text", stop.desc))
 
 
 def _robot(robot: RobotPart, names: Names) -> RobotPart:

@@ -65,7 +65,7 @@ _RUN_FIELDS = {
     "team": Field("team", "string", "team; ALL: all robots at once", True),
     "round": Field("round", "integer", "round of the schedule", True),
     "run": Field("run", "integer", "run within the round", True),
-    "robots": Field("robots", "string", "names of the robots, separated by commas; empty: scored by hand"),
+    "robots": Field("robots", "string", "names of the robots, separated by commas; empty: there was none"),
     "scheduled": Field("scheduled", "datetime", "scheduled time"),
     "connected": Field("connected", "datetime", "when the robot was connected"),
     "started": Field("started", "datetime", "last start; empty: never started"),
@@ -216,8 +216,8 @@ def _event_rows(result: RunResult, names: Optional[Names]) -> Iterator[Dict[str,
         text, who = event.text, event.who
         if names is not None:
             text = _without_names(event.kind, text, event.bad, names)
-            who = names.of("address" if event.kind in run_log.FROM_ROBOT or event.kind == kinds.ADDRESS else "person",
-                           who)
+            is_robot = event.kind in run_log.FROM_ROBOT or event.kind == kinds.ADDRESS
+            who = names.of("address", who) if is_robot else names.person(who)
         yield {
             "run_id": result.record.identity, "time": iso(event.utc, in_utc=True), "robot": _robot(result, event.port),
             "subject": subject, "by": who, "bad": event.bad, "text": text,

@@ -172,6 +172,26 @@ def test_an_anonymous_data_set_has_no_names(tmp_path):
     assert "Robot: PREPARING" in {row["text"] for row in hidden["events"]}, "the box wrote this"
 
 
+def test_a_person_has_one_pseudonym_for_all_programs(tmp_path):
+    """The core also writes from which node a call came."""
+    writer = Writer(tmp_path / "log")
+    record = full_record()
+    callers = ["Anna (/roah_rsbb_window_1)", "Anna (/roah_rsbb_web)", "Anna", "Ben (/roah_rsbb_web)"]
+    record = record._replace(history=tuple(
+        entry._replace(who=who, withdrawn_utc=0.0, desc=f"item {who}") for entry, who in zip(record.history, callers)),
+        items=tuple(ItemRecord(entry.group, f"item {who}", "uint", 1) for entry, who in zip(record.history, callers)),
+        sign_off=record.sign_off._replace(who="Anna (/roah_rsbb_window_2)"))
+    writer.run(record)
+    writer.entry("command", {"command": "stop"}, record.identity, who="Anna (/terminal)")
+    writer.entry("command", {"command": "stop"}, record.identity, who="/no_name")
+    writer.close()
+    tables, _ = written(writer.path, tmp_path / "set", anonymous=True)
+    *anna, ben = (row["changed_by"] for row in tables["scores"] if row["kind"] == "item")
+    by_name, by_node = (row["by"] for row in tables["events"])
+    assert {*anna, by_name, tables["runs"][0]["signed_off_by"]} == {anna[0]}
+    assert len({anna[0], ben, by_node}) == 3
+
+
 def test_pseudonyms_depend_on_the_journal_and_on_what_is_not_published(tmp_path):
     names = []
     for number, boot in enumerate(("boot 1", "boot 2", "boot 1")):
