@@ -56,7 +56,7 @@ def replay_of(
 def replay_page(data: Dict[str, Any], parts: PageParts, video: str = "") -> str:
     """Return the page with the data that `replay.replay_data` returns."""
     if video:
-        data = {**data, "video": video}
+        data = {**data, "video": video if _is_address(video) else urllib.parse.quote(video)}
     values = {
         "POLICY": html.escape(_policy(parts, video)), "TITLE": html.escape(f"Replay: {visible(str(data['title']))}"),
         "STYLE": parts.style, "SCRIPT": parts.script, "DATA": json_text(data),
@@ -69,6 +69,11 @@ def _policy(parts: PageParts, video: str) -> str:
         "default-src 'none'", f"script-src {checksum(parts.script)}", f"style-src {checksum(parts.style)}",
         f"media-src blob:{_source(video)}", "base-uri 'none'", "form-action 'none'",
     ))
+
+
+def _is_address(video: str) -> bool:
+    """Whether this is a web address, and not the path of a file, in which # and % have no meaning."""
+    return video.startswith(("http://", "https://", "file:"))
 
 
 def _source(video: str) -> str:

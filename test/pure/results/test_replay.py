@@ -152,15 +152,17 @@ def test_the_page_may_load_nothing(played):
     assert "unsafe" not in page
 
 
-@pytest.mark.parametrize(("video", "source"), [
-    ("https://example.org/run.mp4?a=1", "media-src blob: https://example.org;"),
-    ("run 3.mp4", "media-src blob: &#x27;self&#x27; file:;"),
-    ("https://a;script-src *", "media-src blob: &#x27;self&#x27; file:;"),
+@pytest.mark.parametrize(("video", "source", "address"), [
+    ("https://example.org/run.mp4?a=1", "media-src blob: https://example.org;", "https://example.org/run.mp4?a=1"),
+    ("run 3.mp4", "media-src blob: &#x27;self&#x27; file:;", "run%203.mp4"),
+    ("../videos/100% #3?.mp4", "media-src blob: &#x27;self&#x27; file:;", "../videos/100%25%20%233%3F.mp4"),
+    ("javascript:alert(1)", "media-src blob: &#x27;self&#x27; file:;", "javascript%3Aalert%281%29"),
+    ("https://a;script-src *", "media-src blob: &#x27;self&#x27; file:;", "https://a;script-src *"),
 ])
-def test_a_video_may_only_come_from_its_own_place(played, video, source):
+def test_a_video_may_only_come_from_its_own_place(played, video, source, address):
     page = _page(played[1], 1, video=video)
     assert source in page.split("<title>")[0]
-    assert json.dumps(video) in page
+    assert f'"video":{json.dumps(address)}' in page
 
 
 # -- journals that do not have everything -----------------------------------------------------------
