@@ -82,7 +82,7 @@ def _by(who: str) -> str:
 def _items(record: RunRecord) -> Iterator[str]:
     for group, items in grouped(record.items).items():
         yield from _titled(line(group), [
-            f"{item.in_words():>13}{_points(item)}  {line(item.desc)}{_ratings(item)}"
+            f"{line(item.in_words()):>13}{_points(item)}  {line(item.desc)}{_ratings(item)}"
             + (f"  ({sheets.CORRECTED})" if item.corrected else "")
             for item in items
         ])
@@ -133,7 +133,7 @@ def _judges(record: RunRecord, in_utc: bool) -> Iterator[str]:
     yield from _titled("Judges", [
         f"{line(each.item.desc)}: "
         + "; ".join(f"{name} {line(value)}" for name, value in zip(names, each.proposals))
-        + f" → {each.item.in_words()}"
+        + f" → {line(each.item.in_words())}"
         + (f" (settled by {line(sheets.person(each.settlement.who))}: {line(each.settlement.reason)})"
            if each.settlement is not None else "")
         for each in judged_items(record)

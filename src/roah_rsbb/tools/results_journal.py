@@ -8,6 +8,7 @@ from typing import List
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.results.runs import RunResult, find_record, run_result
+from roah_rsbb.wording.texts import visible
 
 RULES_FILE = "standings.yaml"
 BENCHMARKS_FILE, SCHEDULE_FILE = "benchmarks.yaml", "schedule.yaml"
@@ -55,4 +56,4 @@ def _warn_of_fork(reader: JournalReader) -> None:
 
 def warn(text: str) -> None:
     """Print a warning or an error."""
-    print(f"results: {text}", file=sys.stderr)
+    print(f"results: {visible(text)}", file=sys.stderr)

@@ -9,7 +9,7 @@ from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_full_run
 from helpers.time_zones import local_time
 from roah_rsbb.core.link.record import LinkSample
-from roah_rsbb.core.scoring.records import PhaseTime
+from roah_rsbb.core.scoring.records import ItemRecord, PhaseTime
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.events import box_states, robot_states, sections
 from roah_rsbb.results.page import tag
@@ -317,3 +317,15 @@ def test_a_sheet_without_a_robot_and_its_phases(writer):
     assert "Robots:       none: scored by hand" in lines
     assert "Phases:       Enter 0:12.3, Leave 10:00.0" in lines
     assert "none: scored by hand" in sheet_page(result, in_utc=True)
+
+
+@pytest.mark.parametrize("end", ["no_show", "withdrawn"])
+def test_nobody_scores_a_team_that_does_not_run(writer, end):
+    writer.run(task_record("Alpha", 1, started_utc=0.0, elapsed_s=0.0, end_reason=end, robots=()), robots=())
+    for text in ("\n".join(sheet_lines(read(writer), True, False)), sheet_page(read(writer), in_utc=True)):
+        assert "by hand" not in text
+
+
+def test_a_choice_may_not_command_the_terminal(writer):
+    writer.run(task_record("Alpha", 1, items=(ItemRecord("g", "way", "choice", 0, text="\x1b[2J"),)), robots=())
+    assert any("\\x1b[2J  way" in text for text in sheet_lines(read(writer), True, False))

@@ -18,7 +18,7 @@ import pytest
 from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_competition
 from roah_rsbb.core.link.record import LinkSample
-from roah_rsbb.core.scoring.records import PhaseTime, RunRecord, ScoreEntry, ScoreValue
+from roah_rsbb.core.scoring.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry, ScoreValue
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results import export
@@ -82,6 +82,15 @@ def test_a_head_that_cannot_be_read_costs_only_itself(run, tmp_path, change):
     status, out, err = run("list", source=("--journal", path))
     assert (status, len(out.splitlines())) == (0, 2)
     assert "cannot be read" in err
+
+
+def test_what_damage_made_of_a_name_may_not_command_the_terminal(run, tmp_path):
+    path = _journal(tmp_path)
+    with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as connection:
+        connection.execute("UPDATE runs SET identity = char(27) || '[2J' WHERE team = 'A'")
+    _, _, err = run("list", source=("--journal", path))
+    assert "1 damaged: \\x1b[2J" in err
+    assert "\x1b" not in err
 
 
 def test_the_ways_to_count_runs_are_those_of_the_rules():
@@ -251,6 +260,13 @@ def test_the_last_entry_that_counts_is_who_changed_an_item():
     rows = list(export.result_rows([record._replace(history=history)], in_utc=True))
     assert (rows[0]["changed_by"], rows[0]["changed"]) == ("who1", "2025-11-21T11:00:01.000+00:00")
     assert "changed_by" not in rows[1]
+
+
+@pytest.mark.parametrize("name", ["fully", "007", "1e3", "1_000", "inf", "nan", ""])
+def test_a_choice_is_never_a_number(name):
+    record = task_record("Alpha", 1, items=(ItemRecord("g", "way", "choice", 3, text=name),))
+    row, = export.result_rows([record], in_utc=True)
+    assert (row["value"], type(row["value"])) == (name, str)
 
 
 def test_a_row_for_each_phase():
