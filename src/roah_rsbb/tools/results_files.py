@@ -31,7 +31,7 @@ from roah_rsbb.results.page import Competition, page, picture_address
 from roah_rsbb.results.paper import blank_front, front_markup
 from roah_rsbb.results.printing import Printer, browser, print_pdf
 from roah_rsbb.results.replay_page import PageParts, page_parts, replay_name, replay_of
-from roah_rsbb.results.report.facts import RunFacts, facts_of
+from roah_rsbb.results.report.facts import RunFacts, facts_of, link_period_s
 from roah_rsbb.results.report.pages import Compared, Site, all_pages, comparison
 from roah_rsbb.results.report.plots import Assets, assets
 from roah_rsbb.results.runs import RunResult, file_name, find, find_record, records, run_result
@@ -177,7 +177,8 @@ def _write_site(
         known = records(reader, warn)
         ranked = _ranked(options, known)
         as_of = reader.as_of()
-        about = _AboutRuns(folder, rules, titles, competition, parts, options.utc)
+        period_s = link_period_s(known, as_of)
+        about = _AboutRuns(folder, rules, titles, competition, parts, options.utc, period_s)
         # A box that writes to the journal would show another moment to each process.
         processes = usable_processors() if reader.is_at_rest else 1
         with shared_out(partial(_run_pages, reader, about), list(enumerate(known, 1)), processes) as all_written:
@@ -188,7 +189,7 @@ def _write_site(
                 sheets[record.identity] = written.sheet
                 if written.replay:
                     replays[record.identity] = written.replay
-    site = Site(runs, ranked, sheets, replays, titles, as_of, options.utc, shared, competition, home)
+    site = Site(runs, ranked, sheets, replays, titles, as_of, options.utc, shared, competition, home, period_s)
     for name, text in all_pages(site).items():
         _write_html(text, os.path.join(folder, name))
     return site
@@ -203,6 +204,7 @@ class _AboutRuns(NamedTuple):
     competition: Competition
     replay_parts: Optional[PageParts]  # None: without replays
     in_utc: bool
+    link_period_s: int
 
 
 class _WrittenRun(NamedTuple):
@@ -226,7 +228,8 @@ def _write_run(reader: JournalReader, about: _AboutRuns, number: int, record: Ru
     result = run_result(reader, number, record, warnings.append, with_payloads=False)
     events = list(in_order(result, with_scores=True))
     shown = sections_of(events)
-    facts = facts_of(result, sum(event.bad for section in shown for event in section.events))
+    warned = sum(event.bad for section in shown for event in section.events)
+    facts = facts_of(result, warned, about.link_period_s)
     sheet, replay_file = f"runs/{file_name(number, record)}.html", ""
     rules, title = about.rules.get(record.benchmark), about.titles.get(record.benchmark, "")
     _write_html(sheet_page(result, about.in_utc, rules, title, competition=about.competition, shown=shown),

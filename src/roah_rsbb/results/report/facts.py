@@ -1,6 +1,6 @@
 """The facts of a run that the report counts. They take little memory, so that the runs themselves need not be kept."""
 
-from typing import Dict, List, NamedTuple, Optional, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.results.goals import goals
@@ -27,7 +27,7 @@ class GoalFacts(NamedTuple):
 
 
 class LinkFacts(NamedTuple):
-    """The link of a team within an hour."""
+    """The link of a team within a period."""
 
     received: int = 0
     lost: int = 0
@@ -55,7 +55,7 @@ class RunFacts(NamedTuple):
     record: RunRecord  # without the parts that take most memory
     items: Dict[Key, ItemFacts]
     goals: Tuple[GoalFacts, ...]
-    link: Dict[Tuple[str, float], LinkFacts]  # by team and hour (UTC seconds of its beginning)
+    link: Dict[Tuple[str, float], LinkFacts]  # by team and period (UTC seconds of its beginning)
     warnings: int
 
     @property
@@ -70,13 +70,25 @@ class RunFacts(NamedTuple):
         return record.started_utc - record.scheduled if record.started_utc and record.scheduled else None
 
 
-def facts_of(result: RunResult, warnings: int) -> RunFacts:
-    """Return the facts of a run. `warnings`: how many of its events are bad."""
+# Lengths of a period of the links. The shortest one is used that divides a competition into at most so many.
+LINK_PERIODS_S = (60, 300, 600, 1800, 3600)
+MOST_PERIODS = 12
+
+
+def link_period_s(records: Iterable[RunRecord], as_of_utc: float) -> int:
+    """Return the length of a period of the links, in seconds. `as_of_utc`: the last moment in the journal."""
+    times = [utc for record in records for utc in (record.opened_utc, record.closed_utc or as_of_utc)]
+    length = max(times) - min(times) if times else 0.0
+    return next((period for period in LINK_PERIODS_S if length <= MOST_PERIODS * period), LINK_PERIODS_S[-1])
+
+
+def facts_of(result: RunResult, warnings: int, link_period: int = LINK_PERIODS_S[-1]) -> RunFacts:
+    """Return the facts of a run. `warnings`: how many of its events are bad. `link_period`: in seconds."""
     record = result.record
     return RunFacts(
         result.number, record._replace(history=(), form=None), _items(record),
         tuple(GoalFacts(goal.number, goal.text, _seconds(goal.begun_utc, goal.ended_utc)) for goal in goals(result)),
-        _link(result), warnings,
+        _link(result, link_period), warnings,
     )
 
 
@@ -96,14 +108,14 @@ def _seconds(begin: Optional[float], end: Optional[float]) -> Optional[float]:
     return None if begin is None or end is None else end - begin
 
 
-def _link(result: RunResult) -> Dict[Tuple[str, float], LinkFacts]:
+def _link(result: RunResult, period: int) -> Dict[Tuple[str, float], LinkFacts]:
     found: Dict[Tuple[str, float], LinkFacts] = {}
     for robot in result.robots:
-        by_hour: Dict[int, List] = {}
+        by_period: Dict[int, List] = {}
         for second in robot.link:
-            by_hour.setdefault(int(second.utc // 3600), []).append(second.sample)
-        for hour, samples in by_hour.items():
-            key = robot.team, hour * 3600.0
+            by_period.setdefault(int(second.utc // period), []).append(second.sample)
+        for number, samples in by_period.items():
+            key = robot.team, float(number * period)
             found[key] = found.get(key, LinkFacts()).plus(LinkFacts(
                 sum(s.received for s in samples), sum(s.lost for s in samples), max(s.gap_s for s in samples),
                 max(s.late_s for s in samples), sum(s.seconds for s in samples)))

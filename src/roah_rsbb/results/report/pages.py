@@ -4,7 +4,7 @@ from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, joined, page, table, tag
 from roah_rsbb.results.report import statistics
-from roah_rsbb.results.report.facts import LinkFacts, RunFacts
+from roah_rsbb.results.report.facts import LINK_PERIODS_S, LinkFacts, RunFacts
 from roah_rsbb.results.report.plots import Assets, Axes, plot
 from roah_rsbb.results.runs import run_state_text
 from roah_rsbb.results.standings import Standing, standing_markup
@@ -39,6 +39,7 @@ class Site(NamedTuple):
     assets: Assets
     competition: Competition = NO_COMPETITION
     home: str = ""  # the page that compares competitions; empty: none
+    link_period_s: int = LINK_PERIODS_S[-1]
 
 
 PAGES = (
@@ -59,7 +60,8 @@ def _page(site: Site, name: str, title: str, body: List[Child]) -> str:
         items.insert(0, tag("a", "All competitions", href=site.home))
     return report_page(
         title, site.assets, site.competition.markup(), tag("nav", *items), tag("h1", title),
-        tag("p", f"{len(site.runs)} runs. As of {date_time(site.as_of_utc, site.in_utc)}", class_="small"), *body)
+        tag("p", f"{len(site.runs)} {'run' if len(site.runs) == 1 else 'runs'}. As of "
+                 f"{date_time(site.as_of_utc, site.in_utc)}", class_="small"), *body)
 
 
 def report_page(title: str, assets: Assets, *body: Child) -> str:
@@ -202,7 +204,7 @@ def _times(site: Site) -> List[Child]:
 def _ends(site: Site) -> List[Child]:
     lines = statistics.end_lines(site.runs)
     reasons = sorted({reason for line in lines for reason in line.ends})
-    headings = [sheets.end_reason(reason) if reason else "not over" for reason in reasons]
+    headings = [sheets.end_reason(reason) if reason else "never started, or not over" for reason in reasons]
     return [
         tag("h2", "Ends and attempts"),
         sortable(("Benchmark", "Runs", *headings, "Restarts in runs", "Repeated runs"), [
@@ -254,22 +256,23 @@ def _links(site: Site) -> List[Child]:
     links = statistics.links(site.runs)
     if not links:
         return [tag("p", "There is no record of any link.")]
-    hours = sorted({hour for _, hour in links})
+    begins = sorted({begin for _, begin in links})
     names = sorted({team for team, _ in links})
-    values = {team: [_hundred(links.get((team, hour), LinkFacts()).lost_share) for hour in hours] for team in names}
+    values = {team: [_hundred(links.get((team, begin), LinkFacts()).lost_share) for begin in begins] for team in names}
     ranked = sorted(names, key=lambda team: (-(max((v or 0.0) for v in values[team])), team))
-    labels = [date_time(hour, site.in_utc)[5:16] for hour in hours]
+    labels = [date_time(begin, site.in_utc)[5:16] for begin in begins]
     return [
-        tag("p", "Messages that were lost on the way to the box, in per cent of those that were due, for each hour."),
-        plot("lost", Axes("Hour", "Lost messages, %", 1.0), labels,
-             {team: values[team] for team in ranked[:MAX_SERIES]}, [hour - hours[0] for hour in hours]),
+        tag("p", "Messages that were lost on the way to the box, in per cent of those that were due, in periods of "
+                 f"{site.link_period_s // 60} min."),
+        plot("lost", Axes("Begin of the period", "Lost messages, %", 1.0), labels,
+             {team: values[team] for team in ranked[:MAX_SERIES]}, [begin - begins[0] for begin in begins]),
         *([tag("p", f"The plot shows the {MAX_SERIES} teams with the largest losses.", class_="small")]
           if len(names) > MAX_SERIES else []),
-        sortable(("Team", "Hour", "Received", "Lost", "Lost, %", "Longest silence, s", "Latest message, s behind",
+        sortable(("Team", "From", "Received", "Lost", "Lost, %", "Longest silence, s", "Latest message, s behind",
                   "Seconds"), [
-            (team, date_time(hour, site.in_utc)[:16], str(link.received), str(link.lost), _percent(link.lost_share),
+            (team, date_time(begin, site.in_utc)[:16], str(link.received), str(link.lost), _percent(link.lost_share),
              seconds_text(link.longest_gap_s), f"{link.latest_s:.3f}", f"{link.seconds:.0f}")
-            for (team, hour), link in links.items()
+            for (team, begin), link in links.items()
         ], ("team", "", *("number",) * 6)),
         tag("p", "docs/results.md explains how each number is measured and what its limits are.", class_="small"),
     ]

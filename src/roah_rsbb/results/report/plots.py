@@ -62,7 +62,7 @@ def plot(identity: str, axes: Axes, labels: Sequence[str], values: Dict[str, Val
 
 def _ticks(xs: Sequence[float], labels: Sequence[str]) -> List[Tuple[float, str]]:
     """Return the labels that fit below the axis, at different places."""
-    least = (xs[-1] - xs[0]) / MAX_TICKS if len(xs) > MAX_TICKS else 0.0
+    least = (xs[-1] - xs[0]) / MAX_TICKS if xs else 0.0
     found: List[Tuple[float, str]] = []
     for x, label in zip(xs, labels):
         if not found or x - found[-1][0] > least:

@@ -157,7 +157,7 @@ def delay_lines(runs: Sequence[RunFacts]) -> List[DelayLine]:
 
 
 def links(runs: Sequence[RunFacts]) -> Dict[Tuple[str, float], LinkFacts]:
-    """Return the links by team and hour, sorted."""
+    """Return the links by team and period, sorted."""
     found: Dict[Tuple[str, float], LinkFacts] = {}
     for run in runs:
         for key, link in run.link.items():

@@ -17,7 +17,7 @@ import pytest
 from helpers.box_driver import MONO0
 from helpers.golden import DATA
 from helpers.journaled import NO_LISTENING, JournaledDriver
-from helpers.journals import Writer
+from helpers.journals import UTC0, Writer
 from helpers.many_runs import write_journal
 from helpers.recorded_session import Replay, goals_of, waypoint
 from helpers.replayed import ReplayedCompetition
@@ -28,8 +28,9 @@ from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.events import sections
 from roah_rsbb.results.report import statistics
-from roah_rsbb.results.report.facts import facts_of
+from roah_rsbb.results.report.facts import facts_of, link_period_s
 from roah_rsbb.results.report.pages import PAGES
+from roah_rsbb.results.report.plots import Axes, plot
 from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.results.standings import Choice, standings
@@ -250,7 +251,43 @@ def test_statistics_by_hand(tmp_path):
     assert len(statistics.unsigned(runs)) == 4
 
 
+@pytest.mark.parametrize("minutes, period_s", [(0.5, 60), (12, 60), (13, 300), (59, 300), (110, 600), (480, 3600),
+                                               (5000, 3600)])
+def test_a_short_competition_has_short_periods(minutes, period_s):
+    runs = [task_record("Alpha", 1), task_record("Beta", 2, opened_utc=task_record("Alpha", 1).opened_utc + 9.0)]
+    as_of = runs[0].opened_utc + 60.0 * minutes
+    runs[0] = runs[0]._replace(closed_utc=runs[0].opened_utc + 10.0)
+    assert link_period_s([runs[0], runs[1]._replace(closed_utc=0.0)], as_of) == period_s
+    assert link_period_s([runs[0], runs[1]._replace(closed_utc=as_of)], as_of + 1e6) == period_s
+    assert link_period_s([], as_of) == 60
+
+
+def test_links_in_periods(tmp_path):
+    writer = Writer(tmp_path)
+    record = task_record("Alpha", 1, opened_utc=UTC0)
+    writer.run(record, ((6667, "r1"),))
+    writer.utc = UTC0 - 1.0
+    for second in range(150):
+        writer.link(LinkSample(1.0, received=9, lost=int(second == 70), gap_s=float(second == 130)))
+    writer.close()
+    with JournalReader(writer.path) as reader:
+        found = facts_of(run_result(reader, 1, record, pytest.fail), 0, 60).link
+    assert {utc - UTC0: (link.received, link.lost, link.longest_gap_s, link.seconds) for (_, utc), link in found.items()
+            } == {0.0: (540, 0, 0.0, 60.0), 60.0: (540, 1, 0.0, 60.0), 120.0: (270, 0, 1.0, 30.0)}
+
+
 # -- pages ------------------------------------------------------------------------------------------
+
+
+def test_labels_of_an_axis_do_not_overlap():
+    """Also if there are few of them, but most at the same place: a day of runs, and one of the day before."""
+    hour = 3600.0
+    markup = plot("delays", Axes("x", "y"), [str(i) for i in range(10)], {}, [0.0, *(24 * hour + i for i in range(9))])
+    data = json.loads(re.search(r">(\{.*\})<", markup).group(1))
+    assert data["ticks"] == [[0.0, "0"], [24 * hour, "1"]]
+    assert plot("empty", Axes("x", "y"), [], {})
+    even = plot("even", Axes("x", "y"), [str(i) for i in range(24)], {})
+    assert len(json.loads(re.search(r">(\{.*\})<", even).group(1))["ticks"]) == 24
 
 
 def test_every_page_is_linked_and_every_link_leads_somewhere(journal, tmp_path):
