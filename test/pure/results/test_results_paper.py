@@ -99,7 +99,8 @@ def test_values_have_units_and_points():
 def test_the_points_of_decimals_and_ratings_are_exact():
     """The record also has the nearest whole numbers of these, for programs that only know such."""
     record = task_record("Alpha", 1)._replace(items=(
-        ItemRecord(ACHIEVED, "Litres", "decimal", 2, text="2.5"), ItemRecord(ACHIEVED, "Poster", "rating", 8, text="7.6"),
+        ItemRecord(ACHIEVED, "Litres", "decimal", 2, text="2.5"),
+        ItemRecord(ACHIEVED, "Poster", "rating", 8, text="7.6"),
         ItemRecord(ACHIEVED, "Way", "choice", 1, text="alone"),
     ))
     found = values(front(record, POINTS))
