@@ -104,10 +104,16 @@ def verified_parts(
         yield zip((table for table, _, _ in parts), found)
 
 
+def first_and_last(connection: sqlite3.Connection, table: str) -> Tuple[Optional[int], Optional[int]]:
+    """Return the first and the last number of a table; None: it is empty. Raises sqlite3.Error."""
+    key = NUMBERS[table]
+    # SQLite reads the whole table for a statement with both, and a single row for each of them alone.
+    return connection.execute(f"SELECT (SELECT min({key}) FROM {table}), (SELECT max({key}) FROM {table})").fetchone()
+
+
 def _parts(connection: sqlite3.Connection, table: str) -> Iterator[Tuple[str, int, int]]:
     """Return the first and last numbers of parts of a table."""
-    key = NUMBERS[table]
-    low, high = connection.execute(f"SELECT min({key}), max({key}) FROM {table}").fetchone()
+    low, high = first_and_last(connection, table)
     if low is not None:
         step = max(_PART, (high - low) // _MOST_PARTS)
         for first in range(low, high + 1, step):

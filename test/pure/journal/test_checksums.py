@@ -9,7 +9,7 @@ import pytest
 from helpers.journals import Writer
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.journal import checksums, schema
-from roah_rsbb.journal.checksums import HIGHEST, NUMBERS, verified_parts, verified_rows
+from roah_rsbb.journal.checksums import HIGHEST, NUMBERS, first_and_last, verified_parts, verified_rows
 
 COUNT = 200
 CHANGED = 70
@@ -62,6 +62,17 @@ def test_parts_of_tables(written, processes, tmp_path, monkeypatch):
                                     ("links", list(range(1, COUNT + 1)), [60])):
         assert [number for of, rows in found if of == table for number in rows.numbers] == present
         assert [number for of, rows in found if of == table for number in rows.damaged] == damaged
+
+
+@pytest.mark.parametrize("table", NUMBERS)
+def test_the_numbers_of_a_table_are_known_without_reading_it(connection, table):
+    steps = []
+    connection.set_progress_handler(lambda: steps.append(1), 1)
+    assert first_and_last(connection, table) == (1, COUNT)
+    connection.set_progress_handler(None, 0)
+    assert len(steps) < COUNT, "SQLite takes several steps for each row that it reads"
+    connection.execute(f"DELETE FROM {table}")
+    assert first_and_last(connection, table) == (None, None)
 
 
 def row_by_row(connection, table):

@@ -247,6 +247,18 @@ def test_a_damaged_write_ahead_log_is_reported_and_costs_only_what_is_damaged(cr
     assert "HNF-5-1.000" in runs
 
 
+@pytest.mark.parametrize("missing", [0, 7])
+def test_a_row_below_the_first_number_is_no_gap_and_hides_none(path, tmp_path, missing):
+    with contextlib.closing(sqlite3.connect(path)) as connection:
+        columns = connection.execute("SELECT group_concat(name) FROM pragma_table_info('entries')").fetchone()[0]
+        values = columns.replace("id,", "0,", 1)
+        connection.execute(f"INSERT INTO entries ({columns}) SELECT {values} FROM entries WHERE id = 7")
+        connection.execute("DELETE FROM entries WHERE id = ?", (missing or -1,))
+        connection.commit()
+    found = [hole.what for hole in recover(path, str(tmp_path / "new")).damage]
+    assert found == (["7 to 7: 1 missing"] if missing else [])
+
+
 def test_nothing_half_is_left(path, tmp_path, monkeypatch):
     def full(*_):
         raise sqlite3.OperationalError("database or disk is full")

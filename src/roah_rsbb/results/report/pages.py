@@ -16,7 +16,7 @@ STYLE = """
 body { max-width: 270mm; } nav { margin: 0 0 4mm; display: flex; flex-wrap: wrap; gap: 1mm 5mm; }
 .wide { overflow-x: auto; } .wide th[role] { cursor: pointer; } .wide th[aria-sort=ascending]::after { content: " ▲"; }
 .wide th[aria-sort=descending]::after { content: " ▼"; } .wide td { white-space: normal; } .plot { margin: 2mm 0; }
-.wide td.share { white-space: nowrap; } meter { width: 18mm; vertical-align: middle; }
+.wide td.share, .wide td.from { white-space: nowrap; } meter { width: 18mm; vertical-align: middle; }
 .uplot { font: 9pt "DejaVu Sans", Verdana, sans-serif; } .u-legend { font-size: 9pt; }
 table.u-legend { width: auto; } .u-legend td, .u-legend th { border: 0; min-width: 0; }
 @media print { nav { display: none; } .wide { overflow: visible; } body { font-size: 8pt; }
@@ -273,7 +273,7 @@ def _links(site: Site) -> List[Child]:
             (team, date_time(begin, site.in_utc)[:16], str(link.received), str(link.lost), _percent(link.lost_share),
              seconds_text(link.longest_gap_s), f"{link.latest_s:.3f}", f"{link.seconds:.0f}")
             for (team, begin), link in links.items()
-        ], ("team", "", *("number",) * 6)),
+        ], ("team", "from", *("number",) * 6)),
         tag("p", "docs/results.md explains how each number is measured and what its limits are.", class_="small"),
     ]
 
