@@ -55,6 +55,7 @@ td.when { min-width: 23mm; width: 23mm; white-space: normal; font-size: 8.5pt; }
 .front table.facts td { width: 68mm; } .front h2 { margin-top: 4mm; }
 .scores table { margin: 0 0 2.5mm; } .scores th.title { font-size: 10pt; color: #111; }
 .scores td.value { width: 25mm; min-width: 25mm; text-align: right; white-space: normal; }
+.scores tr:first-child { break-after: avoid; }
 .scores .number { width: 14mm; } .scores.two, .scores.three { column-gap: 6mm; font-size: 8.5pt; }
 .scores.two { columns: 2; } .scores.three { columns: 3; font-size: 7pt; }
 .scores.two tr { height: 4.6mm; } .scores.three tr { height: 3.6mm; }
@@ -72,6 +73,8 @@ table.totals th { font-size: 10pt; color: #111; } table.totals td { font-weight:
 .signatures { display: flex; gap: 10mm; flex: none; padding-top: 16mm; break-inside: avoid; }
 .signatures div { flex: 1; border-top: .3mm solid #111; padding-top: 1mm; font-size: 8pt; }
 svg { width: 100%; height: auto; display: block; break-inside: avoid; }
+@media screen and (max-width: 150mm) { .scores.two, .scores.three { columns: 1; }
+  .annex > table { display: block; overflow-x: auto; } }
 @media print { .front { height: 262mm; margin: 0; } .content { overflow: hidden; }
   body { margin: 0; padding: 0; max-width: none; } a { color: inherit; text-decoration: none; } }
 """

@@ -45,6 +45,19 @@ COLUMNS = (
     ["Alpha", "Beta 2", "Beta 10", "gamma"],
     ["9 lives", "10 lives", "Alpha"],
 )
+# With the scores at many heights in two columns: the titles, and those in another column than their first line.
+TITLES = """(() => {
+  const scores = document.querySelector(".scores"), space = document.createElement("div"), columns = [];
+  scores.className = "scores two";
+  scores.prepend(space);
+  for (let height = 0; height < 120; height += 3) {
+    space.style.height = `${height}px`;
+    for (const {rows} of scores.querySelectorAll("table")) {
+      columns.push([rows[0], rows[1]].map(row => row.getBoundingClientRect().left));
+    }
+  }
+  return [columns.length, columns.filter(([title, line]) => title !== line).length];
+})()"""
 CLICK = "document.querySelectorAll('table.sorted th')[{}].click()"
 
 
@@ -76,6 +89,23 @@ class TestReportPages(NeedsBrowser):
                 page.screenshot(SHOTS / f"report_{path.stem}_{screen}.png")
                 page.close()
         self.assertEqual(self.browser.errors, [])
+
+    def test_sheets_fit_a_phone(self) -> None:
+        """Also those whose scores are printed in several columns, which would overlap."""
+        for path in sorted((self.folder / "report" / "runs").glob("*run1.html")):
+            page = self.browser.page(path.as_uri(), *SCREENS["360x740"])
+            self.addCleanup(page.close)
+            page.get("document.querySelector('.scores').className = 'scores two'")
+            self.assertEqual(page.get("getComputedStyle(document.querySelector('.scores')).columnCount"), "1")
+            self.assertLessEqual(page.get("document.documentElement.scrollWidth"), 360, path.name)
+
+    def test_no_title_of_scores_stands_alone(self) -> None:
+        path = next((self.folder / "report" / "runs").glob("*HCFGAC*run1.html"))
+        page = self.browser.page(path.as_uri(), *SCREENS["1920x1080"])
+        self.addCleanup(page.close)
+        titles, alone = page.get(TITLES)
+        self.assertGreater(titles, 50)
+        self.assertEqual(alone, 0)
 
     def test_each_kind_of_column_is_sorted(self) -> None:
         page = self.browser.page((self.folder / "report" / "runs.html").as_uri(), *SCREENS["1920x1080"])
