@@ -35,6 +35,7 @@ FIELDS: Dict[str, Dict[str, type]] = {
 }
 STOP = "stop"
 MARK = "mark"
+SET = 0  # MarkItem.SET
 SHEET = "sheet"
 FIELDS["judge_mark"] = FIELDS[MARK]
 # What is asked of the judges of a run: its answer depends on the role.
@@ -77,6 +78,8 @@ def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:
             raise BadCommand(f"{field} has the wrong type")
         if (len(value) > MAX_TEXT) if kind is str else not -_MAX_WHOLE <= value <= _MAX_WHOLE:
             raise BadCommand(f"{field} is too long" if kind is str else f"{field} is too large")
+        if kind is str and not _is_encodable(value):
+            raise BadCommand(f"{field} is no text")
         fields[field] = value
     return Command(name, zone, session, fields)
 
@@ -88,6 +91,16 @@ def may(command: Command) -> bool:
         return False
     if command.name in _OF_JUDGES:
         return grant.role == JUDGE
-    # A judge gives ratings under the name that was typed when the device was paired.
+    # A judge gives ratings under the name that was typed when the device was paired. That nothing was attempted is no
+    # rating: it would count for the whole item.
     return grant.role != JUDGE or command.name == JUDGING or (
-        command.name == MARK and command.fields["judge"] == command.session.person)
+        command.name == MARK and command.fields["change"] == SET and command.fields["judge"] == command.session.person)
+
+
+def _is_encodable(text: str) -> bool:
+    """Whether a message can hold a text. JSON can have half of a character."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True

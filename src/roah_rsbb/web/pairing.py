@@ -164,10 +164,6 @@ class Sessions:
         session = self._sessions[hashed] = session._replace(seen_utc=utc)
         return session
 
-    def is_valid(self, utc: float, session_id: str) -> bool:
-        """Whether a session has not ended."""
-        return any(one.id == session_id and not _is_old(one, utc) for one in self._sessions.values())
-
     def revoke(self, session_id: str) -> List[Session]:
         """End the pairing of a device; empty: of all. Returns which were ended.
 

@@ -162,9 +162,13 @@ class WebServer:
         try:
             return self.sessions.revoke(session_id)
         finally:
-            for device in self.devices:
-                if not self.sessions.is_valid(self.utc(), device.session_id):
-                    device.close(NOT_PAIRED, "this device is not paired any more")
+            self._close_unpaired()
+
+    def _close_unpaired(self) -> None:
+        paired = {session.id for session in self.sessions.listed(self.utc())}
+        for device in self.devices:
+            if device.session_id not in paired:
+                device.close(NOT_PAIRED, "this device is not paired any more")
 
     def devices_changed(self) -> None:
         """Make documents only for what devices show."""
@@ -236,6 +240,7 @@ class WebServer:
         if now < self._beat_due_mono and is_heard == self._was_heard:
             return
         self._was_heard, self._beat_due_mono = is_heard, now + BEAT_S
+        self._close_unpaired()
         made: Made = {}
         for viewer in (*self.devices, *self.viewers):
             viewer.beat(now, made)

@@ -14,7 +14,8 @@ ANY_HOST = "0.0.0.0"
 # A browser opens up to six at once. Connections that were kept are not counted.
 MAX_CONNECTIONS = 200
 MAX_MESSAGE_BYTES = 1024
-_MAX_BODY_BYTES = 1024
+# An objection of 300 characters, in any script, and who objects.
+_MAX_BODY_BYTES = 4 * 1024
 _MAX_HEADER_BYTES = 16 * 1024
 IDLE_S = 30.0
 

@@ -11,7 +11,7 @@ from helpers.http_clients import HOST, HttpClients
 from roah_rsbb.web.commands import FIELDS, BadCommand, Outcome, command_of, may
 from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.limits import Rates
-from roah_rsbb.web.pairing import Grant, Session, Sessions
+from roah_rsbb.web.pairing import SESSION_VALID_S, Grant, Session, Sessions
 from roah_rsbb.web.server import NOT_PAIRED, WebServer
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.writing import COOKIE, DeviceEventsHandler
@@ -28,6 +28,7 @@ def session(role="referee", zone="Home", person="Anna"):
 
 
 OF_JUDGES = {"judge_mark", "submit"}
+ADD, NOT_ATTEMPTED = 1, 2
 
 
 @pytest.mark.parametrize("name", sorted(set(FIELDS) - OF_JUDGES))
@@ -52,14 +53,16 @@ def test_a_judge_gives_no_commands(name):
 
 def test_a_judge_gives_own_ratings_only():
     for judge, allowed in (("Anna", True), ("Bert", False), ("", False)):
-        assert may(command_of("mark", {**MARK, "judge": judge}, session("judge"))) == allowed
-    assert not may(command_of("mark", {**MARK, "zone": "Hall", "judge": "Anna"}, session("judge")))
+        assert may(command_of("mark", {**MARK, "change": 0, "judge": judge}, session("judge"))) == allowed
+    assert not may(command_of("mark", {**MARK, "change": 0, "zone": "Hall", "judge": "Anna"}, session("judge")))
+    for change in (ADD, NOT_ATTEMPTED):
+        assert not may(command_of("mark", {**MARK, "judge": "Anna", "change": change}, session("judge")))
 
 
 @pytest.mark.parametrize("name, body", [
     ("king", {}), ("connect", {"zone": 1}), ("mark", {"change": True}), ("mark", {"change": "1"}),
     ("mark", {"value": 2**31}), ("mark", {"value": 1.5}), ("mark", {"note": "x" * 501}), ("stop", {"identity": None}),
-    ("stop", {"identity": ["x"]}),
+    ("stop", {"identity": ["x"]}), ("mark", {"note": "\ud83e"}),
 ])
 def test_malformed_commands_are_refused(name, body):
     with pytest.raises(BadCommand):
@@ -199,6 +202,20 @@ def test_a_device_is_shown_its_zone_until_its_pairing_ends(served):
         pass
     assert device.close_code == NOT_PAIRED
     served.running.until(lambda: served.any_device == [True, False])
+
+
+def test_a_device_whose_pairing_has_become_too_old_is_shown_nothing_more(served, monkeypatch):
+    device = served.device(served.token())
+    late = served.server.utc() + SESSION_VALID_S + 1.0
+    monkeypatch.setattr(WebServer, "utc", staticmethod(lambda: late))
+    while served.running.do(device.read_message()) is not None:
+        pass
+    assert device.close_code == NOT_PAIRED
+
+
+def test_texts_in_any_script_arrive(served):
+    asked = {"zone": "Home", "identity": "run", "by": "異" * 100, "text": "議" * 300}
+    assert served.send("object", asked, served.token()).code == 200
 
 
 @pytest.mark.parametrize("message", ["hello", "x" * 5000], ids=["short", "long"])

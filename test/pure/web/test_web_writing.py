@@ -144,7 +144,7 @@ def test_bodies_that_are_wrong_are_refused(served, body):
 
 
 def test_bodies_are_small(served):
-    data = json.dumps({"code": "x" * 2000})
+    data = json.dumps({"code": "x" * 5000})
     answer = served.raw((
         f"POST /api/v1/pair HTTP/1.1\r\nHost: {HOST}:{served.port}\r\nOrigin: {served.origin}\r\n"
         f"Content-Type: application/json\r\nContent-Length: {len(data)}\r\n\r\n{data}").encode())
