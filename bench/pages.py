@@ -124,7 +124,7 @@ class Pages:
         clicked: List[float] = []
         for _ in range(count):
             _reconnect(box, robot)
-            page.wait(f"(b => b && !b.disabled)(document.querySelector('{button}')) && !document.body.dataset.moved",
+            page.wait(f"(b => b && !b.disabled && !b.dataset.moved)(document.querySelector('{button}'))",
                       "START is on")
             page.get(f"document.querySelector('{button}').scrollIntoView({{block: 'center'}})")
             time.sleep(dice.uniform(0.05, 0.25))

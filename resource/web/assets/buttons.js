@@ -39,17 +39,15 @@ export function Hold({label, hint, act, ...rest}) {
   const [isHeld, setHeld] = useState(false);
   const [isArmed, setArmed] = useState(false);
   const down = () => {
-    if (timer.current === null) {
-      setHeld(true);
-      timer.current = setTimeout(() => {
-        setHeld(false);
-        act();
-      }, HOLD_MS);
-    }
+    clearTimeout(timer.current);  // the end of the touch before may not have come
+    setHeld(true);
+    timer.current = setTimeout(() => {
+      setHeld(false);
+      act();
+    }, HOLD_MS);
   };
   const up = () => {
     clearTimeout(timer.current);
-    timer.current = null;
     setHeld(false);
   };
   const isKey = (event) => event.key === "Enter" || event.key === " ";
@@ -64,7 +62,7 @@ export function Hold({label, hint, act, ...rest}) {
   return html`
     <button type="button" class="hold ${isHeld ? "held" : ""}" ...${rest}
         onPointerDown=${down} onPointerUp=${up} onPointerCancel=${up} onPointerLeave=${up}
-        onKeyDown=${(event) => isKey(event) && (event.preventDefault(), down())}
+        onKeyDown=${(event) => isKey(event) && (event.preventDefault(), event.repeat || down())}
         onKeyUp=${(event) => isKey(event) && (event.preventDefault(), up())}
         onContextMenu=${(event) => event.preventDefault()} onClick=${click} onBlur=${up}>
       <span class="what">${label}</span> <span class="hint">${hint}</span>

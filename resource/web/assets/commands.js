@@ -4,7 +4,13 @@ import {ask} from "/assets/device.js";
 
 const STOP_AGAIN_MS = 500;
 const MARK_AGAIN_MS = 2000;
-const KEPT = "roah_rsbb_marks";
+// A mark without an answer is shown as not confirmed.
+const LATE_MS = 1000;
+// Browsers have six connections: STOP must find one that is free.
+const MARKS_AT_ONCE = 2;
+// Each mark has a key of its own: several tabs of a browser keep theirs beside each other.
+const KEPT = "roah_rsbb_mark ";
+const STOPPING = "roah_rsbb_stop";
 // Answers after which a mark is sent again: whether it counted is not known, or the box was not ready.
 const AGAIN = [0, 401, 429, 503, 504];
 
@@ -12,8 +18,25 @@ const wait = (ms) => new Promise((done) => setTimeout(done, ms));
 
 export const send = (name, body) => ask("POST", `commands/${name}`, body);
 
-// A short tone, and a vibration where there is one.
+// Runs a function that may use a storage which the browser refuses or which is full: the page works without it.
+function tryTo(act) {
+  try {
+    return act();
+  } catch (error) {
+    return null;
+  }
+}
+
+// Phones make sounds only after a touch, and iPhones only if the sound was allowed while they were touched.
 let audio = null;
+window.addEventListener("click", () => {
+  audio = audio || new AudioContext();
+  if (audio.state !== "running") {
+    audio.resume();
+  }
+});
+
+// A short tone, and a vibration where there is one.
 export function signal(frequency, pattern) {
   if (navigator.vibrate) {
     navigator.vibrate(pattern);
@@ -47,23 +70,33 @@ export class Stop {
     this.onChange = onChange;
   }
 
+  // The one that this tab did not finish, as it was reloaded; null: there is none.
+  static unfinished(onChange) {
+    const kept = tryTo(() => JSON.parse(sessionStorage.getItem(STOPPING)));
+    return kept && new Stop(kept.zone, kept.identity, onChange);
+  }
+
   async repeat() {
+    const kept = JSON.stringify({zone: this.zone, identity: this.identity});
     while (this.state === "sending") {
       this.tries += 1;
       const asked = send("stop", {zone: this.zone, identity: this.identity});
+      tryTo(() => sessionStorage.setItem(STOPPING, kept));
       this.show();
       // The next try does not wait for an answer that may never come.
       const answer = await Promise.race([asked, wait(STOP_AGAIN_MS * 4).then(() => ({status: 0, body: {}}))]);
       if (answer.status === 200) {
         this.state = "confirmed";
-      } else if ([400, 403, 409].includes(answer.status)) {
+      } else if ([400, 401, 403, 409].includes(answer.status)) {
         this.state = "refused";
+        this.isPaired = answer.status !== 401;
         this.reasons = answer.body.reasons;
       } else {
         signal(880, [200, 100, 200]);
         await wait(STOP_AGAIN_MS);
       }
     }
+    tryTo(() => sessionStorage.getItem(STOPPING) === kept && sessionStorage.removeItem(STOPPING));
     this.show();
   }
 
@@ -81,50 +114,71 @@ export class Stop {
 export class Marks {
   constructor(onChange) {
     this.onChange = onChange;
-    this.waiting = JSON.parse(localStorage.getItem(KEPT) || "[]").map((mark) => ({...mark, isLate: true}));
+    this.waiting = keptMarks();  // the oldest first
     this.done = [];  // the newest last: for undo
-    this.refused = null;
+    this.refused = [];  // until the referee has read it
     this.isSending = new Set();
     this.isLinked = () => true;
     setInterval(() => this.again(), MARK_AGAIN_MS);
   }
 
   add(mark) {
-    const made = {...mark, id: newId(), isLate: false};
+    const made = {...mark, id: newId(), made: Date.now(), isLate: false};
     this.waiting.push(made);
-    this.store();
-    this.send(made);
+    tryTo(() => localStorage.setItem(KEPT + made.id, JSON.stringify(made)));
+    this.sendNext();
     this.onChange();
   }
 
   again() {
     if (this.isLinked()) {
-      this.waiting.forEach((mark) => this.send(mark));
+      this.sendNext();
+    }
+  }
+
+  // Those of an item one after the other: they must arrive as they were entered.
+  sendNext() {
+    const items = new Set();
+    for (const mark of this.waiting) {
+      const item = [mark.identity, mark.group, mark.desc].join("\n");
+      if (!items.has(item) && !this.isSending.has(mark.id) && this.isSending.size < MARKS_AT_ONCE) {
+        this.send(mark);
+      }
+      items.add(item);
     }
   }
 
   async send(mark) {
-    if (this.isSending.has(mark.id)) {
-      return;
-    }
     this.isSending.add(mark.id);
-    const {shown, isLate, isUndo, command = "mark", ...body} = mark;
+    const {shown, isLate, isUndo, made, command = "mark", ...body} = mark;
+    const late = setTimeout(() => this.isNotConfirmed(mark), LATE_MS);
     const answer = await send(command, body);
+    clearTimeout(late);
     this.isSending.delete(mark.id);
     if (AGAIN.includes(answer.status)) {
-      mark.isLate = true;
-    } else {
-      this.waiting = this.waiting.filter((one) => one.id !== mark.id);
-      if (answer.status === 200) {
-        this.refused = null;
-        if (answer.body.number && !isUndo && command === "mark") {
-          this.done.push({...body, number: answer.body.number, shown: `${mark.desc}: ${shown}`});
-        }
-      } else {
-        this.refused = {shown: `${mark.desc}: ${shown}`, reasons: answer.body.reasons};
-      }
+      this.isNotConfirmed(mark);
+      return;
     }
-    this.keep();
+    this.waiting = this.waiting.filter((one) => one.id !== mark.id);
+    tryTo(() => localStorage.removeItem(KEPT + mark.id));
+    if (answer.status !== 200) {
+      this.refused.push({...mark, reasons: answer.body.reasons});
+    } else if (answer.body.number && !isUndo && command === "mark") {
+      this.done.push({...body, number: answer.body.number, shown: `${mark.desc}: ${shown}`});
+    }
+    this.sendNext();
+    this.onChange();
+  }
+
+  isNotConfirmed(mark) {
+    mark.isLate = true;
+    this.onChange();
+  }
+
+  // The referee has read that a mark was refused.
+  close(refused) {
+    this.refused = this.refused.filter((one) => one !== refused);
+    this.onChange();
   }
 
   // The last mark of this device in a run.
@@ -144,15 +198,12 @@ export class Marks {
     const {number, shown, ...mark} = added;
     this.add({...mark, value: -mark.value, note: "", isUndo: true, shown: mark.value > 0 ? `−${mark.value}` : `+${-mark.value}`});
   }
+}
 
-  keep() {
-    this.store();
-    this.onChange();
-  }
-
-  store() {
-    localStorage.setItem(KEPT, JSON.stringify(this.waiting));
-  }
+function keptMarks() {
+  const keys = tryTo(() => Object.keys(localStorage)) || [];
+  return keys.filter((key) => key.startsWith(KEPT)).map((key) => ({...JSON.parse(localStorage.getItem(key)), isLate: true}))
+    .sort((one, other) => one.made - other.made);
 }
 
 // crypto.randomUUID exists on encrypted pages only.

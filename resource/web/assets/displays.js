@@ -10,9 +10,9 @@ function Choice({id, text, value, choices, texts, act}) {
   return html`
     <div>
       <label for=${id}>${text}</label>
-      <select id=${id} onChange=${(event) => act(event.target.value === NOT_SET ? null : event.target.value)}>
-        <option value=${NOT_SET} selected=${value === null}>${texts.as_address}</option>
-        ${choices.map(([each, name]) => html`<option value=${each} selected=${value === each}>${name}</option>`)}
+      <select id=${id} value=${value === null ? NOT_SET : value} onChange=${(event) => act(event.target.value === NOT_SET ? null : event.target.value)}>
+        <option value=${NOT_SET}>${texts.as_address}</option>
+        ${choices.map(([each, name]) => html`<option value=${each}>${name}</option>`)}
       </select>
     </div>`;
 }
@@ -35,6 +35,11 @@ function facts(row, words, texts) {
 
 function Row({row, list, words, texts, set, takeBack}) {
   const {setting} = row;
+  const [typed, setTyped] = useState(null);  // the list comes again while somebody types
+  const rename = async (name) => {
+    await set({name});
+    setTyped(null);
+  };
   const part = (name) => `${name}-${row.id}`;
   const zones = [...new Set([...list.zones, ...(setting.zone ? [setting.zone] : [])])];
   const name = row.name || texts.unnamed;
@@ -46,8 +51,9 @@ function Row({row, list, words, texts, set, takeBack}) {
         <legend class="unseen">${name}</legend>
         <div>
           <label for=${part("name")}>${texts.name}</label>
-          <input id=${part("name")} value=${setting.name} maxlength="40" autocomplete="off"
-            placeholder=${row.display ? row.display.name : ""} onChange=${(event) => set({name: event.target.value})} />
+          <input id=${part("name")} value=${typed === null ? setting.name : typed} maxlength="40" autocomplete="off"
+            placeholder=${row.display ? row.display.name : ""} onInput=${(event) => setTyped(event.target.value)}
+            onChange=${(event) => rename(event.target.value)} />
         </div>
         <${Choice} id=${part("show")} text=${texts.show} value=${setting.show} texts=${texts} act=${(value) => set({show: value})}
           choices=${list.shows.map((one) => [one, texts[`show_${one}`]])} />
@@ -77,7 +83,7 @@ function Displays({live, words}) {
     let timer;
     const again = async () => {
       const answer = await load();
-      setTrouble(answer.status === 0 ? texts.no_answer : "");
+      setTrouble((before) => (answer.status === 0 ? texts.no_answer : before === texts.no_answer ? "" : before));
       timer = setTimeout(again, AGAIN_MS);
     };
     again();

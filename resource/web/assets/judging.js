@@ -73,9 +73,16 @@ export function JudgeRun({zone, run, marks, texts, person, give}) {
 
 function Reasoned({label, name, act, texts, more = null, isMain = false, isOff = false}) {
   const [reason, setReason] = useState("");
+  const isBusy = useRef(false);
   const submit = async (event) => {
     event.preventDefault();
-    if (await act(reason.trim())) {
+    if (isBusy.current) {
+      return;  // touched twice
+    }
+    isBusy.current = true;
+    const isDone = await act(reason.trim());
+    isBusy.current = false;
+    if (isDone) {
       setReason("");
     }
   };
@@ -90,14 +97,18 @@ function Reasoned({label, name, act, texts, more = null, isMain = false, isOff =
 // The value that the head referee chooses: that of a judge with one touch, or another one.
 function Value({one, value, set, texts}) {
   const {item} = one;
+  const [typed, setTyped] = useState("");
   const pressed = (chosen) => JSON.stringify(value) === JSON.stringify(chosen);
   const button = (label, chosen) => html`
     <button type="button" aria-pressed=${pressed(chosen)} aria-label="${item.desc}: ${label}" onClick=${() => set(chosen)}>${label}</button>`;
   const isTyped = !["bool", "choice"].includes(item.type);
   const isWhole = ["bool", "uint", "int"].includes(item.type);
   const chosenBy = (each) => each.not_attempted ? {not_attempted: true} : isWhole ? {value: each.value} : {text: each.text};
-  const type = (text) => set(text === "" ? null : isWhole ? {value: Math.trunc(Number(text)) || 0} : {text});
-  const typed = value === null || value.not_attempted ? "" : isWhole ? value.value : value.text;
+  const type = (text) => {
+    setTyped(text);
+    set(isWhole ? (/^-?[0-9]+$/.test(text) ? {value: Number(text)} : null) : text === "" ? null : {text});
+  };
+  const chosen = value === null ? typed : value.not_attempted ? "" : isWhole ? value.value : value.text;
   return html`
     <div class="controls given">
       ${one.given.map((each) => html`
@@ -105,7 +116,7 @@ function Value({one, value, set, texts}) {
           <span>${each.judge}</span> <strong>${each.shown}</strong></button>`)}
     </div>
     ${isTyped && html`<label>${texts.value.replace("{item}", () => item.desc)}
-      <input class="value" inputmode="decimal" autocomplete="off" value=${typed}
+      <input class="value" inputmode="decimal" autocomplete="off" value=${chosen}
         onInput=${(event) => type(event.target.value.trim())} /></label>`}
     <div class="controls">
       ${item.type === "bool" && [["yes", 1], ["no", 0]].map(([word, number]) => button(texts[word], {value: number}))}

@@ -3,6 +3,8 @@
 const RECONNECT_MS = 1000;
 // The gateway sends the clock each second.
 const SILENT_S = 3.5;
+// A connection that is not made by then is tried again: the system would try it less and less often.
+const CONNECT_S = 5;
 // How much slower than ours the box's clock may run.
 const DRIFT = 2e-4;
 
@@ -52,6 +54,17 @@ export class Live {
   // Ask for something else, with a new connection.
   reopen(query) {
     this.setQuery(query);
+    this.replace();
+  }
+
+  // What is known may be of before a sleep: it is old until a new connection says that it is not.
+  wake() {
+    this.heardAt = -Infinity;
+    this.replace();
+    this.watch();
+  }
+
+  replace() {
     const old = this.socket;
     this.connect();
     if (old) {
@@ -62,6 +75,7 @@ export class Live {
   connect() {
     const opening = new WebSocket(this.address);
     this.socket = opening;
+    this.startedAt = seconds();
     opening.onopen = () => {
       this.openedAt = seconds();
     };
@@ -124,7 +138,9 @@ export class Live {
     const gatewayIsSilent = now - this.heardAt > this.silentS;
     // On a slow network, the first message comes long after the connection.
     const hasHadTime = now - Math.max(this.heardAt, this.openedAt) > this.silentS;
-    if (hasHadTime && this.socket && this.socket.readyState === WebSocket.OPEN) {
+    const {readyState} = this.socket || {};
+    const isStuck = readyState === WebSocket.CONNECTING && now - this.startedAt > CONNECT_S;
+    if (this.socket && (isStuck || (hasHadTime && readyState === WebSocket.OPEN))) {
       this.reconnect(this.socket);
     }
     const isSilent = gatewayIsSilent || !this.isHeard || !this.socket;

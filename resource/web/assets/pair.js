@@ -4,12 +4,13 @@ import {address, html, parameters, show, useEffect, useState} from "/assets/part
 import {ask, deviceName, reasonsText, roleText} from "/assets/device.js";
 
 const NAME = "roah_rsbb_name";
-const CODE = decodeURIComponent(location.hash.slice(1));
+const CODE = location.hash.slice(1);
 
 function Field({name, text, value, ...rest}) {
+  const [typed, setTyped] = useState(value);
   return html`
     <label for=${name}>${text}</label>
-    <input id=${name} name=${name} value=${value} autocomplete="off" spellcheck=${false} required maxlength="40" ...${rest} />`;
+    <input id=${name} name=${name} value=${typed} onInput=${(event) => setTyped(event.target.value)} autocomplete="off" spellcheck=${false} required maxlength="40" ...${rest} />`;
 }
 
 function Pair({live, words}) {

@@ -8,16 +8,18 @@ import {Marks, Stop, send, signal} from "/assets/commands.js";
 import {Command, Hold, Twice} from "/assets/buttons.js";
 import {Correction} from "/assets/correction.js";
 import {HeadReferee, JudgeRun, Publication} from "/assets/judging.js";
-import {ADD, Sheet} from "/assets/sheet.js";
+import {ADD, RefusedMark, Sheet} from "/assets/sheet.js";
 
 const SILENT_S = 2.2;
 const ASK_AGAIN_MS = 1500;
 const SOON = 1;
 const SWITCHES = 10;
 const STILL_MS = 400;
+const LOOK_MS = 250;
+const SLEPT_MS = 1000;
 
 const language = parameters.get("language") || "";
-const state = {session: undefined, live: null, stop: null, said: "", marks: null, tick: null};
+const state = {session: undefined, live: null, known: null, stop: null, said: "", place: "", marks: null, tick: null};
 
 function draw() {
   render(html`<${Page} />`, document.getElementById("page"));
@@ -29,7 +31,7 @@ async function begin() {
   const answer = await ask("GET", "session");
   if (answer.status === 200) {
     state.session = answer.body;
-    open(parameters.get("zone") || answer.body.zone);
+    open(answer.body.zone || parameters.get("zone") || "");
   } else if (answer.status === 401) {
     state.session = null;
     if (state.live) {
@@ -42,6 +44,9 @@ async function begin() {
 }
 
 function open(zone) {
+  if (zone !== state.zone) {
+    state.known = null;
+  }
   state.zone = zone;
   if (state.live) {
     state.live.close();
@@ -61,17 +66,29 @@ function openWords() {
     draw);
 }
 
+// The zone. A gateway that was just started does not know it yet: then it is as it was last known, so STOP stays possible.
+function zoneNow() {
+  state.known = state.live.data["page.zone"] || (state.live.silentSince !== null && state.known) || null;
+  return state.known;
+}
+
 function changed(names = []) {
   if (names.length === 1 && names[0] === "page.clock" && state.tick) {
     state.tick();  // comes each second, and drawing the whole page takes long on a slow phone
     return;
   }
-  const zone = state.live.data["page.zone"], zones = state.live.data["page.zones"];
+  if (names.length === 0 && state.session) {
+    check();
+  }
+  const zone = zoneNow(), zones = state.live.data["page.zones"];
   if (!state.zone && !zone && zones && zones.length > 0) {
     open(zones[0].zone);  // an organiser, and the gateway did not know the zones before
     return;
   }
   if (zone && state.live.silentSince === null) {
+    const place = [zone.event, zone.identity, zone.phase].join();
+    state.said = place === state.place ? state.said : "";  // why it was refused is no news any more
+    state.place = place;
     if (state.stop && state.stop.state !== "sending" && zone.phase !== "running") {
       state.stop = null;  // what the box answered is no news any more
     }
@@ -80,18 +97,31 @@ function changed(names = []) {
   draw();
 }
 
-// The pairing may have been ended while the page was open.
-setInterval(() => {
-  if (state.session && state.live.silentSince !== null) {
-    ask("GET", "session").then((answer) => answer.status === 401 && begin());
+// The pairing may have been ended while the page was open, or another one made in another tab.
+async function check() {
+  const answer = await ask("GET", "session");
+  const isOther = answer.status === 200 && state.session && answer.body.id !== state.session.id;
+  if (state.session && (answer.status === 401 || isOther)) {
+    begin();
   }
-}, 2 * ASK_AGAIN_MS);
+}
+setInterval(() => state.session && state.live.silentSince !== null && check(), 2 * ASK_AGAIN_MS);
+
+// While a phone or laptop sleeps, the clock of its pages may be stopped, so they notice no silence.
+let slept = Date.now() - performance.now();
+setInterval(() => {
+  const now = Date.now() - performance.now();
+  if (Math.abs(now - slept) > SLEPT_MS && state.session && state.live) {
+    state.live.wake();
+  }
+  slept = now;
+}, LOOK_MS);
 window.addEventListener("offline", () => state.live && state.live.socket && state.live.reconnect(state.live.socket));
 
 // -- commands -----------------------------------------------------------------------------------------
 
 async function give(name, texts, label, more = {}) {
-  const zone = state.live.data["page.zone"];
+  const zone = zoneNow();
   const answered = send(name, {zone: zone.zone, ...more});  // first: a slow phone takes long to draw
   state.said = `${label} …`;
   draw();
@@ -106,9 +136,13 @@ function stopRun(zone) {
   if (state.stop && state.stop.state === "sending" && state.stop.identity === zone.identity) {
     return;
   }
-  state.stop = new Stop(zone.zone, zone.identity, draw);
-  state.stop.repeat();
+  repeatStop(new Stop(zone.zone, zone.identity, draw));
   signal(660, [150]);  // after it is sent: the first sound takes long on a phone
+}
+
+function repeatStop(stop) {
+  state.stop = stop;
+  stop.repeat();
 }
 
 async function undo(last, texts) {
@@ -257,6 +291,7 @@ function Unsigned({zone, texts}) {
           ${zone.judging.some((one) => one.identity === run.identity && one.count > 0) || html`
             <${Correction} zone=${zone} run=${run} marks=${state.marks} texts=${texts} undo=${(last) => undo(last, texts)} />`}
           <${Twice} name="sign_off" label=${texts.sign_off} question=${texts.really}
+            reasons=${state.marks.waiting.some((mark) => mark.identity === run.identity) ? [texts.marks_wait] : []}
             act=${() => give("sign_off", texts, texts.sign_off, {identity: run.identity})} />
           ${zone.judging.filter((one) => one.identity === run.identity && one.count === 0).map((one) => html`
             <${Publication} zone=${zone.zone} run=${one} texts=${texts} give=${give} />`)}
@@ -298,32 +333,51 @@ function useSignals(zone, clock) {
   });
 }
 
-// What moved under the finger must not be hit: for a moment after a change of the layout, touches do nothing.
-let places = "", stillTimer = null;
+// What moved under the finger must not be hit: a button that is new, was moved or got another text does nothing for a moment.
+const places = new WeakMap();
 function keepStill() {
-  const now = [...document.querySelectorAll(".all section, .all form")].map((one) => one.offsetTop).join(" ");
-  if (now !== places && places !== "") {
-    document.body.dataset.moved = "moved";
-    clearTimeout(stillTimer);
-    stillTimer = setTimeout(() => delete document.body.dataset.moved, STILL_MS);
+  for (const button of document.querySelectorAll(".all button")) {
+    const {left, top} = button.getBoundingClientRect();
+    const place = [Math.round(left + scrollX), Math.round(top + scrollY), button.textContent].join();
+    const before = places.get(button);
+    if (!before || before.place !== place) {
+      clearTimeout(before && before.timer);
+      button.dataset.moved = "moved";
+      places.set(button, {place, timer: setTimeout(() => delete button.dataset.moved, STILL_MS)});
+    }
   }
-  places = now;
 }
 // Whatever drew it: a part of the page may draw itself, such as a sheet that was asked for.
 new MutationObserver(keepStill).observe(document.getElementById("page"), {subtree: true, childList: true, characterData: true});
 
-function StopBar({zone, texts, isOld}) {
+// The bar is at the bottom of what is seen: a keyboard on the screen, or a page that is enlarged, leaves less.
+function keepInSight() {
+  const {height, offsetTop} = visualViewport;
+  document.documentElement.style.setProperty("--covered", `${Math.max(0, innerHeight - height - offsetTop)}px`);
+}
+["resize", "scroll"].forEach((kind) => visualViewport.addEventListener(kind, keepInSight));
+
+// What became of STOP; empty: nothing is to be said. `zone`: the one that is shown.
+function stopText(zone, texts) {
   const {stop} = state;
-  const isOurs = stop && zone && stop.zone === zone.zone;
-  const reasons = zone && !isOld ? zone.off.stop : [];
-  const said = !isOurs ? "" : {
+  if (!stop) {
+    return "";
+  }
+  const isShown = zone && stop.zone === zone.zone;
+  const text = {
     sending: texts.stopping.replace("{n}", () => stop.tries),
-    confirmed: stop.identity === zone.identity && zone.phase === "running" ? texts.stopped : "",
-    refused: texts.not_stopped.replace("{reasons}", () => stop.reasons.join("; ")),
-  }[stop.state] || "";
+    confirmed: isShown && stop.identity === zone.identity && zone.phase === "running" ? texts.stopped : "",
+    refused: texts.not_stopped.replace("{reasons}", () => stop.isPaired ? stop.reasons.join("; ") : texts.not_paired),
+  }[stop.state];
+  return text && !isShown ? `${stop.zone}: ${text}` : text;
+}
+
+function StopBar({zone, texts, isOld}) {
+  const reasons = zone && !isOld ? zone.off.stop : [];
+  const said = stopText(zone, texts);
   return html`
     <footer class="stopbar">
-      ${said && html`<p class=${stop.state === "confirmed" ? "good" : "alarm"} role="alert">${said}</p>`}
+      ${said && html`<p class=${state.stop.state === "confirmed" ? "good" : "alarm"} role="alert">${said}</p>`}
       ${reasons.length > 0 ? html`<p class="why"><strong>${texts.stop}</strong>: ${reasons.join("; ")}</p>` : html`
         <${Hold} label=${texts.stop} hint=${texts.hold_to_stop} data-command="stop" disabled=${!zone}
           act=${() => stopRun(zone)} />`}
@@ -334,14 +388,16 @@ function Page() {
   const {live, session, marks} = state;
   const data = live ? live.data : {};
   const words = data["page.words"], texts = data["page.device_words"];
-  const zone = data["page.zone"];
+  const zone = live && zoneNow();
   if (!words || session === undefined) {
     return null;
   }
   document.documentElement.lang = words.language;
   document.title = zone ? `${zone.zone} – ${texts.referee_page}` : texts.referee_page;
   if (session === null) {
+    const stopped = stopText(null, texts);
     return html`
+      ${stopped && html`<p class="alarm" role="alert">${stopped}</p>`}
       <h1 class="title">${texts.not_paired}</h1>
       <p class="nothing">${texts.pair_how}</p>
       <p><a class="button main" href=${address("/pair")}>${texts.pair_title}</a></p>`;
@@ -351,8 +407,8 @@ function Page() {
   const judge = session.role === "judge" ? session.person : "";
   const isJudged = Boolean(zone) && zone.judging.some((run) => run.identity === zone.identity && run.count > 0);
   const last = zone && marks.last(zone.identity);
-  const isShown = (mark) => zone && (mark.identity === zone.identity || zone.judging.some((run) => run.identity === mark.identity && run.count > 0));
-  const others = marks.waiting.filter((mark) => !isShown(mark));
+  const isOther = (mark) => !zone || (mark.identity !== zone.identity
+    && !zone.judging.some((run) => run.identity === mark.identity && run.count > 0));
   return html`
     ${isOld && html`<p class="alarm" role="alert">${live.silentSince === null ? (zone ? texts.offline_now : words.waiting)
       : texts.offline.replace("{time}", () => clockText(live.silentSince, words))}</p>`}
@@ -368,9 +424,10 @@ function Page() {
           <ul>${zone.warnings.map((text) => html`<li>⚠ ${text}</li>`)}</ul></section>`}
       <${Run} zone=${zone} texts=${texts} />
       <p class="said" role="status">${state.said}</p>
+      ${marks.refused.filter(isOther).map((mark) => html`<${RefusedMark} mark=${mark} marks=${marks} texts=${texts} />`)}
       <fieldset disabled=${isOld} class="all">
         ${!judge && html`
-          ${zone.operation && html`<${Operation} key=${zone.operation.number} zone=${zone} texts=${texts} />`}
+          ${zone.operation && html`<${Operation} key="${zone.identity} ${zone.operation.number}" zone=${zone} texts=${texts} />`}
           ${zone.switches && html`<${Switches} zone=${zone} texts=${texts} />`}
           ${zone.phase === "running" || html`<${Commands} zone=${zone} texts=${texts} />`}
           ${zone.phase === "ended" && html`<${Reason} key=${zone.identity} zone=${zone} texts=${texts} />`}`}
@@ -378,12 +435,10 @@ function Page() {
           <${JudgeRun} key=${run.identity} zone=${zone.zone} run=${run} marks=${marks} texts=${texts} person=${judge} give=${give} />` : html`
           <${HeadReferee} key=${run.identity} zone=${zone.zone} run=${run} texts=${texts} give=${give} />`)}
         ${isJudged && !judge && html`<p class="nothing">${texts.judges_score}</p>`}
-        ${zone.items.length > 0 && !isJudged && html`<${Sheet} zone=${zone} marks=${marks} texts=${texts} judge=${judge} />`}
+        ${zone.items.length > 0 && !isJudged && html`<${Sheet} key=${zone.identity} zone=${zone} marks=${marks} texts=${texts} judge=${judge} />`}
         ${last && html`<${Command} name="undo" label=${texts.undo.replace("{mark}", () => last.shown)} act=${() => undo(last, texts)} />`}
-        ${marks.refused && html`<p class="alarm" role="alert">${texts.refused.replace("{what}", () => marks.refused.shown)
-          .replace("{reasons}", () => marks.refused.reasons.join("; "))}</p>`}
         ${!judge && zone.phase === "running" && html`<${Commands} zone=${zone} texts=${texts} />`}
-        ${others.map((mark) => html`<p class="alarm" role="status">${texts.not_confirmed.replace("{mark}",
+        ${marks.waiting.filter(isOther).map((mark) => html`<p class="alarm" role="status">${texts.not_confirmed.replace("{mark}",
           () => `${mark.desc}: ${mark.shown}`)}</p>`)}
         ${!judge && html`<${Unsigned} zone=${zone} texts=${texts} />`}
       </fieldset>`}
@@ -392,4 +447,8 @@ function Page() {
 
 state.marks = new Marks(draw);
 window.marks = state.marks;
+const unfinished = Stop.unfinished(draw);
+if (unfinished) {
+  repeatStop(unfinished);
+}
 begin();

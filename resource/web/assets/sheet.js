@@ -8,8 +8,17 @@ function number(text) {
   return text === "" ? null : Number(text);
 }
 
+// A mark that the box has refused, until the referee has read why.
+export function RefusedMark({mark, marks, texts}) {
+  return html`
+    <div class="alarm" role="alert">
+      <p>${texts.refused.replace("{what}", () => `${mark.desc}: ${mark.shown}`).replace("{reasons}", () => mark.reasons.join("; "))}</p>
+      <button type="button" data-command="close_refused" onClick=${() => marks.close(mark)}>${texts.close}</button>
+    </div>`;
+}
+
 // `mark(item, change, more)`: enters a mark; `waiting`: marks of this item that were not answered yet.
-function Item({item, waiting, mark, texts, judge}) {
+function Item({item, waiting, refused, marks, mark, texts, judge}) {
   const [isOpen, setOpen] = useState(false);
   const [note, setNote] = useState("");
   const enter = (change, more, shown) => {
@@ -18,9 +27,13 @@ function Item({item, waiting, mark, texts, judge}) {
   };
   const minimum = number(item.min), maximum = number(item.max);
   const name = item.desc;
+  const sending = waiting.filter((one) => !one.isLate);
   return html`
     <li class="item" data-item=${name}>
-      <div class="what"><span>${name}</span> <strong class="shown">${item.shown}</strong>
+      <div class="what"><span>${name}</span>
+        <span class="sending" role="status">${sending.length > 0 && html`…<span class="unseen">${sending.map((one) =>
+          texts.sending.replace("{mark}", () => one.shown)).join("; ")}</span>`}</span>
+        <strong class="shown">${item.shown}</strong>
         ${item.points && html` <span class="points">${item.points}</span>`}</div>
       <div class="controls">
         ${item.type === "bool" && !judge && [["yes", 1], ["no", 0]].map(([word, value]) => html`
@@ -56,10 +69,9 @@ function Item({item, waiting, mark, texts, judge}) {
             <input maxlength="200" value=${note} onInput=${(event) => setNote(event.target.value)} />
           </label>
         </div>`}
-      ${waiting.map((one) => html`
-        <p class=${one.isLate ? "alarm" : "why"} role="status">
-          ${texts[one.isLate ? "not_confirmed" : "sending"].replace("{mark}", () => one.shown)}
-        </p>`)}
+      ${waiting.filter((one) => one.isLate).map((one) => html`
+        <p class="alarm" role="status">${texts.not_confirmed.replace("{mark}", () => one.shown)}</p>`)}
+      ${refused.map((one) => html`<${RefusedMark} mark=${one} marks=${marks} texts=${texts} />`)}
     </li>`;
 }
 
@@ -78,7 +90,7 @@ function Entry({label, isLabelShown = false, value, enter, texts}) {
         <input inputmode="decimal" autocomplete="off" value=${typed === null ? value : typed}
           onInput=${(event) => setTyped(event.target.value)} />
       </label>
-      <button aria-label="${label}: ${texts.set}">${texts.set}</button>
+      <button class=${typed === null ? "" : "main"} aria-label="${label}: ${texts.set}">${texts.set}</button>
     </form>`;
 }
 
@@ -90,8 +102,7 @@ export function Sheet({zone, marks, texts, judge = "", command = "", person = ""
     zone: zone.zone, identity: zone.identity, group: item.group, desc: item.desc, change, value: 0, text: "", judge: "",
     ...more, shown, ...(command ? {command} : {}),
   });
-  const waitingOf = (item) => marks.waiting.filter((one) =>
-    one.identity === zone.identity && one.group === item.group && one.desc === item.desc);
+  const isOf = (item) => (one) => one.identity === zone.identity && one.group === item.group && one.desc === item.desc;
   const groups = [...new Set(items.map((item) => item.group))];
   return html`
     <section class="sheet">
@@ -100,8 +111,8 @@ export function Sheet({zone, marks, texts, judge = "", command = "", person = ""
       ${groups.map((group) => html`
         <h3>${group}</h3>
         <ul>${items.filter((item) => item.group === group).map((item) => html`
-          <${Item} key="${group}/${item.desc}" item=${item} waiting=${waitingOf(item)} mark=${mark} texts=${texts}
-            judge=${judge} />`)}</ul>`)}
+          <${Item} key="${group}/${item.desc}" item=${item} waiting=${marks.waiting.filter(isOf(item))}
+            refused=${marks.refused.filter(isOf(item))} marks=${marks} mark=${mark} texts=${texts} judge=${judge} />`)}</ul>`)}
       ${zone.points && html`<p class="points">${zone.points}</p>`}
     </section>`;
 }

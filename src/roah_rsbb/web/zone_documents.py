@@ -33,7 +33,8 @@ def zone_page(
     """
     unsigned = _unsigned(runs, judgings, zone.zone)
     task = todo.todo(zone, details)
-    lines = [line for line in zone.state.split("\n") if line]
+    reasons = [*details.connect_off, *details.start_off]  # the page shows them beside the commands
+    lines = [line for line in zone.state.split("\n") if line and line not in reasons]
     mark = _MARKS.get(details.phase, "–")
     moments = Moments(False)
     return {

@@ -159,7 +159,8 @@ def page_words() -> Dict[str, str]:
         "referees": tr("Referees"), "referee_page": tr("Referee's page"),
         "data": tr("Data for programs"), "no_results": tr("No results are public yet"),
         "no_standings": tr("No standings are public yet"),
-        "displays_page": tr("What each display shows"),
+        "pair_page": tr("Pair this device"), "displays_page": tr("What each display shows"),
+        "codes_page": tr("Codes of the teams"),
         "no_events": tr("No more events"), "not_in_schedule": tr("Nothing is known of this team"),
     }
 

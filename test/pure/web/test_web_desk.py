@@ -77,6 +77,12 @@ def test_a_zone_is_shown_with_the_reason_of_each_command(desk):
     assert shown["is_urgent"] and shown["todo"] == "No message from the robot for 3 s"
 
 
+def test_a_reason_of_a_command_is_no_state_of_the_run_as_well(desk):
+    desk.on_details(details(start_off=["All OK for start"]))
+    desk.on_gui(MONO + 0.1, gui(NOW + 0.1))
+    assert data(desk)["off"]["start"] == ["All OK for start"] and data(desk)["state"] == []
+
+
 def test_the_clock_is_a_document_of_its_own(desk):
     assert data(desk, CLOCK)["main"] == {"label": "Run: time left", "text": "9:50", "hurry": 0}
     before = desk.document(KEY)

@@ -67,6 +67,7 @@ def test_windows_of_a_display_are_one_line():
     (row,) = displays.rows()
     assert (row.windows, displays.unlisted) == (MAX_WINDOWS, 1)
     assert displays.remove("one more") is None
+    assert displays.unlisted == 0, "it is closed"
     assert [displays.remove(window) for window in range(MAX_WINDOWS)][-2:] == [None, id_of(1)]
     assert displays.rows() == []
 

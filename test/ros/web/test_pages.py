@@ -21,6 +21,7 @@ from support.waiting import wait_until
 
 from roah_rsbb.nodes.web import node as web
 from roah_rsbb.srv import PairDevice
+from roah_rsbb.web.server import PAGES
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"
@@ -115,6 +116,8 @@ class TestPages(NeedsBrowser, BoxCase):
             self.assert_accessible(name, page)
             page.screenshot(SHOTS / f"web_{name}.png")
         self.assertEqual(overlay.get("getComputedStyle(document.body).backgroundColor"), "rgba(0, 0, 0, 0)")
+        linked = pages["index"].get("[...document.querySelectorAll('a')].map(link => link.pathname)")
+        self.assertEqual([name for name in PAGES if f"/{name}" not in linked], [], "the first page lists all")
         for page in (phone, team):
             self.assertEqual(page.get("document.scrollingElement.scrollWidth"), PHONE[0], "nothing is too wide")
         self.nothing_of_the_board_is_cut(display)
@@ -135,6 +138,7 @@ class TestPages(NeedsBrowser, BoxCase):
         organiser.wait(f"{row} !== null && {row}.innerText.includes('1366 × 768')", "the display is listed")
         self.assert_accessible("displays", organiser)
         organiser.screenshot(SHOTS / "web_displays.png")
+        self.a_list_that_comes_again_does_not_disturb(organiser, row)
         self.choose(organiser, row, "show", "standings")
         self.choose(organiser, row, "language", "de")
         wanted = f"{TEXT}.includes('Noch keine Rangliste ist öffentlich')"
@@ -148,6 +152,22 @@ class TestPages(NeedsBrowser, BoxCase):
         organiser.wait(f"{row}.querySelector('[data-command=take_back]') !== null", "it can be taken back")
         organiser.get(f"{row}.querySelector('[data-command=take_back]').click()")
         display.wait(f"{TEXT}.includes('Next')", "the address counts again")
+
+    def a_list_that_comes_again_does_not_disturb(self, page: Page, row: str) -> None:
+        """Nor does it show what is not set, or hide why."""
+        field, shows = f"{row}.querySelector('[id^=name-]')", f"{row}.querySelector('[id^=show-]')"
+        page.get("window.realFetch = fetch, window.lists = 0, window.fetch = async (path, how) => { "
+                 "if (how.method === 'POST') return new Response(JSON.stringify({reasons: ['the disk is full']}), "
+                 "{status: 500, headers: {'Content-Type': 'application/json'}}); "
+                 "const answer = await realFetch(path, how); lists += 1; return answer; }, 0")
+        self.choose(page, row, "show", "results")
+        page.wait(f"{TEXT}.includes('the disk is full') && {shows}.selectedIndex === 0", "it is not set")
+        page.get(f"{field}.value = 'Hal', {field}.dispatchEvent(new Event('input', {{bubbles: true}})), lists = 0, 0")
+        page.wait("lists >= 2", "the list has come again")
+        self.assertEqual(page.get(f"{field}.value"), "Hal")
+        self.assertTrue(page.get(f"{TEXT}.includes('the disk is full')"))
+        page.get(f"{field}.value = '', {field}.dispatchEvent(new Event('input', {{bubbles: true}})), "
+                 "window.fetch = realFetch, 0")
 
     def pair_an_organiser(self) -> None:
         """Pair the browser."""
@@ -228,6 +248,7 @@ class TestPages(NeedsBrowser, BoxCase):
         self.assertEqual(page.get("""(() => {
             const Real = WebSocket, made = [];
             window.WebSocket = class {
+                static CONNECTING = 0;
                 static OPEN = 1;
                 constructor() { made.push(this); this.readyState = 1; }
                 close() { this.isClosed = true; }
@@ -236,10 +257,14 @@ class TestPages(NeedsBrowser, BoxCase):
             made[0].onopen && made[0].onopen();
             slow.watch();
             const wasClosed = Boolean(made[0].isClosed);
+            slow.startedAt = -Infinity;
+            made[0].readyState = 0;  // it is still not made
+            slow.watch();
+            const isGivenUp = Boolean(made[0].isClosed);
             slow.close();
             window.WebSocket = Real;
-            return [made.length, wasClosed];
-        })()"""), [1, False])
+            return [made.length, wasClosed, isGivenUp];
+        })()"""), [1, False, True])
 
     def a_silent_gateway_is_reported(self, page: Page) -> None:
         """The gateway is killed. The page says so, and continues by itself."""

@@ -89,6 +89,16 @@ class TestPairing(NeedsBrowser, BoxCase):
         (listed,) = devices()
         self.assertEqual((listed["person"], listed["role"], listed["zone"]), ("Anna", "referee", ZONE))
         typed = json.dumps({"code": made["code"], "person": "Eve", "device": "phone", "language": ""})
+        wrong = self._leaving(self.browser.page(f"{URL}/pair?language=en#AAAA-AAAA", *PHONE))
+        wrong.wait("document.querySelector('#person') !== null", "the form is shown")
+        wrong.get("['person', 'device'].forEach(name => { const field = document.getElementById(name); "
+                  "field.value = `my ${name}`; field.dispatchEvent(new Event('input', {bubbles: true})); })")
+        wrong.wait(f"{TEXT}.includes('Paired: Referee in')", "it is complete")
+        wrong.get("document.querySelector('form button').scrollIntoView()")
+        self.assertTrue(wrong.tap("form button"))
+        wrong.wait(f"{TEXT}.includes('This code is wrong')", "the page says so")
+        self.assertEqual(wrong.get("['code', 'person', 'device'].map(name => document.getElementById(name).value)"),
+                         ["AAAA-AAAA", "my person", "my device"], "nothing needs to be typed again")
         self.assertIn("was used", page.get(
             "fetch('/api/v1/pair', {method: 'POST', credentials: 'omit', "
             "headers: {'Content-Type': 'application/json'}, "

@@ -45,8 +45,12 @@ ENTERS, DEVICE = "Enters Annie's room", "Operates the right device"
 NOTE_SENT = """
 window.sent = {};
 let drawn = "", sounds = 0;
+window.contexts = 0;
 const page = document.querySelector("#page"), text = () => page.innerHTML, real = window.fetch;
-window.AudioContext = class extends AudioContext { constructor() { super(); sounds += 1; } };
+window.AudioContext = class extends AudioContext {
+  constructor() { super(); contexts += 1; }
+  createOscillator() { sounds += 1; return super.createOscillator(); }
+};
 page.addEventListener("click", () => { drawn = text(); }, true);
 window.fetch = (path, ...how) => {
   sent[path.split("/").pop()] = {drawn: drawn !== text(), said: page.querySelector(".stopbar p") !== null, sounds};
@@ -117,7 +121,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         while not is_hit:
             page.wait(f"(b => b && !b.matches(':disabled'))(document.querySelector({json.dumps(selector)}))",
                       f"{selector} is on")
-            page.wait("!document.body.dataset.moved", "the page is still")
+            page.wait(f"!document.querySelector({json.dumps(selector)}).dataset.moved", "it has not moved just now")
             page.get(f"document.querySelector({json.dumps(selector)}).scrollIntoView({{block: 'center'}})")
             is_hit = page.tap(selector)
 
@@ -180,6 +184,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.shot("idle", page)
         page.get(f"(() => {{ {NOTE_SENT} }})()")
         self.tap(page, command("connect"))
+        self.assertEqual(page.get("contexts"), 1, "a touch allows sounds")
         self.phase("connected")
         page.wait(f"{TEXT}.includes('The run is not started')", "why STOP is off is text")
         self.tap(page, command("start"))
@@ -255,6 +260,10 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.box.start(ZONE)
         robot.wait_did("execute HCFGAC")
         page = self.paired(language=language, browser=browser)
+        # At first, the gateway may know a run from before only, and the page says so.
+        identity = self.box.zone_details(ZONE).identity
+        page.wait(f"live.data['page.zone'].identity === {json.dumps(identity)} && live.silentSince === null",
+                  "this run is shown")
         self.shows(page, DEVICE, "0")
         return page
 
@@ -288,6 +297,104 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertNotEqual(process_of(GATEWAY), killed)
         page.wait(f"!{TEXT}.includes('NO LINK') && {TEXT}.includes('stopped')", "the page is current again")
         self.assertIn("Anna, Linux", self.sheet().stops[-1].who)
+
+    def test_stop_is_possible_with_a_gateway_that_does_not_know_the_run_yet(self) -> None:
+        page = self.running()
+        core = process_of("/roah_rsbb_core")
+        os.kill(core, signal.SIGSTOP)
+        try:
+            kill(GATEWAY)
+            page.wait("live.data['page.zone'] === null", "the new gateway knows nothing")
+            self.hold_stop(page)
+            page.wait(f"{TEXT}.includes('has not confirmed it yet')", "STOP is sent again and again")
+        finally:
+            os.kill(core, signal.SIGCONT)
+        self.phase("ended")
+
+    def test_stop_continues_after_a_reload(self) -> None:
+        page = self.running()
+        self.stop_is_in_sight(page)
+        refusal = "JSON.stringify({reasons: ['not now']}), {status: 409, headers: {'Content-Type': 'application/json'}}"
+        page.get(f"window.stops = 0, window.fetch = async () => (stops += 1, new Response({refusal})), 0")
+        stop = f"document.querySelector({json.dumps(command('stop'))})"
+        for count in (1, 2):  # a lift that does not come, as the button was off then, keeps out no later touch
+            page.get(f"{stop}.dispatchEvent(new PointerEvent('pointerdown', {{bubbles: true}}))")
+            page.wait(f"stops === {count} && {TEXT}.includes('STOP was refused: not now')", "STOP is sent")
+        page.get(f"{stop}.dispatchEvent(new PointerEvent('pointerup', {{bubbles: true}}))")
+        page.get("window.fetch = () => Promise.reject(new TypeError('no network')), 0")
+        self.hold_stop(page)
+        page.wait(f"{TEXT}.includes('has not confirmed it yet')", "STOP is sent again and again")
+        page.command("Page.reload")
+        self.phase("ended")
+        page.wait("sessionStorage.length === 0", "it is finished")
+
+    def stop_is_in_sight(self, page: Page) -> None:
+        """Also if a part of the page is covered by a keyboard, or is enlarged, as here."""
+        page.command("Emulation.setPageScaleFactor", pageScaleFactor=2)
+        bar = "document.querySelector('.stopbar').getBoundingClientRect()"
+        page.wait("visualViewport.scale === 2 && "
+                  f"Math.abs({bar}.bottom - visualViewport.offsetTop - visualViewport.height) < 2", "STOP is in sight")
+        page.command("Emulation.setPageScaleFactor", pageScaleFactor=1)
+        page.wait(f"visualViewport.scale === 1 && Math.abs({bar}.bottom - innerHeight) < 2", "it is at the bottom")
+
+    def test_fast_touches_count_in_their_order(self) -> None:
+        page = self.running()
+        page.wait("document.querySelector('.all button[data-moved]') === null", "nothing has moved just now")
+        page.get("""(() => {
+            window.realFetch = fetch;
+            window.asked = [];
+            window.fetch = (path, how) => new Promise(done => asked.push({path, body: JSON.parse(how.body), done}));
+            window.answer = (status, body) => asked.shift().done(new Response(JSON.stringify(body), {
+                status, headers: {"Content-Type": "application/json"}}));
+        })()""")
+        touched = """(async selector => {
+            document.querySelector(selector).click();
+            await new Promise(requestAnimationFrame);
+            return [...document.querySelectorAll(".all button[data-moved]")].map(button => button.textContent);
+        })(%s)"""
+        for selector in (item(DEVICE, 2), item(DEVICE, 2), item(ENTERS, 1)):
+            self.assertEqual(page.get(touched % json.dumps(selector)), [], "a mark moves no button")
+        self.assertEqual(page.get("asked.map(one => one.body.desc)"), [DEVICE, ENTERS], "one of each item")
+        page.get(touched % json.dumps(item(ENTERS, 2)))
+        self.assertEqual(page.get("asked.length"), 2, "not before the one that it changes")
+        page.get("answer(200, {number: 1}), answer(409, {reasons: ['somebody has signed']}), 0")
+        page.wait("asked.length === 2", "the next ones are sent")
+        self.assertEqual(page.get("asked.map(one => [one.body.desc, one.body.value])"), [[DEVICE, 1], [ENTERS, 0]])
+        page.wait(f"{TEXT}.includes('somebody has signed')", "the referee reads what was refused")
+        page.get("answer(200, {number: 2}), answer(200, {number: 3}), 0")
+        page.wait("marks.waiting.length === 0", "all are answered")
+        self.assertTrue(page.get(f"{TEXT}.includes('somebody has signed')"), "also when others are accepted")
+        self.assert_accessible("refused", page)
+        page.screenshot(SHOTS / "web_referee_refused.png")
+        page.get(f"document.querySelector({json.dumps(command('close_refused'))}).click()")
+        page.wait(f"!{TEXT}.includes('somebody has signed')", "until it is closed")
+        page.get(f"document.querySelector({json.dumps('[data-item=' + json.dumps(DEVICE) + '] .more')}).click()")
+        self.fill(page, ".options input", "a note on this run")
+        page.get("live.data['page.zone'].identity = 'the next run', live.onChange(['page.zone']), 0")
+        page.wait("document.querySelector('.options') === null", "a note that was typed is for no other run")
+
+    def test_two_tabs_of_a_phone(self) -> None:
+        first = self.running()
+        # It shows the zone of the pairing, and not that of an old address.
+        second = self._leaving(self.browser.page(f"{URL}/referee?language=en&zone={HALL}", *PHONE))
+        self.shows(second, DEVICE, "0")
+        first.get("window.fetch = () => Promise.reject(new TypeError('no network')), 0")
+        self.tap(first, item(DEVICE, 2))
+        first.wait(f"{TEXT}.includes('NOT CONFIRMED: +1')", "the first tab could not send its mark")
+        self.tap(second, item(ENTERS, 1))
+        self.shows(second, ENTERS, "yes")
+        second.wait("marks.waiting.length === 0", "the mark of the second tab is confirmed")
+        first.command("Page.reload")
+        first.wait_address("/referee")
+        self.shows(first, DEVICE, "1")
+        first.wait("marks.waiting.length === 0 && Object.keys(localStorage).every(key => !key.includes('mark '))",
+                   "the mark of the first tab is confirmed")
+        self.paired(person="Bert")
+        for page in (first, second):
+            page.wait(f"{TEXT}.includes('Bert · Referee in')", "all tabs belong to who was paired last")
+        was_old = first.note(f"{TEXT}.includes('NO LINK')")
+        first.get("Date.now = (now => () => now() + 3600e3)(Date.now), 0")
+        first.wait(f"{was_old} && !{TEXT}.includes('NO LINK')", "after a sleep, nothing counts that was before")
 
     def test_marks_without_an_answer_are_shown_and_count_once(self) -> None:
         page = self.running()
@@ -395,7 +502,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
             self.shows(page, OBJECTS, str(number + 1))
         self.tap(page, item(EMPTY, 1))
         self.fill(page, "[data-item=Presentation] input", rating)
-        self.tap(page, "[data-item=Presentation] .entry button")
+        self.tap(page, "[data-item=Presentation] .entry button.main")  # it stands out until the value is set
         page.wait("marks.waiting.length === 0", "the marks are confirmed")
         self.shows(page, "Presentation", rating)
         return page
@@ -414,6 +521,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         identity = self.judged()
         ann = self.judge("Ann", 2, "7")
         self.assert_accessible("judge", ann)
+        ann.get("scrollTo(0, 0)")
         ann.screenshot(SHOTS / "web_judge.png")
         ben = self.judge("Ben", 3, "8", "de")
         self.assertEqual(self.post(ben, "decide", identity=identity), 403)
@@ -433,8 +541,11 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         given = f"(document.querySelector({json.dumps(settle + '.given')}) || document.body)"
         head.wait(f"{given}.innerText.replace(/\\s+/g, ' ') === 'Ann 2 Ben 3'", "side by side")
         self.shot("judges", head, is_on_laptop=True)
-        self.tap(head, settle + ".given button:last-child")  # what Ben gave
         chosen = f"(document.querySelector({json.dumps(settle + 'input.value')}) || {{}})"
+        self.fill(head, settle + "input.value", "-")
+        head.wait(f"{chosen}.value === '-' && document.querySelector({json.dumps(settle + 'form > button')}).disabled",
+                  "text that is not a number does not become 0")
+        self.tap(head, settle + ".given button:last-child")  # what Ben gave
         head.wait(f"{chosen}.value === '3'", "it is chosen")
         self.fill(head, settle + "form > label:last-of-type input", "the video shows three")
         self.kill_core()
@@ -492,7 +603,9 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         head.wait(f"{TEXT}.includes('provisional · objections until')", "it is published")
         objection = run + "[data-form=object]"
         self.fill(head, objection + " > label:first-of-type input", "Epsilon")
-        self.give_reason(head, objection, "the cup was away")
+        self.fill(head, objection + " > label:last-of-type input", "the cup was away")
+        head.get("(form => [1, 2].forEach(() => form.requestSubmit()))"
+                 f"(document.querySelector({json.dumps(objection)})), 0")
         head.wait(f"{TEXT}.includes('objections to answer: 1')", "the objection is listed")
         self.assert_accessible("objection", head)
         head.screenshot(SHOTS / "web_judges_objection.png")

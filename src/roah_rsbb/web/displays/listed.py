@@ -6,7 +6,7 @@ limit for each address and one for all. Displays that the organiser has set alwa
 
 import collections
 import re
-from typing import Any, Callable, Dict, Hashable, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Hashable, Iterable, List, NamedTuple, Optional, Set, Tuple
 
 from roah_rsbb.web.pairing import plain
 
@@ -94,7 +94,7 @@ class Displays:
         self._settings: Dict[str, Setting] = {key: _setting_of(record) for key, record in saved.items()}
         self._open: Dict[Hashable, Display] = {}  # oldest first
         self._named_until = float("-inf")
-        self.unlisted = 0  # displays that found no place since the start
+        self._unlisted: Set[Hashable] = set()  # windows that found no place
 
     def add(self, window: Hashable, display: Display) -> bool:
         """Note that a display is open; returns whether there is a place for it in the list."""
@@ -103,16 +103,22 @@ class Displays:
         crowded = collections.Counter(ids.values())[display.address] >= MAX_OF_ADDRESS or len(ids) >= MAX_LISTED
         is_set = display.id in self._settings
         if len(windows) >= MAX_WINDOWS or (not windows and not is_set and crowded):
-            self.unlisted += 1
+            self._unlisted.add(window)
             return False
         self._open[window] = display
         return True
 
     def remove(self, window: Hashable) -> Optional[str]:
         """Note that a window is closed; returns the id of its display if that has no other; None: it has."""
+        self._unlisted.discard(window)
         gone = self._open.pop(window, None)
         is_last = gone is not None and all(one.id != gone.id for one in self._open.values())
         return gone.id if is_last else None
+
+    @property
+    def unlisted(self) -> int:
+        """How many windows are open that found no place."""
+        return len(self._unlisted)
 
     def ids(self) -> List[str]:
         """Return the ids of all displays that are open."""
