@@ -199,13 +199,10 @@ def _judge_rows(result: RunResult, _names: Optional[Names]) -> Iterator[Dict[str
 
 def _goal_rows(result: RunResult, names: Optional[Names]) -> Iterator[Dict[str, Cell]]:
     for goal in goals(result):
-        seconds = None
-        if goal.begun_utc is not None and goal.ended_utc is not None:
-            seconds = round(goal.ended_utc - goal.begun_utc, 3)
         yield {
             "run_id": result.record.identity, "goal": goal.number, "robot": _robot(result, goal.port),
             "time": iso(goal.utc, in_utc=True), "text": _text(names, goal.text), "timeout_s": goal.timeout_s,
-            "seconds": seconds, "result": _text(names, goal.result),
+            "seconds": None if goal.seconds is None else round(goal.seconds, 3), "result": _text(names, goal.result),
         }
 
 

@@ -4,6 +4,7 @@ import json
 from typing import Dict, List, NamedTuple, Optional
 
 from roah_rsbb.core import run_log
+from roah_rsbb.journal.reader import JournalEntry
 from roah_rsbb.results.runs import RunResult
 from roah_rsbb.wording.texts import value_text
 
@@ -20,8 +21,8 @@ class Goal(NamedTuple):
     text: str
     timeout_s: Optional[float]
     utc: float  # when it was given, UTC seconds
-    begun_utc: Optional[float] = None  # when the robot began to execute it; None: never
-    ended_utc: Optional[float] = None  # when the box took its end, or it timed out; None: never
+    # From the robot's begin to its end, which the box took, or the timeout; None: it did not end.
+    seconds: Optional[float] = None
     result: str = ""  # as the robot reported it
 
 
@@ -29,28 +30,31 @@ def goals(result: RunResult) -> List[Goal]:
     """Return the goals of a run in their order."""
     found: List[Goal] = []
     current: Dict[Optional[int], int] = {}  # places in `found` by port
+    begun: Dict[int, JournalEntry] = {}  # by place
     for entry in result.entries:
         if entry.kind == run_log.GOAL:
-            _end(found, current.get(entry.port), entry.utc)  # the next goal ends the one before
+            _end(found, begun, current.get(entry.port), entry)  # the next goal ends the one before
             current[entry.port] = len(found)
             found.append(_goal(len(found) + 1, entry.port, entry.value, entry.utc))
         place = current.get(entry.port)
         if place is None:
             continue
-        goal = found[place]
         if entry.kind == run_log.RESULT:
-            found[place] = goal._replace(result=value_text(entry.value))
-        elif entry.kind == run_log.STATE_NAME and entry.value == _WORKING and goal.begun_utc is None:
-            found[place] = goal._replace(begun_utc=entry.utc)
+            found[place] = found[place]._replace(result=value_text(entry.value))
+        elif entry.kind == run_log.STATE_NAME and entry.value == _WORKING:
+            begun.setdefault(place, entry)
         elif entry.kind == run_log.STATE_NAME and entry.value in _ENDS:
-            _end(found, place, entry.utc)
+            _end(found, begun, place, entry)
     return found
 
 
-def _end(found: List[Goal], place: Optional[int], utc: float) -> None:
+def _end(found: List[Goal], begun: Dict[int, JournalEntry], place: Optional[int], end: JournalEntry) -> None:
     """End a goal on which the robot works."""
-    if place is not None and found[place].begun_utc is not None and found[place].ended_utc is None:
-        found[place] = found[place]._replace(ended_utc=utc)
+    if place in begun and found[place].seconds is None:
+        begin = begun[place]
+        # UTC may have been set in between. The monotonic clocks of two starts of the core may have nothing in common.
+        seconds = end.mono - begin.mono if end.session == begin.session else end.utc - begin.utc
+        found[place] = found[place]._replace(seconds=seconds)
 
 
 def _goal(number: int, port: Optional[int], value: object, utc: float) -> Goal:

@@ -87,7 +87,7 @@ def facts_of(result: RunResult, warnings: int, link_period: int = LINK_PERIODS_S
     record = result.record
     return RunFacts(
         result.number, record._replace(history=(), form=None), _items(record),
-        tuple(GoalFacts(goal.number, goal.text, _seconds(goal.begun_utc, goal.ended_utc)) for goal in goals(result)),
+        tuple(GoalFacts(goal.number, goal.text, goal.seconds) for goal in goals(result)),
         _link(result, link_period), warnings,
     )
 
@@ -102,10 +102,6 @@ def _items(record: RunRecord) -> Dict[Key, ItemFacts]:
         item.key: ItemFacts(is_marked(item.value, item.text), item.not_attempted, first.get(item.key))
         for item in record.items
     }
-
-
-def _seconds(begin: Optional[float], end: Optional[float]) -> Optional[float]:
-    return None if begin is None or end is None else end - begin
 
 
 def _link(result: RunResult, period: int) -> Dict[Tuple[str, float], LinkFacts]:
