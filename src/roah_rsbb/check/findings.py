@@ -75,8 +75,8 @@ class Cause(enum.Enum):
         f"{PROTOCOL}#channels", True)
     OLD_STATE = _Advice("The robot continues the goal of its last run, and does not handle STOP",
                         f"{PROTOCOL}#robots-next-state", True)
-    OLD_COMMANDS = _Advice("The robot keeps the device commands of its last run. The original clients do "
-                           "that", f"{PROTOCOL}#device-commands")
+    OLD_COMMANDS = _Advice("The robot commands devices before its program does: as in its last run, or all off. "
+                           "The original clients do that", f"{PROTOCOL}#device-commands")
     # States.
     PREPARE_IGNORED = _Advice(
         "The robot does not handle PREPARE in STOP, does not know this benchmark, or waits for something else first",

@@ -1,7 +1,7 @@
 """One private channel: the times of its messages, the strings that it repeats, and what the box acknowledged.
 
 All of this belongs to one run and is discarded with the channel: strings that the box did not acknowledge, device
-commands (the 2015 client repeated those of its last run), and the result.
+commands (original clients can repeat those of their last run), and the result.
 """
 
 import math

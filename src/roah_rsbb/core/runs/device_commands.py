@@ -3,8 +3,8 @@
 They are obeyed in benchmarks that use devices or tablet. In every other benchmark they are ignored, which is reported
 once (docs/benchmarks.md, "The table"). Robots repeat their commands in every message. Therefore each change is obeyed
 once, and a repeated value never undoes what the referee operated in the meantime. The first values count as a change,
-except those of the first message, in which a client of 2015 still sends the commands of its previous run
-(docs/protocol.md, "Device commands").
+except those of the first message, in which an original client can repeat the commands of its previous run. From the
+next message on, an original client sends off for every device, which counts (docs/protocol.md, "Device commands").
 """
 
 from dataclasses import dataclass

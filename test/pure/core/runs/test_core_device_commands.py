@@ -71,7 +71,7 @@ def test_more_than_100_per_cent_is_reported_once_and_not_obeyed(devices, field, 
 
 
 def test_the_first_message_on_a_channel_is_of_the_previous_run():
-    """As a client of 2015 does it: docs/protocol.md, "Device commands"."""
+    """As original clients do it: docs/protocol.md, "Device commands"."""
     devices = DeviceCommands(benchmark("HCFGAC"))
     assert devices.take(_report(**{**ALL_OFF, "switch_1": True, "dimmer": 70})) == NOTHING
     assert devices.take(_report()) == NOTHING
