@@ -19,6 +19,7 @@ class LinkSecond(NamedTuple):
 
     utc: float  # UTC seconds
     sample: LinkSample
+    mono: float = 0.0  # seconds on the monotonic clock
 
 
 class RobotPart(NamedTuple):
@@ -53,6 +54,7 @@ class RunMoment(NamedTuple):
     mono: float  # seconds on the monotonic clock of that start of the core
     zone: Dict[str, Any]  # JSON of the core's ZoneState
     clock: Dict[str, Any]  # the times of the run, in seconds; limits that do not exist are missing
+    session: int = 0  # number of that start
 
 
 def run_state_of(moment: RunMoment) -> Dict[str, Any]:
@@ -133,7 +135,7 @@ def run_moments(
     for entry in reader.states(identity, without):
         state = changes.take(entry.value)
         try:
-            found.append(RunMoment(entry.utc, entry.mono, state["zone"], state["clock"]))
+            found.append(RunMoment(entry.utc, entry.mono, state["zone"], state["clock"], entry.session))
         except (TypeError, KeyError):
             unreadable += 1
     if unreadable:
@@ -192,7 +194,7 @@ def _unreadable(identity: str, error: Exception) -> str:
 
 def _link(reader: JournalReader, port: int, warn: Callable[[str], None]) -> Tuple[LinkSecond, ...]:
     try:
-        return tuple(LinkSecond(link.utc, thaw(LinkSample, link.sample)) for link in reader.links(port))
+        return tuple(LinkSecond(link.utc, thaw(LinkSample, link.sample), link.mono) for link in reader.links(port))
     except BadState as error:
         warn(f"the link record of port {port} cannot be read ({error}): it is omitted")
         return ()

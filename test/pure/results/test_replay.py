@@ -121,6 +121,40 @@ def _page(reader, number, **options):
     return replay_of(reader, run_result(reader, number, record, pytest.fail), PARTS, True, pytest.fail, **options)
 
 
+# -- a clock that is set ----------------------------------------------------------------------------
+
+
+class SetClock(ReplayedCompetition):
+    """Somebody sets the box's clock in the middle of the run."""
+
+    def __init__(self, log_dir, seconds):
+        self._seconds = seconds
+        super().__init__(log_dir)
+
+    def _play_goals(self, *arguments):
+        self.set_clock(self._seconds)
+        super()._play_goals(*arguments)
+
+
+@pytest.mark.parametrize("seconds", [-10.0, 86400.0])
+def test_a_step_of_the_clock_does_not_change_the_times_of_a_replay(tmp_path, seconds):
+    pages = []
+    for folder, step in (("plain", 0.0), ("set", seconds)):
+        with JournalReader(SetClock(tmp_path / folder, step).play()) as reader:
+            pages.append([data_of(reader, number)[0] for number in (1, 2)])
+    for plain, data in zip(*pages):
+        assert len(plain["clock"]) > 2 < len(plain["robots"][0]["box"])
+        for name in ("length", "desc", "phase", "clock", "values", "points", "module"):
+            assert data[name] == plain[name], name
+        [robot], [plain_robot] = data["robots"], plain["robots"]
+        assert (robot["box"], robot["robot"]) == (plain_robot["box"], plain_robot["robot"])
+        assert [second[0] for second in robot["link"]] == [second[0] for second in plain_robot["link"]]
+        times = [event[0] for event in data["events"]]
+        assert times == sorted(times)
+        assert "Clock" not in dict(plain["facts"])
+        assert f"set by {seconds:+.0f} s" in dict(data["facts"])["Clock"]
+
+
 # -- hostile strings --------------------------------------------------------------------------------
 
 
