@@ -4,6 +4,7 @@ import os
 
 import pytest
 
+from helpers.config_files import line_of
 from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
 from roah_rsbb.bmbox.framework.rehearsal import Rehearsal
 from roah_rsbb.nodes.modules.driven import Driven
@@ -56,12 +57,8 @@ def test_an_exception_in_rules_names_file_and_line(write):
     path = write(GOOD)
     r = Rehearsal(load_rules(path), {"colour": "blue"})
     r.result("no map")
-    assert r.failed == f"{path}:{GOOD[:GOOD.index('self.score[')].count(chr(10)) + 1}: AttributeError: 'NoneType' " \
+    assert r.failed == f"{path}:{line_of(GOOD, 'self.score[')}: AttributeError: 'NoneType' " \
                        "object has no attribute 'colour'"
-
-
-def line_of(text, part):
-    return text[:text.index(part)].count("\n") + 1
 
 
 # What is replaced, by what, a part of the line with the error (None: the whole file), and parts of the message.

@@ -2,7 +2,7 @@
 
 import pytest
 
-from helpers.box_driver import BoxDriver
+from helpers.box_driver import BoxDriver, ended
 from helpers.competition import competition, event
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.effects import Level
@@ -15,11 +15,6 @@ from roah_rsbb.protocol import BoxState, RobotState
 def _minute(settings=None):
     """A box whose run may take 60 s."""
     return BoxDriver(competition(tbm=[event(timeout=60.0), event("HWV", timeout=60.0)]), settings)
-
-
-def _ended(driver):
-    run = driver.run_in()
-    return None if run.phase is not Phase.ENDED else run.end_reason
 
 
 @pytest.mark.parametrize("code", ["HGTKMH", "HWV", "HCFGAC"])
@@ -36,7 +31,7 @@ def test_a_whole_task_benchmark(code):
     robot.lives(100)
     assert driver.run_in().phase is Phase.RUNNING
     robot.completes()
-    assert _ended(driver) is EndReason.COMPLETED
+    assert ended(driver) is EndReason.COMPLETED
     assert driver.taken(effects.TimeoutRung) == []
     driver.command("disconnect")
     assert driver.run_in() is None
@@ -51,9 +46,9 @@ def test_a_run_times_out_exactly_at_its_deadline():
     passed = driver.now.mono - driver.run_in().clock.deadline() + 60
     robot.lives(59)
     driver.run(1 - passed - 1e-6)
-    assert _ended(driver) is None
+    assert ended(driver) is None
     driver.run(1e-6)
-    assert _ended(driver) is EndReason.TIMEOUT
+    assert ended(driver) is EndReason.TIMEOUT
     assert driver.taken(effects.TimeoutRung) == [effects.TimeoutRung("tbm")]
     assert driver.states[robot.port][-1].state is BoxState.STOP
 
@@ -75,7 +70,7 @@ def test_a_result_after_the_deadline_is_too_late_even_without_a_tick_between(lat
     driver.jump(driver.run_in().clock.deadline() - driver.now.mono + late)
     robot.state = RobotState.RESULT_TX
     robot.send(robot.report())
-    assert _ended(driver) is EndReason.TIMEOUT
+    assert ended(driver) is EndReason.TIMEOUT
     assert driver.taken(effects.TimeoutRung) == [effects.TimeoutRung("tbm")]
 
 
@@ -85,7 +80,7 @@ def test_a_result_just_before_the_deadline_counts():
     driver.jump(driver.run_in().clock.deadline() - driver.now.mono - 1e-3)
     robot.state = RobotState.RESULT_TX
     robot.send(robot.report())
-    assert _ended(driver) is EndReason.COMPLETED
+    assert ended(driver) is EndReason.COMPLETED
     driver.run(10)
     assert driver.taken(effects.TimeoutRung) == []
 
@@ -95,7 +90,7 @@ def test_a_run_of_a_robot_that_never_prepares_times_out_too():
     robot = driver.connected()
     driver.command("start")
     robot.lives(61)
-    assert _ended(driver) is EndReason.TIMEOUT
+    assert ended(driver) is EndReason.TIMEOUT
 
 
 def test_a_run_that_waits_for_its_start_has_no_timeout():
@@ -111,9 +106,9 @@ def test_the_total_timeout_ends_a_run():
     driver.connected()
     driver.command("start")
     driver.run(29.9)
-    assert _ended(driver) is None
+    assert ended(driver) is None
     driver.run(0.2)
-    assert _ended(driver) is EndReason.TIMEOUT
+    assert ended(driver) is EndReason.TIMEOUT
 
 
 def test_after_a_timeout_only_a_new_run_is_possible():
@@ -147,7 +142,7 @@ def test_a_stopped_run_continues_and_its_clock_kept_running():
     assert driver.run_in().timer(driver.now) == pytest.approx(60 - 35, abs=0.1)
     robot.executes()
     robot.lives(26)
-    assert _ended(driver) is EndReason.TIMEOUT
+    assert ended(driver) is EndReason.TIMEOUT
 
 
 def test_a_run_can_be_stopped_and_started_again_and_again():
@@ -161,7 +156,7 @@ def test_a_run_can_be_stopped_and_started_again_and_again():
     driver.command("start")
     robot.executes()
     robot.completes()
-    assert _ended(driver) is EndReason.COMPLETED
+    assert ended(driver) is EndReason.COMPLETED
     assert driver.logged(robot.port, run_log.STATE) == [0, *[1, 3, 0] * 6]
 
 
@@ -171,7 +166,7 @@ def test_a_run_that_was_stopped_is_not_started_after_its_time():
     driver.command("stop")
     robot.says(RobotState.STOP)
     robot.lives(61)
-    assert _ended(driver) is EndReason.STOPPED  # stopped runs do not time out
+    assert ended(driver) is EndReason.STOPPED  # stopped runs do not time out
     assert driver.taken(effects.TimeoutRung) == []
     with pytest.raises(Refused, match="time is up .the clock kept running after the stop.: disconnect, and connect"):
         driver.command("start")
@@ -197,7 +192,7 @@ def test_a_robot_that_restarts_in_the_middle_is_prepared_again():
         robot.executes()
     assert any("fell back to STOP" in text for text in driver.notices(Level.INFO))
     robot.completes()
-    assert _ended(driver) is EndReason.COMPLETED
+    assert ended(driver) is EndReason.COMPLETED
 
 
 def test_a_robot_that_did_not_hear_of_the_start_of_its_task_is_waited_for():

@@ -2,10 +2,10 @@
 
 import pytest
 
-from helpers.box_driver import BoxDriver
+from helpers.box_driver import BoxDriver, ended
 from helpers.competition import competition, event
 from roah_rsbb.core import effects
-from roah_rsbb.core.scoring.records import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
 
@@ -19,17 +19,12 @@ def _executing(saved=0, settings=None, config=None):
     return driver, robot
 
 
-def _ended(driver):
-    run = driver.run_in()
-    return None if run.phase is not Phase.ENDED else run.end_reason
-
-
 def test_a_robot_that_saves_nothing_is_stopped():
     driver, robot = _executing()
     driver.run(4.99)
-    assert _ended(driver) is None
+    assert ended(driver) is None
     driver.run(0.01)
-    assert _ended(driver) is EndReason.NO_MESSAGES_SAVED
+    assert ended(driver) is EndReason.NO_MESSAGES_SAVED
     assert driver.states[robot.port][-1].state is BoxState.STOP
     assert driver.taken(effects.TimeoutRung) == []
     assert "saves no offline data" in driver.view().state
@@ -39,9 +34,9 @@ def test_a_robot_that_saves_nothing_is_stopped_also_while_it_talks():
     driver, robot = _executing()
     for _ in range(49):
         robot.says(after=0.1)
-    assert _ended(driver) is None
+    assert ended(driver) is None
     robot.says(after=0.1)
-    assert _ended(driver) is EndReason.NO_MESSAGES_SAVED
+    assert ended(driver) is EndReason.NO_MESSAGES_SAVED
 
 
 def test_a_robot_that_saves_in_time_continues():
@@ -50,13 +45,13 @@ def test_a_robot_that_saves_in_time_continues():
     robot.saved = 1
     robot.says(after=0.9)
     robot.lives(60)
-    assert _ended(driver) is None
+    assert ended(driver) is None
 
 
 def test_a_count_that_stays_above_0_is_enough():
     driver, robot = _executing(saved=1)
     robot.lives(60)
-    assert _ended(driver) is None
+    assert ended(driver) is None
 
 
 @pytest.mark.parametrize("state", [RobotState.PREPARING, RobotState.STOP])
@@ -68,21 +63,21 @@ def test_only_a_robot_that_executes_must_save(state):
     driver.command("start")
     for _ in range(20):
         robot.says(state, after=1.0)
-    assert _ended(driver) is None
+    assert ended(driver) is None
 
 
 def test_the_check_can_be_switched_off():
     driver, robot = _executing(settings=Settings(check_messages_saved=False))
     robot.lives(60)
-    assert _ended(driver) is None
+    assert ended(driver) is None
 
 
 def test_its_timeout_is_a_setting():
     driver, robot = _executing(settings=Settings(check_messages_saved_timeout=20.0))
     robot.lives(19)
-    assert _ended(driver) is None
+    assert ended(driver) is None
     robot.lives(2)
-    assert _ended(driver) is EndReason.NO_MESSAGES_SAVED
+    assert ended(driver) is EndReason.NO_MESSAGES_SAVED
 
 
 def test_the_referee_may_start_again_and_the_watch_restarts():
@@ -92,15 +87,15 @@ def test_the_referee_may_start_again_and_the_watch_restarts():
     driver.command("start")
     robot.executes()
     driver.run(4.9)
-    assert _ended(driver) is None
+    assert ended(driver) is None
     driver.run(0.1)
-    assert _ended(driver) is EndReason.NO_MESSAGES_SAVED
+    assert ended(driver) is EndReason.NO_MESSAGES_SAVED
     robot.says(RobotState.STOP)
     driver.command("start")
     robot.saved = 1
     robot.executes()
     robot.completes()
-    assert _ended(driver) is EndReason.COMPLETED
+    assert ended(driver) is EndReason.COMPLETED
 
 
 def test_the_time_in_which_a_robot_falls_back_does_not_count():
@@ -109,7 +104,7 @@ def test_the_time_in_which_a_robot_falls_back_does_not_count():
     robot.says(RobotState.STOP)
     robot.executes()
     driver.run(4)
-    assert _ended(driver) is None
+    assert ended(driver) is None
 
 
 @pytest.mark.parametrize("timeout, reason", [
@@ -119,7 +114,7 @@ def test_of_two_time_outs_the_first_counts_even_if_the_box_was_ticked_late(timeo
     driver, _ = _executing(config=competition(tbm=[event(timeout=timeout)]))
     driver.jump(100)
     driver.event(driver.box.tick)
-    assert _ended(driver) is reason
+    assert ended(driver) is reason
     assert bool(driver.taken(effects.TimeoutRung)) is (reason is EndReason.TIMEOUT)
 
 

@@ -7,6 +7,7 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.referee import RunName
+from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
@@ -235,3 +236,9 @@ class FakeRobot:
 
     def _box_state(self):
         return self.driver.box.zones.run_at(self.port).message.state
+
+
+def ended(driver):
+    """Return why the run has ended; None: it has not."""
+    run = driver.run_in()
+    return run.end_reason if run.phase is Phase.ENDED else None
