@@ -29,6 +29,7 @@ TOKEN_BYTES = 32
 # Longer than a competition.
 SESSION_VALID_S = 14 * 24 * 3600.0
 MAX_SESSIONS = 200
+FILE = "web_sessions.json"
 MAX_NAME = 40
 
 

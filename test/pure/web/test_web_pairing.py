@@ -7,8 +7,8 @@ import stat
 import pytest
 
 from roah_rsbb.web import pairing
-from roah_rsbb.web.pairing import CODE_VALID_S, SESSION_VALID_S, Codes, Grant, Refused, Sessions, TooManyGuesses
-from roah_rsbb.web.session_file import NAME, open_sessions
+from roah_rsbb.web.kept_file import open_kept
+from roah_rsbb.web.pairing import CODE_VALID_S, FILE, SESSION_VALID_S, Codes, Grant, Refused, Sessions, TooManyGuesses
 
 GRANT = Grant("referee", "Home")
 UTC = 1_700_000_000.0
@@ -174,35 +174,39 @@ def test_there_is_a_limit_of_devices(monkeypatch):
 # -- the file ---------------------------------------------------------------------------------------
 
 
+def open_sessions(folder, report):
+    return open_kept(str(folder), FILE, Sessions, [], report, "pair the devices again")
+
+
 def test_the_file_is_its_user_s_alone(tmp_path):
     folder = tmp_path / "log"
     before = os.umask(0)
     try:
-        token = open_sessions(str(folder), pytest.fail).add(UTC, GRANT, "Anna", "iPhone")
+        token = open_sessions(folder, pytest.fail).add(UTC, GRANT, "Anna", "iPhone")
     finally:
         os.umask(before)
-    assert stat.S_IMODE((folder / NAME).stat().st_mode) == 0o600
-    assert token not in (folder / NAME).read_text()
-    assert open_sessions(str(folder), pytest.fail).of(UTC, token).person == "Anna"
+    assert stat.S_IMODE((folder / FILE).stat().st_mode) == 0o600
+    assert token not in (folder / FILE).read_text()
+    assert open_sessions(folder, pytest.fail).of(UTC, token).person == "Anna"
 
 
 @pytest.mark.parametrize("text", [
     "", "{", "[1]", '[{"id": "x"}]', pytest.param("[" * 9_999, id="deep"), '"x"', '[{"token_sha256": 1}]',
 ])
 def test_a_damaged_file_is_moved_aside(tmp_path, text):
-    (tmp_path / NAME).write_text(text)
+    (tmp_path / FILE).write_text(text)
     reported = []
-    sessions = open_sessions(str(tmp_path), reported.append)
-    assert sessions.listed(UTC) == [] and NAME in reported[0]
-    assert (tmp_path / f"{NAME}.damaged").read_text() == text
+    sessions = open_sessions(tmp_path, reported.append)
+    assert sessions.listed(UTC) == [] and FILE in reported[0]
+    assert (tmp_path / f"{FILE}.damaged").read_text() == text
     token = sessions.add(UTC, GRANT, "Anna", "iPhone")
-    assert open_sessions(str(tmp_path), pytest.fail).of(UTC, token)
+    assert open_sessions(tmp_path, pytest.fail).of(UTC, token)
 
 
 def test_a_link_in_the_place_of_the_draft_is_not_followed(tmp_path):
     target = tmp_path / "passwords.yaml"
     target.write_text("secret")
-    (tmp_path / f"{NAME}.new").symlink_to(target)
+    (tmp_path / f"{FILE}.new").symlink_to(target)
     with pytest.raises(Refused):
-        open_sessions(str(tmp_path), pytest.fail).add(UTC, GRANT, "Anna", "iPhone")
+        open_sessions(tmp_path, pytest.fail).add(UTC, GRANT, "Anna", "iPhone")
     assert target.read_text() == "secret"

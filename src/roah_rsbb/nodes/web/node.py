@@ -35,7 +35,8 @@ from roah_rsbb.web.displays.listed import FILE as DISPLAYS_FILE
 from roah_rsbb.web.displays.listed import Displays
 from roah_rsbb.web.kept_file import open_kept
 from roah_rsbb.web.limits import own_names
-from roah_rsbb.web.session_file import open_sessions
+from roah_rsbb.web.pairing import FILE as SESSIONS_FILE
+from roah_rsbb.web.pairing import Sessions
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.teams.codes import FILE as CODES_FILE
 from roah_rsbb.web.teams.codes import TeamCodes
@@ -78,7 +79,7 @@ class WebPart:
         self._ros = ros
         self._reported = ""  # of the certificate
         self._store = Store(_languages(resource / "languages"), title, logos=read_logos(logos, rospy.logwarn))
-        sessions = open_sessions(log_dir, rospy.logerr)
+        sessions = open_kept(log_dir, SESSIONS_FILE, Sessions, [], rospy.logerr, "pair the devices again")
         team_codes = open_kept(log_dir, CODES_FILE, TeamCodes, {}, rospy.logerr, "the teams have new codes")
         displays = open_kept(log_dir, DISPLAYS_FILE, Displays, {}, rospy.logerr, "set what the displays show again")
         self._certificate = _certificate(*files) if all(files) else None
