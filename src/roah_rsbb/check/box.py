@@ -55,7 +55,6 @@ class HeardBeacon(NamedTuple):
     """A RobotBeacon that arrived."""
 
     mono: float
-    host: str
     team: str
     robot: str
     skew: float  # seconds; too small by the delay
@@ -106,7 +105,7 @@ class WatchedBox(Box):
     def on_robot_beacon(self, now: Now, host: str, team: str, robot: str, time: WireTime) -> None:
         """See `Box.on_robot_beacon`."""
         skew = wire_seconds(time) - now.utc
-        self._log.beacons.append(HeardBeacon(now.mono, host, team, robot, skew))
+        self._log.beacons.append(HeardBeacon(now.mono, team, robot, skew))
         super().on_robot_beacon(now, host, team, robot, time)
         self._news()
 

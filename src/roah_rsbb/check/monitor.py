@@ -37,7 +37,6 @@ class Mark(NamedTuple):
 
     reports: int
     unreadable: int
-    complaints: int
     stale: int
     overload: int
 
@@ -45,7 +44,7 @@ class Mark(NamedTuple):
 def mark(play: Play) -> Mark:
     """Note the beginning of a scenario."""
     record = play.record
-    return Mark(len(record.reports), len(record.unreadable), len(record.complaints), record.stale, record.overload)
+    return Mark(len(record.reports), len(record.unreadable), record.stale, record.overload)
 
 
 def judge(play: Play, since: Mark, code: str) -> None:

@@ -73,13 +73,6 @@ class GaveUp(Exception):
     """The scenario cannot continue. Its finding is recorded."""
 
 
-class Work(NamedTuple):
-    """How long the robot prepared and executed."""
-
-    prepare_s: float
-    execute_s: float
-
-
 class Play:
     """One check of one robot. All methods belong to the loop's thread."""
 
@@ -98,7 +91,6 @@ class Play:
         self.result = ScenarioResult("", "", 0.0)  # of the present scenario
         self.robot = options.robot  # its name, once it was found
         self.code = ""  # of the benchmark that is connected
-        self.works: Dict[str, Work] = {}  # by code
         self._unanswered = 0  # private channels before the robot's first readable message
         self._closed = loop.time()  # when the last private channel was closed
         self._is_gone = False  # the robot's beacons ended
@@ -367,9 +359,7 @@ class Play:
         run = self.box.run_in(self.code)
         goals = max(1, len(self.box.goals.requests)) if run is not None else 1
         for number in range(goals):
-            began = self.loop.time()
             await self.executing()
-            prepared = self.loop.time()
             if profile_of(self.code).runs_until_timeout:
                 await self.rest(EXECUTING_S)
                 if self.state is not RobotState.EXECUTING:
@@ -377,7 +367,6 @@ class Play:
                 await self.stop("in EXECUTING")
                 return
             await self._done(number)
-            self.works.setdefault(self.code, Work(prepared - began, self.loop.time() - prepared))
             if number + 1 < goals:
                 await self._next_goal(number + 2)
         # The robot's last result and the box's STOP are two events; asyncio may resume this in between (3.13 does).

@@ -55,11 +55,6 @@ class _Channel:
     def is_open(self) -> bool:
         return self._peer.is_open
 
-    @property
-    def unsent(self) -> int:
-        """Number of datagrams that could not be sent."""
-        return self._peer.unsent
-
     def open(self) -> None:
         """Start to receive; has no effect if open. Raises OSError whose text names the remedy."""
         self._peer.open()

@@ -63,8 +63,6 @@ class Peer:
         """
         self.rsbb_host = rsbb_host
         self.port = port
-        self.unsent = 0
-        """Number of datagrams that could not be sent."""
         self._loop = loop
         self._on_datagram = on_datagram
         self._on_complaint = on_complaint
@@ -146,7 +144,6 @@ class Peer:
         return True
 
     def _not_sent(self, host: str, why: str) -> bool:
-        self.unsent += 1
         self._send_errors.count()
         count = self._send_errors.take(self._loop.time())
         if count:

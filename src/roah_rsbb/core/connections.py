@@ -150,7 +150,7 @@ class Connections:
         zone.version = self.version
         assignment = Assignment(zone.name, zone.event, robot.id, port)
         self._outbox.emit(effects.PortTaken(port))
-        self._outbox.emit(effects.OpenChannel(port, robot.id.team, robot.id.robot, robot.host, zone.version))
+        self._outbox.emit(effects.OpenChannel(port, robot.id.team, robot.host, zone.version))
         if zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
             whole = zone.run or AllRobotsRun(now, assignment, context)
             whole.add(now, assignment)
@@ -198,8 +198,7 @@ class Connections:
         for run in runs:
             self._last_port = max(self._last_port, run.port)
             self._outbox.emit(effects.PortTaken(run.port))
-            self._outbox.emit(effects.OpenChannel(
-                run.port, run.robot.team, run.robot.robot, run.link.host, zone.version))
+            self._outbox.emit(effects.OpenChannel(run.port, run.robot.team, run.link.host, zone.version))
         first = Assignment(zone.name, zone.event, runs[0].robot, runs[0].port)
         context = self._context(zone.name)
         if state.run is not None:
@@ -233,6 +232,5 @@ class Connections:
             run = self._zones.run_at(port)
             if run is not None:
                 version = self._zones[run.zone].version
-                self._outbox.emit(effects.OpenChannel(
-                    port, run.robot.team, run.robot.robot, run.link.host, version))
+                self._outbox.emit(effects.OpenChannel(port, run.robot.team, run.link.host, version))
                 self._outbox.emit(effects.SendState(port, run.message, How.CHANGE))

@@ -31,7 +31,6 @@ class OpenChannel(NamedTuple):
 
     port: int
     team: str
-    robot: str
     host: Optional[str]  # the sender of the robot's beacon
     version: int = 0  # of the configuration with the team's password
 

@@ -28,8 +28,6 @@ class OpenChannel:
 class CloseChannel:
     """Close the private channel."""
 
-    why: str
-
 
 @dataclass(frozen=True)
 class SendState:

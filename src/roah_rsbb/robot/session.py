@@ -189,7 +189,7 @@ class Session:
         """End the run for this robot."""
         self._effects += self.progress.leave(why)
         if self.link is not None and not self.link.by_hand:
-            self._effects.append(fx.CloseChannel(why))
+            self._effects.append(fx.CloseChannel())
         self.link = None
 
     # Choice of the box, and silences.

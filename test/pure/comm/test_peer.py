@@ -179,7 +179,6 @@ def test_too_large_a_datagram_is_not_sent(peer, raw):
     assert sender.send(b"x" * 10, "127.0.0.9")
     assert not sender.send(b"x" * 11, "127.0.0.9")
     assert not sender.send(b"x" * 11, "127.0.0.9")
-    assert sender.unsent == 2
     assert len(sender.complaints) == 1
     assert "11 bytes, but receivers may only read 10" in sender.complaints[0]
     assert "raise max_datagram" in sender.complaints[0]
@@ -202,7 +201,6 @@ def test_errors_of_sending_are_reported_with_a_remedy_once_a_second(loop, port, 
     sender._sockets = [Failing(number)]
     for clock.now in (100.0, 100.5, 100.9, 101.0):
         assert sender.send(b"x", "127.0.0.9") is False
-    assert sender.unsent == 4
     assert len(complaints) == 2
     assert complaints[0].startswith(f"could not send a datagram to 127.0.0.9:{port}: ")
     assert complaints[1].startswith(f"could not send 3 datagrams to 127.0.0.9:{port}: ")
@@ -235,7 +233,6 @@ def test_a_closed_peer_sends_nothing_and_says_nothing(peer):
     sender.close()
     assert sender.send(b"x" * 9999, "127.0.0.9") is False
     assert not sender.complaints
-    assert sender.unsent == 0
 
 
 def test_open_twice_is_once(peer, raw, port):

@@ -159,7 +159,7 @@ def test_the_topics_are_those_of_the_interface():
 
 
 @pytest.mark.parametrize("bad", [
-    [effects.OpenChannel(1, "t", "r", None)],
+    [effects.OpenChannel(1, "t", None)],
     [effects.PortTaken(1), effects.PortTaken(1)],
     [effects.PortTaken(1), effects.RunLogged(1, run_log.END, None)],
     [effects.PortTaken(1), effects.RunOpened(1, "t", 1, 1), effects.RunLogged(1, "/unknown", 1)],

@@ -22,7 +22,6 @@ class GoalFacts(NamedTuple):
     """A goal of a run."""
 
     number: int
-    text: str
     seconds: Optional[float]  # None: the robot did not end it
 
 
@@ -87,7 +86,7 @@ def facts_of(result: RunResult, warnings: int, link_period: int = LINK_PERIODS_S
     record = result.record
     return RunFacts(
         result.number, record._replace(history=(), form=None), _items(record),
-        tuple(GoalFacts(goal.number, goal.text, goal.seconds) for goal in goals(result)),
+        tuple(GoalFacts(goal.number, goal.seconds) for goal in goals(result)),
         _link(result, link_period), warnings,
     )
 
