@@ -40,6 +40,14 @@ for (const table of document.querySelectorAll("table.sorted")) {
 
 const COLOURS = ["#1b5faa", "#c2410c", "#15803d", "#7e22ce", "#b91c1c", "#0e7490", "#a16207", "#475569"];
 const DASHES = [[], [8, 4], [2, 3]];
+const LABEL_PX = 18, BESIDE_PX = 100;  // between two labels of the x axis, and of a plot's width beside that axis
+
+// The places on the x axis whose labels do not overlap in a plot of this width.
+function spaced(places, width) {
+  const least = (places[places.length - 1] - places[0]) * LABEL_PX / (width - BESIDE_PX), shown = [];
+  for (const x of places) if (!shown.length || x - shown[shown.length - 1] >= least) shown.push(x);
+  return shown;
+}
 
 // A plot has `x` and `y` (what the axes show), `ticks` (place and text of each), `labels` (text of each point),
 // `series` (their names), `data` (the places, then the values of each series), `bars`, `lines` (between the points), and
@@ -67,7 +75,7 @@ for (const place of document.querySelectorAll("[data-plot]")) {
       y: {range: (_, low, high) => [Math.min(0, low), Math.max(1.05 * high, plot.least)]},
     },
     axes: [{
-      ...axis(plot.x), splits: () => plot.ticks.map(([x]) => x), values: (_, marks) => marks.map(x => texts.get(x)),
+      ...axis(plot.x), splits: self => spaced([...texts.keys()], self.width), values: (_, marks) => marks.map(x => texts.get(x)),
       ...(isLong ? {rotate: -40, size: 100} : {}),
     }, axis(plot.y)],
   }, plot.data, place);

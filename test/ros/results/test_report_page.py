@@ -107,6 +107,15 @@ class TestReportPages(NeedsBrowser):
         self.assertGreater(titles, 50)
         self.assertEqual(alone, 0)
 
+    def test_labels_of_a_narrow_plot_do_not_overlap(self) -> None:
+        page = self.browser.page((self.folder / "report" / "link.html").as_uri(), *SCREENS["360x740"])
+        self.addCleanup(page.close)
+        for places, width, shown in (
+            ([0, 1, 2, 50, 99, 100], 280, [0, 50, 99]), ([0, 1, 2, 50, 99, 100], 2000, [0, 1, 2, 50, 99, 100]),
+            ([7], 280, [7]), ([], 280, []), (list(range(9)), 280, list(range(9))),
+        ):
+            self.assertEqual(page.get(f"spaced({places}, {width})"), shown)
+
     def test_each_kind_of_column_is_sorted(self) -> None:
         page = self.browser.page((self.folder / "report" / "runs.html").as_uri(), *SCREENS["1920x1080"])
         self.addCleanup(page.close)

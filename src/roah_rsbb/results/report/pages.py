@@ -257,6 +257,8 @@ def _links(site: Site) -> List[Child]:
     if not links:
         return [tag("p", "There is no record of any link.")]
     begins = sorted({begin for _, begin in links})
+    # An empty period after each, unless it is there: no line crosses a night.
+    begins = sorted({*begins, *(begin + site.link_period_s for begin in begins[:-1])})
     names = sorted({team for team, _ in links})
     values = {team: [_hundred(links.get((team, begin), LinkFacts()).lost_share) for begin in begins] for team in names}
     ranked = sorted(names, key=lambda team: (-(max((v or 0.0) for v in values[team])), team))

@@ -300,6 +300,21 @@ def test_every_page_is_linked_and_every_link_leads_somewhere(journal, tmp_path):
     assert linked == set(pages)
 
 
+def test_no_line_of_the_link_crosses_a_night(tmp_path):
+    writer = Writer(tmp_path / "log")
+    for number, hour in enumerate((0, 1, 15, 24), 1):
+        writer.run(task_record("Alpha", number, opened_utc=UTC0 + 3600.0 * hour, closed_utc=UTC0 + 3600.0 * hour + 9.0),
+                   ((6666 + number, "r1"),))
+        writer.utc = UTC0 + 3600.0 * hour
+        writer.link(LinkSample(1.0, received=3, lost=1), 6666 + number)
+    writer.close()
+    text = report(writer.path, tmp_path / "report", "--no-replays")["link.html"]
+    data = json.loads(re.search(r'id="lost">(\{.*?\})<', text).group(1))
+    hours, lost = data["data"]
+    assert [hour / 3600 for hour in hours] == [0, 1, 2, 15, 16, 24]
+    assert lost == [25.0, 25.0, None, 25.0, None, 25.0]
+
+
 def test_several_competitions(tmp_path, capsys):
     first, second = tmp_path / "first", tmp_path / "second"
     write_journal(first / "log", 6, zones=3, seconds=4)
