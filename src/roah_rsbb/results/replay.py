@@ -14,7 +14,7 @@ from roah_rsbb.core.scoring.points import Counted
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreValue
 from roah_rsbb.journal import kinds
 from roah_rsbb.results.events import TITLES, RunEvent, Stretch, box_states, in_order, robot_states
-from roah_rsbb.results.runs import RobotPart, RunMoment, RunResult, run_state_of
+from roah_rsbb.results.runs import RobotPart, RunMoment, RunResult, clock_text, run_state_of, without_step
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.texts import visible
@@ -30,8 +30,6 @@ LATEST = {
 # The parts of the state that change most often, and that the page does not show: it has them from the entries.
 NOT_SHOWN = tuple(f"zone.run.{part}" for part in ("message", "link", "online_data", "strings", "said"))
 DISCONNECTED = "disconnected"
-# A smaller step of the clock (s) is not noticed: NTP corrects about as much in a long run.
-_SET_S = 2.0
 # A clock that was only read again differs by less than this (s).
 _SAME_S = 0.002
 
@@ -44,9 +42,9 @@ def replay_data(
 ) -> Dict[str, Any]:
     """Return what the page needs, as JSON. `moments`: the states of the run; empty: they were not recorded.
     `known_events`: what `in_order` returns with the scores, if the caller has it."""
-    step_s = _step_s(result)
-    if step_s:
-        result, moments = _without_step(result, moments)
+    clock = clock_text(result)
+    if clock:
+        result, moments = without_step(result, moments)
         known_events = None
     record = result.record
     begin, end = record.opened_utc, _end_utc(result, moments)
@@ -58,8 +56,7 @@ def replay_data(
         "facts": [
             ["Zone", visible(record.zone)], ["Robots", visible(", ".join(record.robots))],
             ["Connected", date_time(record.opened_utc, in_utc)], ["Run", visible(record.identity)],
-            *([["Clock", f"The box's clock was set by {step_s:+.0f} s during the run. All times on this page are as if "
-                         "it had not been"]] if step_s else []),
+            *([["Clock", f"{clock}. All times on this page are as if it had not been"]] if clock else []),
         ],
         "begin": round(begin * 1000),
         "length": max(1, _ms(end, begin)),
@@ -75,51 +72,6 @@ def replay_data(
         "module": _track(begin, ((m.utc, _module_scores(m)) for m in known)),
         "robots": [_robot(result, robot, end) for robot in result.robots],
     }
-
-
-# -- a clock that was set ---------------------------------------------------------------------------
-
-
-def _offsets(result: RunResult) -> Tuple[Dict[int, float], float]:
-    """Return what to add to the monotonic clock of each start of the core, for the UTC as if nobody had set the clock
-    during the run; and by how much somebody has, in total, until its end."""
-    offsets: Dict[int, float] = {}
-    step_s = 0.0
-    for entry in result.entries:
-        if entry.session not in offsets:
-            offsets[entry.session] = entry.utc - step_s - entry.mono
-        step_s = entry.utc - (entry.mono + offsets[entry.session])
-        if entry.kind == run_log.END:
-            break  # what follows are corrections, perhaps of another day
-    return offsets, step_s
-
-
-def _step_s(result: RunResult) -> float:
-    """Return by how many seconds somebody set the box's clock during the run; 0.0: not by as much as disturbs."""
-    step_s = _offsets(result)[1]
-    return step_s if abs(step_s) > _SET_S else 0.0
-
-
-def _without_step(result: RunResult, moments: Sequence[RunMoment]) -> Tuple[RunResult, List[RunMoment]]:
-    """Return the run with the times as if nobody had set the clock: they rise, and durations are right."""
-    offsets, step_s = _offsets(result)
-
-    def steady(session: int, mono: float, utc: float) -> float:
-        return mono + offsets[session] if session in offsets else utc - step_s
-
-    def steady_link(mono: float, utc: float) -> float:  # its start of the core is not known
-        return min((mono + offset for offset in offsets.values()),
-                   key=lambda at: min(abs(at - utc), abs(at - utc + step_s)))
-
-    record = result.record
-    closed = record.closed_utc and record.closed_utc - step_s
-    return result._replace(
-        record=record._replace(closed_utc=closed),
-        entries=tuple(e._replace(utc=steady(e.session, e.mono, e.utc)) for e in result.entries),
-        robots=tuple(robot._replace(link=tuple(
-            second._replace(utc=steady_link(second.mono, second.utc)) for second in robot.link))
-            for robot in result.robots),
-    ), [moment._replace(utc=steady(moment.session, moment.mono, moment.utc)) for moment in moments]
 
 
 # -- tracks -----------------------------------------------------------------------------------------

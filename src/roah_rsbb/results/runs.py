@@ -198,3 +198,52 @@ def _link(reader: JournalReader, port: int, warn: Callable[[str], None]) -> Tupl
     except BadState as error:
         warn(f"the link record of port {port} cannot be read ({error}): it is omitted")
         return ()
+
+
+# -- a clock that was set ---------------------------------------------------------------------------
+
+# A smaller step of the clock (s) is not noticed: NTP corrects about as much in a long run.
+_SET_S = 2.0
+
+
+def clock_text(result: RunResult) -> str:
+    """Return that somebody set the box's clock during a run, and by how much; empty: nobody did."""
+    step_s = _offsets(result)[1]
+    if abs(step_s) <= _SET_S:
+        return ""
+    return f"The box's clock was set by {step_s:+.0f} s during the run"
+
+
+def without_step(result: RunResult, moments: Sequence[RunMoment] = ()) -> Tuple[RunResult, List[RunMoment]]:
+    """Return a run with the times as if nobody had set the clock: they rise, and durations are right."""
+    offsets, step_s = _offsets(result)
+
+    def steady(session: int, mono: float, utc: float) -> float:
+        return mono + offsets[session] if session in offsets else utc - step_s
+
+    def steady_link(mono: float, utc: float) -> float:  # its start of the core is not known
+        return min((mono + offset for offset in offsets.values()),
+                   key=lambda at: min(abs(at - utc), abs(at - utc + step_s)))
+
+    record = result.record
+    return result._replace(
+        record=record._replace(closed_utc=record.closed_utc and record.closed_utc - step_s),
+        entries=tuple(e._replace(utc=steady(e.session, e.mono, e.utc)) for e in result.entries),
+        robots=tuple(robot._replace(link=tuple(
+            second._replace(utc=steady_link(second.mono, second.utc)) for second in robot.link))
+            for robot in result.robots),
+    ), [moment._replace(utc=steady(moment.session, moment.mono, moment.utc)) for moment in moments]
+
+
+def _offsets(result: RunResult) -> Tuple[Dict[int, float], float]:
+    """Return what to add to the monotonic clock of each start of the core, for the UTC as if nobody had set the clock
+    during the run; and by how much somebody has, in total, until its end."""
+    offsets: Dict[int, float] = {}
+    step_s = 0.0
+    for entry in result.entries:
+        if entry.session not in offsets:
+            offsets[entry.session] = entry.utc - step_s - entry.mono
+        step_s = entry.utc - (entry.mono + offsets[entry.session])
+        if entry.kind == run_log.END:
+            break  # what follows are corrections, perhaps of another day
+    return offsets, step_s

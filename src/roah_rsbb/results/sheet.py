@@ -9,7 +9,7 @@ from roah_rsbb.results.judging import act_lines, judged_items, objection_lines, 
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, facts_table, joined, page, table, tag
 from roah_rsbb.results.paper import front_markup, front_of, robots_of
-from roah_rsbb.results.runs import RobotPart, RunResult, run_state_text, signature_of
+from roah_rsbb.results.runs import RobotPart, RunResult, clock_text, run_state_text, signature_of, without_step
 from roah_rsbb.results.standing_rules import Rules
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.module_scores import by_group
@@ -173,13 +173,15 @@ def sheet_page(
     front = front_of(record, rules, benchmark, in_utc)._replace(competition=competition)
     body: List[Child] = [front_markup(front)]
     shown = sections(result) if shown is None else shown
+    clock = clock_text(result)
+    steady = without_step(result)[0] if clock else result
     if appendix:
         annex = [
             tag("h1", "Appendix"), tag("p", title), facts_table(_page_facts(result, in_utc)),
             *_items_markup(record), *_modules_markup(record), *_history_markup(record, in_utc),
             *_judges_markup(record, in_utc), *_stops_markup(record, in_utc),
             *(_section(section, in_utc) for section in shown),
-            *(part for robot in result.robots for part in _link(result, robot, in_utc)),
+            *(part for robot in steady.robots for part in _link(steady, robot, in_utc, clock)),
         ]
         body.append(tag("div", *annex, class_="annex"))
     return page(f"{title} ({record.identity})", *body)
@@ -280,7 +282,7 @@ def _section(section: Section, in_utc: bool) -> Markup:
     return joined((tag("h2", section.title), table(headings, rows, ("time", "who"))))
 
 
-def _link(result: RunResult, robot: RobotPart, in_utc: bool) -> Iterator[Markup]:
+def _link(result: RunResult, robot: RobotPart, in_utc: bool, clock: str) -> Iterator[Markup]:
     lines = link_lines(robot.link)
     if not lines:
         return
@@ -290,6 +292,8 @@ def _link(result: RunResult, robot: RobotPart, in_utc: bool) -> Iterator[Markup]
     rows = LinkRows(box_states(result, robot.port, end), robot_states(result, robot.port, end))
     yield tag("h2", f"Link of {robot.robot} of team {robot.team}")
     yield link_plot(robot.link, begin, end, rows, in_utc)
+    if clock:
+        yield tag("p", f"{clock}. The picture is as if it had not been.")
     yield joined(tag("p", line) for line in lines)
     yield tag("p", "docs/results.md explains how each number is measured and what its limits are.",
               class_="small")

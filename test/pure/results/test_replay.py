@@ -16,6 +16,7 @@ from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.replay import replay_data
 from roah_rsbb.results.replay_page import page_parts, replay_name, replay_of, replay_page
 from roah_rsbb.results.runs import records, run_moments, run_result
+from roah_rsbb.results.sheet import sheet_page
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import visible
 
@@ -138,10 +139,11 @@ class SetClock(ReplayedCompetition):
 
 @pytest.mark.parametrize("seconds", [-10.0, 86400.0])
 def test_a_step_of_the_clock_does_not_change_the_times_of_a_replay(tmp_path, seconds):
-    pages = []
+    pages, plots = [], []
     for folder, step in (("plain", 0.0), ("set", seconds)):
         with JournalReader(SetClock(tmp_path / folder, step).play()) as reader:
             pages.append([data_of(reader, number)[0] for number in (1, 2)])
+            plots.append(_link_plot(reader))
     for plain, data in zip(*pages):
         assert len(plain["clock"]) > 2 < len(plain["robots"][0]["box"])
         for name in ("length", "desc", "phase", "clock", "values", "points", "module"):
@@ -153,6 +155,15 @@ def test_a_step_of_the_clock_does_not_change_the_times_of_a_replay(tmp_path, sec
         assert times == sorted(times)
         assert "Clock" not in dict(plain["facts"])
         assert f"set by {seconds:+.0f} s" in dict(data["facts"])["Clock"]
+    (plain, plain_text), (data, text) = plots
+    assert "EXECUTING" in plain == data
+    assert (f"set by {seconds:+.0f} s" in text, "clock was set" in plain_text) == (True, False)
+
+
+def _link_plot(reader):
+    """The states and the time on the sheet of the first run, as they are drawn, and the sheet."""
+    text = sheet_page(run_result(reader, 1, records(reader, pytest.fail)[0], pytest.fail), True)
+    return text[text.index(">Box<"):text.index("</svg>")], text
 
 
 # -- hostile strings --------------------------------------------------------------------------------
