@@ -8,16 +8,27 @@ the monotonic clock are moved so that they equal UTC. One moment then means the 
 import bisect
 import os
 import tempfile
-from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.restart.saved import BadState, thaw
+from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.journal.in_force import FILE_NAME, read_in_force
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.results.runs import LinkSecond, RunMoment, find_record, run_moments, run_result, run_state_of
+from roah_rsbb.results.runs import (
+    LinkSecond,
+    RunMoment,
+    RunResult,
+    clock_text,
+    find_record,
+    run_moments,
+    run_result,
+    run_state_of,
+    without_step,
+)
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.wording import sheets
@@ -70,12 +81,12 @@ class ReplayedRun(NamedTuple):
 def read_run(reader: JournalReader, word: str, warnings: List[str]) -> ReplayedRun:
     """Read the run with this number or identity. Raises `CannotReplay`, `NoSuchRun` and JournalError."""
     number, record = find_record(reader, word, warnings.append)
-    moments = run_moments(reader, record.identity, warnings.append)
+    played, moments = _read(reader, number, record, warnings)
     if not moments:
         raise CannotReplay(
             f"the journal has no states of run {record.identity}: an earlier version of the box wrote it, or it is "
             f"damaged. Its page shows what there is: rosrun roah_rsbb results replay {number}")
-    end = record.closed_utc or moments[-1].utc
+    end = played.record.closed_utc or moments[-1].utc
     changes: List[_Change] = []
     links: Dict[int, Tuple[LinkSecond, ...]] = {}
     teams = set()
@@ -83,15 +94,24 @@ def read_run(reader: JournalReader, word: str, warnings: List[str]) -> ReplayedR
         if run.opened_utc > end or (run.closed_utc is not None and run.closed_utc < record.opened_utc):
             continue
         of_run = find_record(reader, run.identity, warnings.append)[1]
-        known = moments if run.identity == record.identity else run_moments(reader, run.identity, warnings.append)
-        changes += _changes(run.zone, known, run.closed_utc)
-        for robot in run_result(reader, other, of_run, warnings.append).robots:
+        result, known = (played, moments) if other == number else _read(reader, other, of_run, warnings)
+        changes += _changes(run.zone, known, None if run.closed_utc is None else result.record.closed_utc)
+        for robot in result.robots:
             links[robot.port] = robot.link
             teams.add(robot.team)
     return ReplayedRun(
         one_line(sheets.run_name(record.benchmark, record.team, record.round, record.run)), record.opened_utc, end,
         int(moments[0].zone.get("version", 0)), tuple(sorted(changes, key=lambda change: change.utc)),
         tuple(sorted(teams)), links)
+
+
+def _read(
+    reader: JournalReader, number: int, record: RunRecord, warnings: List[str]
+) -> Tuple[RunResult, Sequence[RunMoment]]:
+    """Read a run and its states, with the times as if nobody had set the box's clock during the run."""
+    result = run_result(reader, number, record, warnings.append)
+    moments = run_moments(reader, record.identity, warnings.append)
+    return without_step(result, moments) if clock_text(result) else (result, moments)
 
 
 def _changes(zone: str, moments: Iterable[RunMoment], closed_utc: Optional[float]) -> List[_Change]:

@@ -126,3 +126,15 @@ class ReplayedCompetition(JournaledDriver):
             self.look()
         modules.says("fbm", finished=True, request=modules.run("fbm").steps[-1].request)
         self.look()
+
+
+class SetClock(ReplayedCompetition):
+    """Somebody sets the box's clock during both runs."""
+
+    def __init__(self, log_dir, seconds):
+        self._seconds = seconds
+        super().__init__(log_dir)
+
+    def _play_goals(self, *arguments):
+        self.set_clock(self._seconds)
+        super()._play_goals(*arguments)

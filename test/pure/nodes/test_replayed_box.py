@@ -8,7 +8,7 @@ import pytest
 from helpers.competition import DOOR
 from helpers.journaled import NO_LISTENING, JournaledDriver
 from helpers.jury import Jury, judged
-from helpers.replayed import LOOK_S, ReplayedCompetition
+from helpers.replayed import LOOK_S, ReplayedCompetition, SetClock
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.referee import Refused
@@ -94,6 +94,24 @@ def test_no_phase_is_skipped_however_fast(played):
         box.show(box.now.utc + 1e6)
     phases.append(views.ZoneViews(box.box).look(box.now)[0].phase)
     assert [phase for phase, _ in itertools.groupby(phases)] == ["connected", "running", "ended", "idle"]
+
+
+@pytest.mark.parametrize("seconds", [-10.0, 86400.0])
+def test_a_step_of_the_clock_changes_no_time_of_a_replay(tmp_path, seconds):
+    runs = []
+    for folder, step in (("plain", 0.0), ("set", seconds)):
+        driver = SetClock(tmp_path / folder, step)
+        with JournalReader(driver.play()) as reader:
+            runs.append(read_run(reader, "1", []))
+    plain, begins = (
+        {change.phase: change.utc for change in reversed(run.changes) if change.zone == "tbm"} for run in runs)
+    assert begins == pytest.approx(plain, abs=0.001)
+    assert len(begins) == 4
+    assert runs[1].end_utc == pytest.approx(runs[0].end_utc, abs=0.001)
+    box = ReplayedBox(runs[1], driver.config)
+    while not box.is_over:
+        box.show(box.now.utc + 1.0)
+    assert box.now.utc == pytest.approx(runs[0].end_utc, abs=0.001)
 
 
 def test_all_commands_are_refused_with_the_reason(played):

@@ -10,7 +10,7 @@ import pytest
 
 from helpers.competition import DOOR
 from helpers.journals import UTC0, Writer
-from helpers.replayed import ReplayedCompetition
+from helpers.replayed import ReplayedCompetition, SetClock
 from helpers.results_of import EVIL, write_full_run
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.replay import replay_data
@@ -123,18 +123,6 @@ def _page(reader, number, **options):
 
 
 # -- a clock that is set ----------------------------------------------------------------------------
-
-
-class SetClock(ReplayedCompetition):
-    """Somebody sets the box's clock in the middle of the run."""
-
-    def __init__(self, log_dir, seconds):
-        self._seconds = seconds
-        super().__init__(log_dir)
-
-    def _play_goals(self, *arguments):
-        self.set_clock(self._seconds)
-        super()._play_goals(*arguments)
 
 
 @pytest.mark.parametrize("seconds", [-10.0, 86400.0])
