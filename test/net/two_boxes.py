@@ -326,10 +326,10 @@ class Pair:
         both = [frame.mono - since_mono for port in ports for frame in self.capture.of(BOX, port, since_mono)]
         return max(both, default=0.0)
 
-    def private_ports(self, number: int, since_mono: float = 0.0) -> List[int]:
+    def private_ports(self, number: int) -> List[int]:
         """The ports above the public one to which a box sent."""
         return sorted({frame.port for frame in list(self.capture.frames) if frame.number == number
-                       and RSBB_PORT < frame.port < RSBB_PORT + 1000 and frame.mono >= since_mono})
+                       and RSBB_PORT < frame.port < RSBB_PORT + 1000})
 
     def followed(self, since_mono: float, ports: List[int]) -> Optional[float]:
         """When the last robot sent to the standby on its private channel, after that time; None: not yet."""

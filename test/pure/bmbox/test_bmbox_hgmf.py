@@ -26,10 +26,10 @@ def hgmf(*names, table=TABLE, thing=HERE):
     return Rehearsal(HGMF, parameters, Poses(object=thing, table=table))
 
 
-def puts(r, height=0.0, x_off=0.0, y_off=0.0):
-    """The object is off its target, in the table's frame (which is not turned), and so high above where it began."""
+def puts(r, x_off=0.0, y_off=0.0):
+    """The object is off its target, in the table's frame (which is not turned)."""
     x, y, _ = r.asked.pose
-    r.truth.subjects["object"] = Pose3(x + x_off, y + y_off, 0.8 + height, 0.0)
+    r.truth.subjects["object"] = Pose3(x + x_off, y + y_off, 0.8, 0.0)
 
 
 def lifts(r, height):

@@ -30,8 +30,8 @@ def _snapshot(driver):
     ]
 
 
-def _all_off(driver, zone="tbm"):
-    return {command: driver.off(command, zone) for command in COMMANDS}
+def _all_off(driver):
+    return {command: driver.off(command, "tbm") for command in COMMANDS}
 
 
 NOTHING_CONNECTED = {

@@ -80,15 +80,15 @@ def test_a_robot_stays_active_while_it_is_heard_on_its_private_channel():
     assert views.robots(driver.box, driver.now) == []
 
 
-def _week(zones, teams, days=7, runs_a_day=8):
-    """A schedule of task benchmarks: every zone has its own teams."""
+def _week(zones, teams):
+    """A schedule of task benchmarks for 7 days with 8 runs: every zone has its own teams."""
     codes = ("HGTKMH", "HWV", "HCFGAC")
     plans = {}
     for z in range(zones):
         plans[f"zone{z}"] = [
             event(codes[(d + n) % 3], team=f"Team{z}.{n % teams}", round=d + 1, run=n + 1,
                   scheduled=UTC0 + d * 86400 + n * 3600.0)
-            for d in range(days) for n in range(runs_a_day)
+            for d in range(7) for n in range(8)
         ]
     return competition(teams=[e.team for events in plans.values() for e in events], **plans)
 

@@ -17,9 +17,9 @@ from roah_rsbb.rulebook.scoring import (
 TIME_LIMIT_S = 300.0
 
 
-def decimal(chance, low, high, decimals=None):
+def decimal(chance, low, high):
     """A random number with up to three decimals."""
-    decimals = chance.randint(0, 3) if decimals is None else decimals
+    decimals = chance.randint(0, 3)
     return Decimal(chance.randint(low * 10**decimals, high * 10**decimals)).scaleb(-decimals)
 
 

@@ -14,7 +14,7 @@ from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
 from support.programs import Program, own
 from support.waiting import wait_until
 
-from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3, rotation
+from roah_rsbb.bmbox.framework.ground_truth import NoPose, Pose3, rotation
 from roah_rsbb.bmbox.framework.ground_truth_config import GroundTruthConfig, Marker, load
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
 from roah_rsbb.nodes.modules.ground_truth_tf import TfGroundTruth
@@ -78,10 +78,9 @@ class GroundTruthCase(unittest.TestCase):
         for value, wanted in zip(pose, expected):
             self.assertAlmostEqual(value, wanted, places=5)
 
-    def assert_no_pose(self, pattern: str, subject: str = "robot", at_utc: Optional[float] = None,
-                       truth: Optional[GroundTruth] = None) -> None:
+    def assert_no_pose(self, pattern: str, subject: str = "robot", at_utc: Optional[float] = None) -> None:
         with self.assertRaisesRegex(NoPose, pattern):
-            (truth or self.truth).pose(subject, at_utc)
+            self.truth.pose(subject, at_utc)
 
 
 class TestNow(GroundTruthCase):

@@ -163,10 +163,10 @@ class CommCase(NetworkCase):
             lambda: f"the log says {parts}; it says\n" + "\n".join(text for _, text in self.log[since:]),
         )
 
-    def log_sent(self, level: str = "debug") -> None:
+    def log_sent(self) -> None:
         """Make the node log what it sends, as the documentation describes."""
         rospy.wait_for_service(f"{NODE}/set_logger_level", LIMIT_S)
-        rospy.ServiceProxy(f"{NODE}/set_logger_level", SetLoggerLevel)(LOGGER, level)
+        rospy.ServiceProxy(f"{NODE}/set_logger_level", SetLoggerLevel)(LOGGER, "debug")
 
     # -- topics and services ------------------------------------------------------------------------
 

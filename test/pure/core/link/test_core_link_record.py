@@ -52,10 +52,10 @@ def line():
     return Line()
 
 
-def bursting(line, state=RobotState.PREPARING):
+def bursting(line):
     """The robot was heard to send a whole burst, and a regular message after it."""
     line.sends()
-    line.sends_all(BURST, state)
+    line.sends_all(BURST, RobotState.PREPARING)
     line.sends()
     assert line.sample().lost == 0
     return line

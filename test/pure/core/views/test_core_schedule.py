@@ -42,8 +42,8 @@ def choose(driver, index, zone="tbm", unsigned=False):
     driver.event(driver.box.choose_event, zone, key_of(driver.box.zones[zone].events[index]), unsigned, "Anna")
 
 
-def a_run(driver, team="Alpha", end=True):
-    robot = driver.connected(team=team)
+def a_run(driver, end=True):
+    robot = driver.connected()
     driver.command("start")
     robot.executes()
     if end:

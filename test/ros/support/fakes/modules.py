@@ -70,9 +70,9 @@ class FakeModules:
             progress = tuple(self.progress.values()) if self._wild is None else self._wild
             self._publisher.publish(modules_state_message(ModulesState(self.node, self.infos, progress)))
 
-    def drives(self, *codes: str, problems=(), warnings=()) -> None:
+    def drives(self, *codes: str) -> None:
         """Drive these benchmarks from now on."""
-        self.infos = tuple(ModuleInfo(code, tuple(problems), tuple(warnings)) for code in codes)
+        self.infos = tuple(map(ModuleInfo, codes))
         self.beat()
 
     def send(self, *progress: Progress) -> str:
