@@ -4,7 +4,7 @@ rospy asks the ROS master for the address of a service at each call. This takes 
 while a robot waits for the referee's command.
 """
 
-from typing import Any, Dict
+from typing import Any, Dict, Optional
 
 import rospy
 from rospy.exceptions import TransportInitError
@@ -13,22 +13,25 @@ from rospy.exceptions import TransportInitError
 class KnownService(rospy.ServiceProxy):
     """A `rospy.ServiceProxy` that asks the master only if the service does not answer at its known address."""
 
-    _addresses: Dict[str, str] = {}  # by the service's name, of all calls of this process
+    # By the service's name: the address at which it answered last. While a call waits there, it is not known: a node
+    # that hangs may have been replaced by another one, and the next call must find that.
+    _addresses: Dict[str, str] = {}
+    _known: Optional[str] = None
 
     def call(self, *args: Any, **fields: Any) -> Any:
         """Call the service; raises rospy.ServiceException."""
-        is_known = self.resolved_name in self._addresses
+        self._known = self._addresses.pop(self.resolved_name, None)
         try:
-            return super().call(*args, **fields)
+            answer = super().call(*args, **fields)
         except rospy.ServiceException as error:
             # Nothing was sent if there was no connection. The service's node was probably restarted.
-            if not (is_known and isinstance(error.__context__, TransportInitError)):
+            if self._known is None or not isinstance(error.__context__, TransportInitError):
                 raise
-            self._addresses.pop(self.resolved_name, None)
-        return super().call(*args, **fields)
+            self._known = None
+            answer = super().call(*args, **fields)
+        self._addresses[self.resolved_name] = self.uri
+        return answer
 
     def _get_service_uri(self, request: Any) -> str:
-        address = self._addresses.get(self.resolved_name)
-        if address is None:
-            address = self._addresses[self.resolved_name] = super()._get_service_uri(request)
-        return address
+        self.uri = self._known or super()._get_service_uri(request)
+        return self.uri

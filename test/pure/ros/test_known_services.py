@@ -1,5 +1,7 @@
 """Calls of services: the address is remembered, and asked for again when nobody answers there."""
 
+import threading
+
 import pytest
 import rospy
 from rospy.exceptions import TransportInitError
@@ -15,6 +17,8 @@ class Network:
     def __init__(self):
         self.alive, self.asked, self.sent = "rosrpc://box:1", 0, []
         self.ends_answers = False
+        self.answers = threading.Event()  # cleared: the node at the first address hangs
+        self.answers.set()
 
     def address(self, _proxy, _request):
         self.asked += 1
@@ -29,6 +33,7 @@ class Network:
             def connect(self, host, port, address):
                 if address != network.alive:
                     raise TransportInitError("connection refused")
+                self.address = address
 
             def send_message(self, request, _number):
                 network.sent.append(request)
@@ -36,7 +41,9 @@ class Network:
             def receive_once(self):
                 if network.ends_answers:
                     raise rospy.exceptions.TransportTerminated("the node was killed")
-                return [TriggerResponse(True, network.alive)]
+                if self.address == "rosrpc://box:1":
+                    network.answers.wait()
+                return [TriggerResponse(True, self.address)]
 
             def close(self):
                 pass
@@ -88,3 +95,19 @@ def test_a_node_that_is_gone_is_an_error(network):
     with pytest.raises(rospy.ServiceException, match="unable to connect"):
         call()
     assert len(network.sent) == 1
+
+
+def test_while_a_node_hangs_the_next_call_finds_another_one(network):
+    call()
+    network.answers.clear()
+    answered = []
+    hanging = threading.Thread(target=lambda: answered.append(call()))
+    hanging.start()
+    while len(network.sent) < 2:
+        pass
+    assert network.asked == 1
+    network.alive = "rosrpc://box:2"
+    assert call() == "rosrpc://box:2"
+    network.answers.set()
+    hanging.join()
+    assert answered == ["rosrpc://box:1"]
