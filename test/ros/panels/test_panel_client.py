@@ -399,6 +399,8 @@ def _load_rqt() -> None:
 class TestPlugins(CoreCase):
     def test_each_plugin_of_plugin_xml_opens_keeps_its_settings_and_ends(self) -> None:
         _load_rqt()
+        logs_failures, sys.excepthook = sys.excepthook, sys.__excepthook__  # as in rqt, which an exception would end
+        self.addCleanup(setattr, sys, "excepthook", logs_failures)
         opened = []
         for element in ElementTree.parse(PLUGIN_XML).getroot().iter("class"):
             module, _, name = element.get("type").rpartition(".")
@@ -410,6 +412,7 @@ class TestPlugins(CoreCase):
             plugin.save_settings(_Settings(), settings)
             plugin.restore_settings(_Settings(), settings)
         self.assertEqual({type(plugin.panel) for plugin in opened}, set(PANELS))
+        self.assertIs(sys.excepthook, logs_failures)
         wait_until(lambda: all("live" in plugin.panel._news.text() for plugin in opened), "all of them show the core")
         self.assertEqual(dict(rosgraph.Master("/t").getSystemState()[1])["/core/to_gui"], [rospy.get_name()])
         for plugin in opened:

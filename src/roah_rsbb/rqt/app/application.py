@@ -3,7 +3,6 @@
 import signal
 import sys
 import time
-import traceback
 from typing import Callable, List
 
 import rosgraph
@@ -11,6 +10,7 @@ import rospy
 
 from roah_rsbb.ros import connections
 from roah_rsbb.rqt import language
+from roah_rsbb.rqt.model.failures import log_failures
 from roah_rsbb.rqt.model.garbage import collect_here
 from roah_rsbb.rqt.qt import QApplication, QSettings, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
@@ -23,7 +23,7 @@ _signalled: List[bool] = []
 
 def make_application(argv: List[str]) -> QApplication:
     """Create Qt's application: sharp on high-density screens, and not ended by an error in one panel."""
-    sys.excepthook = _report
+    log_failures()
     QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
     QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
     app = QApplication(argv)
@@ -93,12 +93,6 @@ def run(app: QApplication) -> int:
 def _on_signal(*_) -> None:
     """Only record the signal: it may arrive while the windows are being created, when quitting has no effect."""
     _signalled.append(True)
-
-
-def _report(kind, error, trace) -> None:
-    """Log an exception in a panel. PyQt would end the process, and with it the referee's view of all runs."""
-    text = "".join(traceback.format_exception(kind, error, trace))
-    rospy.logerr("A panel failed. Please report this: %s", text)
 
 
 class PanelSettings:

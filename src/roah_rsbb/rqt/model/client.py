@@ -7,6 +7,7 @@ import rospy
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.rqt import language
 from roah_rsbb.rqt.model.calls import Calls, RefereeName
+from roah_rsbb.rqt.model.failures import log_failures
 from roah_rsbb.rqt.model.garbage import collect_here
 from roah_rsbb.rqt.model.model import TOPICS, Model
 from roah_rsbb.rqt.model.presses import DoublePress
@@ -42,6 +43,7 @@ class Client:
         """Return the client of this process; the first call creates it. Call `release` once for each call."""
         if cls._shared is None:
             # In rqt, whose application is not ours.
+            log_failures()
             collect_here()
             language.install()
             cls._shared = Client()
