@@ -18,6 +18,7 @@ from PyQt5 import sip
 from std_srvs.srv import Empty
 from support.fakes.core import FakeCore
 from support.gui_testing import (
+    LONG_S,
     QApplication,
     QMessageBox,
     Qt,
@@ -83,6 +84,33 @@ class TestMarks(unittest.TestCase):
         self.answers = ["service [/core/mark] unavailable"]
         with self.assertRaisesRegex(rospy.ServiceException, "unavailable"):
             calls._until_answered(self.call)
+
+
+class TestCalls(unittest.TestCase):
+    """How many calls wait at the same time."""
+
+    def setUp(self) -> None:
+        limit(self, calls, "TIMEOUT_S", LONG_S)
+        self.calls = calls.Calls(calls.RefereeName())
+        self.gate = threading.Event()
+        self.outcomes: List[calls.CallOutcome] = []
+        self.addCleanup(lambda: wait_until(lambda: not any(self.calls._threads.values()), "all calls have ended"))
+        self.addCleanup(self.gate.set)
+
+    def call(self, what: str, times: int) -> None:
+        for _ in range(times):
+            self.calls.run(self, what, self.gate.wait, self.outcomes.append)
+
+    def test_a_node_that_hangs_keeps_no_command_for_another_one_from_being_sent(self) -> None:
+        self.call("/web/sessions", calls.MAX_WAITING + 1)
+        self.assertEqual(len(self.outcomes), 1)
+        self.assertIn("/web/sessions: not sent", self.outcomes[0].error)
+        self.call("/core/start", 1)
+        self.assertEqual(len(self.outcomes), 1)
+
+    def test_more_zones_than_other_calls_can_be_stopped_at_once(self) -> None:
+        self.call("/core/stop_run", 3 * calls.MAX_WAITING)
+        self.assertEqual(self.outcomes, [])
 
 
 class TestFocusRing(unittest.TestCase):

@@ -60,7 +60,7 @@ class CoreCase(unittest.TestCase):
 
     def wait_answered(self) -> None:
         """Wait until all calls are answered, and the panels have shown the answers."""
-        wait_until(lambda: self.client.calls._threads == 0, "all calls are answered")
+        wait_until(lambda: not any(self.client.calls._threads.values()), "all calls are answered")
 
     def wait_call(self, *call: object) -> None:
         """Wait until the core receives this call. What it does then may take a moment."""

@@ -1,10 +1,11 @@
 """Service calls off the Qt thread. Their outcome is delivered on the Qt thread."""
 
+import collections
 import contextlib
 import threading
 import time
 import uuid
-from typing import Any, Callable, Dict, NamedTuple
+from typing import Any, Callable, Counter, Dict, NamedTuple
 
 import rospy
 
@@ -18,8 +19,11 @@ from roah_rsbb.wording.sent import tr_sent
 
 # Timeout of a call. A later answer is ignored.
 TIMEOUT_S = 5.0
-# Limit of calls that wait at the same time: a core that hangs must not fill this process with threads.
+# Limit of calls of a service that wait at the same time: a node that hangs must not fill this process with threads.
 MAX_WAITING = 16
+# The same for STOP, which all zones may get at once.
+STOP = "/core/stop_run"
+MAX_STOPS = 100
 # A mark that was not answered is sent again after this time (s).
 AGAIN_S = 0.2
 # Of the person at a panel, for marks.
@@ -65,14 +69,14 @@ class _Waiting(NamedTuple):
 class Calls(QObject):
     """Makes all calls of a process. Use it from the Qt thread only."""
 
-    _answered = Signal(int, object)
+    _answered = Signal(int, str, object)
 
     def __init__(self, referee: RefereeName) -> None:
         """`referee`: their name goes with each call."""
         super().__init__()
         self._referee = referee
         self._waiting: Dict[int, _Waiting] = {}
-        self._threads = 0
+        self._threads: Counter[str] = collections.Counter()  # by what they call
         self._next = 0
         self._answered.connect(self._on_answer)
 
@@ -100,16 +104,16 @@ class Calls(QObject):
 
     def run(self, owner: object, what: str, job: Callable[[], Any], done: Callable[[CallOutcome], None]) -> None:
         """Run `job` in a thread; `done` receives its result or error, unless `owner` was forgotten."""
-        if self._threads >= MAX_WAITING:
+        if self._threads[what] >= (MAX_STOPS if what == STOP else MAX_WAITING):
             done(CallOutcome(tr("{what}: not sent, because {n} commands are still waiting for an answer",
-                                what=what, n=self._threads)))
+                                what=what, n=self._threads[what])))
             return
-        self._threads += 1
+        self._threads[what] += 1
         self._next += 1
         token = self._next
         self._waiting[token] = _Waiting(owner, what, done)
         QTimer.singleShot(int(TIMEOUT_S * 1000), lambda: self._on_late(token))
-        threading.Thread(target=self._work, args=(token, job), name=what, daemon=True).start()
+        threading.Thread(target=self._work, args=(token, what, job), name=what, daemon=True).start()
 
     def _headers(self) -> Dict[str, str]:
         return {REFEREE_HEADER: self._referee.name} if self._referee.name else {}
@@ -118,16 +122,16 @@ class Calls(QObject):
         """Deliver nothing more to `owner`, which is closing."""
         self._waiting = {t: w for t, w in self._waiting.items() if w.owner is not owner}
 
-    def _work(self, token: int, job: Callable[[], Any]) -> None:
+    def _work(self, token: int, what: str, job: Callable[[], Any]) -> None:
         try:
             outcome = CallOutcome("", job())
         except Exception as e:  # the referee reads any error beside the command
             outcome = CallOutcome(failure_text(str(e)) or type(e).__name__)
         with contextlib.suppress(RuntimeError):  # the process is ending
-            self._answered.emit(token, outcome)
+            self._answered.emit(token, what, outcome)
 
-    def _on_answer(self, token: int, outcome: CallOutcome) -> None:
-        self._threads -= 1
+    def _on_answer(self, token: int, what: str, outcome: CallOutcome) -> None:
+        self._threads[what] -= 1
         self._deliver(token, outcome)
 
     def _on_late(self, token: int) -> None:

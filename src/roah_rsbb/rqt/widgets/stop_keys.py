@@ -8,7 +8,7 @@ from functools import partial
 from typing import Callable, Dict, List
 
 from roah_rsbb.rqt.model import presses
-from roah_rsbb.rqt.model.calls import CallOutcome, Calls
+from roah_rsbb.rqt.model.calls import STOP, CallOutcome, Calls
 from roah_rsbb.rqt.model.model import Model
 from roah_rsbb.rqt.model.presses import DoublePress
 from roah_rsbb.rqt.qt import QApplication, QEvent, QGuiApplication, QKeyEvent, QLabel, QObject, QPoint, Qt, QTimer
@@ -107,4 +107,4 @@ class StopKeys(WindowKeys):
 
         for zone in zones:
             request = (zone, self._model.identity_of(zone))
-            self._calls.service(self, "/core/stop_run", StopRun, request, partial(answered, zone))
+            self._calls.service(self, STOP, StopRun, request, partial(answered, zone))
