@@ -2,7 +2,7 @@
 
 import rospy
 from support.gui_testing import LONG_S, QApplication, QMessageBox, click, limit, places, settle, wait_until
-from support.panel_case import DOOR
+from support.panel_case import BUMPS, DOOR
 from support.real_input import click_on, press_key
 from support.window_case import WindowCase, is_closed
 
@@ -149,6 +149,38 @@ class TestZone(WindowCase):
             settle(panel)
             moved += [name] if places(panel) != before else []
         self.assertEqual(moved, [])
+
+
+class TestBehind(WindowCase):
+    """Panels behind others."""
+
+    def test_they_are_not_drawn_and_are_right_at_once_when_they_are_shown(self) -> None:
+        self.wait_quiet()
+        drawn = []
+        for name, panel in self.window.panels.items():
+            if not panel.WORKS_BEHIND:
+                show_model = panel.show_model
+                panel.show_model = lambda name=name, show=show_model: drawn.append(name) or show()
+        self.core.box_warnings = ["ANOTHER RSBB"]
+        wait_until(lambda: self.client.model.details.warnings == ["ANOTHER RSBB"], "the warning is heard")
+        self.wait_heard()
+        self.hush()
+        self.assertEqual(drawn, [])
+        status = self.panel("CoreStatusPanel")
+        self.window.docks["CoreStatusPanel"].raise_()
+        self.assertIn("ANOTHER RSBB", status.notices.toPlainText())
+        self.core.silent = False
+        drawn.clear()
+        self.wait_heard()
+        self.assertEqual(set(drawn), {"CoreStatusPanel"})
+
+    def test_the_keys_of_scoring_score_the_run_of_this_moment(self) -> None:
+        self.run_zone()
+        self.window.docks["ResultsPanel"].raise_()
+        self.zone.command("stop", "disconnect", "connect")
+        wait_until(lambda: self.client.model.zone_details.identity == self.zone.identity, "the next run is heard")
+        press_key("6")
+        wait_until(lambda: self.zone.scores.get(BUMPS) == 1, "it is counted")
 
 
 class TestManyZones(WindowCase):

@@ -151,6 +151,7 @@ class BenchmarkControlPanel(Panel):
 
     TITLE = tr_later("Benchmark Control")
     WHERE_FACTOR = 1.4
+    WORKS_BEHIND = True
 
     def __init__(self, client) -> None:
         super().__init__(client)

@@ -35,6 +35,7 @@ class ManualOperationPanel(Panel):
 
     TITLE = tr_later("Manual Operation")
     TAB = tr_later("Manual")
+    WORKS_BEHIND = True
 
     def __init__(self, client) -> None:
         super().__init__(client)

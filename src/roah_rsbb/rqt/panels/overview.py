@@ -244,6 +244,7 @@ class OverviewPanel(CollapsingPanel):
     """A tile for each zone, in the order of the schedule, so that no tile moves under the mouse."""
 
     TITLE = tr_later("Overview")
+    WORKS_BEHIND = True
 
     def __init__(self, client) -> None:
         super().__init__(client)

@@ -1,12 +1,13 @@
 """The base of all panels: a line with the zone and whether the state is current, and the panel's own widgets."""
 
-from typing import Callable, Optional
+from typing import Callable, List, Optional
 
 from roah_rsbb.msg import ZoneDetails
-from roah_rsbb.rqt.model.calls import CallOutcome, RefereeName
+from roah_rsbb.rqt.model.calls import STOP, CallOutcome, RefereeName
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.qt import (
     QApplication,
+    QDockWidget,
     QHBoxLayout,
     QLabel,
     QLineEdit,
@@ -32,17 +33,22 @@ MOST_CONTROLS = 1000
 class Panel(QWidget):
     """Base of all panels. A subclass fills `self.body` and implements `show_model`.
 
-    `show_model` is called whenever something changed while the panel is visible.
+    `show_model` is called whenever something changed while the panel is visible, and when it becomes visible.
     """
 
     TITLE = ""
     TAB = ""  # a shorter title for the tabs of our window; empty: the title
     WHERE_FACTOR = 1.0
+    # Whether `show_model` is also called while the panel is behind others: it beeps there, has keys that work
+    # everywhere, or keeps what it shows.
+    WORKS_BEHIND = False
 
     def __init__(self, client: Client) -> None:
         super().__init__()
         self.client = client
         self.model = client.model
+        self._docks: List[QDockWidget] = []  # that the panel is in, or was
+        self._has_ended = False
         self.setObjectName(type(self).__name__)
         self.setWindowTitle(tr(self.TITLE))
         self._where = basic.enlarged(basic.ShortenedLabel(), self.WHERE_FACTOR, bold=True)
@@ -81,10 +87,11 @@ class Panel(QWidget):
         A run that ends at the moment of the click is not left, as /core/stop would do with a run that is over.
         """
         identity = "" if details is None else details.identity
-        self.client.calls.service(self, "/core/stop_run", StopRun, (zone, identity), done)
+        self.client.calls.service(self, STOP, StopRun, (zone, identity), done)
 
     def shutdown(self) -> None:
         """Stop: no more updates or answers reach this panel."""
+        self._has_ended = True
         self.model.updated.disconnect(self._on_update)
         self.client.calls.forget(self)
 
@@ -96,7 +103,21 @@ class Panel(QWidget):
 
     def showEvent(self, event) -> None:
         super().showEvent(event)
-        self._on_update()
+        self._follow_docks()
+        self._refresh()
+
+    def _follow_docks(self) -> None:
+        """Qt does not hide a dock behind another tab, but moves it out of the window, and emits this."""
+        widget = self.parentWidget()
+        while widget is not None:
+            if isinstance(widget, QDockWidget) and widget not in self._docks:
+                widget.visibilityChanged.connect(self._on_dock)
+                self._docks.append(widget)
+            widget = widget.parentWidget()
+
+    def _on_dock(self, is_visible: bool) -> None:
+        if is_visible:
+            self._refresh()
 
     def focusNextPrevChild(self, forward: bool) -> bool:
         """Tab skips panels that are behind others."""
@@ -110,7 +131,11 @@ class Panel(QWidget):
         return moved
 
     def _on_update(self) -> None:
-        if not self.isVisible():
+        if self.WORKS_BEHIND or not self.visibleRegion().isEmpty():
+            self._refresh()
+
+    def _refresh(self) -> None:
+        if self._has_ended or not self.isVisible():
             return
         self._where.setText(self.where())
         self._where.setToolTip(self.where_tip())

@@ -355,6 +355,7 @@ class ScoringPanel(RefereePanel):
     """All items of the run, in their groups."""
 
     TITLE = tr_later("Scoring")
+    WORKS_BEHIND = True
 
     def __init__(self, client) -> None:
         super().__init__(client)

@@ -15,6 +15,7 @@ class TextPanel(CollapsingPanel):
     """Shows a text of the zone and follows its end, unless the referee scrolls."""
 
     NOTHING = ""
+    WORKS_BEHIND = True
 
     def __init__(self, client) -> None:
         super().__init__(client)
