@@ -125,6 +125,46 @@ class TestKeys(WindowCase):
         press_key("space")
         self.wait_call("score", "Home A", *DOOR, 1)
 
+    def test_a_key_pressed_twice_is_no_other_command(self) -> None:
+        """Qt would move the focus on from a button that is switched off."""
+        click(self.scoring.rows[BUMPS].more)
+        less = self.scoring.rows[BUMPS].less
+        wait_until(less.isEnabled, "it is counted")
+        less.setFocus(Qt.TabFocusReason)
+        for _ in range(3):
+            press_key("space")
+        self.wait_call("score", "Home A", *BUMPS, "-1")
+        self.wait_answered()
+        self.assertEqual([call[-1] for call in self.core.calls], ["+1", "-1"])
+        press_key("6")
+        wait_until(lambda: QApplication.focusWidget() is less, "the focus is back when the button is on again")
+        stop = self.control.buttons["stop"]
+        stop.setFocus(Qt.TabFocusReason)
+        for _ in range(2):
+            press_key("space")
+        wait_until(lambda: "ENDED" in self.control._phase.text(), "the run has ended")
+        self.assertEqual([call for call in self.core.calls if call[0] != "score"], [("stop_run", "Home A")])
+        self.assertIs(QApplication.focusWidget(), self.control)
+        press_key("Tab", "Shift_L")
+        self.assertIs(QApplication.focusWidget(), self.control.buttons["start"], "the control before STOP")
+
+    def test_what_is_typed_while_the_core_falls_silent_is_no_command(self) -> None:
+        self.zone.command("stop")
+        reason = self.control.reason
+        wait_until(reason.isEnabled, "a reason can be typed")
+        click_on(reason)
+        press_key("a")
+        self.fall_silent()
+        wait_until(lambda: not reason.isEnabled(), "nothing can be changed")
+        for key in ("space", "1", "space"):
+            press_key(key)
+        self.core.silent = False
+        wait_until(lambda: QApplication.focusWidget() is reason, "the focus is back")
+        press_key("1")
+        self.assertEqual(reason.text(), "a1")
+        self.wait_answered()
+        self.assertEqual({call[0] for call in self.core.calls}, {"stop_reason"})
+
     def test_a_question_mark_shows_all_keys_and_esc_closes_them(self) -> None:
         press_key("question", "Shift_L")
         page = self.dialog(KeysDialog)

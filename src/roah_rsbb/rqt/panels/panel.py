@@ -1,5 +1,6 @@
 """The base of all panels: a line with the zone and whether the state is current, and the panel's own widgets."""
 
+import contextlib
 from typing import Callable, List, Optional
 
 from roah_rsbb.msg import ZoneDetails
@@ -49,6 +50,7 @@ class Panel(QWidget):
         self.model = client.model
         self._docks: List[QDockWidget] = []  # that the panel is in, or was
         self._has_ended = False
+        self._left: Optional[QWidget] = None  # the control that was switched off while it had the focus
         self.setObjectName(type(self).__name__)
         self.setWindowTitle(tr(self.TITLE))
         self._where = basic.enlarged(basic.ShortenedLabel(), self.WHERE_FACTOR, bold=True)
@@ -120,7 +122,20 @@ class Panel(QWidget):
             self._refresh()
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Tab skips panels that are behind others."""
+        """Tab skips panels that are behind others.
+
+        Qt also calls this when a control with the focus is switched off. Then the panel itself takes the focus: in the
+        next control, a second press of the same key would be another command.
+        """
+        focused = self.window().focusWidget()
+        if focused is not None and not focused.isEnabled():
+            self._left = focused
+            self.setFocus()
+            return True
+        if focused is self and self._left is not None:
+            with contextlib.suppress(RuntimeError):  # it was deleted
+                _following(self._left, forward).setFocus(Qt.TabFocusReason if forward else Qt.BacktabFocusReason)
+                return True
         for _ in range(MOST_CONTROLS):
             moved = super().focusNextPrevChild(forward)
             widget = QApplication.focusWidget()
@@ -129,6 +144,17 @@ class Panel(QWidget):
             if not moved or widget is None or not widget.visibleRegion().isEmpty():
                 break
         return moved
+
+    def _return_focus(self) -> None:
+        """Give the focus back to a control that is on again, unless another one has it by now."""
+        if self._left is None:
+            return
+        with contextlib.suppress(RuntimeError):  # it was deleted
+            if self.window().focusWidget() is self and self._left.isVisible():
+                if not self._left.isEnabled():
+                    return
+                self._left.setFocus()
+        self._left = None
 
     def _on_update(self) -> None:
         if self.WORKS_BEHIND or not self.visibleRegion().isEmpty():
@@ -149,6 +175,18 @@ class Panel(QWidget):
             self._news.show_text(tr("● live"), basic.OFF)
         self._title.show(self.model.is_replay)
         self.show_model()
+        self._return_focus()
+
+
+def _following(widget: QWidget, forward: bool) -> QWidget:
+    """Return the control that Tab reaches from a widget."""
+    step = QWidget.nextInFocusChain if forward else QWidget.previousInFocusChain
+    following = step(widget)
+    while following is not widget and not (
+            following.focusPolicy() & Qt.TabFocus and following.focusProxy() is None
+            and following.isEnabled() and not following.visibleRegion().isEmpty()):
+        following = step(following)
+    return following
 
 
 def ask(parent: QWidget, question: str, details: str, yes: str, then) -> QMessageBox:

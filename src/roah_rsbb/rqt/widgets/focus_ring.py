@@ -67,7 +67,7 @@ class FocusRing(QObject):
         parent = None if widget is None else widget.parentWidget()
         while isinstance(parent, QSplitter):  # it would treat the frame as one of its parts
             parent = parent.parentWidget()
-        if parent is None or not self._belongs(widget):
+        if parent is None or widget.focusPolicy() == Qt.NoFocus or not self._belongs(widget):
             return
         self._on = widget
         widget.installEventFilter(self)
