@@ -90,7 +90,7 @@ class Peer:
         self._bind_host = sockets.resolve(self._bind_host, "bind_host")
         if sockets.is_broadcast(self._bind_host):
             raise sockets.OpenError(
-                errno.EINVAL, f"bind_host {self._bind_host} is a broadcast address: give an address of this "
+                errno.EINVAL, f"{sockets.BIND_HOST} {self._bind_host} is a broadcast address: give an address of this "
                               "machine ('ip -4 addr' lists them); only rsbb_host is a broadcast address")
         if self._apart:
             self._sockets.append(sockets.speak(self._bind_host))
@@ -115,7 +115,7 @@ class Peer:
                 "address of this machine. Set rsbb_host to one ('ip -4 addr' shows them as brd)")
         if self._apart:  # it could receive nothing
             raise sockets.OpenError(errno.EADDRNOTAVAIL, text)
-        self._complain(f"{text}, or bind_host to {sockets.ANY_HOST}")
+        self._complain(f"{text}, or {sockets.BIND_HOST} to {sockets.ANY_HOST}")
 
     def close(self) -> None:
         """Stop reading and release the port; has no effect if closed."""

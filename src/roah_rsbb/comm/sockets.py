@@ -8,6 +8,8 @@ from typing import Optional
 
 ANY_HOST = "0.0.0.0"
 LOOPBACK_BROADCAST = "127.255.255.255"
+# In remedies: the name of the parameter, and that of the option of programs without ROS.
+BIND_HOST = "bind_host (option --bind)"
 
 # More than the usual default, for times when the loop is busy; the system may grant less.
 _RECEIVE_BUFFER_SIZE = 4 * 1024 * 1024
@@ -57,9 +59,9 @@ def _bound(host: str, port: int, shared: bool) -> socket.socket:
 def _bind_remedy(error: OSError, host: str, port: int) -> str:
     if error.errno == errno.EADDRINUSE:
         return ("in use by another program, perhaps a second copy of this one: end it "
-                f"('ss -ulpn sport = :{port}' shows it), or give each program its own bind_host")
+                f"('ss -ulpn sport = :{port}' shows it), or give each program its own {BIND_HOST}")
     if error.errno == errno.EADDRNOTAVAIL:
-        return f"{host} is not an address of this machine ('ip -4 addr' lists them): correct bind_host"
+        return f"{host} is not an address of this machine ('ip -4 addr' lists them): correct {BIND_HOST}"
     if error.errno == errno.EACCES:
         return "not permitted: choose an rsbb_port above 1023"
     return os.strerror(error.errno or 0)
