@@ -3,13 +3,12 @@
 from unittest import mock
 
 import rospy
-from support.gui_testing import click, wait_until
+from support.gui_testing import LONG_S, click, limit, wait_until
 from support.panel_case import PanelCase
 
 from roah_rsbb import qr_code
 from roah_rsbb.msg import PairedDevice
-from roah_rsbb.rqt.qt import QPushButton
-from roah_rsbb.rqt.widgets import pair_dialog
+from roah_rsbb.rqt.widgets import basic, pair_dialog
 from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
 from roah_rsbb.srv import (
     PairDevice,
@@ -27,8 +26,10 @@ class TestPairDialog(PanelCase):
     def setUp(self) -> None:
         super().setUp()
         self.asked = []
-        self.devices = [PairedDevice(id="1f3c9a02", role="referee", zone="Home A", person="Anna", device="iPhone",
-                                     connected=True)]
+        self.devices = [
+            PairedDevice(id=number, role="referee", zone="Home A", person=person, device="iPhone", connected=True)
+            for number, person in (("1f3c9a02", "Anna"), ("5d", "Ben"))
+        ]
         for name, kind, answer in (
             ("pair", PairDevice, self.pair), ("revoke", RevokeDevice, self.revoke),
             ("sessions", PairedDevices, lambda request: PairedDevicesResponse(self.devices)),
@@ -64,11 +65,15 @@ class TestPairDialog(PanelCase):
         click(dialog.make)
         wait_until(lambda: dialog.code.text() == "ABCD-EFG3", "another code is shown")
         self.assertEqual(self.asked, [("referee", "Home A"), ("organiser", "")])
-        wait_until(lambda: dialog.devices.topLevelItemCount() == 1, "the device is listed")
+        wait_until(lambda: dialog.devices.topLevelItemCount() == 2, "both devices are listed")
         self.assertEqual([dialog.devices.topLevelItem(0).text(column) for column in range(4)],
                          ["Anna", "Referee in Home A", "iPhone", "connected"])
-        click(dialog.devices.findChild(QPushButton))
-        wait_until(lambda: dialog.devices.topLevelItemCount() == 0, "the pairing is ended")
+        click(dialog.devices.itemWidget(dialog.devices.topLevelItem(0), 4))
+        limit(self, basic, "HOLD_MS", round(1000 * LONG_S))
+        wait_until(lambda: dialog.devices.topLevelItemCount() == 1, "the pairing is ended")
+        other = dialog.devices.topLevelItem(0)
+        self.assertEqual(other.text(0), "Ben")
+        self.assertFalse(dialog.devices.itemWidget(other, 4).isEnabled(), "a double click ends one pairing only")
 
     def test_without_the_library_the_code_is_typed(self) -> None:
         with mock.patch.object(pair_dialog.qr_code, "modules_of", return_value=None):

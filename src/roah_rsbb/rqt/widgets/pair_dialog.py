@@ -189,8 +189,9 @@ class PairDialog(QDialog):
             item = QTreeWidgetItem([one.person, role_text(one.role, one.zone), one.device, ""])
             item.setData(0, Qt.UserRole, one.id)
             self.devices.addTopLevelItem(item)
-            end = QPushButton(tr("End pairing"))
-            end.setToolTip(tr("End this pairing at once"))
+            end = basic.CommandButton(tr("End pairing"), tr("End this pairing at once"), 1.0)
+            end.allow(True)
+            end.hold()  # a click may be meant for the one that was here
             end.setAccessibleName(tr("End the pairing of {person}", person=one.person))
             end.clicked.connect(partial(self._revoke, one.id))
             self.devices.setItemWidget(item, 4, end)
