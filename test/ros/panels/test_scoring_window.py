@@ -215,6 +215,27 @@ class TestUndo(WindowCase):
         wait_until(self.scoring.undo.buttons[0].isEnabled, "it can be undone a moment later")
 
 
+    def test_equal_numbers_of_another_run_are_other_marks(self) -> None:
+        for zone in self.ZONES:
+            self.run_zone(zone)
+            self.core.zones[zone].mark(Mark(*BUMPS, 1), "Anna")
+        undo = self.scoring.undo
+
+        def show(zone: str) -> None:
+            self.client.model.choose_zone(zone)
+            wait_until(lambda: self.scoring._sheet[0] == zone and undo.buttons, "the mark is shown")
+            self.wait_quiet()
+
+        show("Home B")
+        show("Home A")
+        limit(self, basic, "HOLD_MS", round(1000 * LONG_S))
+        undo._places[0].held.start(0)
+        wait_until(undo.buttons[0].isEnabled, "it can be undone")
+        self.client.model.choose_zone("Home B")
+        self.assertEqual(len(undo.buttons), 1)
+        self.assertFalse(undo.buttons[0].isEnabled())
+
+
 class TestOperation(WindowCase):
     def test_scoring_comes_back_after_a_manual_operation(self) -> None:
         self.run_zone()

@@ -413,6 +413,7 @@ class ScoringPanel(RefereePanel):
         if sheet != self._sheet:
             self._sheet = sheet
             self._build(items)
+            self.undo.show_entries([], self.model.clock_s, "")  # those of another run are new, though numbers repeat
             self._answer.clear_answer()
         self.module_scores.show_scores(() if details is None else details.module_scores, self.model.is_old)
         if not shapes:
