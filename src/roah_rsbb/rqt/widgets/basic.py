@@ -327,14 +327,15 @@ class HoldButton(CommandButton):
     def __init__(self, text: str, explanation: str) -> None:
         super().__init__(text, explanation, 1.4)
         self._text = text
-        # Its text changes, but its size must not.
-        self.setText(tr(KEEP_HOLDING))
-        self.setMinimumWidth(self.sizeHint().width())
-        self.setText(text)
         self._keeping = QTimer(self, singleShot=True)
         self._keeping.timeout.connect(self._on_kept)
         self.pressed.connect(self._on_pressed)
         self.released.connect(self._on_released)
+
+    def sizeHint(self) -> QSize:
+        """Return space for both texts: while it is held, its size must not change."""
+        usual, held = (self.fontMetrics().horizontalAdvance(text) for text in (self._text, tr(KEEP_HOLDING)))
+        return super().sizeHint().expandedTo(QSize(max(usual, held) + round(1.5 * em()), 0))
 
     def _on_pressed(self) -> None:
         self.setText(tr(KEEP_HOLDING))
