@@ -3133,6 +3133,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Not signed off: the score has changed. Check it and sign off again.</source>
+        <translation>Nicht abgeschlossen: Die Wertung hat sich geändert. Prüfen Sie sie und schließen Sie erneut ab.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>Sign off {run}?</source>
         <translation>Wertung abschließen: {run}?</translation>
     </message>
@@ -3233,6 +3238,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
         <source>No score</source>
         <translation>Ohne Wertung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>Not done: the schedule or the runs in {zone} have changed</source>
+        <translation>Nicht ausgeführt: Der Zeitplan oder die Läufe in {zone} haben sich geändert</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>

@@ -5,6 +5,7 @@ import time
 from dataclasses import replace
 
 import rospy
+from support.fakes.core import FakeCore
 from support.gui_testing import QMessageBox, Qt, QTest, answer, click, limit, question, settle, wait_until
 from support.panel_case import BUMPS, DOOR, PanelCase
 
@@ -80,6 +81,18 @@ class TestBenchmarkControl(PanelCase):
         self.wait_answered()
         ends = [record.end_reason for record in self.core.box.finished.records()]
         self.assertEqual(ends, ["no_show", "stopped"])
+
+    def test_a_question_that_outlives_its_zone_is_answered_in_vain(self) -> None:
+        actions = self.panel.more.actions_of
+        wait_until(actions["no_show"].isEnabled, "a no-show is possible")
+        actions["no_show"].trigger()
+        asked = question()
+        self.core.close()
+        self.core = FakeCore(("Elsewhere",), box_uuid="another")
+        self.wait_phase("NO SUCH ZONE")
+        answer(asked, QMessageBox.AcceptRole)
+        self.assertIn("Not done: Home A", self.panel._answer.text())
+        self.assertEqual(self.core.calls, [])
 
     def test_one_of_several_robots_connects(self) -> None:
         wait_until(lambda: len(self.panel.more.robots) == 2, "both robots are listed")

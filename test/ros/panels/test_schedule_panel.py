@@ -1,7 +1,7 @@
 """The schedule, clicked with a real mouse, with a fake core: real messages, real services."""
 
 import rospy
-from support.fakes.core import EVENTS
+from support.fakes.core import EVENTS, FakeCore
 from support.gui_testing import QApplication, QMessageBox, Qt, question, settle, wait_until
 from support.panel_case import PanelCase
 from support.real_input import click_on, press_key
@@ -105,6 +105,28 @@ class TestSchedule(PanelCase):
         self.wait_call("choose_event", "Home A", EVENTS[1][0], True)
         wait_until(lambda: self.of_zone("Home A")[0][SHEET] == "not signed off", "it is to be signed off")
         self.assertIn("1 not signed off", self.panel.where())
+
+    def test_what_a_question_asked_must_still_hold_when_it_is_answered(self) -> None:
+        self.zone.command("connect", "start", "stop")
+        wait_until(lambda: self.of_zone("Home A")[0][SHEET] == "not signed off", "the run is over")
+        self.click_row("Home A", 2)
+        self.choose()
+        box = question()
+        first = self.client.model.schedule
+        self.zone.command("disconnect", "next", "connect", "start", "stop")  # another run would be left
+        wait_until(lambda: self.of_zone("Home A")[1][SHEET] == "not signed off", "the next run is over")
+        self.assertIsNot(self.client.model.schedule, first)
+        self.answer(box, QMessageBox.AcceptRole)
+        self.assertIn("Not done", self.panel._answer.text())
+        self.choose()
+        box = question()
+        self.core.close()
+        self.core = FakeCore(("Home B",), box_uuid="another")
+        wait_until(lambda: not self.of_zone("Home A"), "another core has no such zone")
+        self.panel._answer.clear_answer()
+        self.answer(box, QMessageBox.AcceptRole)
+        self.assertIn("Not done", self.panel._answer.text())
+        self.assertEqual(self.calls(), [])
 
     def test_a_double_click_chooses(self) -> None:
         self.addCleanup(QApplication.setDoubleClickInterval, QApplication.doubleClickInterval())

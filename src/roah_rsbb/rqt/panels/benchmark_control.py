@@ -377,8 +377,9 @@ class BenchmarkControlPanel(Panel):
 
     def _send_if_same(self, service: str, zone: str, asked: tuple) -> None:
         """Give the command if the zone is still at the event that the referee was asked about."""
-        event, details = self.model.zone, self.model.zone_details
-        if self.model.zone_name == zone and (event.schedule, event.team, details.identity) == asked:
+        event = self.model.zone
+        now = None if event is None else (event.schedule, event.team, self.model.identity_of(zone))
+        if self.model.zone_name == zone and now == asked:
             self._send_from_menu(service, zone)
         else:
             self._answer.warn(tr("Not done: {zone} is at another event now", zone=zone))

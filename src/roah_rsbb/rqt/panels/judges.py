@@ -329,7 +329,7 @@ class JudgesPanel(RefereePanel):
             self._say_sent(tr("Sign off"), lambda done: self.client.calls.service(
                 self, "/core/sign_off", SignOff, (summary.zone, summary.identity, name), done))
 
-        ask_sign_off(self, summary, name, send)
+        ask_sign_off(self, self._answer, summary, name, send)
 
     def _send(self, what: str, service: str, kind: type, request) -> None:
         fields = tuple(getattr(request, name) for name in request.__slots__)

@@ -4,7 +4,7 @@ from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.msg import RunSheet, RunSummary, ScoreItem
 from roah_rsbb.rqt.panels.history import History, RunSheets, why_fixed
-from roah_rsbb.rqt.panels.panel import Answer, RefereePanel, ask
+from roah_rsbb.rqt.panels.panel import Answer, Panel, RefereePanel, ask
 from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QPushButton, QSplitter, Qt, QTabWidget, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
@@ -187,7 +187,8 @@ class ResultsPanel(RefereePanel):
         dialog = NoteDialog(
             self, tr("Reason"), end, tr("Why"), tr("Save"),
             lambda reason: self._send(
-                summary, tr("Reason of end {number}", number=number), "stop_reason", StopReason, (number, reason)
+                summary, tr("Reason of end {number}", number=number), "stop_reason", StopReason,
+                (number, reason, self.client.referee.name)
             ),
         )
         dialog.note.setText(stop.reason)
@@ -197,13 +198,14 @@ class ResultsPanel(RefereePanel):
         summary = self._summary()
         if summary is None:
             return
-        ask_sign_off(self, summary, self.client.referee.name,
-                     lambda: self._send(summary, tr("Sign off"), "sign_off", SignOff, ()))
+        name = self.client.referee.name
+        ask_sign_off(self, self._answer, summary, name,
+                     lambda: self._send(summary, tr("Sign off"), "sign_off", SignOff, (name,)))
 
     def _send(self, summary: RunSummary, what: str, service: str, kind: type, request: Tuple) -> None:
         what = self._begin(summary, what)
         self.client.calls.service(
-            self, f"/core/{service}", kind, (summary.zone, summary.identity, *request, self.client.referee.name),
+            self, f"/core/{service}", kind, (summary.zone, summary.identity, *request),
             lambda outcome: self._answer.show_outcome(what, outcome),
         )
 
@@ -214,13 +216,22 @@ class ResultsPanel(RefereePanel):
         return what
 
 
-def ask_sign_off(panel: QWidget, summary: RunSummary, name: str, then: Callable[[], None]) -> None:
-    """Ask before a score sheet becomes final; call `then()` if the referee confirms."""
+def ask_sign_off(
+    panel: Panel, answer: Answer, summary: RunSummary, name: str, then: Callable[[], None]
+) -> None:
+    """Ask before a score sheet becomes final; call `then()` if the referee confirms the score of that moment."""
+    def confirmed() -> None:
+        run = next((run for run in panel.model.runs_of(summary.zone) if run.identity == summary.identity), summary)
+        if run.score == summary.score:
+            then()
+        else:
+            answer.warn(tr("Not signed off: the score has changed. Check it and sign off again."))
+
     ask(
         panel, tr("Sign off {run}?", run=_name(summary)),
         tr("{score}\n\nSigned by {name}. The sheet cannot be corrected afterwards.",
            score=summary.score or tr("no score"), name=name),
-        tr("Sign off"), then,
+        tr("Sign off"), confirmed,
     )
 
 

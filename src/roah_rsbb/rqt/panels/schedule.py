@@ -140,22 +140,29 @@ class SchedulePanel(Panel):
             return
         left = schedule.left_unsigned(self._events, event.zone)
         if left is None or left.number == event.number:
-            self._send(event, unsigned=left is not None)
+            self._send(event, left)
             return
         ask(
             self, tr("Leave {run} in {zone} without a sign-off?", run=_name(left), zone=event.zone),
             tr("{score}\n\nThe score sheet stays in Results and can be signed off later. {zone} goes to {run}.",
                score=left.score or tr("No score"), zone=event.zone, run=_name(event)),
-            tr(CHOOSE), lambda: self._send(event, unsigned=True),
+            tr(CHOOSE), lambda: self._send(event, left),
         )
 
-    def _send(self, event: Event, unsigned: bool) -> None:
+    def _send(self, event: Event, left: Optional[Event]) -> None:
+        """Choose an event. `left`: the run that the referee leaves without a sign-off."""
         what = f"{event.zone}: {_name(event)}"
+        events = schedule.events_of(self.model.schedule)
+        now_left = schedule.left_unsigned(events, event.zone)
+        stamp = next((line.schedule for line in self.model.schedule.events if _is(line, event)), None)
+        # A question may have been open for long.
+        if stamp is None or (now_left is not None and (left is None or now_left.number != left.number)):
+            self._answer.warn(tr("Not done: the schedule or the runs in {zone} have changed", zone=event.zone))
+            return
         self._answer.say(f"{what} …")
-        stamp = next(line.schedule for line in self.model.schedule.events if _is(line, event))
         self.client.calls.service(
             self, "/core/choose_event", ChooseEvent,
-            (event.zone, event.code, event.team, event.round, event.run, stamp, unsigned),
+            (event.zone, event.code, event.team, event.round, event.run, stamp, left is not None),
             lambda outcome: self._answer.show_outcome(what, outcome),
         )
 
