@@ -22,6 +22,7 @@ TOGETHER = 50
 # Pages of SQLite's write-ahead log after which it is written into the file: with many parts, about 40 MB. Usually, as
 # by default.
 HURRYING_PAGES, USUAL_PAGES = 10_000, 1000
+_REMEDY = "Check the disk or stick of the copy"
 
 
 class Stick:
@@ -142,9 +143,9 @@ class CopyFolder(Copy):
         try:
             yield
         except (sqlite3.Error, files.CannotWriteJournal) as error:
-            raise CannotWriteCopy(f"{error}. Repair or replace the stick") from None
+            raise CannotWriteCopy(f"{error}. {_REMEDY}") from None
         except OSError as error:
-            raise CannotWriteCopy(f"{error.strerror}. Repair or replace the stick") from None
+            raise CannotWriteCopy(f"{error.strerror}. {_REMEDY}") from None
 
     def _open(self) -> None:
         if os.path.exists(self.path) and not _is_journal(self.path):

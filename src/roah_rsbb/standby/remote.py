@@ -1,11 +1,15 @@
 """The copy on the standby, as the box sees it, and the standby's end of it. No sockets."""
 
+import contextlib
 import time
 from typing import Callable, Optional
 
 from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent
 from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.copies.rows import Rows
+from roah_rsbb.journal import schema
+from roah_rsbb.journal.file import boot_id
+from roah_rsbb.standby.clocks import ClockDifference
 from roah_rsbb.standby.messages import (
     BadMessage,
     Message,
@@ -31,11 +35,11 @@ class RemoteCopy(Copy):
 
     def __init__(
         self, send: Callable[[Message], None], receive: Callable[[], Message],
-        now: Callable[[], float] = time.monotonic,
+        now: Callable[[], float] = time.monotonic, utc: Callable[[], float] = time.time,
     ) -> None:
         """`send` sends a message, and `receive` waits for its answer. Both raise `CannotWriteCopy`."""
         super().__init__()
-        self._send, self._receive, self._now = send, receive, now
+        self._send_raw, self._receive, self._now, self._utc = send, receive, now, utc
         self._heard_mono = now()
         self._is_answer_due = False
         self._open(OPEN)
@@ -61,15 +65,21 @@ class RemoteCopy(Copy):
         self._open(SET_ASIDE)
 
     def close(self) -> None:
-        """The standby closes its copy when it is opened again."""
+        """The standby closes its copy when it is opened again. An answer that is due belongs to this request: it must
+        not be taken for the answer to a later one."""
+        with contextlib.suppress(CannotWriteCopy):
+            self._take_answer()
 
     def _open(self, how: str) -> None:
-        answer = self._ask({"do": how})
+        answer = self._ask({"do": how, "version": schema.VERSION, "boot": boot_id()})
         try:
             self.known = known_of(answer)
         except BadMessage as error:
             raise CannotWriteCopy(f"the standby answers nonsense ({error}). Install the same version there") from None
         self.box_uuid, self.aside = str(answer.get("box_uuid", "")), str(answer.get("aside", ""))
+
+    def _send(self, message: Message) -> None:
+        self._send_raw({**message, "utc": self._utc()})
 
     def _ask(self, message: Message) -> Message:
         self._take_answer()
@@ -92,17 +102,21 @@ class RemoteCopy(Copy):
 class Receiver:
     """The standby's end: carries out the requests of the box."""
 
-    def __init__(self, folder: str) -> None:
-        self._folder = folder
+    def __init__(self, folder: str, utc: Callable[[], float] = time.time) -> None:
+        self._folder, self._utc = folder, utc
         self._copy: Optional[CopyFolder] = None
+        self._clocks: Optional[ClockDifference] = None
 
     def answer(self, message: Message) -> Message:
         """Carry out a request; returns the answer. Raises `BadMessage`."""
+        came = self._utc()
         try:
-            return self._carry_out(message)
+            answer = self._carry_out(message)
         except CannotWriteCopy as error:
             self.close()
             return {"error": str(error)}
+        self._clocks.hear(_time_in(message), came)
+        return answer
 
     def close(self) -> None:
         """Close the copy."""
@@ -114,7 +128,11 @@ class Receiver:
         what = message.get("do")
         if what == OPEN:
             self.close()
+            if message.get("version") != schema.VERSION:
+                raise CannotWriteCopy("box and standby have different versions of roah_rsbb. Install the same one on "
+                                      "both")
             self._copy = CopyFolder(self._folder)
+            self._clocks = ClockDifference(self._folder, str(message.get("boot")))
             return self._opened(self._copy)
         if self._copy is None:
             raise CannotWriteCopy("the copy is not open")
@@ -134,3 +152,10 @@ class Receiver:
     @staticmethod
     def _opened(copy: CopyFolder) -> Message:
         return {**known_message(copy.known), "box_uuid": copy.box_uuid, "aside": copy.aside}
+
+
+def _time_in(message: Message) -> float:
+    try:
+        return float(message["utc"])
+    except (KeyError, TypeError, ValueError):
+        raise BadMessage("it has no time") from None

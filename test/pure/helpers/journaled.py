@@ -30,6 +30,7 @@ class JournaledDriver(BoxDriver):
         self.journal = None
         self.troubles = []
         self.restarts = 0
+        self.ahead_s = 0.0
         self.on_record = on_record
         self._log_dir = log_dir
         super().__init__(config, settings, **of_driver)
@@ -46,7 +47,7 @@ class JournaledDriver(BoxDriver):
         self._rules.restart()
         self.box = Box(self.config, self.settings, beacon_bytes, self.journal.previous.last_port, version)
         self.core_journal = journal.CoreJournal(self.box, self.journal)
-        saved, warnings = journal.saved_state(self.journal.previous, self.now, self.boot)
+        saved, warnings = journal.saved_state(self.journal.previous, self.now, self.boot, self.ahead_s)
         self.troubles += [*self.journal.warnings, *warnings]
         self.event(self.box.resume, saved._replace(earlier=dict(earlier)))
 
@@ -68,17 +69,19 @@ class JournaledDriver(BoxDriver):
     def _directory(self):
         return self._log_dir / str(self.restarts)
 
-    def kill(self, seconds=2.0, boot=None, config=None, **of_configuration):
-        """The process is killed, and started again after so many seconds; `boot`: with the computer."""
+    def kill(self, seconds=2.0, boot=None, config=None, ahead_s=0.0, **of_configuration):
+        """The process is killed, and started again after so many seconds; `boot`: with the computer. `ahead_s`: on
+        another computer, whose clock is ahead by so much."""
         after = self._log_dir / str(self.restarts + 1)
         self.copy(after)
         self.journal.close()
         self.now = self.now.later(seconds)
         if boot is not None:
             self.boot = boot
-            self.now = Now(50.0, self.now.utc)
+            self.now = Now(50.0, self.now.utc + ahead_s)
         self.config = config or self.config
         self.restarts += 1
+        self.ahead_s = ahead_s
         self.resume_in(after, **of_configuration)
 
     def resume_in(self, directory, **of_configuration):

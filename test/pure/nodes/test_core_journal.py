@@ -201,6 +201,17 @@ def test_the_true_time_is_left_after_a_restart_of_the_computer(tmp_path):
     assert driver.run_in("tbm").timer(driver.now) == pytest.approx(left - 60.0)
 
 
+@pytest.mark.parametrize("ahead_s", [30.0, -30.0])
+def test_the_true_time_is_left_on_another_computer(tmp_path, ahead_s):
+    """The clocks of two computers differ. The standby has measured by how much."""
+    driver = box(tmp_path)
+    driver.executing("tbm")
+    left = driver.run_in("tbm").timer(driver.now)
+    driver.kill(60.0, boot="boot 2", ahead_s=ahead_s)
+    assert driver.run_in("tbm").timer(driver.now) == pytest.approx(left - 60.0)
+    assert any(" 60 s after its last record" in warning for warning in driver.box.warnings(driver.now))
+
+
 def test_a_run_whose_time_ran_out_meanwhile_ends_by_timeout(tmp_path):
     driver = box(tmp_path)
     robot = driver.executing("tbm")

@@ -15,6 +15,9 @@ from helpers.journals import Writer
 from roah_rsbb.copies import rows
 from roah_rsbb.copies.copy import CannotWriteCopy
 from roah_rsbb.copies.follower import Follower
+from roah_rsbb.journal import schema
+from roah_rsbb.journal.file import boot_id
+from roah_rsbb.standby.clocks import SAMPLES, ahead_of
 from roah_rsbb.standby.messages import BadMessage, decode, encode
 from roah_rsbb.standby.remote import BEAT_S, Receiver, RemoteCopy
 
@@ -127,6 +130,37 @@ def test_the_standby_reports_its_own_trouble(ends):
     assert "the standby reports: it was removed" in ends.follower.progress.trouble
     ends.far.with_name("away").rename(ends.far)
     assert ends.is_complete()
+
+
+def test_another_version_of_the_program(ends):
+    """Both computers say so, and nothing is written."""
+    request = ends.link.request
+    ends.link.request = lambda message: request({**message, "version": schema.VERSION + 1})
+    ends.follower.step()
+    assert "the standby reports: box and standby have different versions" in ends.follower.progress.trouble
+    assert list(ends.far.iterdir()) == []
+
+
+def test_the_difference_between_the_clocks(tmp_path):
+    """The message that took the shortest time counts, and a clock that is set."""
+    clocks = {"box": 1000.0, "standby": 1007.0}
+    receiver = Receiver(str(tmp_path), lambda: clocks["standby"])
+    answers = []
+    copy = RemoteCopy(lambda message: answers.append(receiver.answer(decode(encode(message)))),
+                      lambda: answers.pop(0), iter(range(1000)).__next__, lambda: clocks["box"])
+    here = boot_id()
+    assert ahead_of(str(tmp_path), here) == 7.0
+    for late_s in (3.0, 0.5, 2.0):
+        clocks["standby"] = clocks["box"] + late_s
+        copy.check()
+    assert ahead_of(str(tmp_path), here) == 0.5
+    clocks["standby"] = clocks["box"] + 60.0
+    for _ in range(SAMPLES):
+        copy.check()
+    assert ahead_of(str(tmp_path), here) == 60.0
+    assert ahead_of(str(tmp_path), "another start") == 0.0, "this computer was started again"
+    assert ahead_of(str(tmp_path / "none"), here) == 0.0
+    receiver.close()
 
 
 def test_files_are_copied_for_their_owner_only(ends):

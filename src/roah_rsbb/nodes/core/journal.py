@@ -228,10 +228,15 @@ class CoreJournal:
         self._records.append(record)
 
 
-def saved_state(before: PreviousSession, now: Now, boot: str) -> Tuple[Saved, List[str]]:
-    """The state from which the box resumes, and warnings about unreadable parts."""
+def saved_state(before: PreviousSession, now: Now, boot: str, ahead_s: float = 0.0) -> Tuple[Saved, List[str]]:
+    """The state from which the box resumes, and warnings about unreadable parts.
+
+    `ahead_s`: how far the clock of this computer is ahead of that of the computer before.
+    """
     warnings: List[str] = []
     last = before.last
+    if last is not None:
+        last = last._replace(utc=last.utc + ahead_s)
     shift = 0.0 if last is None else Anchor(last.mono, last.utc, last.boot_id).shift(now, boot)
     box, zones, records = BoxSaved(), {}, []
     for name, text in before.states.items():

@@ -78,6 +78,7 @@ from roah_rsbb.ros.newest import Newest
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.rulebook import config
 from roah_rsbb.run_logs.writer import RunLogWriter
+from roah_rsbb.standby.clocks import ahead_of
 
 # The value of a parameter without its file or folder.
 NO_FILE = "none"
@@ -215,7 +216,9 @@ class CoreNode:
 
     def _resume(self) -> None:
         """Continue where the core was when it ended, if the journal has its state."""
-        saved, warnings = saved_state(self._store.previous, self._driver.now(), boot_id())
+        previous = self._store.previous
+        ahead_s = 0.0 if previous.last is None else ahead_of(self._log_dir, previous.last.boot_id)
+        saved, warnings = saved_state(previous, self._driver.now(), boot_id(), ahead_s)
         for warning in warnings:
             self._driver.event(self._box.on_notice, warning)
         self._journal.restore(saved.records)
