@@ -9,12 +9,12 @@ import secrets
 import socket
 import ssl
 import threading
-from typing import Callable, Optional, TypeVar
+from typing import Callable, List, Optional, TypeVar
 
 from roah_rsbb.copies.copy import CannotWriteCopy
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME
-from roah_rsbb.standby.channel import TIMEOUT_S, Channel, Lost, box_context
+from roah_rsbb.standby.channel import TIMEOUT_S, Channel, Lost, box_context, wake
 from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage, Message
 from roah_rsbb.standby.pair import Side
 from roah_rsbb.standby.pairing import KEY_BYTES, NONCE_BYTES, Codes, Exchange, hashed, is_same
@@ -26,6 +26,8 @@ T = TypeVar("T")
 
 # Connections of strangers that are served at a time.
 MAX_STRANGERS = 8
+# The system may refuse to accept a connection: one that was given up, or no file descriptor is left.
+ACCEPT_AGAIN_S = 0.1
 MAX_NAME = 60
 _NOT_CONNECTED = "the standby is not connected. Check that it runs and that its cable is plugged in"
 _NONE_YET = ("no standby is connected since this computer took over. Enter 'standby rejoin' on the computer that was "
@@ -51,7 +53,8 @@ class BoxEnd:
         self._lock = threading.Lock()  # of codes, the pairing and the channel
         self._channel: Optional[Channel] = None
         self._was_connected = False
-        self._strangers = threading.BoundedSemaphore(MAX_STRANGERS)
+        self._strangers = _Strangers()
+        self._ended = threading.Event()
         standby = read_standby(log_dir)
         self.name, self._key_sha256 = ("", "") if standby is None else (standby.name, standby.key_sha256)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
@@ -77,6 +80,7 @@ class BoxEnd:
 
     def close(self) -> None:
         """End all connections."""
+        self._ended.set()
         with contextlib.suppress(OSError):
             self._socket.shutdown(socket.SHUT_RDWR)
         self._socket.close()
@@ -106,31 +110,32 @@ class BoxEnd:
     def _accept(self) -> None:
         while True:
             try:
-                connection, (host, _port) = self._socket.accept()
+                plain, (host, _port) = self._socket.accept()
             except OSError:
-                return
-            if not self._strangers.acquire(blocking=False):
-                connection.close()
+                if self._ended.wait(ACCEPT_AGAIN_S):
+                    return
                 continue
+            try:
+                plain.settimeout(TIMEOUT_S)
+                connection = self._context.wrap_socket(plain, server_side=True, do_handshake_on_connect=False)
+            except OSError:
+                plain.close()
+                continue
+            self._strangers.add(connection)
             threading.Thread(target=self._serve, args=(connection, host), name="stranger", daemon=True).start()
 
-    def _serve(self, connection: socket.socket, host: str) -> None:
-        try:
-            connection.settimeout(TIMEOUT_S)
-            channel = Channel(self._context.wrap_socket(connection, server_side=True))
-        except (OSError, ssl.SSLError):
-            connection.close()
-            self._strangers.release()
-            return
+    def _serve(self, connection: ssl.SSLSocket, host: str) -> None:
         is_known = False
         try:
-            is_known = self._greet(channel, host)
-        except (Lost, BadMessage):
+            connection.do_handshake()
+            is_known = self._greet(Channel(connection), host)
+        except (Lost, BadMessage, OSError):
             pass
         finally:
-            self._strangers.release()
+            self._strangers.remove(connection)
             if not is_known:
-                channel.close()
+                wake(connection)
+                connection.close()
 
     def _greet(self, channel: Channel, host: str) -> bool:
         """Pair, or recognise the standby; returns whether the channel is in use now."""
@@ -192,7 +197,8 @@ class BoxEnd:
             own = self._codes.take(exchange, proof)
         if not own:
             self._on_event(f"A standby at {host} used a wrong code. The code is now {self.code}")
-            channel.send({"refused": "the code is wrong. The box's log shows the right one"})
+            channel.send({"refused": "the code is wrong, or was used before. The box's log shows the present one. A "
+                                     "standby that is paired needs no code"})
             return
         key = secrets.token_hex(KEY_BYTES)
         name = _plain(str(hello.get("name"))) or host
@@ -205,7 +211,7 @@ class BoxEnd:
             self.name, self._key_sha256 = name, hashed(key)
         self._use(None)  # an earlier standby is no longer paired
         channel.send({"proof": own, "key": key})
-        self._on_event(f"The standby {name} at {host} is paired")
+        self._on_event(f"The standby {name} at {host} is paired. The code for another one is {self.code}")
 
     # -- the channel --------------------------------------------------------------------------------
 
@@ -220,6 +226,28 @@ class BoxEnd:
             if self._channel is channel:
                 self._channel = None
         channel.close()
+
+
+class _Strangers:
+    """Connections that are not the standby's yet. The oldest ends if there are too many, so that connections which say
+    nothing keep nobody out."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._connections: List[ssl.SSLSocket] = []
+
+    def add(self, connection: ssl.SSLSocket) -> None:
+        """Serve one more."""
+        with self._lock:
+            self._connections.append(connection)
+            if len(self._connections) > MAX_STRANGERS:
+                wake(self._connections.pop(0))
+
+    def remove(self, connection: ssl.SSLSocket) -> None:
+        """It was served."""
+        with self._lock:
+            if connection in self._connections:
+                self._connections.remove(connection)
 
 
 def _plain(name: str) -> str:

@@ -23,6 +23,8 @@ from roah_rsbb.standby.messages import LENGTH, MAX_BYTES, BadMessage, Message, d
 
 # An end that is silent for this long is lost. A stick or disk of the standby may be slow.
 TIMEOUT_S = 5.0
+# A message is sent in parts of this size, each within the time: all of a large one takes longer on a slow network.
+PART_BYTES = 1 << 16
 CERTIFICATE, KEY = "certificate.pem", "key.pem"
 _VALID_DAYS = 3650
 ANY_HOST = "0.0.0.0"
@@ -44,8 +46,10 @@ class Channel:
     def send(self, message: Message) -> None:
         """Send a message."""
         data = encode(message)
+        parts = memoryview(LENGTH.pack(len(data)) + data)
         with self._losing():
-            self._connection.sendall(LENGTH.pack(len(data)) + data)
+            for begin in range(0, len(parts), PART_BYTES):
+                self._connection.sendall(parts[begin:begin + PART_BYTES])
 
     def receive(self, limit: int = MAX_BYTES) -> Message:
         """Wait for a message of at most `limit` bytes."""
@@ -56,8 +60,7 @@ class Channel:
 
     def close(self) -> None:
         """Close the connection. Threads that wait in it are woken."""
-        with contextlib.suppress(OSError):
-            self._connection.shutdown(socket.SHUT_RDWR)
+        wake(self._connection)
         self._connection.close()
 
     def _read(self, size: int) -> bytes:
@@ -81,15 +84,26 @@ class Channel:
             raise Lost(error.strerror or str(error)) from None
 
 
+def wake(connection: socket.socket) -> None:
+    """Let all threads that wait in a connection find that it has ended."""
+    with contextlib.suppress(OSError):
+        # The method of an encrypted connection would switch to plain text first.
+        socket.socket.shutdown(connection, socket.SHUT_RDWR)
+
+
 def box_context(folder: str) -> Tuple[ssl.SSLContext, bytes]:
     """Return the box's end of TLS, and the fingerprint of its certificate, which is created in the folder if it is
-    missing. Raises OSError."""
+    missing or damaged. Raises OSError."""
     paths = [os.path.join(folder, name) for name in (CERTIFICATE, KEY)]
     if not all(map(os.path.exists, paths)):
         _create_certificate(*paths)
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
-    context.load_cert_chain(*paths)
+    try:
+        context.load_cert_chain(*paths)
+    except ssl.SSLError:  # the standby has to be paired again, and says so
+        _create_certificate(*paths)
+        context.load_cert_chain(*paths)
     with open(paths[0], encoding="ascii") as file:
         return context, _fingerprint(ssl.PEM_cert_to_DER_cert(file.read()))
 

@@ -4,7 +4,7 @@ import contextlib
 import secrets
 import socket
 import threading
-from typing import Callable, Optional
+from typing import Callable, Optional, Tuple
 
 from roah_rsbb.journal.epochs import FIRST
 from roah_rsbb.standby.channel import ANY_HOST, Channel, Lost, connect
@@ -23,8 +23,8 @@ class CannotPair(Exception):
 
 
 def pair(folder: str, host: str, port: int, code: str) -> PairedBox:
-    """Pair with a box, and save that. Raises `CannotPair`, `Lost` or OSError."""
-    channel, fingerprint = connect(host, port)
+    """Pair with a box, and save that. Raises `CannotPair` or OSError."""
+    channel, fingerprint = _connect(host, port)
     try:
         nonce = secrets.token_bytes(NONCE_BYTES)
         channel.send({"do": "pair", "name": socket.gethostname(), "nonce": nonce.hex()})
@@ -38,6 +38,8 @@ def pair(folder: str, host: str, port: int, code: str) -> PairedBox:
         box = PairedBox(host, port, fingerprint.hex(), str(answer["key"]))
     except (BadMessage, KeyError, ValueError):
         raise CannotPair(f"{host}:{port} does not answer as a box does: check the address and the port") from None
+    except Lost as error:
+        raise CannotPair(f"the connection to {host}:{port} ended ({error}): check the network, and try again") from None
     finally:
         channel.close()
     write_box(folder, box)
@@ -47,17 +49,17 @@ def pair(folder: str, host: str, port: int, code: str) -> PairedBox:
 def rejoin(log_dir: str, folder: str) -> PairedBox:
     """Make the box that has its journal in `log_dir` the standby of the box that took over from it.
 
-    `folder`: of the new copy. Raises `CannotPair`, `Lost` or OSError.
+    `folder`: of the new copy. Raises `CannotPair` or OSError.
     """
     standby: Optional[PairedStandby] = read_standby(log_dir)
     if standby is None or not standby.host:
         raise CannotPair(f"{log_dir} is not the log_dir of a box that had a standby")
-    channel, fingerprint = connect(standby.host, standby.port)
+    channel, fingerprint = _connect(standby.host, standby.port)
     try:
         nonce = secrets.token_bytes(NONCE_BYTES)
         channel.send({"do": "rejoin", "pair": pair_name(standby.key_sha256), "nonce": nonce.hex()})
         answer = channel.receive(MAX_BYTES_OF_STRANGERS)
-    except BadMessage:
+    except (BadMessage, Lost):
         answer = {}
     finally:
         channel.close()
@@ -67,6 +69,14 @@ def rejoin(log_dir: str, folder: str) -> PairedBox:
     box = PairedBox(standby.host, standby.port, fingerprint.hex(), rejoin_key(standby.key_sha256))
     write_box(folder, box)
     return box
+
+
+def _connect(host: str, port: int) -> Tuple[Channel, bytes]:
+    try:
+        return connect(host, port)
+    except Lost as error:
+        raise CannotPair(f"no box answers at {host}:{port} ({error}). Check the address and the cable, and that the "
+                         f"box was started with standby_port:={port}") from None
 
 
 def is_alive(box: PairedBox, timeout: float) -> bool:

@@ -10,15 +10,16 @@ import pytest
 
 from helpers.copied import contents
 from helpers.journals import Writer
+from roah_rsbb.copies import rows
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.epochs import raise_epoch, superseded_value
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.standby import channel as channels
 from roah_rsbb.standby import standby_end
-from roah_rsbb.standby.box_end import BoxEnd
+from roah_rsbb.standby.box_end import MAX_STRANGERS, BoxEnd
 from roah_rsbb.standby.herald import Herald
-from roah_rsbb.standby.messages import LENGTH, MAX_BYTES_OF_STRANGERS
+from roah_rsbb.standby.messages import LENGTH, MAX_BYTES_OF_STRANGERS, decode
 from roah_rsbb.standby.pair import Side
 from roah_rsbb.standby.pairing import MAX_GUESSES, hashed
 from roah_rsbb.standby.partners import PairedStandby, partners_of, read_box, read_standby, write_standby
@@ -177,6 +178,102 @@ def test_a_stranger_cannot_send_much(ends):
     with context.wrap_socket(socket.create_connection((HOST, ends.box.port))) as connection:
         connection.sendall(LENGTH.pack(MAX_BYTES_OF_STRANGERS + 1))
         assert connection.recv(1) == b""
+
+
+def test_strangers_that_say_nothing_keep_nobody_out(ends):
+    with contextlib.ExitStack() as strangers:
+        for _ in range(MAX_STRANGERS):
+            strangers.enter_context(socket.create_connection((HOST, ends.box.port)))
+        ends.pair()
+
+
+def test_a_connection_that_cannot_be_accepted(ends, monkeypatch):
+    """Later ones are."""
+    accept, tried = socket.socket.accept, threading.Event()
+
+    def failing(listening):
+        if listening is ends.box._socket and not tried.is_set():
+            tried.set()
+            raise ConnectionAbortedError
+        return accept(listening)
+
+    monkeypatch.setattr(socket.socket, "accept", failing)
+    socket.create_connection((HOST, ends.box.port)).close()
+    assert tried.wait(60.0)  # the thread was waiting in the real one
+    ends.pair()
+
+
+def test_a_large_message_on_a_slow_network(monkeypatch):
+    """It passes some part of it in the time after which an end is lost, but not all."""
+    passed = bytearray()
+
+    class Slow:
+        settimeout = setsockopt = lambda *_: None
+
+        @staticmethod
+        def sendall(data):
+            if len(data) > 100_000:
+                raise socket.timeout
+            passed.extend(data)
+
+    message = {"rows": "x" * 1_000_000}
+    channels.Channel(Slow()).send(message)
+    assert decode(bytes(passed[LENGTH.size:])) == message
+
+
+def test_an_answer_that_nobody_waits_for_any_more(ends, monkeypatch):
+    """It must not be taken for the next one: an entry would be confirmed before the standby has it."""
+    monkeypatch.setattr(rows, "PART", 5)
+    ends.pair()
+    ends.follow()
+    ends.wait_connected()
+    for number in range(12):
+        ends.writer.entry("/notification", number)
+    missing, reads = rows.JournalRows.missing, []
+
+    def failing(*args):
+        reads.append(1)
+        if len(reads) == 2:
+            raise rows.CannotReadJournal("disk I/O error")
+        return missing(*args)
+
+    monkeypatch.setattr(rows.JournalRows, "missing", failing)
+    ends.follower.step()
+    assert ends.follower.progress.trouble == "disk I/O error"
+    assert ends.is_complete()
+
+
+@pytest.mark.parametrize("name", ["certificate.pem", "key.pem"])
+def test_a_damaged_certificate(ends, name):
+    """The box starts. The standby has to be paired again, and says so."""
+    ends.pair()
+    ends.box.close()
+    (ends.log_dir / "standby" / name).write_text("damaged")
+    ends.start_box()
+    ends.follow()
+    assert "another box answers" in ends.states.get(timeout=60.0)
+
+
+def test_the_code_for_another_standby_is_shown(ends):
+    ends.pair()
+    assert ends.box.code in ends.events.get(timeout=60.0)
+
+
+def test_no_box_at_the_address(ends):
+    ends.box.close()
+    with pytest.raises(CannotPair, match=f"no box answers at {HOST}:{ends.box.port} .*standby_port:="):
+        ends.pair()
+
+
+def test_something_else_at_the_address(ends):
+    with socket.socket() as other:
+        other.bind((HOST, 0))
+        other.listen()
+        answering = threading.Thread(target=lambda: other.accept()[0].close())
+        answering.start()
+        with pytest.raises(CannotPair, match="no box answers at"):
+            pair(str(ends.far), *other.getsockname(), "AAAA-AAAA")
+        answering.join()
 
 
 def test_somebody_between_both_ends(ends, monkeypatch):
