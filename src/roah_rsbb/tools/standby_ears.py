@@ -20,6 +20,9 @@ from roah_rsbb.tools.standby_network import answers, is_connected
 LOOK_S = 0.25
 # A takeover that is not possible is tried again after this time.
 RETRY_S = 2.0
+# This computer must have been connected for so long without hearing the box. It hears a box several times a second, but
+# when its own cable is plugged in again, the witness may answer first.
+CONNECTED_S = 1.0
 
 
 class Automatic(NamedTuple):
@@ -45,6 +48,8 @@ class Ears:
         self._silence = Silence()
         self._last_mono = time.monotonic()  # when the box was heard, or this began
         self._is_heard = threading.Event()
+        self._connected_mono: Optional[float] = None  # since when this computer is connected, while the box is silent
+        self._state = ""  # the last one that was reported
         self._loop = asyncio.new_event_loop()
         self._peer: Optional[Peer] = None
         self._beacons: Optional[PublicChannel] = None
@@ -86,18 +91,32 @@ class Ears:
         self._is_heard.set()
 
     def _look(self) -> None:
-        if self._beacons is None:
-            self._open()
-        again = LOOK_S
-        wanted = self._automatic
-        if wanted is not None and self._silence.lasts(self._loop.time(), wanted.silence_s):
-            trouble = self._why_not()
-            if not trouble:
+        trouble = self._open() if self._peer is None else ""
+        again, wanted = LOOK_S, self._automatic
+        if wanted is not None:
+            # To find out whether it is connected may take a while. What comes meanwhile is heard before the next look.
+            if self._may_take_over(wanted):
                 self._on_silence()
                 return
-            self._on_state(trouble)
-            again = RETRY_S
+            if not self._silence.lasts(self._loop.time(), wanted.silence_s - CONNECTED_S):
+                self._connected_mono = None
+            else:
+                reason = self._why_not()
+                trouble = trouble or reason
+                if reason:
+                    self._connected_mono, again = None, RETRY_S
+                elif self._connected_mono is None:
+                    self._connected_mono = self._loop.time()
+        if trouble != self._state:
+            self._state = trouble
+            if trouble:
+                self._on_state(trouble)
         self._loop.call_later(again, self._look)
+
+    def _may_take_over(self, wanted: Automatic) -> bool:
+        now = self._loop.time()
+        return (self._silence.lasts(now, wanted.silence_s) and self._connected_mono is not None
+                and now - self._connected_mono >= CONNECTED_S)
 
     def _why_not(self) -> str:
         """Return why an automatic takeover would be wrong: this computer may be the one that is cut off."""
@@ -110,21 +129,24 @@ class Ears:
         return "" if is_connected(self._beacons.addr) else (
             "the box is silent, but the cable of this computer is not plugged in: no automatic takeover")
 
-    def _open(self) -> None:
+    def _open(self) -> str:
+        """Open both sockets, once the network is known; returns why this is not possible."""
         network = self._network_of()
         if not network:
-            return
+            return ""
+        host, bind_host = network["rsbb_host"], network["bind_host"]
         try:
-            beacons = PublicChannel(
-                self._loop, network["rsbb_host"], int(network["rsbb_port"]), self._on_public, lambda _: None,
-                bind_host=network["bind_host"])
-            beacons.open()
-            self._beacons = beacons
-            self._peer = Peer(self._loop, network["rsbb_host"], self._port, self._on_word, lambda _: None,
-                              bind_host=network["bind_host"])
-            self._peer.open()
+            if self._beacons is None:
+                beacons = PublicChannel(
+                    self._loop, host, int(network["rsbb_port"]), self._on_public, lambda _: None, bind_host=bind_host)
+                beacons.open()
+                self._beacons = beacons
+            peer = Peer(self._loop, host, self._port, self._on_word, lambda _: None, bind_host=bind_host)
+            peer.open()
+            self._peer = peer
         except OSError as error:
-            self._on_state(f"the box's network cannot be heard: {error}")
+            return f"the box's network cannot be heard: {error}"
+        return ""
 
     def _on_public(self, message: object, _sender: Address) -> None:
         if isinstance(message, pb.RoahRsbbBeacon):

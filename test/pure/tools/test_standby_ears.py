@@ -49,6 +49,7 @@ class Heard:
 @pytest.fixture
 def listening(monkeypatch):
     monkeypatch.setattr(standby_ears, "RETRY_S", 0.1)
+    monkeypatch.setattr(standby_ears, "CONNECTED_S", 0.1)
     with contextlib.ExitStack() as cleanup:
         yield lambda automatic=None: Heard(cleanup, automatic)
 
@@ -94,6 +95,59 @@ def test_the_computer_that_is_cut_off_does_not_take_over(listening, monkeypatch,
     is_cut_off[0] = False
     while heard.reports.get(timeout=60.0) != "takeover":
         pass
+
+
+def test_a_standby_that_is_connected_again_hears_the_box_before_it_takes_over(listening, monkeypatch):
+    """The witness may answer before the next word of the box comes."""
+    monkeypatch.setattr(standby_ears, "CONNECTED_S", 60.0)
+    asked = queue.Queue()
+    is_cut_off = [True]
+    monkeypatch.setattr(standby_ears, "answers", lambda host: asked.put(host) or not is_cut_off[0])
+    heard = listening(Automatic(SILENCE_S, "10.0.0.1"))
+    heard.ears.heard()
+    assert "does not answer either" in heard.reports.get(timeout=60.0)
+    is_cut_off[0] = False
+    while not asked.empty():
+        asked.get()
+    for _ in range(3):
+        asked.get(timeout=60.0)
+    heard.answer(Word(Side.BOX, 3, claims=True, asks=True))
+    assert heard.reports.empty()
+
+
+def test_a_trouble_is_reported_once(listening, monkeypatch):
+    asked = queue.Queue()
+    monkeypatch.setattr(standby_ears, "answers", lambda host: asked.put(host))
+    heard = listening(Automatic(SILENCE_S, "10.0.0.1"))
+    heard.ears.heard()
+    for _ in range(4):
+        asked.get(timeout=60.0)
+    assert heard.reports.qsize() == 1
+
+
+def test_a_port_that_is_in_use_is_tried_again(monkeypatch):
+    """Also if only the one for words is."""
+    reports = queue.Queue()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other, contextlib.ExitStack() as cleanup:
+        other.bind((STANDBY, 0))
+        port = other.getsockname()[1]
+        ears = Ears(PairedBox(BOX, port, "ff", "key"),
+                    lambda: {"rsbb_host": BROADCAST, "rsbb_port": str(port + 1), "bind_host": STANDBY},
+                    lambda: 3, None, lambda: None, reports.put)
+        ears.start()
+        cleanup.callback(ears.end)
+        assert "cannot be heard" in reports.get(timeout=60.0)
+        other.close()
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as box:
+            box.bind((BOX, port))
+            box.settimeout(0.1)
+            asking = seal(SECRET, Word(Side.BOX, 3, claims=True, asks=True))
+            for _ in range(600):
+                box.sendto(asking, (STANDBY, port))
+                with contextlib.suppress(OSError):
+                    assert box.recv(1024)
+                    return
+    raise AssertionError("no answer")
 
 
 def test_a_request_waits_until_the_box_is_silent_or_heard(listening):
