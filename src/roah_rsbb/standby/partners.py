@@ -84,6 +84,16 @@ def forget_standby(log_dir: str) -> None:
         os.remove(os.path.join(log_dir, FOLDER, PAIRED))
 
 
+def set_aside_damaged_box(folder: str) -> bool:
+    """Rename a file of the box that cannot be read: with it, a core would wait for a takeover for ever. Returns whether
+    there was one. Raises OSError."""
+    path = os.path.join(folder, BOX_FILE)
+    if read_box(folder) is not None or not os.path.exists(path):
+        return False
+    os.replace(path, f"{path}.damaged")
+    return True
+
+
 def is_standby(log_dir: str) -> bool:
     """Whether this folder belongs to a standby that has not taken over."""
     return os.path.exists(os.path.join(log_dir, BOX_FILE)) and not os.path.exists(os.path.join(log_dir, FOLDER, PAIRED))

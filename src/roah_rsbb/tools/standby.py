@@ -19,9 +19,10 @@ import sqlite3
 import sys
 import threading
 import time
-from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Sequence, TextIO, Tuple
 
-from roah_rsbb.arguments import Parser, number
+from roah_rsbb.arguments import Parser, number, read_by
+from roah_rsbb.comm import sockets
 from roah_rsbb.journal import epochs, in_force
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.standby.channel import Lost
@@ -34,6 +35,8 @@ from roah_rsbb.standby.partners import (
     forget_standby,
     read_box,
     read_standby,
+    set_aside_damaged_box,
+    write_box,
     write_standby,
 )
 from roah_rsbb.standby.standby_end import CannotPair, StandbyEnd, is_alive, is_open, pair, rejoin
@@ -57,8 +60,8 @@ ALIVE_S = 2.0
 # Seconds without beacon, word and copy after which the program that keeps the copy allows a takeover. A box is heard
 # several times a second.
 SILENT_S = 3.0
-# Seconds to wait until the program that keeps the copy has ended.
-END_S = 10.0
+# Seconds to wait until the program that keeps the copy has ended, with the box that is prepared.
+END_S = 40.0
 _DESCRIPTION = """\
 A standby: a second computer that has a copy of the box's journal, and takes over when the box is lost.
 
@@ -83,7 +86,8 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_sub_parser)
     follow = commands.add_parser("follow", help="pair with the box, once, and keep the copy")
     follow.add_argument("box", nargs="?", metavar="ADDRESS", help="the box's address; needed once")
-    follow.add_argument("--port", type=int, default=DEFAULT_PORT, help="the box's standby_port (default: %(default)s)")
+    follow.add_argument("--port", type=read_by(_port), default=DEFAULT_PORT,
+                        help="the box's standby_port (default: %(default)s)")
     follow.add_argument("--code", help="the code in the box's log; needed once")
     follow.add_argument("--automatic", type=number(0, 3600), default=0.0, metavar="SECONDS",
                         help="take over without being asked when nothing is heard of the box for this long, at least "
@@ -110,6 +114,12 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _port(text: str) -> int:
+    if not text.isdigit() or not 1 <= int(text) <= 65535:
+        raise ValueError(f"{text!r} is not a port from 1 to 65535")
+    return int(text)
+
+
 def _sub_parser(prog: str, **options: Any) -> Parser:
     return Parser(prog, options.pop("description", ""), **options)
 
@@ -120,21 +130,41 @@ def _sub_parser(prog: str, **options: Any) -> Parser:
 def _follow(options: argparse.Namespace, folder: str) -> int:
     if 0.0 < options.automatic < 2.0:
         raise Refused("--automatic: give at least 2 s, as beacons come once a second; 0: never")
+    _check_unused(folder)  # before the pair in it is replaced
     box = read_box(folder)
+    host = _address(options.box) if options.box else ""
     if options.code:
-        if not options.box:
+        if not host:
             raise Refused("give the address of the box, too")
-        box = pair(folder, options.box, options.port, options.code)
+        box = pair(folder, host, options.port, options.code)
         print(f"Paired with the box at {box.host}", flush=True)
-    if box is None:
+    elif box is None:
         raise Refused("this standby is not paired: give the box's address and --code with the code in the box's log")
-    box = box if not options.box else box._replace(host=options.box, port=options.port)
+    elif read_standby(folder) is not None and not _standing(folder).is_superseded:
+        raise Refused("this computer took over, and is the box. To start it again: standby takeover. To make it the "
+                      "standby of another box: give that box's address and a new --code")
+    elif host and (host, options.port) != (box.host, box.port):
+        box = box._replace(host=host, port=options.port)
+        write_box(folder, box)
     if options.take_address and os.geteuid():
         raise Refused("--take-address needs the rights of root")
     if options.witness and not shutil.which(PING):
         raise Refused("--witness needs the program ping: install iputils-ping")
     automatic = Automatic(options.automatic, options.witness) if options.automatic else None
     return _keep_copy(folder, box, options.arguments, automatic, options.take_address)
+
+
+def _address(host: str) -> str:
+    """Return an address. A name would have to be looked up again by the new box, whose loop must not wait for that."""
+    try:
+        return sockets.resolve(host, "")
+    except OSError:
+        raise Refused(f"{host!r} is neither an IPv4 address nor a known host: give the box's address, such as "
+                      "192.168.1.2") from None
+
+
+def _standing(folder: str) -> epochs.Standing:
+    return epochs.standing_in(os.path.join(folder, FILE_NAME))
 
 
 def _rejoin(options: argparse.Namespace, folder: str) -> int:
@@ -170,30 +200,34 @@ def _keep_copy(
 
     prepared = Prepared(lambda: launch_command(folder, arguments), Refused, _show)
     ears = Ears(box, lambda: _network(folder, arguments) if _network_of_box(folder) else {},
-                lambda: epochs.standing_in(os.path.join(folder, FILE_NAME)).epoch, automatic,
+                lambda: _standing(folder).epoch, automatic,
                 lambda: take_over(f"Nothing was heard of the box for {automatic.silence_s:g} s: taking over"), _show)
     end = StandbyEnd(folder, box, _show, ears.heard, _network(folder, arguments)["bind_host"])
     for number_ in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number_, lambda *_: threading.Thread(target=end.end).start())
     with contextlib.ExitStack() as cleanup:
+        # Until the prepared box has ended, too: the next one must not start beside it.
+        lock = cleanup.enter_context(_locked(folder))
         requests = Requests(folder, on_ask, lambda: take_over("The organiser requested a takeover"))
         cleanup.callback(requests.close)
         cleanup.callback(prepared.end)
         ears.start()
         prepared.start()
         try:
-            with _locked(folder):
-                end.run()
+            end.run()
         finally:
             ears.end()
         if not taking_over:
             return 0
         print(taking_over[0], flush=True)
+        if not prepared.is_for(launch_command(folder, arguments)):
+            prepared.end()  # it would begin, too, and with other arguments
         if takes_address:
             _take_address(folder, box)
         command, lines = _become_box(folder, box, arguments)
         requests.report(lines)
         if prepared.is_for(command):
+            lock.close()  # this program is the box, and not to be ended by the next takeover
             return prepared.run()
     os.execvp(command[0], command)
     return 0
@@ -221,17 +255,22 @@ def _check_unused(folder: str) -> None:
     for name in (LOCK, f"{FILE_NAME}.lock"):
         lock = os.path.join(folder, name)
         if _is_held(lock):
-            raise Refused(f"another program uses {folder} (process {_holder(lock) or 'unknown'}): end it first")
+            raise Refused(f"another program uses {folder} (process {_noted_pid(lock) or 'unknown'}): end it first. If "
+                          "it is the box, end its launch")
 
 
 @contextlib.contextmanager
-def _locked(folder: str) -> Iterator[None]:
-    """Note that this program keeps the copy, also while the box is not connected."""
-    with open(os.path.join(folder, LOCK), "w", encoding="ascii") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
+def _locked(folder: str) -> Iterator[TextIO]:
+    """Note that this program keeps the copy, also while the box is not connected. Raises `Refused`."""
+    with open(os.path.join(folder, LOCK), "a", encoding="ascii") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise Refused(f"another program keeps the copy in {folder}: end it first") from None
+        file.truncate(0)
         file.write(f"{os.getpid()}\n")
         file.flush()
-        yield
+        yield file
 
 
 def _show(state: str) -> None:
@@ -246,7 +285,7 @@ def status(folder: str) -> Iterator[str]:
     box, standby = read_box(folder), read_standby(folder)
     if not os.path.exists(os.path.join(folder, FILE_NAME)) and box is None:
         raise Refused(f"{folder} is neither the log_dir of a box nor the folder of a copy: give another --log-dir")
-    standing = epochs.standing_in(os.path.join(folder, FILE_NAME))
+    standing = _standing(folder)
     if standby is not None or box is None:
         yield from _status_of_box(standby, standing)
         network = os.path.join(folder, FOLDER) if box is None else folder
@@ -287,11 +326,14 @@ def _takeover(options: argparse.Namespace, folder: str) -> int:
     standby = read_standby(folder)
     if box is None and standby is not None:
         return _claim_again(folder, standby, options.anyway)
-    if options.take_address and box is not None and _is_running_box(folder, standby):
-        _take_address_or_refuse(folder, box)
+    standing = _standing(folder)
+    if _is_running_box(folder, standby) and not standing.is_superseded:
+        if options.take_address and box is not None:
+            _take_address_or_refuse(folder, box)
+        else:
+            print("This computer is the box already, and it runs", flush=True)
         return 0
     launch_command(folder, options.arguments)  # refuses if there is nothing to start
-    standing = epochs.standing_in(os.path.join(folder, FILE_NAME))
     if standing.is_superseded and not options.anyway:
         raise Refused(f"this computer was the box, and the one at {standing.by} took over. If that one is lost, and "
                       "the runs shall continue from the journal here: --anyway")
@@ -306,10 +348,10 @@ def _takeover(options: argparse.Namespace, folder: str) -> int:
             raise Refused("\n".join([*heard, "Robots obey both boxes. If the box must not continue, switch it off. "
                                      "To take over in any case: --anyway"]))
         is_prepared = found is not None and found.answer.is_prepared
-        if not is_prepared:
-            end_follower(folder)
         if options.take_address and box is not None:
             _take_address_or_refuse(folder, box)
+        if not is_prepared:
+            end_follower(folder)
         if is_prepared:
             print("\n".join([*found.go(), "The program that kept the copy is the box now"]), flush=True)
             return 0
@@ -344,7 +386,7 @@ def _become_box(folder: str, box: Optional[PairedBox], arguments: Sequence[str])
     what was printed. A box that is prepared begins when this returns."""
     command = launch_command(folder, arguments)
     lines = [last_moment(folder)]
-    standing = epochs.standing_in(os.path.join(folder, FILE_NAME))
+    standing = _standing(folder)
     is_box = read_standby(folder) is not None  # this computer took over before, and starts again
     if not is_box or standing.is_superseded:
         standing = epochs.raise_epoch(os.path.join(folder, FILE_NAME), time.time(), socket.gethostname())
@@ -352,7 +394,14 @@ def _become_box(folder: str, box: Optional[PairedBox], arguments: Sequence[str])
         # The box before can become the standby of this one.
         write_standby(folder, PairedStandby(f"the box before, at {box.host}", hashed(rejoin_key(hashed(box.key))),
                                             box.host, box.port))
-    lines += [f"Epoch {standing.epoch}: the box before stops when it hears this one", " ".join(command)]
+    if set_aside_damaged_box(folder):
+        lines.append("The key of the box before is damaged, so that box does not stop when it hears this one. Make "
+                     "sure that it is off")
+    if box is None:
+        lines.append(f"Epoch {standing.epoch}")
+    else:
+        lines.append(f"Epoch {standing.epoch}: the box before stops when it hears this one")
+    lines.append(" ".join(command))
     if box is not None and not is_own(box.host):
         lines.append(_not_heard(folder, box))
     print("\n".join(lines), flush=True)
@@ -362,7 +411,7 @@ def _become_box(folder: str, box: Optional[PairedBox], arguments: Sequence[str])
 def _claim_again(folder: str, standby: PairedStandby, anyway: bool) -> int:
     """Let the box that was superseded be the box again, because the one that took over is lost."""
     _check_unused(folder)
-    if not epochs.standing_in(os.path.join(folder, FILE_NAME)).is_superseded:
+    if not _standing(folder).is_superseded:
         raise Refused(f"{folder} is the log_dir of a box from which nobody took over: start it with roslaunch")
     if not anyway and is_open(standby.host, standby.port, ALIVE_S):
         raise Refused(f"The box at {standby.host} answers. If it must not continue, switch it off. To take over in any "
@@ -457,11 +506,17 @@ def _is_free(path: str) -> bool:
     return True
 
 
+def _noted_pid(path: str) -> int:
+    """Return the process that noted itself in a lock; 0 if there is none."""
+    with contextlib.suppress(OSError, ValueError), open(path, encoding="ascii") as file:
+        return int(file.read())
+    return 0
+
+
 def _holder(path: str) -> int:
     """Return the process that keeps the copy; 0 if it is another program."""
-    with contextlib.suppress(OSError, ValueError):
-        with open(path, encoding="ascii") as file:
-            pid = int(file.read())
+    with contextlib.suppress(OSError):
+        pid = _noted_pid(path)
         with open(f"/proc/{pid}/cmdline", "rb") as file:
             words = file.read().split(b"\0")
         if any(os.path.basename(word) == PROGRAM.encode("ascii") for word in words) and {b"follow", b"rejoin"} & {

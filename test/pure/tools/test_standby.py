@@ -13,9 +13,11 @@ from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
-from roah_rsbb.standby.partners import PairedBox, PairedStandby, write_box, write_standby
+from roah_rsbb.standby.partners import PairedBox, PairedStandby, is_standby, read_box, write_box, write_standby
 from roah_rsbb.tools import standby
 from roah_rsbb.tools.preflight_checks import Finding, Severity
+from roah_rsbb.tools.standby_ears import Automatic
+from roah_rsbb.tools.standby_network import NoAddress
 
 
 @pytest.fixture
@@ -109,6 +111,9 @@ def test_the_address_can_be_taken_while_the_new_box_runs(copied, monkeypatch, ca
         assert standby._takeover(options, folder) == 0
     assert taken == [box.host]
     assert f"This computer has the address {box.host} now, on eth7" in capsys.readouterr().out
+    with contextlib.closing(CopyFolder(folder)):
+        assert standby._takeover(standby._options(["takeover"]), folder) == 0
+    assert "is the box already" in capsys.readouterr().out
     assert epochs.standing_in(os.path.join(folder, FILE_NAME)).epoch == 2
 
 
@@ -147,6 +152,157 @@ def test_when_the_copy_ends(copied):
 def test_arguments_of_the_launch_file_may_stand_anywhere():
     options = standby._options(["follow", "gui:=none", "--code", "AAAA", "10.1.0.2", "web:=false", "__name:=standby"])
     assert (options.box, options.code, options.arguments) == ("10.1.0.2", "AAAA", ["gui:=none", "web:=false"])
+
+
+# -- the program that keeps the copy, and the box that it prepared ------------------------------------
+
+
+class Keeping:
+    """`standby follow`, whose end is to take over at once, or to be ended. Notes what happens."""
+
+    def __init__(self, folder, monkeypatch, takes_over):
+        self.folder, self.happened = folder, []
+        keeping = self
+
+        class End:
+            run = staticmethod(lambda: keeping.take_over() if takes_over else None)
+            end = staticmethod(lambda: None)
+
+            def __init__(self, *_):
+                pass
+
+        class Ears:
+            wait_silent = heard = start = end = staticmethod(lambda *_: None)
+
+            def __init__(self, *given):
+                keeping.take_over = given[4]
+
+        class Prepared:
+            start = staticmethod(lambda: None)
+            is_for = staticmethod(lambda command: False)  # it was started with other arguments
+
+            def __init__(self, *_):
+                pass
+
+            @staticmethod
+            def end():
+                keeping.note("prepared box ended")
+
+        for name, fake in (("StandbyEnd", End), ("Ears", Ears), ("Prepared", Prepared)):
+            monkeypatch.setattr(standby, name, fake)
+        monkeypatch.setattr(standby.signal, "signal", lambda *_: None)
+        monkeypatch.setattr(os, "execvp", lambda *_: self.note("box started"))
+        self.box = PairedBox("127.0.0.1", 8083, "ff", "key")
+        write_box(folder, self.box)
+
+    def note(self, what):
+        is_locked = standby._is_held(os.path.join(self.folder, standby.LOCK))
+        self.happened.append((what, is_locked, is_standby(self.folder)))
+
+    def keep(self):
+        return standby._keep_copy(self.folder, self.box, [], Automatic(5.0), False)
+
+
+def test_a_box_that_was_prepared_in_another_way_ends_before_the_takeover(copied, monkeypatch):
+    """It waits for that, and would begin, too."""
+    keeping = Keeping(str(copied.stick), monkeypatch, takes_over=True)
+    keeping.keep()
+    assert keeping.happened[0] == ("prepared box ended", True, True)
+    assert keeping.happened[-1] == ("box started", False, False)
+
+
+def test_the_program_that_keeps_the_copy_has_ended_with_the_box_that_it_prepared(copied, monkeypatch):
+    """The next box would use its ROS master."""
+    keeping = Keeping(str(copied.stick), monkeypatch, takes_over=False)
+    assert keeping.keep() == 0
+    assert keeping.happened == [("prepared box ended", True, True)]
+    assert not standby._is_held(str(copied.stick / standby.LOCK))
+
+
+def test_two_programs_that_keep_one_copy(copied):
+    with standby._locked(str(copied.stick)):
+        with pytest.raises(standby.Refused, match="another program keeps the copy"), standby._locked(str(copied.stick)):
+            pass
+        assert standby._noted_pid(str(copied.stick / standby.LOCK)) == os.getpid()
+        with pytest.raises(standby.Refused, match=f"process {os.getpid()}"):
+            standby._check_unused(str(copied.stick))
+
+
+def test_a_copy_that_is_kept_is_not_paired_again(copied, monkeypatch):
+    monkeypatch.setattr(standby, "pair", lambda *_: pytest.fail("the pair of the other program is replaced"))
+    options = standby._options(["follow", "10.0.0.2", "--code", "AAAA-AAAA"])
+    with standby._locked(str(copied.stick)), pytest.raises(standby.Refused, match="another program uses"):
+        standby._follow(options, str(copied.stick))
+
+
+@pytest.mark.parametrize("words, said", [
+    (["follow"], "this computer took over, and is the box"),
+    (["follow", "10.0.0.2"], "this computer took over, and is the box")])
+def test_the_new_box_is_not_made_a_standby_by_habit(copied, words, said):
+    """Its journal would be replaced by the one of the old box."""
+    folder = str(copied.stick)
+    box = PairedBox("10.0.0.2", 8083, "ff", "key")
+    write_box(folder, box)
+    standby._become_box(folder, box, [])
+    with pytest.raises(standby.Refused, match=said):
+        standby._follow(standby._options(words), folder)
+    assert not is_standby(folder)
+
+
+def test_a_superseded_box_can_be_a_standby_again(copied, monkeypatch):
+    folder = str(copied.stick)
+    box = PairedBox("10.0.0.2", 8083, "ff", "key")
+    write_box(folder, box)
+    standby._become_box(folder, box, [])
+    monkeypatch.setattr(standby.epochs, "standing_in", lambda _: epochs.Standing(2, superseded_by=3))
+    kept = []
+    monkeypatch.setattr(standby, "_keep_copy", lambda *given: kept.append(given))
+    standby._follow(standby._options(["follow"]), folder)
+    assert len(kept) == 1
+
+
+def test_another_address_of_the_box_is_remembered(copied, monkeypatch):
+    folder = str(copied.stick)
+    write_box(folder, PairedBox("10.0.0.2", 8083, "ff", "key"))
+    monkeypatch.setattr(standby, "_keep_copy", lambda *_: 0)
+    standby._follow(standby._options(["follow", "localhost", "--port", "8084"]), folder)
+    assert read_box(folder) == PairedBox("127.0.0.1", 8084, "ff", "key"), "a name is looked up once"
+
+
+@pytest.mark.parametrize("host", ["10.0.0.2:8083", "no such host", "a..b"])
+def test_an_invalid_address(copied, host):
+    write_box(str(copied.stick), PairedBox("10.0.0.2", 8083, "ff", "key"))
+    with pytest.raises(standby.Refused, match="is neither an IPv4 address nor a known host"):
+        standby._follow(standby._options(["follow", host]), str(copied.stick))
+
+
+@pytest.mark.parametrize("port", ["0", "99999", "-1", "x"])
+def test_an_invalid_port(port, capsys):
+    with pytest.raises(SystemExit):
+        standby._options(["follow", "10.0.0.2", f"--port={port}"])
+    assert "is not a port from 1 to 65535" in capsys.readouterr().err
+
+
+def test_a_takeover_with_a_damaged_key_of_the_pair(copied, capsys):
+    """A core would take the folder for the one of a standby, and wait."""
+    (copied.stick / "box.json").write_text("{")
+    standby._become_box(str(copied.stick), None, [])
+    assert not is_standby(str(copied.stick))
+    assert "Make sure that it is off" in capsys.readouterr().out
+
+
+def test_the_copy_is_kept_if_the_address_cannot_be_taken(copied, monkeypatch):
+    write_box(str(copied.stick), PairedBox("203.0.113.2", 8083, "ff", "key"))
+
+    def refuse(*_):
+        raise NoAddress("no right")
+
+    monkeypatch.setattr(standby, "take_address", refuse)
+    monkeypatch.setattr(standby, "why_not", lambda *_: [])
+    monkeypatch.setattr(standby, "end_follower", lambda _: pytest.fail("the copy is not kept any more"))
+    options = standby._options(["takeover", "--take-address"])
+    with pytest.raises(standby.Refused, match="omit --take-address"):
+        standby._takeover(options, str(copied.stick))
 
 
 def test_the_status_of_a_standby(copied, monkeypatch):

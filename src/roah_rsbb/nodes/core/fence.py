@@ -81,7 +81,7 @@ class Fence:
             if self._look_at_files():
                 self._claim.use(self._sides())
         for name, word in self._claim.tick(now):
-            self._say(name, word, self._rsbb_host, self._partners[name].host)
+            self._say(name, word, self._peer.rsbb_host, self._partners[name].host)
         self._note_decision()
 
     def _hear(self, datagram: bytes, sender: Address) -> None:
