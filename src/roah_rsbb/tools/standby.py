@@ -526,7 +526,7 @@ def _holder(path: str) -> int:
 
 
 def last_moment(folder: str) -> str:
-    """Return when the copy ends, as a sentence."""
+    """Return what the newest entry of the copy is, as a sentence. A box without runs adds none."""
     with contextlib.closing(sqlite3.connect(os.path.join(folder, FILE_NAME))) as connection:
         (utc,) = connection.execute(
             "SELECT max(utc) FROM (SELECT max(utc) AS utc FROM sessions UNION ALL"
@@ -535,7 +535,7 @@ def last_moment(folder: str) -> str:
     if utc is None:
         return "The copy is empty"
     moment = datetime.datetime.fromtimestamp(utc, datetime.timezone.utc)
-    return f"The copy ends at {moment:%H:%M:%S} UTC, {max(0.0, time.time() - utc):.0f} s ago"
+    return f"The newest entry of the copy is from {moment:%H:%M:%S} UTC, {max(0.0, time.time() - utc):.0f} s ago"
 
 
 def _status(_options: argparse.Namespace, folder: str) -> int:

@@ -144,7 +144,7 @@ def _rehearse(folder: str, cleanup: contextlib.ExitStack, ports: Ports) -> Itera
     # There is no need to hear that the box is silent.
     taken = start("rosrun", "roah_rsbb", "standby", "takeover", "--anyway", "--log-dir", copy,
                   master=ports.standby_master)
-    yield f"{0:5.1f} s  {taken.wait('The copy ends .*')[1]}"
+    yield f"{0:5.1f} s  {taken.wait('The newest entry of the copy .*')[1]}"
     yield f"{follower.wait('Listening on UDP')[0] - lost:5.1f} s  The second computer is the box, and sends to robots"
     yield f"{robot.wait(f'the box at {STANDBY} is received')[0] - lost:5.1f} s  The robot is connected to it"
 

@@ -146,7 +146,7 @@ def test_another_program_that_uses_the_copy_is_not_ended(copied):
 
 
 def test_when_the_copy_ends(copied):
-    assert standby.last_moment(str(copied.stick)).startswith("The copy ends at 11:00:01 UTC, ")
+    assert standby.last_moment(str(copied.stick)).startswith("The newest entry of the copy is from 11:00:01 UTC, ")
 
 
 def test_arguments_of_the_launch_file_may_stand_anywhere():
@@ -311,7 +311,7 @@ def test_the_status_of_a_standby(copied, monkeypatch):
     lines = list(standby.status(str(copied.stick)))
     assert lines[:2] == ["This computer is the standby of the box at 10.0.0.2, which answers",
                          "The copy is not kept: start 'standby follow'"]
-    assert lines[2].startswith("The copy ends at 11:00:01 UTC")
+    assert lines[2].startswith("The newest entry of the copy is from 11:00:01 UTC")
     assert lines[3] == "Epoch 1"
     assert "sync_standby is off" in lines[4]
     (copied.stick / "network.json").write_text('{"sync_standby": "true"}')
