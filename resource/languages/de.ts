@@ -2164,6 +2164,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>Robots</source>
+        <translation>Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
         <source>Longest silence of the robot in the last {time:.0f} s. It sends every second.</source>
         <translation>Längste Sendepause des Roboters in den letzten {time:.0f} s. Er sendet jede Sekunde.</translation>
     </message>
@@ -2336,11 +2341,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
         <source>UDP port</source>
         <translation>UDP-Port</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Robots</source>
-        <translation>Roboter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
@@ -2960,6 +2960,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/online_data.py"/>
+        <source>Online</source>
+        <translation>Online</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/online_data.py"/>
         <source>No online data from the robot yet</source>
         <translation>Noch keine Online-Daten vom Roboter</translation>
     </message>
@@ -3204,6 +3209,11 @@ Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</t
         <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
         <source>Schedule</source>
         <translation>Zeitplan</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>Plan</source>
+        <translation>Plan</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>

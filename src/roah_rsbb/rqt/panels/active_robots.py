@@ -22,6 +22,7 @@ class ActiveRobotsPanel(CollapsingPanel):
     """A table with one row per robot."""
 
     TITLE = tr_later("Active Robots")
+    TAB = tr_later("Robots")
 
     def __init__(self, client) -> None:
         super().__init__(client)

@@ -9,6 +9,7 @@ class OnlineDataPanel(TextPanel):
     """Notifications, activation events, visitors and commands of the zone's robot."""
 
     TITLE = tr_later("Online Data")
+    TAB = tr_later("Online")
     NOTHING = tr_later("No online data from the robot yet")
 
     def text_of(self, zone: ZoneState) -> str:

@@ -109,7 +109,8 @@ class Panel(QWidget):
         self._refresh()
 
     def _follow_docks(self) -> None:
-        """Qt does not hide a dock behind another tab, but moves it out of the window, and emits this."""
+        """Follow the docks that the panel is in. Qt does not hide a dock behind another tab, but moves it away, so that
+        the panel gets no event when it comes to the front."""
         widget = self.parentWidget()
         while widget is not None:
             if isinstance(widget, QDockWidget) and widget not in self._docks:

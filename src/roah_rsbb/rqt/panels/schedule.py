@@ -60,6 +60,7 @@ class SchedulePanel(Panel):
     """A list of the events, filters above it, and a button that chooses the selected event."""
 
     TITLE = tr_later("Schedule")
+    TAB = tr_later("Plan")
 
     def __init__(self, client) -> None:
         super().__init__(client)
