@@ -175,6 +175,11 @@ class TestOverview(PanelCase):
         self.assertEqual(self.core.calls, [])
         self.assertEqual(self.panel.stop.text(), overview.STOP_ALL)
 
+    def test_its_text_is_not_cut_off_in_the_smallest_panel(self) -> None:
+        show(self.panel, 1, 1)
+        stop = self.panel.stop
+        self.assertGreater(stop.width(), stop.fontMetrics().horizontalAdvance(stop.text()))
+
     def test_the_key_pressed_twice_stops_all(self) -> None:
         self.run_both()
         self.press()
