@@ -13,9 +13,9 @@ SAME = object()
 # A shorter text is replaced, and so is a list with at most this many items.
 LONG_TEXT = 64
 SHORT_LIST = 2
-# More items than these are not looked for at one place.
+# At most this many items that were removed at one place are looked for.
 MOST_REMOVED = 2
-# This many characters at the beginning of the new text are searched in the old one, and found at most so often.
+# The beginning of the new text is searched for in the old one: this many characters, at most at so many places.
 _BEGIN = 48
 MOST_PLACES = 100
 
@@ -122,7 +122,7 @@ class ChangesReader:
         self.state: Any = None  # None: not known
 
     def take(self, value: Any) -> Any:
-        """Take the value of the next entry; returns the state, None if it is not known."""
+        """Take the value of the next entry; returns the state; None: it is not known."""
         try:
             number, change = value["number"], value["change"]
             is_complete = isinstance(change, list) and len(change) == 1

@@ -1,7 +1,7 @@
 """Copies the readable part of a damaged journal to a new one. The damaged file is not changed.
 
-Rows that SQLite can read come first, because SQLite knows the present version of each row. If it cannot read all, the
-pages are searched for rows that SQLite no longer finds. If the tables have the present version, rows need a correct
+Rows that SQLite can read come first, because SQLite knows the present version of each row. If it cannot read all rows,
+the pages are searched for rows that SQLite no longer finds. If the tables have the present version, rows need a correct
 checksum.
 """
 
@@ -141,7 +141,7 @@ def _newest(table: str, rows: List[Row]) -> Optional[Row]:
 
 
 def _take_from_sqlite(damaged: sqlite3.Connection, readable: str, processes: int, out: sqlite3.Connection) -> bool:
-    """Take all rows that SQLite can read. Returns whether these are all, and good."""
+    """Take all rows that SQLite can read. Returns whether these are all rows, and all of them are good."""
     is_attached = _attach(damaged, readable, out)
     all_good = _copy_sound(damaged, readable, processes, out) if is_attached else None
     damaged.text_factory = bytes

@@ -1,6 +1,6 @@
-"""Replaces the names of teams, robots and people, addresses and free texts of a run by pseudonyms.
+"""Replaces the names of teams, robots and people, addresses and free texts of a run with pseudonyms.
 
-A pseudonym is a keyed hash (HMAC). The key comes from the journal, and from parts of it that are never published: the
+A pseudonym is a keyed hash (HMAC). The key comes from parts of the journal that are never published: the
 same journal always has the same pseudonyms, but nobody can find a name by trying the names of all teams. Texts of the
 rulebook stay: zones, benchmarks, items, groups, units, states.
 """
@@ -55,7 +55,7 @@ def names_of(reader: JournalReader) -> Names:
 
 
 def anonymous(result: RunResult, names: Names) -> RunResult:
-    """Return a run without names. Its entries are unchanged: `Names` replaces the texts that are made of them."""
+    """Return a run without names. Its entries are unchanged: `Names` replaces the texts that are made from them."""
     return result._replace(
         record=anonymous_record(result.record, names),
         robots=tuple(_robot(robot, names) for robot in result.robots),

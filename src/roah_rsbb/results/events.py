@@ -142,12 +142,12 @@ def _as_it_is(_memory: _Memory, entry: JournalEntry) -> str:
 
 
 def _saying(word: str) -> _Wording:
-    """A word, a colon and the value."""
+    """Return the wording: a word, a colon and the value."""
     return lambda _memory, entry: f"{word}: {value_text(entry.value)}"
 
 
 def _only(text: str) -> _Wording:
-    """A fixed text."""
+    """Return the wording: a fixed text."""
     return lambda _memory, _entry: text
 
 
@@ -172,7 +172,7 @@ def _notice(_memory: _Memory, entry: JournalEntry) -> str:
 
 
 def _score(memory: _Memory, entry: JournalEntry) -> str:
-    """In a run of several robots, each robot's log has the same scores."""
+    """Word a score once: in a run of several robots, each robot's log has the same scores."""
     score = entry.utc, entry.value
     if score == memory.score:
         return ""

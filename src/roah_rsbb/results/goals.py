@@ -1,4 +1,4 @@
-"""The goals of a run: when a robot got each, how long it worked on it, and its result."""
+"""The goals of a run: when the robot received each, how long it executed it, and what it reported."""
 
 import json
 from typing import Dict, List, NamedTuple, Optional

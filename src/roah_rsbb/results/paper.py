@@ -27,7 +27,7 @@ from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed, optional_date_time
 
 SIGNERS = ("Referee: name, date, signature", "Team: name, date, signature")
-# More remarks are in the appendix only. Empty lines below them are for handwriting.
+# Further remarks are only in the appendix. The empty lines below them are for handwriting.
 MAX_REMARKS = 5
 EMPTY_LINES, EMPTY_LINES_BLANK = 2, 5
 # The longest texts on the page, characters.
@@ -46,7 +46,7 @@ class Layout(NamedTuple):
 
 # The first one that holds all scores is used.
 LAYOUTS = (Layout("one", 1, 5.6, 70), Layout("two", 2, 4.6, 33), Layout("three", 3, 3.6, 22))
-# Height for the scores. It is somewhat less than there is, for columns that cannot be filled evenly. Facts that take
+# Height for the scores: somewhat less than the page has, because columns cannot be filled evenly. Facts that take
 # several lines, and remarks, reduce it.
 SCORES_MM = 135.0
 FACT_MM, FACT_LETTERS = 4.8, 33

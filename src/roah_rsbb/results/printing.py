@@ -27,7 +27,7 @@ _PIECE = 1 << 16
 _IMAGES = "Promise.all([...document.images].map(image => image.decode().catch(() => 0)))"
 
 
-# When the file was made, which Chromium writes into it.
+# The time at which the file was made, which Chromium writes into it.
 _DATE = re.compile(rb"(?<=/)(CreationDate|ModDate) \(D:\d{14}")
 
 
@@ -71,7 +71,7 @@ class Printer:
             command.insert(1, "--no-sandbox")  # the sandbox does not work for root; the page runs no code
         commands, self._commands = os.pipe()
         self._answers, answers = os.pipe()
-        # A shell puts the pipes to the two descriptors: subprocess itself cannot.
+        # A shell moves the pipes to the two descriptors, which subprocess itself cannot do.
         shell = f'exec "$@" {_COMMANDS}<&{commands} {_ANSWERS}>&{answers}'
         self._process = subprocess.Popen(
             ["bash", "-c", shell, "bash", *command], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
@@ -83,7 +83,7 @@ class Printer:
     def __exit__(
         self, kind: Optional[Type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
     ) -> None:
-        os.close(self._commands)  # the browser ends with its pipe
+        os.close(self._commands)  # the browser ends when its pipe is closed
         os.close(self._answers)
         try:
             self._process.wait(CLOSE_S)
@@ -95,7 +95,7 @@ class Printer:
         self._folder.cleanup()
 
     def print(self, html: str, path: str) -> None:
-        """Print a page into a file; raises `CannotPrint` or OSError. An old file is replaced completely, or unchanged.
+        """Print a page into a file; raises `CannotPrint` or OSError. An old file is replaced completely, or stays.
         """
         until = time.monotonic() + TIMEOUT_S
         target = self._ask(until, "Target.createTarget", url="about:blank")["targetId"]
@@ -144,7 +144,7 @@ class Printer:
         return message
 
     def _failed(self) -> CannotPrint:
-        """Return why the browser has ended."""
+        """Return an error that says why the browser ended."""
         try:
             status = f"exit status {self._process.wait(CLOSE_S)}"
         except subprocess.TimeoutExpired:

@@ -1,6 +1,6 @@
 """The course of a run for its replay page: everything that happened, and what was in force at each moment.
 
-A track is what one thing was, over time: pairs of milliseconds since *connect* and the value from then on. The page
+A track is a value over time: pairs of milliseconds since *connect* and the value from then on. The page
 (resource/replay) takes the last pair of each track up to the moment that it shows, so that every jump is equally fast.
 States and times are the journal's, and scores and points come from the core's own score sheet.
 """

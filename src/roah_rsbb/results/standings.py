@@ -55,7 +55,7 @@ class Choice(NamedTuple):
     signed_off: bool = False  # only those whose sheet is signed off
     without: Tuple[str, ...] = ()  # identities of excluded runs
     of_runs: Optional[OfRuns] = None  # overrides the rules
-    events: Mapping[str, EventRules] = NO_EVENT_RULES  # what counts of each event, by the benchmarks' codes
+    events: Mapping[str, EventRules] = NO_EVENT_RULES  # which attempts at an event count, by the benchmarks' codes
 
 
 class RankedRun(NamedTuple):
@@ -318,7 +318,7 @@ def points_of(record: RunRecord, name: str) -> Optional[Decimal]:
 
 
 def amount_of(item: ItemRecord) -> Decimal:
-    """Return the value of an item as a number. A choice counts 0: it has points, but no number."""
+    """Return the value of an item as a number. A choice counts as 0: it has points, but no number."""
     return Decimal(item.text) if item.text and item.kind in ("decimal", "rating") else \
         Decimal(0 if item.kind == "choice" else item.value)
 

@@ -1,4 +1,4 @@
-"""Carries the words of a pair over TCP, where a firewall or an address that changed keeps the core's datagrams away.
+"""Carries the words of a pair over TCP, in case a firewall or a changed address blocks the core's datagrams.
 
 It runs in the process that makes the copy. It passes what it hears on to the core of this computer, which decides.
 """
@@ -39,7 +39,7 @@ class Herald:
         self._ended.set()
 
     def answer(self, datagram: bytes) -> bytes:
-        """Take a word, in any thread; returns the answer, or nothing if no end of a pair said it."""
+        """Take a word, in any thread; returns the answer; empty: no end of a pair said it."""
         partners = partners_of(self._log_dir)
         heard = unseal({name: partner.secret for name, partner in partners.items()}, datagram)
         if heard is None:

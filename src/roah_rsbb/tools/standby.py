@@ -147,7 +147,7 @@ def _follow(options: argparse.Namespace, folder: str) -> int:
         box = box._replace(host=host, port=options.port)
         write_box(folder, box)
     if options.take_address and os.geteuid():
-        raise Refused("--take-address needs the rights of root")
+        raise Refused("--take-address needs root")
     if options.witness and not shutil.which(PING):
         raise Refused("--witness needs the program ping: install iputils-ping")
     automatic = Automatic(options.automatic, options.witness) if options.automatic else None
@@ -234,7 +234,7 @@ def _keep_copy(
 
 
 def _take_address(folder: str, box: PairedBox) -> None:
-    """In an automatic takeover. Most robots hear this computer without the address, too."""
+    """Take the box's address in an automatic takeover. A failure does not end it: most robots need no address."""
     try:
         print(f"This computer has the address {box.host} now, on {take_address(box.host, folder)}", flush=True)
     except NoAddress as error:
@@ -242,7 +242,7 @@ def _take_address(folder: str, box: PairedBox) -> None:
 
 
 def _give_back_address(folder: str) -> None:
-    """This computer is not the box now."""
+    """Remove the address that this computer took over, because it is not the box any more."""
     try:
         address = give_back_address(folder)
     except NoAddress as error:
@@ -336,7 +336,7 @@ def _takeover(options: argparse.Namespace, folder: str) -> int:
     launch_command(folder, options.arguments)  # refuses if there is nothing to start
     if standing.is_superseded and not options.anyway:
         raise Refused(f"this computer was the box, and the one at {standing.by} took over. If that one is lost, and "
-                      "the runs shall continue from the journal here: --anyway")
+                      "the runs should continue from the journal here: --anyway")
     with request(folder, options.anyway, options.arguments) as found:
         if found is not None:
             heard = found.answer.reasons
@@ -382,7 +382,7 @@ def _not_heard(folder: str, box: PairedBox) -> str:
 
 
 def _become_box(folder: str, box: Optional[PairedBox], arguments: Sequence[str]) -> Tuple[List[str], List[str]]:
-    """Be the box from now on, with a higher epoch than the one before. Returns the command that starts the box, and
+    """Make this computer the box, with a higher epoch than the box before. Returns the command that starts the box, and
     what was printed. A box that is prepared begins when this returns."""
     command = launch_command(folder, arguments)
     lines = [last_moment(folder)]
@@ -493,7 +493,7 @@ def end_follower(folder: str) -> None:
 
 
 def _is_held(path: str) -> bool:
-    """Whether a program holds a lock. Does not make its file."""
+    """Whether a program holds a lock. Does not create the file."""
     return os.path.exists(path) and not _is_free(path)
 
 

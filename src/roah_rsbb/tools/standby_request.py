@@ -24,8 +24,8 @@ class Requests:
     """The end of the program that keeps the copy."""
 
     def __init__(self, folder: str, on_ask: Callable[[bool, List[str]], Answer], on_go: Callable[[], None]) -> None:
-        """`on_ask` is called with whether the box may be heard, and with the arguments of the launch file; `on_go`
-        when this program shall take over. Both are called in threads. Raises OSError."""
+        """`on_ask(anyway, arguments)` returns the answer. `anyway`: take over even if the box is heard; `arguments`: of
+        the launch file. `on_go` makes this program take over. Both are called in threads. Raises OSError."""
         self._on_ask, self._on_go = on_ask, on_go
         self._lines = queue.Queue()
         self._path = os.path.join(folder, SOCKET)
@@ -75,7 +75,7 @@ class Request:
         self.answer = answer
 
     def go(self) -> List[str]:
-        """Let that program take over; returns what it printed. Raises OSError."""
+        """Make that program take over; returns what it printed. Raises OSError."""
         _write(self._file, {"go": True})
         try:
             return list(_read(self._file)["lines"])

@@ -1,4 +1,4 @@
-"""What paired devices may command. The gateway checks who may; what is possible decides the core. No I/O."""
+"""What paired devices may command. The gateway checks who may give them, and the core what is possible. No I/O."""
 
 from typing import Any, Dict, NamedTuple, Optional, Tuple
 
@@ -40,7 +40,7 @@ SHEET = "sheet"
 FIELDS["judge_mark"] = FIELDS[MARK]
 # What is asked of the judges of a run: its answer depends on the role.
 JUDGING = "judging"
-# What a judge does with the own sheet, which belongs to the name that was typed when the device was paired.
+# What judges do with their own sheets, each of which belongs to the name that was typed when the device was paired.
 _OF_JUDGES = ("judge_mark", "submit")
 
 

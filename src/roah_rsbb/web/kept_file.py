@@ -13,9 +13,9 @@ Save = Callable[[Any], None]
 def open_kept(
     folder: str, name: str, make: Callable[[Save, Any], T], nothing: Any, report: Callable[[str], None], remedy: str,
 ) -> T:
-    """Return what `make` makes of the content of a file, or of `nothing` without one, and of the function that saves.
+    """Return `make(save, content)` for the content of a file, or for `nothing` if there is no file. `save` writes it.
 
-    A damaged file is moved aside, and `report` is called. `remedy`: what is to be done then.
+    A damaged file is moved aside, and `report` is called. `remedy`: what to do in that case.
     """
     path = os.path.join(folder, name)
 

@@ -66,7 +66,7 @@ class WebServer:
         """`folder`: the files of the pages; `names`: of this computer (`limits.own_names`).
 
         `sessions`: the paired devices; None: they are forgotten at the end. `command` carries commands out; None:
-        there is no answer. `on_devices` is called whenever devices come or go, with whether their topics are wanted.
+        there is no answer. `on_devices(are_wanted)` is called when devices come or go: whether their topics are wanted.
         `context`: the certificate; None: nothing is encrypted.
         `displays`: what organisers have set for them, `team_codes`: of the teams; None: forgotten at the end.
         `team_pages`: who sees what the box knows of a team's robot: `all`, or who has the team's `code`.
@@ -133,7 +133,7 @@ class WebServer:
         return self._listening[0].getsockname()[1]
 
     def close(self) -> None:
-        """Stop serving; has no effect if closed."""
+        """Stop serving. Has no effect if it is closed already."""
         if self._timer is not None:
             self._timer.cancel()
         for viewer in (*self.viewers, *self.devices):
@@ -176,7 +176,7 @@ class WebServer:
         self._want_devices()
 
     def team_asked(self) -> None:
-        """A page of a team asks for the state of its robot, and will ask again."""
+        """Note that a page of a team asks for the state of its robot, and will ask again."""
         self._teams_until_mono = self.now() + TEAM_ASKS_S
         self._want_devices()
 
@@ -184,14 +184,14 @@ class WebServer:
         self._on_devices(len(self.devices) > 0 or self.now() < self._teams_until_mono)
 
     def display_opened(self, window: Reader, display: Display) -> bool:
-        """A display is open; returns whether the organiser can set what it shows."""
+        """Note that a display was opened; returns whether the organiser can set what it shows."""
         is_listed = self.displays.add(window, display)
         if is_listed:
             self._put_display(display.id)
         return is_listed
 
     def display_closed(self, window: Reader) -> None:
-        """A page was closed, which may have been a display."""
+        """Note that a page was closed, which may have been a display."""
         closed = self.displays.remove(window)
         if closed is not None:
             self.store.drop_display(closed)
@@ -227,7 +227,7 @@ class WebServer:
         return {device.session_id for device in self.devices}
 
     def keep(self, stream: Any) -> None:
-        """A connection became a reader: readers have their own limit."""
+        """Note that a connection became a reader, because readers have their own limit."""
         self._http.keep(stream)
 
     def _look(self) -> None:
@@ -342,5 +342,5 @@ class DataHandler(Guarded):
     head = get
 
     def compute_etag(self) -> Optional[str]:
-        """Keep the one that is set."""
+        """Keep the ETag that `get` has set."""
         return None

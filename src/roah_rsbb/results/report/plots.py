@@ -47,8 +47,8 @@ Values = Sequence[Optional[float]]
 
 def plot(identity: str, axes: Axes, labels: Sequence[str], values: Dict[str, Values],
          places: Optional[Sequence[float]] = None) -> Markup:
-    """Build a plot. `values`: of each series, one for each label. `places`: of the labels on the x axis, rising; None:
-    they have the same distances."""
+    """Build a plot. `values`: for each series, a value for each label. `places`: positions of the labels on the x axis,
+    rising; None: equal distances."""
     xs = list(range(len(labels))) if places is None else [round(place, 3) for place in places]
     labels = [visible(label) for label in labels]
     data: Dict[str, Any] = {

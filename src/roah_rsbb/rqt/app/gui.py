@@ -18,8 +18,8 @@ from roah_rsbb.ros import display
 RQT_MODULES = ("rqt_gui", "rqt_gui_py", "qt_gui")
 NO_RQT = "rqt is not installed: install ros-noetic-rqt-gui and ros-noetic-rqt-gui-py, or use gui:=window"
 # A locked rqt (qt_gui 0.4.2) crashes at every start except the first, when it replaces the layout that it imported
-# before. It therefore gets its own settings file, which is cleared at the start. SIGINT while it loads a panel would
-# let it crash or hang: it waits until all are loaded.
+# before. It therefore gets its own settings file, which is cleared at the start. A SIGINT while it loads a panel
+# would make it crash or hang, so `for_rqt` delays it until all panels are loaded.
 _RUN_RQT = (
     "import sys; from rqt_gui.main import Main; from roah_rsbb.rqt.app.application import for_rqt; "
     "main = Main(filename='rqt', settings_filename='roah_rsbb_rqt'); create = main.create_application; "

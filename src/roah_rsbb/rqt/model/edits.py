@@ -27,7 +27,7 @@ class Edits:
         self._edits: Dict[Hashable, _Edit] = {}
 
     def wish(self, item: Hashable, value: Value) -> Optional[Value]:
-        """The referee set `value`. Returns the value to send now, or None while another call is in progress."""
+        """Note that the referee set `value`. Returns the value to send now; None: another call is in progress."""
         edit = self._edits.get(item)
         if edit is not None and edit.sent is not None:
             self._edits[item] = edit._replace(wish=value)
@@ -38,7 +38,7 @@ class Edits:
     def carried_out(
         self, item: Hashable, clock_s: float, is_now: Optional[Hashable] = None
     ) -> Optional[Hashable]:
-        """The call was answered at `clock_s`. Returns the value to send next, if it changed meanwhile.
+        """Note that the call was answered at `clock_s`. Returns the value to send next, if it changed meanwhile.
 
         `is_now`: the value of the item after the call, if the answer has it. Others may have changed it, too.
         """
@@ -52,7 +52,7 @@ class Edits:
         return None
 
     def failed(self, item: Hashable) -> None:
-        """The call failed: the item shows the published value again."""
+        """Note that the call failed. The item shows the published value again."""
         self._edits.pop(item, None)
 
     def value(self, item: Hashable, published: Value, clock_s: float) -> Value:

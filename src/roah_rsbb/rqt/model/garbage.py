@@ -14,7 +14,7 @@ _timer: Optional[QTimer] = None
 
 
 def collect_here() -> None:
-    """Collect garbage in this thread only, which must be Qt's. Further calls change nothing."""
+    """Collect garbage in this thread only, which must be Qt's. Further calls have no effect."""
     global _timer
     if _timer is not None:
         return

@@ -64,16 +64,16 @@ TICK_MS = 100
 SILENT_S = 0.7
 # Details come at least once a second.
 DETAILS_SILENT_S = 2.5
-# How often to subscribe again to a silent core.
+# Interval at which to subscribe again to a silent core, seconds.
 RENEW_S = 5.0
-# How often panels are redrawn while no messages arrive: they show for how long.
+# Interval at which panels are redrawn while no messages arrive, because they show for how long.
 SILENT_REDRAW_S = 0.5
 
 
 class Model(QObject):
     """The newest messages, their age, and the zone that is shown.
 
-    `feed` is a `Feed` of roah_rsbb.ros.feed, and `zone_parameter` a `ZoneParameter`, or objects that behave alike.
+    `feed` is a `Feed` of roah_rsbb.ros.feed, and `zone_parameter` a `ZoneParameter`, or objects that behave like them.
     """
 
     updated = Signal()
@@ -223,7 +223,7 @@ class Model(QObject):
             return None
         message = next((clock for clock in self._clocks.zones if clock.zone == zone_name), RunClock(zone=""))
         if message.identity != details.identity:
-            return None  # of the run before: the topics are not of the same moment
+            return None  # of the previous run: the two topics are from different moments
         return clock_of(message, self.clock_s - self._clocks.clock.to_sec())
 
     def has_phases(self, zone_name: str) -> bool:
@@ -242,8 +242,8 @@ class Model(QObject):
         return [run for run in runs if run.zone == zone_name]
 
     def judgings_of(self, zone_name: str) -> List[Judging]:
-        """Return how far judges and results are of the runs of a zone that are not signed off: first those with judges
-        or a published result."""
+        """Return the progress of all runs of a zone that are not signed off, first those with judges or a published
+        result."""
         judgings = () if self._judgings is None else self._judgings.runs
         return judgings_of(judgings, self.runs_of(zone_name), zone_name)
 

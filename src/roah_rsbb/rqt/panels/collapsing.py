@@ -90,12 +90,12 @@ class CollapsingPanel(Panel):
         self.layout().activate()
         self.setMaximumHeight(self.layout().minimumSize().height() if is_collapsed else NO_LIMIT)
         if not is_collapsed and dock is not None:
-            # An update that comes first would note the height of now.
+            # Pass the height: an update may change it before the timer fires.
             QTimer.singleShot(0, partial(self._grow, self._height))
         self._on_update()
 
     def _grow(self, height: int) -> None:
-        """Restore the height from before."""
+        """Restore an earlier height of the dock."""
         window = self.window()
         scoring = scoring_in(window)
         docks = [dock_of(panel) for panel in (self, scoring) if panel is not None]

@@ -13,7 +13,7 @@ class MarkedTitle:
         self._is_marked = False
 
     def show(self, is_replay: bool) -> None:
-        """Mark the title, or not."""
+        """Mark the title, or remove the mark."""
         if is_replay == self._is_marked:
             return
         self._is_marked = is_replay

@@ -11,7 +11,7 @@ MAX_BYTES = 1_000_000
 
 
 def read_logos(folder: str, report: Callable[[str], None]) -> Dict[str, str]:
-    """Return the paths of the logos by team. `report` is called for what cannot be used."""
+    """Return the paths of the logos by team. `report` is called for each file that cannot be used."""
     found: Dict[str, str] = {}
     try:
         names = sorted(os.listdir(folder)) if folder else []
@@ -37,7 +37,7 @@ class LogoHandler(Guarded):
         self._server = server
 
     def get(self, team: str) -> None:
-        """Return it. Only files that were found at the start are served."""
+        """Return the picture. Only files that were found at the start are served."""
         path = self._server.store.logos.get(team, "")
         try:
             with open(path, "rb") as file:
