@@ -3,6 +3,7 @@
 import contextlib
 import pathlib
 import tempfile
+from unittest import mock
 
 import pytest
 from hypothesis import given
@@ -95,9 +96,8 @@ FAULTS = st.sampled_from(["", "", "", "lost", "answer lost", "doubled", "standby
 @given(st.lists(st.sampled_from(["entry", "link", "outcome", "step", "step", "down", "up", "box restarts"]),
                 max_size=30), st.lists(FAULTS, max_size=60))
 def test_no_fault_of_the_link_makes_a_wrong_copy(story, faults):
-    with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch, \
+    with tempfile.TemporaryDirectory() as folder, mock.patch.object(rows, "PART", 5), \
             contextlib.closing(Pair(pathlib.Path(folder))) as ends:
-        patch.setattr(rows, "PART", 5)
         ends.link.faults = list(faults)
         ends.writer.run(run_record())
         for number, what in enumerate(story):
