@@ -713,7 +713,7 @@
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Your score sheet</source>
-        <translation>Ihr Punktebogen</translation>
+        <translation>Ihr Wertungsbogen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>

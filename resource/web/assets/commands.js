@@ -16,7 +16,8 @@ const AGAIN = [0, 401, 429, 503, 504];
 
 const wait = (ms) => new Promise((done) => setTimeout(done, ms));
 
-export const send = (name, body) => ask("POST", `commands/${name}`, body);
+// The answer is in the language of the page.
+export const send = (name, body) => ask("POST", `commands/${name}`, {language: document.documentElement.lang, ...body});
 
 // Runs a function that may use a storage which the browser refuses or which is full: the page works without it.
 function tryTo(act) {
