@@ -179,6 +179,17 @@ class TestBenchmarkControl(PanelCase):
         self.wait_phase("NOT CONNECTED")
         self.assertEqual(self.core.calls, [("disconnect", "Home A")])
 
+    def test_disconnect_also_asks_while_the_details_of_the_run_are_not_known(self) -> None:
+        self.run_zones()
+        self.hush()
+        self.client.model.details = None  # as just after the window has opened
+        self.panel.show_model()
+        click(self.buttons["disconnect"])
+        box = question()
+        self.assertIn("TestingTeam", box.informativeText())
+        answer(box, QMessageBox.RejectRole)
+        self.assertEqual(self.core.calls, [])
+
     # -- keys -----------------------------------------------------------------------------------------
 
     def press(self, key: int) -> None:

@@ -350,17 +350,17 @@ class BenchmarkControlPanel(Panel):
     def _press(self, service: str) -> None:
         """A button was clicked, or its key pressed twice."""
         zone, details = self.model.zone_name, self.model.zone_details
-        if service == "disconnect" and details is not None and details.phase == "running":
+        if service == "disconnect" and zone in self.model.running_zones():
             ask(self, tr("The run is in progress. Disconnect?"),
                 tr("This ends the run of {robot} in zone {zone}, and it cannot be resumed.",
-                   robot=details.robot, zone=zone),
-                tr(COMMANDS[service].label), partial(self._disconnect, zone, details))
+                   robot=self.model.zone.team if details is None else details.robot, zone=zone),
+                tr(COMMANDS[service].label), partial(self._disconnect, zone, self.model.identity_of(zone)))
         else:
             self._send(service, zone)
 
-    def _disconnect(self, zone: str, asked: ZoneDetails) -> None:
-        """Disconnect the run that the referee was asked about, and no other one."""
-        if self.model.identity_of(zone) == asked.identity:
+    def _disconnect(self, zone: str, asked: str) -> None:
+        """Disconnect the run that the referee was asked about, and no other one. `asked`: its identity."""
+        if self.model.identity_of(zone) == asked:
             self._send("disconnect", zone)
         else:
             self._answer.warn(tr("Not disconnected: another run is in {zone} now", zone=zone))
