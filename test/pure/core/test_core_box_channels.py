@@ -25,7 +25,7 @@ def _ports(taken):
 
 def test_the_first_port_is_the_one_above_the_public_one():
     driver = BoxDriver(settings=Settings(rsbb_port=7000))
-    assert _connect(driver)[1:3] == [PortTaken(7001), OpenChannel(7001, "Alpha", "r1", "10.0.0.2")]
+    assert _connect(driver)[1:3] == [PortTaken(7001), OpenChannel(7001, "Alpha", "10.0.0.2")]
 
 
 @pytest.mark.parametrize("last_port, first", [(None, 6667), (0, 6667), (6000, 6667), (6666, 6667), (6700, 6701)])
