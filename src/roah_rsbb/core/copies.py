@@ -95,7 +95,7 @@ class Copies:
         """Note that the standby has everything up to this question. Return whether that ends a warning."""
         copy = self._copies[STANDBY]
         if copy.report is not None:  # this report may be older than the answer
-            copy.report = copy.report._replace(trouble="")
+            copy.report = copy.report._replace(trouble="", is_of_this_box=True)
         was_missing = self._given_up > self._answered
         self._answered = max(self._answered, min(number, self._asked))
         return was_missing and self._given_up <= self._answered

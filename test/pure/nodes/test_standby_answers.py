@@ -42,8 +42,8 @@ class Box:
         self.answers = StandbyAnswers(self.loop, self.driver.box, lambda: self.driver.now, self.driver.event,
                                       self.asked.append)
 
-    def hear(self, trouble=""):
-        report = CopyReport(STANDBY, True, 0.0, 0, trouble)
+    def hear(self, trouble="", is_of_this_box=True):
+        report = CopyReport(STANDBY, is_of_this_box, 0.0, 0, trouble)
         self.driver.event(self.driver.box.on_copy_report, report)
 
     @property
@@ -101,6 +101,13 @@ def test_a_standby_that_is_not_connected_delays_nothing(box):
     assert box.answers.ask().result(0) is False
     (warning,) = box.warnings
     assert "not connected" in warning
+
+
+def test_an_answer_is_newer_than_a_report_from_before_the_first_copy(box):
+    box.hear(is_of_this_box=False)
+    assert box.answers.ask().result(0) is False
+    box.answers.on_answer(1)
+    assert not box.answers.ask().done()
 
 
 def test_a_loop_that_has_ended_keeps_no_referee_waiting(box, monkeypatch):
