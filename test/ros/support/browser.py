@@ -260,8 +260,11 @@ class Page:
         reached instead does not notice."""
         self.get(f"({_NOTE_TAP})(document.querySelector({json.dumps(selector)})), 0")
         self.touch_at(selector)
-        self.wait("window.tapped !== null", "the touch is taken")
-        return self.get("window.tapped")
+        try:
+            self.wait("window.tapped !== null", "the touch is taken")
+            return self.get("window.tapped") is not False  # undefined: it opened another page
+        except RuntimeError:  # a script cannot be asked while its page is left
+            return True
 
     def key(self, name: str) -> None:
         """Press a key of a keyboard."""
