@@ -266,6 +266,12 @@ class Page:
         except RuntimeError:  # a script cannot be asked while its page is left
             return True
 
+    def fill(self, selector: str, text: str) -> None:
+        """Type into a field, as soon as it is there. Without the event, the page would restore what it knows."""
+        self.wait(f"document.querySelector({json.dumps(selector)}) !== null", f"{selector} is shown")
+        self.get(f"(i => (i.value = {json.dumps(text)}, i.dispatchEvent(new Event('input', {{bubbles: true}}))))"
+                 f"(document.querySelector({json.dumps(selector)})), 0")
+
     def key(self, name: str) -> None:
         """Press a key of a keyboard."""
         for kind in ("keyDown", "keyUp"):

@@ -60,7 +60,7 @@ class TestEncryption(NeedsBrowser, BoxCase):
         self.assertTrue(page.get("isSecureContext"))
         page.wait("document.querySelector('#person') !== null", "the form is shown")
         self.assertFalse(page.get(f"{TEXT}.includes('is not encrypted')"))
-        page.get("document.querySelector('#person').value = 'Anna'")
+        page.fill("#person", "Anna")
         page.touch_at("form button")
         page.wait_address("/referee")
         # Zones come by a WebSocket. A page of https may open encrypted ones only.

@@ -174,7 +174,7 @@ class TestPages(NeedsBrowser, BoxCase):
         code = rospy.ServiceProxy("/web/pair", PairDevice)("organiser", "").code
         page = self.open(f"/pair#{code}", *LAPTOP)
         page.wait("document.querySelector('#person') !== null", "the form is shown")
-        page.get("document.querySelector('#person').value = 'Olga'")
+        page.fill("#person", "Olga")
         page.touch_at("form button")
         page.wait_address("/referee")
 
@@ -192,7 +192,7 @@ class TestPages(NeedsBrowser, BoxCase):
         team.wait("document.querySelector('#code') !== null", "the page asks for the code")
         self.assertNotIn("The box hears", team.get(TEXT))
         self.assert_accessible("team that has no code", team)
-        team.get(f"document.querySelector('#code').value = '{code}'")
+        team.fill("#code", code)
         team.touch_at("form button")
         team.wait(f"{TEXT}.includes('The box hears') && {TEXT}.includes('Its clock is')", "the robot's state is shown")
         self.assert_accessible("team that has its code", team)

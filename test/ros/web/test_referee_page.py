@@ -108,8 +108,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page = (browser or self.browser).page(url, *PHONE, is_alone=is_alone)
         if browser is None:
             self._leaving(page)
-        page.wait("document.querySelector('#person') !== null", "the form is shown")
-        page.get(f"document.querySelector('#person').value = {json.dumps(person)}")
+        page.fill("#person", person)
         is_hit = False
         while not is_hit:  # a browser that is paired already moves the form down
             page.get("document.querySelector('form button').scrollIntoView({block: 'center'})")
@@ -372,7 +371,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page.get(f"document.querySelector({json.dumps(command('close_refused'))}).click()")
         page.wait(f"!{TEXT}.includes('somebody has signed')", "until it is closed")
         page.get(f"document.querySelector({json.dumps('[data-item=' + json.dumps(DEVICE) + '] .more')}).click()")
-        self.fill(page, ".options input", "a note on this run")
+        page.fill(".options input", "a note on this run")
         page.get("live.data['page.zone'].identity = 'the next run', live.onChange(['page.zone']), 0")
         page.wait("document.querySelector('.options') === null", "a note that was typed is for no other run")
 
@@ -504,7 +503,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
             self.tap(page, item(OBJECTS, 2))
             self.shows(page, OBJECTS, str(number + 1))
         self.tap(page, item(EMPTY, 1))
-        self.fill(page, "[data-item=Presentation] input", rating)
+        page.fill("[data-item=Presentation] input", rating)
         self.tap(page, "[data-item=Presentation] .entry button.main")  # it stands out until the value is set
         page.wait("marks.waiting.length === 0", "the marks are confirmed")
         self.shows(page, "Presentation", rating)
@@ -513,12 +512,6 @@ class TestRefereePage(NeedsBrowser, BoxCase):
     def judging(self, identity: str, judge: str = "") -> GetJudgingResponse:
         """What the core shows of the judges."""
         return rospy.ServiceProxy("/core/judges", GetJudging)(HALL, identity, judge)
-
-    def fill(self, page: Page, selector: str, text: str) -> None:
-        """Type into a field."""
-        page.wait(f"document.querySelector({json.dumps(selector)}) !== null", f"{selector} is shown")
-        page.get(f"(i => (i.value = {json.dumps(text)}, i.dispatchEvent(new Event('input', {{bubbles: true}}))))"
-                 f"(document.querySelector({json.dumps(selector)})), 0")
 
     def test_two_judges_who_differ(self) -> None:
         identity = self.judged()
@@ -546,12 +539,12 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         head.wait(f"{given}.innerText.replace(/\\s+/g, ' ') === 'Ann 2 Ben 3'", "side by side")
         self.shot("judges", head, is_on_laptop=True)
         chosen = f"(document.querySelector({json.dumps(settle + 'input.value')}) || {{}})"
-        self.fill(head, settle + "input.value", "-")
+        head.fill(settle + "input.value", "-")
         head.wait(f"{chosen}.value === '-' && document.querySelector({json.dumps(settle + 'form > button')}).disabled",
                   "text that is not a number does not become 0")
         self.tap(head, settle + ".given button:last-child")  # what Ben gave
         head.wait(f"{chosen}.value === '3'", "it is chosen")
-        self.fill(head, settle + "form > label:last-of-type input", "the video shows three")
+        head.fill(settle + "form > label:last-of-type input", "the video shows three")
         self.kill_core()
         button = f"document.querySelector({json.dumps(settle + 'form > button.main')})"
         # A script presses: while the core is away, the page disables the button and moves it.
@@ -577,7 +570,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
 
     def give_reason(self, page: Page, form: str, reason: str) -> None:
         """Type a reason into a form, and touch its button."""
-        self.fill(page, f"{form} > label:last-of-type input", reason)
+        page.fill(f"{form} > label:last-of-type input", reason)
         self.tap(page, f"{form} > button")
 
     def test_look_again_withdrawal_objection_and_the_final_result(self) -> None:
@@ -606,8 +599,8 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.press_twice(head, "publish", "press again")
         head.wait(f"{TEXT}.includes('provisional · objections until')", "it is published")
         objection = run + "[data-form=object]"
-        self.fill(head, objection + " > label:first-of-type input", "Epsilon")
-        self.fill(head, objection + " > label:last-of-type input", "the cup was away")
+        head.fill(objection + " > label:first-of-type input", "Epsilon")
+        head.fill(objection + " > label:last-of-type input", "the cup was away")
         head.get("(form => [1, 2].forEach(() => form.requestSubmit()))"
                  f"(document.querySelector({json.dumps(objection)})), 0")
         head.wait(f"{TEXT}.includes('objections to answer: 1')", "the objection is listed")
