@@ -57,6 +57,11 @@ class Rates:
             self._buckets.popitem(last=False)
         return is_allowed
 
+    def give_back(self, address: str) -> None:
+        """Do not count the last request of an address."""
+        left, since = self._buckets[address]
+        self._buckets[address] = (left + 1.0, since)
+
 
 class Places(Generic[T]):
     """The places of viewers. If all are taken, the address with the most viewers loses its oldest one.

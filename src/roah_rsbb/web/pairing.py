@@ -82,6 +82,11 @@ class Guesses:
         if not self._of_address.allows(mono, address) or not self._of_all.allows(mono, ""):
             raise TooManyGuesses(tr(self._message))
 
+    def was_right(self, address: str) -> None:
+        """Do not count the last guess: many devices may be paired at once, behind one address."""
+        self._of_address.give_back(address)
+        self._of_all.give_back("")
+
 
 class Codes:
     """The codes that can be used now. They are kept in memory only."""
@@ -102,6 +107,10 @@ class Codes:
     def check_guess(self, mono: float, address: str) -> None:
         """Count a guess; raises `TooManyGuesses`."""
         self._guesses.check(mono, address)
+
+    def was_right(self, address: str) -> None:
+        """Do not count the last guess."""
+        self._guesses.was_right(address)
 
     def take(self, mono: float, typed: str) -> Grant:
         """Use a code up, and return what it gives; raises `Refused`. Call `check_guess` first."""

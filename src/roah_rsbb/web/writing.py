@@ -142,12 +142,14 @@ class PairHandler(FromOwnPage):
         """Take the code, and answer with the session's cookie."""
         server = self._server
         person, kind, now = plain(self.text("person")), self.text("device"), server.now()
+        address = self.request.remote_ip or ""
         before = self.session()
         with server.store.speaking(self.language()):
             try:
-                server.codes.check_guess(now, self.request.remote_ip or "")
+                server.codes.check_guess(now, address)
                 server.sessions.check(server.utc(), person)
                 grant = server.codes.take(now, self.text("code"))
+                server.codes.was_right(address)
                 token = server.sessions.add(server.utc(), grant, person, kind, self.is_encrypted)
             except TooManyGuesses as refused:
                 self.refuse(TOO_MANY_REQUESTS, str(refused))

@@ -72,6 +72,14 @@ def test_guesses_of_an_address_are_limited():
     codes.check_guess(1.0 / pairing.GUESSES_A_SECOND, "192.0.2.1")
 
 
+def test_right_codes_are_no_guesses():
+    codes = Codes()
+    for _ in range(100):
+        codes.check_guess(0.0, "192.0.2.1")
+        codes.was_right("192.0.2.1")
+    assert guesses(codes, 0.0, ["192.0.2.1"] * 100) == pairing.GUESSES_AT_ONCE
+
+
 def test_guesses_of_all_addresses_are_limited():
     assert guesses(Codes(), 0.0, [f"192.0.2.{n}" for n in range(200)]) == pairing.ALL_GUESSES_AT_ONCE
 

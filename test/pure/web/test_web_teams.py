@@ -190,6 +190,11 @@ def test_the_state_of_robots_is_wanted_while_a_page_asks(served, monkeypatch):
     served.running.until(lambda: served.wanted[-1] is False)
 
 
+def test_many_readers_behind_one_address_have_the_code(served):
+    right = {"code": served.server.team_codes.code(TEAM)}
+    assert {served.team(body=right).code for _ in range(int(GUESSES_AT_ONCE) + 5)} == {200}
+
+
 def test_wrong_codes_are_refused_and_limited(served):
     answers = [served.team(body={"code": "AAAA-AAAA", "language": "de"}) for _ in range(int(GUESSES_AT_ONCE) + 1)]
     assert [answer.code for answer in answers] == [403] * int(GUESSES_AT_ONCE) + [429]

@@ -102,6 +102,10 @@ def test_guesses_are_limited_also_of_a_right_code(served):
     assert served.send("/api/v1/pair", {"code": code, "person": "Eve"}).code == 429
 
 
+def test_many_phones_behind_one_address_are_paired_at_once(served):
+    assert {served.pair().code for _ in range(int(GUESSES_AT_ONCE) + 5)} == {200}
+
+
 @pytest.mark.parametrize("headers", [
     {"Origin": None}, {"Origin": "null"}, {"Origin": "https://evil.example"}, {"Origin": "http://127.0.0.1"},
     {"Origin": "http://127.0.0.1:1"}, {"Sec-Fetch-Site": "cross-site"}, {"Sec-Fetch-Site": "same-site"},

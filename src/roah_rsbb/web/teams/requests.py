@@ -34,13 +34,14 @@ class TeamHandler(FromOwnPage):
 
     def post(self, name: str) -> None:
         """Take the code of the team, and answer with a cookie."""
-        team, server = _team(name), self._server
+        team, server, address = _team(name), self._server, self.request.remote_ip or ""
         with server.store.speaking(self.language()):
             try:
-                server.team_guesses.check(server.now(), self.request.remote_ip or "")
+                server.team_guesses.check(server.now(), address)
                 if not server.team_codes.is_code(team, self.text("code")):
                     self.refuse(403, tr(device.WRONG_TEAM_CODE))
                     return
+                server.team_guesses.was_right(address)
             except TooManyGuesses as refused:
                 self.refuse(TOO_MANY_REQUESTS, str(refused))
                 return
