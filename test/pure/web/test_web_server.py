@@ -222,10 +222,11 @@ def test_a_message_is_made_once_for_all_its_readers(served, monkeypatch):
     assert (len(made), events.frame.cache_info().misses) == (1, 1)
     assert all(viewer._busy_since is None for viewer in served.server.viewers), "all was sent at once, without tasks"
     assert all(set(served.read(reader, "change")["documents"]) == {"state"} for reader in readers)
+    made.clear()  # a second may have passed
     served.server._timer.cancel()
     served.server._beat_due_mono = 0.0
     served.server._look()
-    assert len(made) == 2, "neither is the clock made for each reader"
+    assert len(made) == 1, "neither is the clock made for each reader"
 
 
 @pytest.mark.parametrize("length", [0, 125, 126, 65535, 65536])

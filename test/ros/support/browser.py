@@ -217,7 +217,8 @@ class Page:
                "const look = () => { if (holds()) done(true); " \
                "else if (performance.now() > end) done(false); else setTimeout(look, 50); }; " \
                f"const end = performance.now() + {LIMIT_S * 1000 / 2}; look(); }})"
-        assert self.get(poll), f"not so: {what}; the page says:\n{self.get('document.body.innerText')}"
+        assert self.get(poll), (f"not so: {what}; the page says:\n{self.get('document.body.innerText')}\n"
+                                f"its errors: {self._browser.errors}")
 
     def note(self, condition: str) -> str:
         """Note from now on whether a JavaScript expression becomes true, for however short a time. Returns the
