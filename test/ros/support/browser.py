@@ -267,6 +267,13 @@ class Page:
         except RuntimeError:  # a script cannot be asked while its page is left
             return True
 
+    def press(self, selector: str) -> None:
+        """Touch a button, again if the page has just moved it away."""
+        is_hit = False
+        while not is_hit:
+            self.get(f"document.querySelector({json.dumps(selector)}).scrollIntoView({{block: 'center'}})")
+            is_hit = self.tap(selector)
+
     def fill(self, selector: str, text: str) -> None:
         """Type into a field, as soon as it is there. Without the event, the page would restore what it knows."""
         self.wait(f"document.querySelector({json.dumps(selector)}) !== null", f"{selector} is shown")

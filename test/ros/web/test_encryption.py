@@ -61,7 +61,7 @@ class TestEncryption(NeedsBrowser, BoxCase):
         page.wait("document.querySelector('#person') !== null", "the form is shown")
         self.assertFalse(page.get(f"{TEXT}.includes('is not encrypted')"))
         page.fill("#person", "Anna")
-        page.touch_at("form button")
+        page.press("form button")
         page.wait_address("/referee")
         # Zones come by a WebSocket. A page of https may open encrypted ones only.
         page.wait("document.querySelector('.run') !== null", "the zone is shown")

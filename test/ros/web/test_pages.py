@@ -175,7 +175,7 @@ class TestPages(NeedsBrowser, BoxCase):
         page = self.open(f"/pair#{code}", *LAPTOP)
         page.wait("document.querySelector('#person') !== null", "the form is shown")
         page.fill("#person", "Olga")
-        page.touch_at("form button")
+        page.press("form button")
         page.wait_address("/referee")
 
     def test_a_team_sees_its_robot_with_its_code(self) -> None:
@@ -193,7 +193,7 @@ class TestPages(NeedsBrowser, BoxCase):
         self.assertNotIn("The box hears", team.get(TEXT))
         self.assert_accessible("team that has no code", team)
         team.fill("#code", code)
-        team.touch_at("form button")
+        team.press("form button")
         team.wait(f"{TEXT}.includes('The box hears') && {TEXT}.includes('Its clock is')", "the robot's state is shown")
         self.assert_accessible("team that has its code", team)
         team.screenshot(SHOTS / "web_team_code.png")

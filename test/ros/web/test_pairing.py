@@ -65,7 +65,7 @@ class TestPairing(NeedsBrowser, BoxCase):
         self.assertEqual(page.inaccessible(), [])
         page.screenshot(SHOTS / "web_pair.png")
         page.fill("#person", person)
-        page.touch_at("form button")
+        page.press("form button")
         return page
 
     def test_an_organiser_gets_and_renews_the_codes_of_teams_in_the_terminal(self) -> None:
