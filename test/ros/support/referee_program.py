@@ -38,6 +38,8 @@ def called(*words: str, on_terminal: bool = False, **environment: str) -> "subpr
         except SystemExit as refused:
             status = refused.code
     printed.flush()
+    if status:
+        print(f"referee {' '.join(words)}: exit {status}: {errors.getvalue()}")  # for whoever looks for a cause
     return subprocess.CompletedProcess(words, status, printed.buffer.getvalue().decode("utf-8"), errors.getvalue())
 
 

@@ -404,30 +404,30 @@ class FakeCore:
 
     def publish(self, clock: Optional[float] = None, scores: Optional[Dict[tuple, int]] = None) -> None:
         """Publish once; `clock` and `scores` (of the first zone) make it an older message."""
-        with self._lock:
+        with self._lock:  # also while it is sent: an older message must not come after a newer one
             self.event(self.box.tick)
             now = self._now()
             made = PanelMessages(self.box, self.box_uuid, "127.255.255.255")  # a new one: all of it is news
             gui, details, clocks = _read(made.to_gui(now, {})), _read(made.details(now)), _read(made.clocks(now))
             results, schedule, judging = (
                 board.take(now) for board in (self._results, self._schedule, self._judging))
-        for event in () if schedule is None else schedule.events:
-            if event.state in ("next", "later"):
-                event.begins = event.schedule + rospy.Duration(LATE_S)
-        for zone, *messages in zip(self.zones.values(), gui.zones, details.zones, clocks.zones):
-            zone.put_into(*messages)
-        self._put_into(gui)
-        if clock is not None:
-            gui.clock = details.clock = clocks.clock = rospy.Time.from_sec(clock)
-        self.said_utc_s = gui.clock.to_sec()
-        if scores is not None:
-            for group in gui.zones[0].scoring:
-                group.current_values = [scores.get((group.group_name, desc), 0) for desc in group.descriptions]
-        taken_over = Superseded(self.box_uuid, self.superseded_by) if self.superseded_by else None
-        for message in (gui, details, clocks, results, schedule, judging, taken_over):
-            if message is not None:
-                topic = next(name for name, kind in TOPICS.items() if isinstance(message, kind))
-                NODE.publish(self, topic, message)
+            for event in () if schedule is None else schedule.events:
+                if event.state in ("next", "later"):
+                    event.begins = event.schedule + rospy.Duration(LATE_S)
+            for zone, *messages in zip(self.zones.values(), gui.zones, details.zones, clocks.zones):
+                zone.put_into(*messages)
+            self._put_into(gui)
+            if clock is not None:
+                gui.clock = details.clock = clocks.clock = rospy.Time.from_sec(clock)
+            self.said_utc_s = gui.clock.to_sec()
+            if scores is not None:
+                for group in gui.zones[0].scoring:
+                    group.current_values = [scores.get((group.group_name, desc), 0) for desc in group.descriptions]
+            taken_over = Superseded(self.box_uuid, self.superseded_by) if self.superseded_by else None
+            for message in (gui, details, clocks, results, schedule, judging, taken_over):
+                if message is not None:
+                    topic = next(name for name, kind in TOPICS.items() if isinstance(message, kind))
+                    NODE.publish(self, topic, message)
 
     def _put_into(self, gui: CoreToGui) -> None:
         """Set the robots and the tablet, whose times a test can rely on."""
