@@ -1,5 +1,7 @@
 """What every handler of the gateway does first: it refuses requests for other names, and too many of them."""
 
+import base64
+import hashlib
 import re
 from typing import Any
 
@@ -16,10 +18,10 @@ _HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Server": "roah_rsbb",
 }
-# Pages load and run nothing from other sites, have no scripts within the page, and no other site may show them in a
-# frame. The WebSocket is named because older browsers do not count it as 'self'.
+# Pages load and run nothing from other sites, have no scripts within the page but the one that is named, and no other
+# site may show them in a frame. The WebSocket is named because older browsers do not count it as 'self'.
 _POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; font-src 'self'; "
+    "default-src 'none'; script-src {scripts}; style-src 'self'; img-src 'self'; font-src 'self'; "
     "connect-src 'self' ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 
@@ -41,7 +43,7 @@ class Guarded(web.RequestHandler):
         return self._server.rates.allows(self._server.now(), self.request.remote_ip or "")
 
     def set_default_headers(self) -> None:
-        set_headers(self, {**_HEADERS, "Content-Security-Policy": _POLICY.format(host=_plain_host(self.request))})
+        set_headers(self, {**_HEADERS, "Content-Security-Policy": policy(self.request)})
 
     def write_error(self, status_code: int, **_kwargs: Any) -> None:
         """Answer with a line that names the remedy; never with what happened inside."""
@@ -53,6 +55,12 @@ class Guarded(web.RequestHandler):
             TOO_MANY_REQUESTS: "This address asks too often: try again in some seconds.\n",
             404: "There is no such page. The address / lists all pages.\n",
         }.get(status_code, f"{status_code} {self._reason}\n"))
+
+
+def policy(request: httputil.HTTPServerRequest, script: str = "") -> str:
+    """Return what the answer to a request may load and run. `script`: the text of one within the page."""
+    checksum = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return _POLICY.format(scripts=f"'self' 'sha256-{checksum}'" if script else "'self'", host=_plain_host(request))
 
 
 def _plain_host(request: httputil.HTTPServerRequest) -> str:

@@ -6,6 +6,7 @@ paired device may write (`writing`).
 
 import asyncio
 import os
+import pathlib
 import socket
 import ssl
 import time
@@ -20,7 +21,7 @@ from roah_rsbb.web.displays.logos import LogoHandler
 from roah_rsbb.web.displays.requests import DisplaysHandler
 from roah_rsbb.web.documents import DATA
 from roah_rsbb.web.events import EventsHandler, Reader
-from roah_rsbb.web.guarded import Guarded
+from roah_rsbb.web.guarded import Guarded, policy
 from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.numbered import Made
 from roah_rsbb.web.pairing import Codes, Guesses, Session, Sessions
@@ -95,6 +96,7 @@ class WebServer:
         self._timer: Optional[asyncio.TimerHandle] = None
         self._listening: List[socket.socket] = []
         shared = {"server": self}
+        pages = {**shared, "folder": pathlib.Path(folder)}
         application = web.Application(
             [
                 (rf"/api/v1/({'|'.join(DATA)})", DataHandler, shared),
@@ -110,9 +112,9 @@ class WebServer:
                 (r"/api/v1/schemas/([a-z]+\.json)", SchemaHandler,
                  {**shared, "path": os.path.join(folder, "schemas")}),
                 (r"/assets/(.*)", FileHandler, {**shared, "path": os.path.join(folder, "assets")}),
-                (r"/()", PageHandler, {**shared, "folder": folder}),
-                (rf"/({'|'.join(PAGES)})", PageHandler, {**shared, "folder": folder}),
-                (r"/(team)/[^/]+", PageHandler, {**shared, "folder": folder}),
+                (r"/()", PageHandler, pages),
+                (rf"/({'|'.join(PAGES)})", PageHandler, pages),
+                (r"/(team)/[^/]+", PageHandler, pages),
             ],
             compress_response=True,
             websocket_max_message_size=MAX_MESSAGE_BYTES, websocket_ping_interval=_PING_S,
@@ -281,16 +283,17 @@ class MissingHandler(Guarded):
 class PageHandler(Guarded):
     """A page. Its parameters are for its script: the server does not read them."""
 
-    def initialize(self, server: WebServer, folder: str) -> None:
+    def initialize(self, server: WebServer, folder: pathlib.Path) -> None:
         self._server = server
         self._folder = folder
 
     def get(self, name: str) -> None:
-        """Return the page."""
-        with open(os.path.join(self._folder, f"{name or 'index'}.html"), "rb") as page:
-            self.set_header("Content-Type", "text/html; charset=utf-8")
-            self.set_header("Cache-Control", "no-cache")
-            self.finish(page.read())
+        """Return the page, with the script that must not be lost on the way."""
+        again = (self._folder / "again.js").read_text(encoding="utf-8")
+        page = (self._folder / f"{name or 'index'}.html").read_text(encoding="utf-8")
+        set_headers(self, {"Content-Type": "text/html; charset=utf-8", "Cache-Control": "no-cache",
+                           "Content-Security-Policy": policy(self.request, again)})
+        self.finish(page.replace("<head>", f"<head>\n  <script>{again}</script>", 1))
 
     head = get
 

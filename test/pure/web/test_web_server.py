@@ -2,7 +2,10 @@
 
 import json
 import pathlib
+import re
 import socket
+from base64 import b64encode
+from hashlib import sha256
 
 import pytest
 from tornado import httpclient, websocket
@@ -78,7 +81,10 @@ def test_every_page_has_its_protection(served, path, kind):
     assert answer.code == 200
     assert kind in answer.headers["Content-Type"]
     policy = answer.headers["Content-Security-Policy"]
-    assert "default-src 'none'; script-src 'self'; style-src 'self'" in policy and "unsafe" not in policy
+    scripts = re.findall("<script>(.*?)</script>", answer.body.decode(), re.DOTALL) if kind == "text/html" else []
+    checksums = "".join(f" 'sha256-{b64encode(sha256(script.encode()).digest()).decode()}'" for script in scripts)
+    assert f"default-src 'none'; script-src 'self'{checksums}; style-src 'self'" in policy and "unsafe" not in policy
+    assert len(scripts) == (kind == "text/html"), "the one that loads the page again"
     assert "frame-ancestors 'none'" in policy
     assert answer.headers["X-Content-Type-Options"] == "nosniff"
     assert ("Access-Control-Allow-Origin" in answer.headers) == path.startswith("/api/")

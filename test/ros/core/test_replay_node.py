@@ -3,9 +3,12 @@
 import contextlib
 import itertools
 import pathlib
+import socket
 import tempfile
 import threading
+import unittest
 from typing import List
+from unittest import mock
 from urllib.parse import urlsplit
 from xmlrpc.server import SimpleXMLRPCServer
 
@@ -18,9 +21,18 @@ from support.waiting import wait_until
 
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.msg import CoreDetails, Judgings, PublicExplained
+from roah_rsbb.nodes.replay import live_core
 from roah_rsbb.wording.replay import PREFIX
 
 REASON = ("This is a replay of HGTKMH, team Alpha, round 1, run 1: nothing here is live, and commands have no effect")
+
+
+class TestLiveCore(unittest.TestCase):
+    def test_a_core_that_hangs_counts_only_before_the_replay(self) -> None:
+        with socket.create_server(("127.0.0.1", 0)) as hanging, mock.patch("rosgraph.Master") as master:
+            master().getSystemState.return_value = [[("/core/to_gui", ["/hanging"])], [], []]
+            master().lookupNode.return_value = f"http://127.0.0.1:{hanging.getsockname()[1]}"
+            self.assertEqual([live_core(0.1, or_hanging) for or_hanging in (True, False)], ["/hanging", None])
 
 
 class TestReplay(OwnCoreCase):

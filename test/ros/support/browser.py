@@ -147,7 +147,9 @@ class Browser:
 
     async def _load(self, session: str, url: str) -> None:
         loaded = self._loads[session] = self._loop.create_future()
-        await self._ask("Page.navigate", session, {"url": url})
+        answer = await self._ask("Page.navigate", session, {"url": url})
+        if "errorText" in answer:  # what is shown instead is empty
+            raise ConnectionError(f"{url}: {answer['errorText']}")
         await loaded
 
     async def _ask(self, method: str, session: Optional[str], parameters: Dict[str, Any]) -> Dict[str, Any]:
@@ -230,11 +232,14 @@ class Page:
 
     def wait_address(self, path: str) -> None:
         """Wait until the page's script has opened another page of this path, and that page is loaded."""
-        def is_open() -> bool:
-            with contextlib.suppress(RuntimeError):  # a script cannot be asked while its page is left
-                return self.get(f"location.pathname === {json.dumps(path)} && document.readyState === 'complete'")
-            return False
-        wait_until(is_open, f"{path} is opened")
+        condition = f"location.pathname === {json.dumps(path)} && document.readyState === 'complete'"
+        wait_until(lambda: self.is_now(condition), f"{path} is opened")
+
+    def is_now(self, condition: str) -> bool:
+        """Whether a JavaScript expression is true, on a page that may be left at this moment."""
+        with contextlib.suppress(RuntimeError):  # a script cannot be asked while its page is left
+            return self.get(condition)
+        return False
 
     def box(self, selector: str) -> Tuple[float, float, float, float]:
         """Left, top, width and height of an element, in CSS pixels."""

@@ -39,19 +39,28 @@ def answer(name: str) -> Dict[str, Any]:
         return json.load(opened)
 
 
+def session() -> str:
+    """Which gateway it is, by its random name; empty: none that answers and hears the core."""
+    try:
+        state = answer("state")
+    except OSError:
+        return ""
+    return state["session"] if state["heard"] else ""
+
+
+def kill_gateway() -> None:
+    """Kill the gateway, and wait for the next one. A page may see it come and go late: it tells nothing about it."""
+    before = wait_until(session, "the gateway hears the core")
+    kill(GATEWAY)
+    wait_until(lambda: session() not in ("", before), "the gateway is back")
+
+
 class TestData(BoxCase):
     """What programs read, and the gateway's death."""
 
     def setUp(self) -> None:
         super().setUp()
-        wait_until(self.is_heard, "the gateway hears the core")
-
-    def is_heard(self) -> bool:
-        """Whether the gateway answers and hears the core."""
-        try:
-            return answer("state")["heard"]
-        except OSError:
-            return False
+        wait_until(session, "the gateway hears the core")
 
     def test_a_gateway_that_is_killed_touches_no_run(self) -> None:
         robot = self.robot("Delta")
@@ -59,10 +68,9 @@ class TestData(BoxCase):
         self.box.start(ZONE)
         robot.wait_did("execute HCFGAC")
         wait_until(lambda: answer("state")["data"]["runs"][0]["phase"] == "running", "the run is public")
-        session, ends = answer("state")["session"], answer("state")["data"]["runs"][0]["ends"]
+        ends = answer("state")["data"]["runs"][0]["ends"]
         killed = process_of(GATEWAY)
-        kill(GATEWAY)
-        wait_until(lambda: self.is_heard() and answer("state")["session"] != session, "the gateway is back")
+        kill_gateway()
         self.assertNotEqual(process_of(GATEWAY), killed)
         run = answer("state")["data"]["runs"][0]
         self.assertEqual((run["phase"], run["team"]), ("running", "Delta"))
@@ -129,6 +137,22 @@ class TestPages(NeedsBrowser, BoxCase):
         self.assertEqual([error for error in self.browser.errors if "WebSocket" not in error
                           and "ERR_CONNECTION" not in error], [], "a gateway that is gone is no error of the pages")
 
+    def test_a_page_of_which_a_part_was_lost_is_loaded_again(self) -> None:
+        page = self.open("/", *PHONE)
+        page.wait(f"{TEXT}.includes('Public display')", "it is shown")
+        page.command("Network.setBlockedURLs", urls=["*/assets/live.js"])
+        page.command("Page.reload")
+        wait_until(lambda: page.is_now("document.readyState === 'complete' && window.live === undefined"),
+                   "a part of it is lost")
+        page.command("Network.setBlockedURLs", urls=[])
+        wait_until(lambda: page.is_now(f"{TEXT}.includes('Public display')"), "it is loaded again")
+        page.get("document.querySelector('#page').replaceChildren()")
+        said = "getComputedStyle(document.querySelector('#page'), '::after')"
+        page.wait(f"{said}.content.includes('does not answer yet')", "an empty page says why")
+        self.assertEqual(page.get(f"{said}.visibility"), "hidden", "but not at once")
+        page.wait(f"{said}.visibility === 'visible'", "after some seconds")
+        page.screenshot(SHOTS / "web_no_answer.png")
+
     def test_the_organiser_sets_what_a_display_shows(self) -> None:
         display = self.open("/display?name=Hall&show=schedule", *LAPTOP)
         display.wait(f"{TEXT}.includes('Next')", "it shows what its address says")
@@ -144,8 +168,9 @@ class TestPages(NeedsBrowser, BoxCase):
         wanted = f"{TEXT}.includes('Noch keine Rangliste ist öffentlich')"
         display.wait(wanted, "it shows what is set, in the language that is set")
         self.assert_accessible("display that is set", display)
-        kill(GATEWAY)
-        display.wait("live.silentSince !== null", "the gateway is gone")
+        was_silent = display.note("live.silentSince !== null")
+        kill_gateway()
+        display.wait(was_silent, "the gateway is gone")
         display.wait(f"live.silentSince === null && {wanted}", "a new gateway knows the setting")
         again = self.open("/display?name=Hall&show=schedule", *PHONE)
         again.wait(wanted, "so does a browser that was started again")
