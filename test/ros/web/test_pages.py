@@ -49,7 +49,7 @@ def session() -> str:
 
 
 def kill_gateway() -> None:
-    """Kill the gateway, and wait for the next one. A page may see it come and go late: it tells nothing about it."""
+    """Kill the gateway, and wait for the next one. A page may notice both late."""
     before = wait_until(session, "the gateway hears the core")
     kill(GATEWAY)
     wait_until(lambda: session() not in ("", before), "the gateway is back")
