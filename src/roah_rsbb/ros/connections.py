@@ -1,4 +1,4 @@
-"""Protects a node's services from foreign TCP connections.
+"""Protects a node from foreign TCP connections, and from calls that are meant for another node.
 
 rospy reads the first bytes of a new connection in the thread that accepts connections, without a timeout. One client
 that connects and sends nothing (a port scan, a browser) blocks every service of the node, including STOP.
@@ -9,12 +9,15 @@ that connects and sends nothing (a port scan, a browser) blocks every service of
 - The XML-RPC port closes a connection that sends nothing for `DEADLINE_S`. It refuses requests of web browsers, because
   a page on the internet can make a browser on the referee's computer send requests to ROS.
 - If too many connections are waiting, the oldest is closed.
+- When a node starts again after a crash, the master asks whatever has the port of the crashed one to shut down. That
+  may now be this node: it ignores a request that names another one.
 """
 
 import collections
 import contextlib
 import errno
 import logging
+import re
 import resource
 import selectors
 import socket
@@ -27,7 +30,7 @@ from typing import Any, Callable, List, NamedTuple, Optional, Tuple
 
 import rosgraph.xmlrpc
 import rospy
-from rospy.impl import tcpros_base
+from rospy.impl import masterslave, tcpros_base
 
 # The field of a service call's handshake with the name that the referee typed: most requests have no field for it.
 REFEREE_HEADER = "referee"
@@ -62,6 +65,7 @@ def protect() -> None:
     tcpros_base.TCPServer.run = _serve
     rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler = _RequestHandler
     rosgraph.xmlrpc.ThreadingXMLRPCServer = _XmlRpcServer
+    masterslave.ROSHandler.shutdown = _shutdown
     # Waiting connections must not use up the file descriptors that a run's log needs.
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft != hard:
@@ -216,6 +220,20 @@ class _RequestHandler(rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler):
     def _refuse(self, status: HTTPStatus, why: str) -> None:
         self.close_connection = True
         self.send_error(status, why)
+
+
+_shutdown_of_rospy = masterslave.ROSHandler.shutdown
+# The master's reason begins with the node that it means (rosmaster.registrations.shutdown_node_task).
+_NAMED = re.compile(r"\[(/\S+)\] Reason: ")
+
+
+def _shutdown(handler: Any, caller_id: str, msg: str = "") -> Tuple[int, str, int]:
+    """Replace `ROSHandler.shutdown`."""
+    named = _NAMED.match(str(msg))
+    if named is not None and named[1] != handler.name:
+        _log.warning("%s asked %s to shut down on the port of %s: ignored", caller_id, named[1], handler.name)
+        return 1, "ignored: this is another node", 0
+    return _shutdown_of_rospy(handler, caller_id, msg)
 
 
 def is_browser(headers: Any) -> bool:

@@ -1,6 +1,6 @@
 """Ranges of UDP ports for tests, so that several runs on one machine do not disturb each other.
 
-A slot is a hundred ports. Whoever uses a slot holds its last port.
+A slot is a hundred ports, and an address for ROS. Whoever uses a slot holds its last port.
 """
 
 import contextlib
@@ -16,6 +16,15 @@ FIRST_PORT, PORTS_OF_A_SLOT = 20000, 100
 def first_port(slot: int) -> int:
     """The first port of a slot."""
     return FIRST_PORT + PORTS_OF_A_SLOT * slot
+
+
+def ros_address(slot: int) -> str:
+    """The address of a slot's ROS master and nodes.
+
+    A master still calls nodes that were killed: it asks the programs that have their ports now to shut down, or to
+    follow its own nodes. With an address for each slot, these are no programs of other tests.
+    """
+    return f"127.77.0.{slot}"
 
 
 @contextlib.contextmanager

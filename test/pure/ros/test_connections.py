@@ -1,4 +1,4 @@
-"""Strangers' connections to a node's TCP ports: none keeps the others waiting."""
+"""Strangers' connections to a node's TCP ports: none keeps the others waiting; and calls for another node."""
 
 import http.client
 import socket
@@ -8,6 +8,7 @@ import threading
 import pytest
 
 rosgraph = pytest.importorskip("rosgraph")
+masterslave = pytest.importorskip("rospy.impl.masterslave")
 tcpros_base = pytest.importorskip("rospy.impl.tcpros_base")
 
 from roah_rsbb.ros import connections  # noqa: E402  (only with ROS)
@@ -20,7 +21,7 @@ HANDSHAKE = struct.pack("<II", len(HEADER) + 4, len(HEADER)) + HEADER
 @pytest.fixture(autouse=True)
 def _protected(monkeypatch):
     for owner, name in ((tcpros_base.TCPServer, "run"), (rosgraph.xmlrpc, "SilenceableXMLRPCRequestHandler"),
-                        (rosgraph.xmlrpc, "ThreadingXMLRPCServer")):
+                        (rosgraph.xmlrpc, "ThreadingXMLRPCServer"), (masterslave.ROSHandler, "shutdown")):
         monkeypatch.setattr(owner, name, getattr(owner, name))  # restored after the test
     connections.protect()
 
@@ -202,3 +203,17 @@ def test_a_program_may_keep_its_connection(api, monkeypatch):
         response.read()
         assert response.status == 200
     connection.close()
+
+
+@pytest.mark.parametrize(("reason", "ends"), [
+    ("[/roah_rsbb_core] Reason: new node registered with same name", True),
+    ("[/roah_rsbb_comm] Reason: new node registered with same name", False),
+    ("user request", True), ("", True),
+])
+def test_a_node_is_not_ended_in_place_of_another_one(monkeypatch, reason, ends):
+    ended = []
+    monkeypatch.setattr(masterslave, "signal_shutdown", ended.append)
+    handler = masterslave.ROSHandler("/roah_rsbb_core", "http://127.0.0.1:1")
+    handler._shutdown = lambda why: True
+    assert handler.shutdown("/master", reason)[0] == 1
+    assert len(ended) == ends
