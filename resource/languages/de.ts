@@ -142,6 +142,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>the web pages&apos; node roah_rsbb_web does not run: the launch files start it unless web is false</source>
+        <translation>der Knoten roah_rsbb_web der Webseiten läuft nicht: Die Launch-Dateien starten ihn, wenn web nicht false ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Too many wrong codes: wait a minute, then ask for a new code</source>
         <translation>Zu viele falsche Codes: warten Sie eine Minute und lassen Sie sich dann einen neuen geben</translation>
     </message>
@@ -2099,13 +2104,18 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
-        <source>{what}: no answer within {time:.0f} s: is the core running?</source>
-        <translation>{what}: keine Antwort innerhalb von {time:.0f} s: Läuft der Core?</translation>
+        <source>{what}: no answer within {time:.0f} s: {why}</source>
+        <translation>{what}: keine Antwort innerhalb von {time:.0f} s: {why}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
-        <source>no answer: is the core running? Check the state when it is back. ({error})</source>
-        <translation>keine Antwort: Läuft der Core? Prüfen Sie den Zustand, sobald er wieder da ist. ({error})</translation>
+        <source>is the core running? Check the state when it is back.</source>
+        <translation>Läuft der Core? Prüfen Sie den Zustand, sobald er wieder da ist.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
+        <source>no answer: {why} ({error})</source>
+        <translation>keine Antwort: {why} ({error})</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
@@ -3346,7 +3356,7 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Position of</source>
+        <source>Position received</source>
         <translation>Position gesetzt</translation>
     </message>
     <message>

@@ -58,6 +58,7 @@ from roah_rsbb.srv import (
     Zone,
     ZoneUInt8,
 )
+from roah_rsbb.wording.device import NO_WEB
 from roah_rsbb.wording.judging import Judging, judging_of
 
 GUI_TOPIC, DETAILS_TOPIC, RESULTS_TOPIC = "/core/to_gui", "/core/details", "/core/results"
@@ -81,7 +82,6 @@ RENEW_S = 5.0
 DETAILS_S = 10.0
 
 NO_DETAILS = f"the core publishes {GUI_TOPIC}, but {DETAILS_TOPIC} or {CLOCKS_TOPIC} does not arrive: check the network"
-NO_WEB = "the web pages' node roah_rsbb_web does not run: the launch files start it unless web is false"
 # ROS's default, for a shell in which no setup file is sourced: the Debian package needs none.
 MASTER_URI = "http://localhost:11311"
 START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"

@@ -291,6 +291,7 @@ class TestBenchmarkControl(PanelCase):
             with self.subTest(raised):
                 self.assertIn("is the core running?", calls.failure_text(raised))
                 self.assertIn(raised, calls.failure_text(raised))
+        self.assertIn("unless web is false", calls.failure_text("service [/web/pair] unavailable"))
 
     def test_the_latched_message_of_a_hanging_core_is_not_a_sign_of_life(self) -> None:
         self.fall_silent()

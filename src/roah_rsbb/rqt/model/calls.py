@@ -14,6 +14,7 @@ from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.known_services import KnownService
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.srv import GetClock, MarkItem, MarkItemRequest, MarkItemResponse
+from roah_rsbb.wording.device import NO_WEB
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.sent import tr_sent
 
@@ -138,7 +139,7 @@ class Calls(QObject):
         if token in self._waiting:
             what = self._waiting[token].what
             self._deliver(token, CallOutcome(
-                tr("{what}: no answer within {time:.0f} s: is the core running?", what=what, time=TIMEOUT_S)))
+                tr("{what}: no answer within {time:.0f} s: {why}", what=what, time=TIMEOUT_S, why=_missing(what))))
 
     def _deliver(self, token: int, outcome: CallOutcome) -> None:
         waiting = self._waiting.pop(token, None)
@@ -159,8 +160,15 @@ def _until_answered(call: Callable[[], Any]) -> Any:
         time.sleep(AGAIN_S)
 
 
+def _missing(text: str) -> str:
+    """Return what to check, for a service that `text` names."""
+    if "/web/" in text:
+        return f"{tr(NO_WEB)}."
+    return tr("is the core running? Check the state when it is back.")
+
+
 def failure_text(raised: str) -> str:
     """Return the core's reasons, or what to check if there was no answer."""
     if raised.endswith("unavailable") or raised.startswith(("unable to connect to service", "transport error")):
-        return tr("no answer: is the core running? Check the state when it is back. ({error})", error=raised)
+        return tr("no answer: {why} ({error})", why=_missing(raised), error=raised)
     return "; ".join(map(tr_sent, refusals.reasons(raised)))

@@ -15,7 +15,7 @@ FIELDS = {
     "display": tr_later("Display"),
     "call": tr_later("Last call"),
     "position": tr_later("Position"),
-    "position_time": tr_later("Position of"),
+    "position_time": tr_later("Position received"),
 }
 
 
