@@ -237,8 +237,9 @@ class Page:
 
     def is_now(self, condition: str) -> bool:
         """Whether a JavaScript expression is true, on a page that may be left at this moment."""
+        # Its parts may be missing until it is loaded.
         with contextlib.suppress(RuntimeError):  # a script cannot be asked while its page is left
-            return self.get(condition)
+            return self.get(f"(() => {{ try {{ return {condition}; }} catch {{ return false; }} }})()")
         return False
 
     def box(self, selector: str) -> Tuple[float, float, float, float]:
