@@ -16,7 +16,7 @@ class TestNavigation(FunctionalityCase):
         errors = self.of_each(scores, "distance_error")
         self.assertAlmostEqual(scores["", "position_accuracy"], sum(errors) / 2, places=6)
         self.assertTrue(all(seconds > EXECUTE_S - 0.1 for seconds in self.of_each(scores, "time")), scores)
-        self.assertIn("executing pose Pose(x=0.5, y=1.0, theta=3.14)", robot.text)
+        robot.wait_printed("executing pose Pose(x=0.5, y=1.0, theta=3.14)")
         self.assertEqual(log.values("/notification"), ["on my way"] * 2)
 
     def test_hnf_in_two_arenas_at_once(self) -> None:

@@ -20,7 +20,8 @@ class TestParameters(FaultsCase):
         self.box.connect("HNF")
         self.wait_off("STB", r"STB\.yaml:1: found an empty sequence as goals", r"STB\.yaml:2: found the text 'soon'")
         self.wait_off("HNF", r"HNF\.yaml")
-        self.assertIn("No parameters there for HPPF, which cannot run", modules.text)
+        modules.wait_printed("No parameters there for HPPF, which cannot run")
+        modules.wait_printed("found the text 'soon'")  # the last error
         self.assertNotIn("HPPF.yaml", modules.text, "an error about a benchmark that the competition does not have")
         self.assertRegex(self.box.refusal("start", "STB"), r"STB\.yaml:1: found an empty sequence")
         (self.folder / "STB.yaml").write_text(good.replace("GOAL 1", "GOAL 7"), encoding="utf-8")
