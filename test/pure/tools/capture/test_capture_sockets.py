@@ -6,6 +6,7 @@ import socket
 
 import pytest
 
+from helpers import slots
 from helpers.small_box import BOX, BROADCAST, PASSWORD, ROBOT, free_ports
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encode
@@ -108,33 +109,34 @@ def test_a_private_port_that_cannot_be_opened_is_reported():
 @pytest.fixture
 def raw():
     """A decoder and a listener that hears everything; skipped without root's rights."""
-    decoder = Decoder(free_ports(), {"Team": PASSWORD})
-    try:
-        listener = RawListener(decoder, BROADCAST, lambda text: pytest.fail(text))
-    except PermissionError:
-        pytest.skip("run as root or with CAP_NET_RAW (CAP_NET_RAW)")
-    with contextlib.closing(listener):
-        yield decoder, listener
+    with slots.free_slot() as slot:  # the 99 ports above the first one count as private channels: no others are near
+        decoder = Decoder(slots.first_port(slot), {"Team": PASSWORD})
+        try:
+            listener = RawListener(decoder, BROADCAST, lambda text: pytest.fail(text))
+        except PermissionError:
+            pytest.skip("run as root or with CAP_NET_RAW (CAP_NET_RAW)")
+        with contextlib.closing(listener):
+            yield decoder, listener
 
 
 def test_with_roots_rights_every_datagram_of_the_channels_is_heard_once(raw):
     decoder, listener = raw
     port = decoder.rsbb_port
     with participant(ROBOT, port) as robot, participant(BOX, port) as box, \
-            participant(ROBOT, 0) as far, participant(BOX, 0) as stranger:
-        private_port = far.getsockname()[1]
+            participant(ROBOT, port + 50) as private, participant(BOX) as stranger:
+        private_port = port + 50
         # Each arrives before the next one is sent: those of two processors may arrive in another order.
         robot.sendto(encode(BEACON), (BOX, port))
         box.recv(1000)
         robot.sendto(encode(BEACON), (BROADCAST, port))
         entries = hear(listener, decoder, 2)
         stranger.sendto(b"nothing to us", (ROBOT, private_port))
-        far.recv(100)
+        private.recv(100)
         box.sendto(box_beacon(private_port), (BROADCAST, port))
         entries += hear(listener, decoder, 1)
         stranger.sendto(STATE, (ROBOT, private_port))
         entries += hear(listener, decoder, 1)
-        far.recv(100)
+        private.recv(100)
     assert [entry.message.DESCRIPTOR.name for entry in entries] == [
         "RobotBeacon", "RobotBeacon", "RoahRsbbBeacon", "BenchmarkState",
     ]
