@@ -3,20 +3,18 @@
 `make test-all` leaves screenshots in build/screenshots.
 """
 
-import json
 import os
 import pathlib
 import signal
 import unittest
-import urllib.request
-from typing import Any, Dict, List
+from typing import List
 from unittest import mock
 
 import rospy
 from support.box_case import BoxCase
 from support.browser import NeedsBrowser, Page
 from support.connections import kill, process_of
-from support.robots import RSBB_PORT
+from support.gateway import GATEWAY, URL, answer, kill_gateway, wait_served
 from support.waiting import wait_until
 
 from roah_rsbb.nodes.web import node as web
@@ -25,34 +23,11 @@ from roah_rsbb.web.server import PAGES
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"
-URL = f"http://127.0.0.1:{RSBB_PORT + 95}"
-ZONE, GATEWAY = "Room", "/roah_rsbb_web"
+ZONE = "Room"
 # Width and height in CSS pixels.
 PHONE, TABLET, LAPTOP, SCREEN = (360, 740), (1180, 820), (1366, 768), (1920, 1080)
 TEXT = "document.body.innerText"
 BIG = "(document.querySelector('.big') || {}).textContent"
-
-
-def answer(name: str) -> Dict[str, Any]:
-    """A document of data."""
-    with urllib.request.urlopen(f"{URL}/api/v1/{name}", timeout=30) as opened:
-        return json.load(opened)
-
-
-def session() -> str:
-    """Which gateway it is, by its random name; empty: none that answers and hears the core."""
-    try:
-        state = answer("state")
-    except OSError:
-        return ""
-    return state["session"] if state["heard"] else ""
-
-
-def kill_gateway() -> None:
-    """Kill the gateway, and wait for the next one. A page may notice both late."""
-    before = wait_until(session, "the gateway hears the core")
-    kill(GATEWAY)
-    wait_until(lambda: session() not in ("", before), "the gateway is back")
 
 
 class TestData(BoxCase):
@@ -60,7 +35,7 @@ class TestData(BoxCase):
 
     def setUp(self) -> None:
         super().setUp()
-        wait_until(session, "the gateway hears the core")
+        wait_served()
 
     def test_a_gateway_that_is_killed_touches_no_run(self) -> None:
         robot = self.robot("Delta")

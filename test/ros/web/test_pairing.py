@@ -9,27 +9,15 @@ from typing import Any
 import rospy
 from support.box_case import BoxCase
 from support.browser import NeedsBrowser, Page
-from support.connections import kill, process_of
+from support.gateway import URL, kill_gateway, wait_served
 from support.referee_program import called
-from support.robots import RSBB_PORT
-from support.waiting import wait_until
 
 from roah_rsbb.srv import PairDevice, RevokeDevice
 
 SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
-URL = f"http://127.0.0.1:{RSBB_PORT + 95}"
-ZONE, GATEWAY = "Room", "/roah_rsbb_web"
+ZONE = "Room"
 PHONE = (360, 740)
 TEXT = "document.body.innerText"
-
-
-def is_served() -> bool:
-    """Whether the gateway answers and hears the core."""
-    try:
-        with urllib.request.urlopen(f"{URL}/api/v1/state", timeout=30) as opened:
-            return json.load(opened)["heard"]
-    except OSError:
-        return False
 
 
 def devices() -> Any:
@@ -55,7 +43,7 @@ class TestPairing(NeedsBrowser, BoxCase):
 
     def setUp(self) -> None:
         super().setUp()
-        wait_until(is_served, "the gateway hears the core")
+        wait_served()
         rospy.ServiceProxy("/web/revoke", RevokeDevice)("")
 
     def pair(self, url: str, person: str) -> Page:
@@ -103,9 +91,7 @@ class TestPairing(NeedsBrowser, BoxCase):
             "fetch('/api/v1/pair', {method: 'POST', credentials: 'omit', "
             "headers: {'Content-Type': 'application/json'}, "
             f"body: {json.dumps(typed)}}}).then(answer => answer.text())"), "the code is for one device")
-        killed = process_of(GATEWAY)
-        kill(GATEWAY)
-        wait_until(lambda: is_served() and process_of(GATEWAY) != killed, "the gateway is back")
+        kill_gateway()
         self.assertEqual(page.get("fetch('/api/v1/session').then(answer => answer.json()).then(one => one.person)"),
                          "Anna")
         self.assertEqual(called("devices", "--revoke", listed["id"]).returncode, 0)

@@ -7,7 +7,6 @@ import json
 import os
 import pathlib
 import signal
-import urllib.request
 import uuid
 from typing import Any, Dict, Optional
 
@@ -15,7 +14,7 @@ import rospy
 from support.box_case import BoxCase
 from support.browser import IS_ALL, Browser, NeedsBrowser, Page, find
 from support.connections import kill, process_of
-from support.robots import RSBB_PORT
+from support.gateway import GATEWAY, URL, kill_gateway, wait_served
 from support.waiting import wait_until
 
 from roah_rsbb.msg import RunSheet
@@ -35,8 +34,7 @@ from roah_rsbb.srv import (
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"
-URL = f"http://127.0.0.1:{RSBB_PORT + 95}"
-ZONE, GATEWAY = "Room", "/roah_rsbb_web"
+ZONE = "Room"
 PHONE, LAPTOP = (360, 740), (1280, 800)
 TEXT = "document.body.innerText"
 HALL, OBJECTS, EMPTY = "Hall", "Objects put away", "Table is empty"
@@ -86,18 +84,9 @@ class TestRefereePage(NeedsBrowser, BoxCase):
 
     def setUp(self) -> None:
         super().setUp()
-        wait_until(self.is_served, "the gateway answers")
+        wait_served()
         rospy.ServiceProxy("/web/revoke", RevokeDevice)("")
         self.addCleanup(lambda: rospy.ServiceProxy("/web/revoke", RevokeDevice)(""))
-
-    @staticmethod
-    def is_served() -> bool:
-        """Whether the gateway hears the core."""
-        try:
-            with urllib.request.urlopen(f"{URL}/api/v1/state", timeout=30) as opened:
-                return json.load(opened)["heard"]
-        except OSError:
-            return False
 
     def paired(self, role: str = "referee", person: str = "Anna", language: str = "en", zone: str = "",
                browser: Optional[Browser] = None) -> Page:
@@ -416,8 +405,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page.get("window.fetch = () => Promise.reject(new TypeError('no network')), 0")
         self.tap(page, item(DEVICE, 2))
         page.wait(f"{TEXT}.includes('NOT CONFIRMED: +1')", "the page says that it is not confirmed")
-        kill(GATEWAY)
-        wait_until(self.is_served, "the gateway is back")
+        kill_gateway()
         self.assertEqual(page.get("marks.waiting.length"), 1)
         page.command("Page.reload")
         page.wait_address("/referee")
@@ -619,8 +607,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertIn("Hugo, Linux", signed)
 
     def test_an_organiser_chooses_the_zone(self) -> None:
-        kill(GATEWAY)  # the new one does not know the zones before a device asks for them
-        wait_until(self.is_served, "the gateway is back")
+        kill_gateway()  # the new one does not know the zones before a device asks for them
         page = self.paired("organiser", "Olga")
         self.assertEqual(page.get("document.querySelector('select').value"), ZONE)
         self.assert_accessible("organiser", page)

@@ -1,0 +1,39 @@
+"""The gateway of the web pages, as the tests' boxes start it: its address, and its death."""
+
+import json
+import urllib.request
+from typing import Any, Dict
+
+from support.connections import kill
+from support.robots import RSBB_PORT
+from support.waiting import wait_until
+
+URL = f"http://127.0.0.1:{RSBB_PORT + 95}"
+GATEWAY = "/roah_rsbb_web"
+
+
+def answer(name: str) -> Dict[str, Any]:
+    """A document of data."""
+    with urllib.request.urlopen(f"{URL}/api/v1/{name}", timeout=30) as opened:
+        return json.load(opened)
+
+
+def session() -> str:
+    """Which gateway it is, by its random name; empty: none that answers and hears the core."""
+    try:
+        state = answer("state")
+    except OSError:
+        return ""
+    return state["session"] if state["heard"] else ""
+
+
+def wait_served() -> str:
+    """Wait until a gateway answers and hears the core; returns its random name."""
+    return wait_until(session, "the gateway hears the core")
+
+
+def kill_gateway() -> None:
+    """Kill the gateway, and wait for the next one. A page may notice both late."""
+    before = wait_served()
+    kill(GATEWAY)
+    wait_until(lambda: session() not in ("", before), "the gateway is back")
