@@ -57,8 +57,7 @@ PUBLIC_EVERY = 5
 CLOCK_STEP_S = 1e-6  # from the clock of one message to that of the next, if no time passes
 CORE_EVERY = 20  # ticks between two looks for a core
 FASTEST = 64.0
-# For a core's answer: before the replay, which a core that hangs must not continue beside, and while panels are served.
-ANSWER_S, QUICK_ANSWER_S = 5.0, 0.5
+ANSWER_S, QUICK_ANSWER_S = 5.0, 0.5  # for a core's answer: before the replay, and while panels are served
 LONGEST_TICK_S = 2 * PERIOD_S
 # The replay begins when somebody listens to one of these: a panel, a terminal or a public display.
 BEGINS_WITH = (CoreDetails, PublicDetails)
@@ -79,14 +78,15 @@ The exit status is 1 if the run cannot be replayed, or if a core is running.
 """
 
 
-def live_core(answer_s: float, or_hanging: bool) -> Optional[str]:
+def live_core(is_serving: bool) -> Optional[str]:
     """Return the node that publishes the core's topics, other than this one; None: there is none. Raises OSError.
 
-    `or_hanging`: also one that does not answer within `answer_s` seconds.
+    A core that does not answer counts before the replay. Later (`is_serving`), panels wait for this call, and a core
+    that has started answers the next one.
     """
     master = rosgraph.Master(f"/{NAME}")
     nodes = (node for topic, nodes in master.getSystemState()[0] if topic == GUI_TOPIC for node in nodes)
-    return next((node for node in nodes if node != f"/{NAME}" and _publishes(master, node, answer_s, or_hanging)), None)
+    return next((node for node in nodes if node != f"/{NAME}" and _publishes(master, node, is_serving)), None)
 
 
 class _Impatient(xmlrpc.client.Transport):
@@ -102,17 +102,18 @@ class _Impatient(xmlrpc.client.Transport):
         return connection
 
 
-def _publishes(master: rosgraph.Master, node: str, answer_s: float, or_hanging: bool) -> bool:
+def _publishes(master: rosgraph.Master, node: str, is_serving: bool) -> bool:
     """Whether a node publishes the core's topics. The master also lists nodes that have crashed. Another process,
     even this one, may now use the port of such a node."""
     try:
         uri = master.lookupNode(node)
         if uri == rospy.get_node_uri():
             return False
-        topics = xmlrpc.client.ServerProxy(uri, _Impatient(answer_s)).getPublications(f"/{NAME}")[2]
+        transport = _Impatient(QUICK_ANSWER_S if is_serving else ANSWER_S)
+        topics = xmlrpc.client.ServerProxy(uri, transport).getPublications(f"/{NAME}")[2]
         return GUI_TOPIC in [topic for topic, _ in topics]
     except socket.timeout:
-        return or_hanging  # it hangs, or its network does, or this computer is very busy
+        return not is_serving  # it hangs, or its network does, or this computer is very busy
     except (OSError, HTTPException, xmlrpc.client.Error, ExpatError, ValueError, TypeError, rosgraph.MasterException):
         return False
 
@@ -180,8 +181,7 @@ class ReplayNode:
             passed_s = 0.0
         try:
             self._shown.show(self._shown.now.utc + passed_s * self._speed)
-            # A core that starts answers soon, if not this time.
-            core = live_core(QUICK_ANSWER_S, False) if self._ticks % CORE_EVERY == CORE_EVERY - 1 else None
+            core = live_core(is_serving=True) if self._ticks % CORE_EVERY == CORE_EVERY - 1 else None
         except CannotReplay as error:
             self._fail(str(error))
             return
@@ -252,7 +252,7 @@ def main() -> None:
         shown = ReplayedBox(run, configuration(log_dir, run, options.benchmarks_file, options.schedule_file))
         for text in warnings:
             print(f"replay: {text}", file=sys.stderr)
-        core = live_core(ANSWER_S, True)
+        core = live_core(is_serving=False)
     except (JournalError, NoSuchRun, CannotReplay, ConfigErrors) as error:
         sys.exit(f"replay: {error}")
     except OSError:

@@ -29,10 +29,12 @@ REASON = ("This is a replay of HGTKMH, team Alpha, round 1, run 1: nothing here 
 
 class TestLiveCore(unittest.TestCase):
     def test_a_core_that_hangs_counts_only_before_the_replay(self) -> None:
-        with socket.create_server(("127.0.0.1", 0)) as hanging, mock.patch("rosgraph.Master") as master:
+        with socket.create_server(("127.0.0.1", 0)) as hanging, \
+                mock.patch("rosgraph.Master") as master, \
+                mock.patch.multiple("roah_rsbb.nodes.replay", ANSWER_S=0.1, QUICK_ANSWER_S=0.1):
             master().getSystemState.return_value = [[("/core/to_gui", ["/hanging"])], [], []]
             master().lookupNode.return_value = f"http://127.0.0.1:{hanging.getsockname()[1]}"
-            self.assertEqual([live_core(0.1, or_hanging) for or_hanging in (True, False)], ["/hanging", None])
+            self.assertEqual([live_core(is_serving) for is_serving in (False, True)], ["/hanging", None])
 
 
 class TestReplay(OwnCoreCase):
