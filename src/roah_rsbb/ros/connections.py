@@ -11,6 +11,8 @@ that connects and sends nothing (a port scan, a browser) blocks every service of
 - If too many connections are waiting, the oldest is closed.
 - When a node starts again after a crash, the master asks whatever has the port of the crashed one to shut down. That
   may now be this node: it ignores a request that names another one.
+
+It also keeps a publisher that starts in the moment in which a subscriber registers: rospy could lose it for good.
 """
 
 import collections
@@ -30,7 +32,7 @@ from typing import Any, Callable, List, NamedTuple, Optional, Tuple
 
 import rosgraph.xmlrpc
 import rospy
-from rospy.impl import masterslave, tcpros_base
+from rospy.impl import masterslave, registration, tcpros_base
 
 # The field of a service call's handshake with the name that the referee typed: most requests have no field for it.
 REFEREE_HEADER = "referee"
@@ -66,6 +68,7 @@ def protect() -> None:
     rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler = _RequestHandler
     rosgraph.xmlrpc.ThreadingXMLRPCServer = _XmlRpcServer
     masterslave.ROSHandler.shutdown = _shutdown
+    registration.RegManager.publisher_update = _publisher_update
     # Waiting connections must not use up the file descriptors that a run's log needs.
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft != hard:
@@ -234,6 +237,18 @@ def _shutdown(handler: Any, caller_id: str, msg: str = "") -> Tuple[int, str, in
         _log.warning("%s asked %s to shut down on the port of %s: ignored", caller_id, named[1], handler.name)
         return 1, "ignored: this is another node", 0
     return _shutdown_of_rospy(handler, caller_id, msg)
+
+
+def _publisher_update(manager: Any, topic: str, uris: List[str]) -> None:
+    """Replace `RegManager.publisher_update`.
+
+    rospy uses the last list of a topic's publishers only. But the answer to a registration can be read after the
+    update that the master sent later. A publisher that has really gone costs one attempt to connect.
+    """
+    with manager.cond:
+        waiting = [uri for name, known in manager.updates if name == topic for uri in known]
+        manager.updates.append((topic, [*uris, *(uri for uri in dict.fromkeys(waiting) if uri not in uris)]))
+        manager.cond.notify_all()
 
 
 def is_browser(headers: Any) -> bool:

@@ -1,6 +1,7 @@
-"""Strangers' connections to a node's TCP ports: none keeps the others waiting; and calls for another node."""
+"""Strangers' connections to a node's TCP ports, calls for another node, and publishers that rospy would lose."""
 
 import http.client
+import queue
 import socket
 import struct
 import threading
@@ -9,6 +10,7 @@ import pytest
 
 rosgraph = pytest.importorskip("rosgraph")
 masterslave = pytest.importorskip("rospy.impl.masterslave")
+registration = pytest.importorskip("rospy.impl.registration")
 tcpros_base = pytest.importorskip("rospy.impl.tcpros_base")
 
 from roah_rsbb.ros import connections  # noqa: E402  (only with ROS)
@@ -21,7 +23,8 @@ HANDSHAKE = struct.pack("<II", len(HEADER) + 4, len(HEADER)) + HEADER
 @pytest.fixture(autouse=True)
 def _protected(monkeypatch):
     for owner, name in ((tcpros_base.TCPServer, "run"), (rosgraph.xmlrpc, "SilenceableXMLRPCRequestHandler"),
-                        (rosgraph.xmlrpc, "ThreadingXMLRPCServer"), (masterslave.ROSHandler, "shutdown")):
+                        (rosgraph.xmlrpc, "ThreadingXMLRPCServer"), (masterslave.ROSHandler, "shutdown"),
+                        (registration.RegManager, "publisher_update")):
         monkeypatch.setattr(owner, name, getattr(owner, name))  # restored after the test
     connections.protect()
 
@@ -217,3 +220,31 @@ def test_a_node_is_not_ended_in_place_of_another_one(monkeypatch, reason, ends):
     handler._shutdown = lambda why: True
     assert handler.shutdown("/master", reason)[0] == 1
     assert len(ended) == ends
+
+
+def test_a_publisher_that_starts_while_a_subscriber_registers_is_not_lost():
+    """The answer to the registration, which is older, is read after the master's update."""
+    connected = queue.Queue()
+
+    class Handler:
+        done = False
+
+        def _connect_topic(self, topic, uri):
+            connected.put((topic, uri))
+            return 1, "", 0
+
+    handler = Handler()
+    manager = registration.RegManager(handler)
+    manager.publisher_update("/name", ["http://new/"])
+    manager.publisher_update("/name", [])
+    manager.publisher_update("/other", ["http://one/"])
+    manager.publisher_update("/other", ["http://one/", "http://two/"])
+    thread = threading.Thread(target=manager.run)
+    thread.start()
+    try:
+        found = sorted(connected.get(timeout=60) for _ in range(3))
+    finally:
+        handler.done = True
+        thread.join()
+    assert found == [("/name", "http://new/"), ("/other", "http://one/"), ("/other", "http://two/")]
+    assert connected.empty()
