@@ -247,7 +247,7 @@ def _publisher_update(manager: Any, topic: str, uris: List[str]) -> None:
     """
     with manager.cond:
         waiting = [uri for name, known in manager.updates if name == topic for uri in known]
-        manager.updates.append((topic, [*uris, *(uri for uri in dict.fromkeys(waiting) if uri not in uris)]))
+        manager.updates.append((topic, list(dict.fromkeys([*uris, *waiting]))))
         manager.cond.notify_all()
 
 
