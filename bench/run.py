@@ -36,6 +36,8 @@ from fleet import REGULAR_S, Fleet  # noqa: E402
 from processes import Box, wait  # noqa: E402
 from table import Results, quantile  # noqa: E402
 
+from roah_rsbb.ros import connections  # noqa: E402
+
 ZONES_OF_MESSAGES = (1, 20, 100)
 WINDOW_ZONES = 20
 RESUMED = 10
@@ -416,7 +418,7 @@ def main() -> int:
         os.environ.update(ROS_HOME=home, ROS_LOG_DIR=home)
         master = processes.start_master()
         try:
-            rospy.init_node("roah_rsbb_bench", disable_signals=True)
+            connections.init_node("roah_rsbb_bench", disable_signals=True)
             if options.profile:
                 profile(options.profile, extent.seconds)
                 return 0

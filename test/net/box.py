@@ -16,6 +16,8 @@ from namespaces import BROADCAST
 from support.box_client import BoxClient
 from support.programs import Program
 
+from roah_rsbb.ros import connections
+
 HERE = pathlib.Path(__file__).resolve().parent
 # Whatever a robot misses in an outage, it has time for its goal afterwards.
 GOAL_TIMEOUT_S = 60
@@ -58,7 +60,7 @@ class Box(BoxClient):
         self.program = Program(
             "roslaunch", str(HERE / "box.launch.xml"), f"folder:={folder}", f"rsbb_host:={BROADCAST}")
         self.program.wait_printed("started core service")
-        rospy.init_node("test_net", disable_signals=True)
+        connections.init_node("test_net", disable_signals=True)
         super().__init__()
         self.wait_heard()
         self._core_pid = 0

@@ -59,7 +59,7 @@ def init_node(name: str, **options: Any) -> None:
         # rospy does not flush: in a file or a pipe its log lines would come late, or never after a kill.
         sys.stdout.reconfigure(line_buffering=True)
     protect()
-    rospy.init_node(name, **options)
+    rospy.init_node(name, **options)  # noqa: TID251
 
 
 def protect() -> None:

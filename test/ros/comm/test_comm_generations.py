@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import rospkg
 from support.box_case import BoxCase
-from support.dummy_launch import comm_node
+from support.dummy_launch import COMM_IS_READY, comm_node
 from support.programs import Program
 from support.robots import BROADCAST, PASSWORDS, RSBB_PORT, host_of
 
@@ -81,6 +81,7 @@ class TestGenerations(BoxCase):
             f"bind_host:={host_of(TEAM)}", f"generation:={generation}"))
 
     def completes(self, generation: str, comm: Program) -> None:
+        comm.wait_printed(COMM_IS_READY)
         robot = self.robot_of(generation)
         self.box.connect(ZONE)
         robot.wait_printed("HGTKMH")

@@ -2,7 +2,7 @@
 
 import pathlib
 
-from support.dummy_launch import comm_node
+from support.dummy_launch import COMM_IS_READY, comm_node
 from support.modules_case import FunctionalityCase
 from support.programs import Program
 
@@ -21,6 +21,7 @@ class TestTeamGuide(FunctionalityCase):
     def setUp(self) -> None:
         super().setUp()
         self.comm = self._leaving(comm_node(TEAM))
+        self.comm.wait_printed(COMM_IS_READY)
         self.robot = self.start_robot()
 
     def start_robot(self, *python: str) -> Program:

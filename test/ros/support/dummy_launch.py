@@ -7,6 +7,10 @@ from support.box_case import PACKAGE
 from support.programs import Program, own
 from support.robots import BROADCAST, PASSWORDS, RSBB_PORT, host_of
 
+# Printed when its topics are offered. A program with plain rospy starts after it: rospy can lose a publisher that
+# starts in the moment in which a subscriber registers (roah_rsbb.ros.connections).
+COMM_IS_READY = "looks for the RSBB"
+
 
 def _comm(team: str) -> Dict[str, object]:
     return {"team_name": team, "robot_name": "Dummy", "rsbb_key": PASSWORDS[team], "rsbb_host": BROADCAST,

@@ -16,6 +16,8 @@ import rospy
 import rosunit
 from rosunit import xmlrunner
 
+from roah_rsbb.ros import connections
+
 FOLDER = pathlib.Path(__file__).resolve().parent.parent  # test/ros
 RESULT_FILE = "--gtest_output=xml:"
 AS_TEXT = "--text"
@@ -55,7 +57,7 @@ def main(arguments: List[str]) -> int:
     result_files = [one[len(RESULT_FILE):] for one in arguments if one.startswith(RESULT_FILE)]
     load_cases = unittest.TestLoader().loadTestsFromModule
     suite = unittest.TestSuite(load_cases(load(one)) for one in arguments if one.endswith(".py"))
-    rospy.init_node("run_cases", disable_signals=True)  # the launch file gives another name
+    connections.init_node("run_cases", disable_signals=True)  # the launch file gives another name
     if AS_TEXT in arguments:
         result = unittest.TextTestRunner(verbosity=2).run(suite)
     else:

@@ -43,6 +43,7 @@ from roah_rsbb.nodes.core.results_convert import ResultsBoard
 from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.ros import connections
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.scoring import JudgesRule, ScoreKind, ScoringItem
 from support.fakes.node import Answers, FakeNode
@@ -447,7 +448,7 @@ def _wire(now: Now) -> tuple:
 
 def main() -> None:
     """A core to look at panels with."""
-    rospy.init_node("roah_rsbb_core")
+    connections.init_node("roah_rsbb_core")
     FakeCore()
     rospy.spin()
 
