@@ -243,7 +243,8 @@ def _publisher_update(manager: Any, topic: str, uris: List[str]) -> None:
     """Replace `RegManager.publisher_update`.
 
     rospy uses the last list of a topic's publishers only. But the answer to a registration can be read after the
-    update that the master sent later. A publisher that has really gone costs one attempt to connect.
+    update that the master sent later. A publisher that has really gone costs one attempt to connect if its process
+    ended; if its computer is gone, rospy tries on in a thread, as it does with each list.
     """
     with manager.cond:
         waiting = [uri for name, known in manager.updates if name == topic for uri in known]
