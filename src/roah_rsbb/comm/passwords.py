@@ -1,7 +1,9 @@
 """A team's own password, for programs of the team."""
 
 import os
-from typing import Optional
+import shlex
+import stat
+from typing import Callable, Optional
 
 PASSWORD_VARIABLE = "ROAH_RSBB_KEY"
 """The environment variable that holds a team's password."""
@@ -34,4 +36,19 @@ def own_password(password: Optional[str], file: Optional[str]) -> Optional[str]:
             return opened.readline().rstrip("\r\n")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
-        raise ValueError(f"cannot read --password-file {file}: {reason}") from None
+        raise ValueError(f"cannot read the password file {file}: {reason}") from None
+
+
+def password_in(file: str, on_warning: Callable[[str], object]) -> str:
+    """Read a team's password from the first line of a file, for a node (parameter rsbb_key_file).
+
+    `on_warning` is called with what is wrong with the file's rights. Raises ValueError, which names the file.
+    """
+    password = own_password(None, file)
+    if not password:
+        raise ValueError(f"parameter rsbb_key_file: the first line of {file} is empty, expected the password")
+    mode = stat.S_IMODE(os.stat(file).st_mode)
+    if mode & (stat.S_IRGRP | stat.S_IROTH):
+        on_warning(f"Other users of this computer can read the password in {file} (mode {mode:04o}): chmod 600 "
+                   f"{shlex.quote(file)}")
+    return password
