@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install-deps build demo test test-all lint test-pure test-python38 test-pip test-docs test-install test-ros test-net screenshots bench fuzz deb wheel clean
+.PHONY: help install-deps build demo test test-all lint test-pure test-python38 test-pip test-docs test-install test-ros test-ros2 test-net simulate screenshots bench fuzz deb wheel clean
 
 # ROS's Python: the system's, also where another python3 is the first on PATH. Where ROS 1 comes from another source
 # (RoboStack, ROS One), it is the python3 on PATH that has rospy.
@@ -29,6 +29,8 @@ build: export ROS_LANG_DISABLE := geneus:genlisp:gennodejs
 PURE := test/pure
 # Options of the bench.
 BENCH :=
+# Options of the simulator: make simulate SIMULATE="--seconds 600"
+SIMULATE :=
 # Options of the tests on a bad network.
 NET ?=
 # Seconds for each target: make fuzz FUZZ_SECONDS=600
@@ -86,8 +88,14 @@ test-install: build ## the demonstration, from an install space
 test-ros: build ## tests of the nodes, each with its own ROS master
 	@$(BUILT); tools/run_rostests
 
+test-ros2: build ## the packages for teams with ROS 2, in an environment from PyPI
+	@tools/test_ros2
+
 test-net: build ## runs on a bad network (test/net/README.md); make test-net NET="--all --seed 2"
 	@$(BUILT); $(PYTHON) -m pytest test/net $(NET)
+
+simulate: build ## the whole box with random troubles, in simulated time (test/simulator/README.md)
+	@$(PYTHON) test/simulator/simulate.py $(SIMULATE)
 
 screenshots: build ## the pictures in docs/images, from a fake core on a virtual display
 	@$(BUILT); tools/make_screenshots

@@ -3,9 +3,7 @@
 import contextlib
 import os
 import pathlib
-import re
 import signal
-import sqlite3
 import statistics
 import tempfile
 import threading
@@ -18,8 +16,12 @@ from addresses import BOX_HOST, BROADCAST
 from fleet import Fleet
 from processes import ROOT, Box, Measured, wait
 
-from roah_rsbb.journal import schema
+from roah_rsbb.copies.copy import CannotReadJournal
+from roah_rsbb.copies.segments import JournalSegments
+from roah_rsbb.journal import log
+from roah_rsbb.journal.contents import open_journal
 from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.standby.codes import make_code
 
 STANDBY_HOST = "127.0.0.3"
 PORT = 9983  # below the ports of boxes
@@ -34,11 +36,8 @@ COPIED_S = 600.0
 
 # Runs that the core writes itself. More are made of these: it would take minutes.
 WRITTEN_RUNS = 1000
-# What the repetition `n` of a run adds to its columns. Each takes place after the others, on other ports.
-_REPEATED = {
-    "identity": "CASE identity WHEN '' THEN '' ELSE identity || ' ' || :n END", "port": "port + :n * :ports",
-    **{column: f"{column} + :n * :seconds" for column in ("utc", "mono", "scheduled", "opened_utc", "closed_utc")},
-}
+# Records that are handed to the disk together.
+TOGETHER = 10_000
 
 
 class Standby(NamedTuple):
@@ -68,21 +67,21 @@ def standby(log_dir: pathlib.Path, passwords: pathlib.Path) -> Iterator["Standby
                                        "rsbb_host": BROADCAST, "passwords_file": passwords}
         node = Measured(str(ROOT / "scripts" / "roah_rsbb_backup"), *(f"_{k}:={v}" for k, v in settings.items()))
         cleanup.callback(node.close)
-        wait(lambda: "with the code" in node.text, "the box shows a code")
-        code = re.search("with the code ([A-Z0-9-]+)", node.text).group(1)
+        wait(lambda: "For a code, enter" in node.text, "a standby can be paired")
+        code = make_code(str(log_dir))
         follower = Measured(str(ROOT / "scripts" / "standby"), "follow", BOX_HOST, "--port", str(PORT), "--code", code,
                             "--log-dir", far, f"bind_host:={STANDBY_HOST}")
         cleanup.callback(follower.close)
-        wait(lambda: "The copy is kept" in follower.text, "the standby is connected", COPIED_S)
+        wait(lambda: "is connected from" in node.text, "the standby is connected", COPIED_S)
         yield Standby(pathlib.Path(far), [node, follower])
 
 
 class Lag:
-    """Measures, in a thread, the time from each entry in the journal to the same entry in the copy."""
+    """Measures, in a thread, the time from each record in the journal to the same record in the copy."""
 
     def __init__(self, near: pathlib.Path, far: pathlib.Path) -> None:
         self.taken_ms: List[float] = []
-        self._paths = near / FILE_NAME, far / FILE_NAME
+        self._near, self._far = (JournalSegments(str(folder / FILE_NAME)) for folder in (near, far))
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._work, daemon=True)
         self._thread.start()
@@ -92,17 +91,17 @@ class Lag:
         self._thread.join()
 
     def _work(self) -> None:
-        with contextlib.ExitStack() as cleanup:
-            near, far = (cleanup.enter_context(contextlib.closing(_opened(path))) for path in self._paths)
-            wait(lambda: _newest(far) >= _newest(near) - 1, "the copy is complete", COPIED_S)
-            waiting: Dict[int, float] = {}
-            known = _newest(near)
-            while not self._ended.wait(LOOK_S):
-                now, newest = time.monotonic(), _newest(near)
-                waiting.update((number, now) for number in range(known + 1, newest + 1))
-                known, copied = newest, _newest(far)
-                for number in [number for number in waiting if number <= copied]:
-                    self.taken_ms.append((time.monotonic() - waiting.pop(number)) * 1e3)
+        known = _bytes(self._near)
+        wait(lambda: _bytes(self._far) >= known, "the copy is complete", COPIED_S)
+        known, waiting = _bytes(self._near), []
+        while not self._ended.wait(LOOK_S):
+            now, size = time.monotonic(), _bytes(self._near)
+            if size > known:
+                known = size
+                waiting.append((size, now))
+            copied = _bytes(self._far)
+            while waiting and waiting[0][0] <= copied:
+                self.taken_ms.append((time.monotonic() - waiting.pop(0)[1]) * 1e3)
 
 
 def beside(box: Box, fleet: Fleet, probes: int) -> Dict[bool, Cost]:
@@ -141,45 +140,34 @@ def paired_again_s(runs: int) -> float:
         repeat_runs(journal, runs // WRITTEN_RUNS)
         passwords = log_dir / "passwords.yaml"
         passwords.write_text("Team: password\n")
+        near = JournalSegments(str(journal))
         began = time.monotonic()
-        with contextlib.closing(_opened(journal)) as near, standby(log_dir, passwords) as beside_it:
-            far = beside_it.folder
-            wait((far / FILE_NAME).exists, "the copy begins")
-            with contextlib.closing(_opened(far / FILE_NAME)) as copy:
-                wait(lambda: _runs(copy) == _runs(near), "the copy is complete", COPIED_S)
+        with standby(log_dir, passwords) as beside_it:
+            far = JournalSegments(str(beside_it.folder / FILE_NAME))
+            wait(lambda: _bytes(far) == _bytes(near), "the copy is complete", COPIED_S)
             return time.monotonic() - began
 
 
 def repeat_runs(journal: pathlib.Path, times: int) -> None:
-    """Let a journal have all its runs so many times, with all their entries."""
-    with contextlib.closing(sqlite3.connect(journal, isolation_level=None)) as connection:
-        connection.create_function("row_crc", -1, schema.row_crc, deterministic=True)
-        connection.execute("PRAGMA synchronous = OFF")
-        ports, seconds = connection.execute(
-            "SELECT (SELECT max(port) FROM members), max(utc) - min(utc) + 60 FROM entries").fetchone()
-        connection.execute("BEGIN")
-        for table in ("entries", "links", "runs", "members"):
-            connection.execute(f"CREATE TEMP TABLE first_{table} AS SELECT * FROM {table}")
-            columns = schema.CHECKED[table]
-            names = ", ".join(columns)
-            changed = ", ".join(f"{_REPEATED.get(column, column)} AS {column}" for column in columns)
-            for n in range(1, times):
-                connection.execute(
-                    f"INSERT INTO {table} ({names}, crc) SELECT {names}, row_crc({names})"
-                    f" FROM (SELECT {changed} FROM temp.first_{table} ORDER BY rowid)",
-                    {"n": n, "ports": ports, "seconds": seconds})
-        connection.execute("COMMIT")
+    """Let a journal have all its records so many times. Their bytes are copied, whatever they mean."""
+    opened = open_journal(str(journal))
+    payloads = [frame.payload for _, found in log.scans(opened.segments) for frame in found.records]
+    longer = log.Log(str(journal), opened.contents.summary, lambda *_: None)
+    longer.continue_after(opened.segments, opened.newest)
+    longer.begin()
+    for number, payload in enumerate(payloads * (times - 1)):
+        longer.append(payload)
+        if number % TOGETHER == 0:
+            longer.write()
+            longer.sync()
+    longer.write()
+    longer.sync()
+    longer.close()
 
 
-def _opened(path: pathlib.Path) -> sqlite3.Connection:
-    return sqlite3.connect(f"{path.as_uri()}?mode=ro", uri=True, isolation_level=None, timeout=5.0,
-                           check_same_thread=False)
-
-
-def _newest(connection: sqlite3.Connection) -> int:
-    return connection.execute("SELECT ifnull(max(id), 0) FROM entries").fetchone()[0]
-
-
-def _runs(connection: sqlite3.Connection) -> int:
-    """Return the number of runs, which are copied last."""
-    return connection.execute("SELECT count(*) FROM members").fetchone()[0]
+def _bytes(journal: JournalSegments) -> int:
+    """Return the size of a journal; 0 if there is none yet."""
+    try:
+        return sum(journal.sizes().values())
+    except CannotReadJournal:
+        return 0

@@ -6,7 +6,7 @@ Importing it gives this process a virtual display.
 import random
 import sys
 import time
-from typing import List
+from typing import Any, List, Tuple
 
 import rospy
 from fleet import Fleet, Robot
@@ -28,31 +28,29 @@ class ClickBench:
         rospy.set_param("current_zone", "zone 0")
         self._window = Window(QSettings(f"{folder}/window.ini", QSettings.IniFormat))
         self._window.show()
-        self._buttons = self._window.panels["BenchmarkControlPanel"].buttons
-        gui_testing.wait_until(lambda: self._is_on("stop"), "the window shows the run")
+        self._start = self._window.panels["BenchmarkControlPanel"].buttons["start"]
+        self._stop = self._window.strip.stop
+        gui_testing.wait_until(self._stop.is_on, "the window shows the run")
 
     def close(self) -> None:
         self._window.shutdown()
         self._window.close()
 
-    def measure(self, fleet: Fleet, robot: Robot, count: int) -> List[float]:
-        """Milliseconds from a click on START until the box sends PREPARE."""
-        dice, taken = random.Random(3), []
+    def measure(self, fleet: Fleet, robot: Robot, count: int) -> Tuple[List[float], List[float]]:
+        """Milliseconds from a click on START until the box sends PREPARE, and from a click on STOP until it sends STOP.
+        """
+        dice, starts, stops = random.Random(3), [], []
         for _ in range(count):
-            self._click(fleet, robot, "stop", BoxState.STOP)
-            taken.append(self._click(fleet, robot, "start", BoxState.PREPARE))
-            QTest.qWait(dice.randrange(100))
-        return taken
-
-    def _is_on(self, name: str) -> bool:
-        return self._buttons[name].isVisible() and self._buttons[name].isEnabled()
-
-    def _click(self, fleet: Fleet, robot: Robot, name: str, expects: BoxState) -> float:
-        gui_testing.wait_until(lambda: self._is_on(name), f"the button {name} is on")
-        # A second stop would leave the run.
-        if name == "stop":
             gui_testing.wait_until(lambda: robot.box_state is BoxState.WAITING_RESULT, "the robot executes")
-        return fleet.ask(lambda: QTest.mouseClick(self._buttons[name], Qt.LeftButton), robot, expects)
+            stops.append(self._click(fleet, robot, self._stop, BoxState.STOP))
+            starts.append(self._click(fleet, robot, self._start, BoxState.PREPARE))
+            QTest.qWait(dice.randrange(100))
+        return starts, stops
+
+    @staticmethod
+    def _click(fleet: Fleet, robot: Robot, button: Any, expects: BoxState) -> float:
+        gui_testing.wait_until(lambda: button.isVisible() and button.is_on(), f"the button {button.text()} is on")
+        return fleet.ask(lambda: QTest.mouseClick(button, Qt.LeftButton), robot, expects)
 
 
 def window_cpu(seconds: float) -> float:

@@ -1,7 +1,6 @@
 """Speed of the results program with a journal of many runs, which the real core writes in simulated time."""
 
 import contextlib
-import os
 import pathlib
 import subprocess
 import sys
@@ -26,22 +25,14 @@ class Taken(NamedTuple):
     memory_mb: float  # of all its processes at the same time
 
 
-def measure(runs: int, commands: Dict[str, List[str]], recovers: bool) -> Dict[str, Taken]:
-    """Measure commands with a journal of so many runs; each is repeated, and the quickest counts. `recovers`: measure
-    `recover`, too."""
+def measure(runs: int, commands: Dict[str, List[str]]) -> Dict[str, Taken]:
+    """Measure commands with a journal of so many runs; each is repeated, and the quickest counts."""
     with tempfile.TemporaryDirectory() as folder:
         path = write_journal(folder, runs)
-        megabytes = os.path.getsize(path) / 1e6
-        found = {
+        return {
             name: _command(["--journal", path, *words], folder, 1 if name == "report" else REPEATS)
             for name, words in commands.items()
         }
-        if not recovers:
-            return found
-        new = os.path.join(folder, "recovered")
-        taken = _command(["recover", path, new], folder, 1)
-        found["recover, of 100 MB"] = taken._replace(seconds=taken.seconds * 100.0 / megabytes)
-    return found
 
 
 def _command(words: List[str], folder: str, repeats: int) -> Taken:

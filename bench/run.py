@@ -13,14 +13,20 @@ import sys
 import tempfile
 import time
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
+from urllib.parse import urlparse
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 sys.path.insert(0, str(ROOT / "test" / "ros"))
 
+import comm_nodes  # noqa: E402
 import copying  # noqa: E402
+import flood  # noqa: E402
+import floods  # noqa: E402
 import gateway  # noqa: E402
 import hostile  # noqa: E402
+import hung  # noqa: E402
+import journal_speed  # noqa: E402
 import load  # noqa: E402
 import pages  # noqa: E402
 import processes  # noqa: E402
@@ -31,19 +37,22 @@ import rosgraph  # noqa: E402
 import rospy  # noqa: E402
 import simulated  # noqa: E402
 import takeover  # noqa: E402
-from addresses import host_of  # noqa: E402
+from addresses import BOX_HOST, host_of  # noqa: E402
 from fleet import REGULAR_S, Fleet  # noqa: E402
 from processes import Box, wait  # noqa: E402
 from table import Results, quantile  # noqa: E402
 
 from roah_rsbb.ros import connections  # noqa: E402
+from roah_rsbb.ros.known_services import KnownService  # noqa: E402
+from roah_rsbb.srv import Zone  # noqa: E402
 
 ZONES_OF_MESSAGES = (1, 20, 100)
 WINDOW_ZONES = 20
 RESUMED = 10
 MANY_VIEWERS = 200
+START_RUNS = 500
 FEW_RUNS = 100
-RESULTS_TARGETS = {"list": 0.5, "show": 0.5, "standings": 2.0, "recover, of 100 MB": 1.0}
+RESULTS_TARGETS = {"list": 0.5, "show": 0.5, "standings": 2.0}
 
 
 class Extent(NamedTuple):
@@ -60,12 +69,13 @@ class Extent(NamedTuple):
     day_zones: int
     runs: int  # in the journal of results
     reported_runs: int
+    flood_rounds: int  # of each kind
 
 
 QUICK = Extent(probes=36, starts=12, clicks=5, kills=2, takeovers=1, seconds=1.2, idle_seconds=1.0, day_hours=0.2,
-               day_zones=2, runs=200, reported_runs=50)
+               day_zones=2, runs=200, reported_runs=50, flood_rounds=2)
 FULL = Extent(probes=300, starts=100, clicks=40, kills=10, takeovers=5, seconds=15.0, idle_seconds=10.0, day_hours=10.0,
-              day_zones=4, runs=10_000, reported_runs=1000)
+              day_zones=4, runs=10_000, reported_runs=1000, flood_rounds=5)
 
 
 class Bench:
@@ -107,10 +117,11 @@ class Bench:
         with tempfile.TemporaryDirectory() as folder:
             bench = panels.ClickBench(folder)
             try:
-                taken = bench.measure(fleet, fleet.robots[0], self.extent.clicks)
+                starts, stops = bench.measure(fleet, fleet.robots[0], self.extent.clicks)
             finally:
                 bench.close()
-        self.results.add_spread("click on START to PREPARE on the wire", "ms", taken, {})
+        self.results.add_spread("click on START to PREPARE on the wire", "ms", starts, {})
+        self.results.add_spread("click on STOP to STOP on the wire", "ms", stops, {})
 
     # -- restart ------------------------------------------------------------------------------------
 
@@ -122,6 +133,13 @@ class Bench:
             taken = resume.kills(box, fleet, self.extent.kills)
         self.results.add(f"kill -9 to the resumed channels of {RESUMED} robots, median", "s", quantile(taken, 0.5), 3)
         self.results.add(f"kill -9 to the resumed channels of {RESUMED} robots, longest", "s", max(taken), 3)
+
+    def hung(self) -> None:
+        """From the stop of the core (SIGSTOP), in each of 12 phases of a run, to the next core."""
+        taken = hung.measure()
+        for phase, seconds in taken.items():
+            self.results.add(f"core stopped, {phase}: next core heard after", "s", seconds, 6)
+        self.results.add("core stopped: next core heard after, median", "s", quantile(list(taken.values()), 0.5))
 
     def takeover(self) -> None:
         """From the loss of the box's computer to the last robot's channel with the standby."""
@@ -198,6 +216,41 @@ class Bench:
                 reaction.start(box, fleet, 1)
         name = f"/core/stop beside {hostile.SILENT} silent connections to each port"
         self.results.add_spread(name, "ms", taken, {0.99: 50})
+
+    def floods(self) -> None:
+        """STOP beside floods of datagrams, calls and connections, as ratio to the idle machine."""
+        rounds, zones = self.extent.flood_rounds, 2 * floods.STOPPED
+        with Box(zones) as box, Fleet(zones, box.port) as fleet:
+            reaction.connect(box, fleet, zones)
+            stopped, stop = floods.Stopped(box, fleet), KnownService("/core/stop", Zone)
+            master = rosgraph.Master(rospy.get_name())
+            ports = {name: urlparse(uri).port for name, uri in (
+                ("calls", master.lookupService("/core/score")), ("stop", master.lookupService("/core/stop")),
+                ("api", master.lookupNode(processes.CORE)))}
+
+            def measure(name: str, call: Callable[[int], None], kind: str, *arguments: object) -> None:
+                floods.add(self.results, f"STOP beside {name}", stopped.rounds(rounds, call, kind, *arguments))
+
+            def by_service(zone: int) -> None:
+                stop(f"zone {zone}")
+
+            measure("datagrams to the public port", by_service, "datagrams", BOX_HOST, box.port)
+            private = [fleet.robots[zone].port for zone in stopped.flooded]
+            measure("datagrams to ten private ports", by_service, "datagrams", BOX_HOST, *private)
+            measure(f"{flood.CALLS} calls at once", by_service, "calls", BOX_HOST, ports["calls"],
+                    *(f"zone {zone}" for zone in stopped.flooded))
+            measure("connections to the core", by_service, "connections", BOX_HOST, *ports.values())
+            served = gateway.Gateway()
+            try:
+                send = pages.commander(served)
+
+                def by_phone(zone: int) -> None:
+                    send("stop", {"zone": f"zone {zone}", "identity": ""})
+
+                measure("connections to the gateway, by phone", by_phone, "connections", BOX_HOST, served.port)
+                measure("datagrams to the public port, by phone", by_phone, "datagrams", BOX_HOST, box.port)
+            finally:
+                served.close()
 
     # -- panels -------------------------------------------------------------------------------------
 
@@ -332,12 +385,16 @@ class Bench:
     # -- results --------------------------------------------------------------------------------------
 
     def journal(self) -> None:
-        """The results program with a few runs and with many."""
+        """The journal's events and starts, and the results program, with a few runs and with many."""
+        appended = journal_speed.append(self.extent.probes)
+        self.results.add_spread("journal, an event until it is on the disk", "ms", appended.durable_ms, {0.99: 100})
+        self.results.add("journal, events without waiting for the disk", "/s", appended.per_second)
+        for runs in (START_RUNS, self.extent.runs):
+            self.results.add(f"journal, start with {runs} runs", "s", journal_speed.start_s(runs), 2)
         few: Dict[str, float] = {}
         for runs in (FEW_RUNS, self.extent.runs):
             commands = {"list": ["list"], "show": ["show", str(runs)], "standings": ["standings"]}
-            # In a small journal, the start of the program would be most of the time of `recover`.
-            for name, taken in results_speed.measure(runs, commands, recovers=runs >= 1000).items():
+            for name, taken in results_speed.measure(runs, commands).items():
                 self.results.add(f"results {name}, {runs} runs", "s", taken.seconds, RESULTS_TARGETS[name])
                 if name in few:
                     growth = taken.seconds / few[name] / (runs / FEW_RUNS)
@@ -345,7 +402,7 @@ class Bench:
                 few[name] = taken.seconds
         few_s = 0.0
         for runs in sorted({min(FEW_RUNS, self.extent.reported_runs), self.extent.reported_runs}):
-            report = results_speed.measure(runs, {"report": ["report"]}, recovers=False)["report"]
+            report = results_speed.measure(runs, {"report": ["report"]})["report"]
             self.results.add(f"results report, {runs} runs", "s", report.seconds, 30)
             self.results.add(f"results report, {runs} runs: memory", "MB", report.memory_mb, 150)
             if few_s:
@@ -373,6 +430,14 @@ class Bench:
                          copying.paired_again_s(self.extent.runs), 30)
 
 
+    # -- robots -------------------------------------------------------------------------------------
+
+    def comm(self) -> None:
+        """STOP from the wire to a program of the robot, and its calls, with the comm nodes of ROS 1 and ROS 2."""
+        comm_nodes.ros1(self.results, self.extent.starts)
+        comm_nodes.ros2(self.results, self.extent.starts)
+
+
 @contextlib.contextmanager
 def box_in_runs(count: int, profile: str = "", idle: Optional[Callable[[Box], None]] = None
                 ) -> Iterator[Tuple[Box, Fleet]]:
@@ -394,15 +459,15 @@ def profile(robots: int, seconds: float) -> None:
 
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
-    "one", "resume", "takeover", "copying", "many", "hundred", "hostile", "messages", "window", "web", "browser", "day",
-    "journal")}
+    "one", "resume", "hung", "takeover", "copying", "many", "hundred", "hostile", "floods", "messages", "window", "web",
+    "browser", "day", "journal", "comm")}
 
 
 def main() -> int:
     """Measure the chosen parts."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("parts", nargs="*", help=f"parts to measure: {', '.join(PARTS)} (default: all)")
-    parser.add_argument("--quick", action="store_true", help="takes about four minutes; numbers are less exact")
+    parser.add_argument("--quick", action="store_true", help="takes about six minutes; numbers are less exact")
     parser.add_argument("--minutes", type=float, help="duration of the load of 100 robots (default: 1, --quick: 0)")
     parser.add_argument("--strict", action="store_true", help="exit with status 1 if a target is missed")
     parser.add_argument("--profile", type=int, metavar="ROBOTS", help="only print a profile of the core")

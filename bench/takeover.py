@@ -5,6 +5,7 @@ Both computers, a witness and the robots are network namespaces, as in test/net.
 
 import math
 import pathlib
+import signal
 import sys
 import tempfile
 import time
@@ -19,8 +20,8 @@ from support.waiting import wait_until  # noqa: E402
 from table import Results, quantile  # noqa: E402
 from two_boxes import BOX, LIMIT_S, STANDBY, STANDBY_PORT, WITNESS, Pair  # noqa: E402
 
-COMMAND, AUTOMATIC, TWO_BOXES = 5.0, 10.0, 1.0
-SILENCE_S = 5
+COMMAND, AUTOMATIC, HUNG, HANDED_OVER, TWO_BOXES = 5.0, 10.0, 7.0, 7.0, 1.0
+SILENCE_S, SHORTEST_S = 5, 2
 # Seconds. Robots leave a box that was silent for 5 s, and an organiser does not press faster.
 BEFORE_COMMAND_S = 6.0
 
@@ -29,7 +30,11 @@ def measure(results: Results, times: int, robots: int) -> None:
     """Measure some takeovers of each kind. Needs root."""
     for name, target, one in ((f"takeover by command to the last of {robots} robots", COMMAND, _by_command),
                               (f"takeover after {SILENCE_S} s of silence to the last of {robots} robots", AUTOMATIC,
-                               _automatic)):
+                               _automatic),
+                              (f"takeover from a computer whose processes are stopped to the last of {robots} robots",
+                               HUNG, _hung),
+                              (f"handover of a stopped core that nobody replaces to the last of {robots} robots",
+                               HANDED_OVER, _handed_over)):
         try:
             taken = _repeat(one, times, robots)
         except NoRight as reason:
@@ -77,6 +82,33 @@ def _automatic(pair: Pair) -> List[float]:
     ports = pair.private_ports(BOX)
     began = pair.now()
     pair.lose_box()
+    return [pair.wait_followed(began, ports), *_legs(pair, began), 0.0]
+
+
+def _hung(pair: Pair) -> List[float]:
+    """All processes of the box are stopped. They continue after the takeover, and must send nothing."""
+    first = pair.begin("--automatic", str(SHORTEST_S), "--witness", address(WITNESS))
+    pair.run()
+    pair.wait_ready()
+    ports = pair.private_ports(BOX)
+    began = pair.now()
+    pair.box.signal(signal.SIGSTOP)
+    taken = [pair.wait_followed(began, ports), *_legs(pair, began), 0.0]
+    continued = pair.now()
+    pair.box.signal(signal.SIGCONT)
+    first.wait_printed("has taken over meanwhile: this core ends")
+    assert pair.sent_to_robots(BOX, continued) == []
+    return taken
+
+
+def _handed_over(pair: Pair) -> List[float]:
+    """All processes of the box are stopped, except the one that copies."""
+    pair.begin()
+    pair.run()
+    pair.wait_ready()
+    ports = pair.private_ports(BOX)
+    began = pair.now()
+    pair.box.signal(signal.SIGSTOP, "roah_rsbb_backup")
     return [pair.wait_followed(began, ports), *_legs(pair, began), 0.0]
 
 

@@ -1,85 +1,116 @@
 #!/usr/bin/env python3
-"""A short robot with ROS 2: the client without ROS, with prepare and execute as tasks of a ROS 2 executor.
+"""A short robot with ROS 2: beside the comm node it takes part in every run. Ctrl-C ends it."""
 
-Not run against ROS 2: the tests of this page use an executor of their own with rclpy's methods.
-
-    ROAH_RSBB_KEY=PASSWORD python3 my_ros2_robot.py MyTeam 192.168.1.255
-"""
-
-import asyncio
-import os
-import sys
+import queue
 import threading
+import time
 
-from roah_rsbb.robot.client import Behaviour, RobotClient
+import rclpy
+from geometry_msgs.msg import Pose2D
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from roah_rsbb_msgs.msg import BenchmarkState
+from roah_rsbb_msgs.srv import ResultHOPF, ResultHPPF, String
+from std_msgs.msg import String as StringMsg
+from std_msgs.msg import UInt32
+from std_srvs.srv import Trigger
 
-
-class InExecutor(Behaviour):
-    """Runs the methods of `robot` in an rclpy executor, so that they can use all of ROS 2.
-
-    `robot` has `prepare(benchmark)` and `execute(benchmark, goal)`, which may be coroutines, and `stop(why)`. The
-    executor's threads call the first two. The client's thread calls `stop`, at once, also while they block: it must
-    only set events or publish.
-    """
-
-    def __init__(self, executor, robot):
-        self._executor, self._robot = executor, robot
-
-    async def prepare(self, benchmark):
-        await self._run(self._robot.prepare, benchmark)
-
-    async def execute(self, benchmark, goal):
-        return await self._run(self._robot.execute, benchmark, goal)
-
-    def stop(self, why):
-        self._robot.stop(why)
-
-    async def _run(self, method, *arguments):
-        loop = asyncio.get_running_loop()
-        ended = asyncio.Event()
-        task = self._executor.create_task(method, *arguments)
-        task.add_done_callback(lambda _: loop.call_soon_threadsafe(ended.set))
-        try:
-            await ended.wait()
-        except asyncio.CancelledError:
-            task.cancel()  # a coroutine is not resumed; `stop` ends what blocks
-            raise
-        if task.exception() is not None:
-            raise task.exception()
-        return task.result()
+WORK_S = 1.0  # seconds that this robot waits instead of working
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for topics with a state
 
 
-class MyRobot:
-    def __init__(self, node):
-        self.node = node
-        self.stopped = threading.Event()
+class MyRobot(Node):
+    def __init__(self):
+        super().__init__("my_robot")
+        self.benchmark, self.waypoint = "", None
+        self.states = queue.Queue()  # callbacks only add states, so that a stop never waits for work
+        # A group of its own: with a MultiThreadedExecutor, STOP comes while other callbacks of this node block.
+        urgent = MutuallyExclusiveCallbackGroup()
+        self.create_subscription(BenchmarkState, "roah_rsbb/benchmark/state", self.on_state, LATCHED,
+                                 callback_group=urgent)
+        self.create_subscription(StringMsg, "roah_rsbb/benchmark/name", self.on_name, LATCHED, callback_group=urgent)
+        self.create_subscription(Pose2D, "roah_rsbb/goal/waypoint", self.on_waypoint, LATCHED, callback_group=urgent)
+        self.saved = self.create_publisher(UInt32, "roah_rsbb/messages_saved", LATCHED)
+        kinds = {"end_prepare": Trigger, "end_execute": Trigger, "end_execute/object": ResultHOPF,
+                 "end_execute/person": ResultHPPF, "notifications": String}
+        group = ReentrantCallbackGroup()
+        self.calls = {name: self.create_client(kind, f"roah_rsbb/{name}", callback_group=group)
+                      for name, kind in kinds.items()}
 
-    def prepare(self, benchmark):
-        self.stopped.clear()
-        self.node.get_logger().info(f"{benchmark}: preparing")
+    def on_state(self, message):
+        self.states.put(message.benchmark_state)
 
-    def execute(self, benchmark, goal):
-        self.node.get_logger().info(f"{benchmark}: executing {goal}")
-        self.stopped.wait(1.0)  # instead of working; HOPF and HPPF return a result: see my_robot.py
+    def on_name(self, message):
+        self.benchmark = message.data
 
-    def stop(self, why):
-        self.stopped.set()
-        self.node.get_logger().info(f"stopped: {why}")  # stop the motors at once
+    def on_waypoint(self, message):
+        self.waypoint = message
+
+    def call(self, name, **fields):
+        """Call a service of the comm node. It answers with a reason if it refuses."""
+        client = self.calls[name]
+        if not client.wait_for_service(5.0):
+            self.get_logger().error(f"{client.srv_name} is missing: start the comm node")
+            return
+        answer = client.call(client.srv_type.Request(**fields))
+        if not answer.success:
+            self.get_logger().warning(answer.message)
+
+    def works(self, seconds=WORK_S, until=lambda: False):
+        """Work for a while. False: a new state came, so stop working at once."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end and not until() and self.states.empty() and rclpy.ok():
+            time.sleep(0.01)
+        return self.states.empty() and rclpy.ok()
+
+    def prepare(self):
+        self.waypoint = None
+        if not self.works(5.0, until=lambda: self.benchmark):  # it is on a topic of its own, so it may come later
+            return
+        print(f"{self.benchmark}: preparing", flush=True)
+        self.saved.publish(UInt32(data=1))  # offline data is being recorded: the box stops a run without it
+        if self.works():
+            self.call("end_prepare")
+
+    def execute(self):
+        if self.benchmark == "HNF" and not self.works(5.0, until=lambda: self.waypoint):
+            return
+        print(f"{self.benchmark}: executing {self.waypoint or ''}", flush=True)
+        if self.benchmark == "HWV":
+            self.call("notifications", data="going to the door")
+        if self.benchmark == "HPFF" or not self.works():
+            return  # HPFF: follow the person until the box stops us
+        if self.benchmark == "HOPF":
+            self.call("end_execute/object", object_class="cups", object_name="red_cup",
+                      object_pose=Pose2D(x=0.42, y=0.17, theta=1.57))
+        elif self.benchmark == "HPPF":
+            self.call("end_execute/person", person_name="Annie", person_pose=Pose2D(x=1.2, y=0.8, theta=3.14))
+        else:
+            self.call("end_execute")
+
+    def run(self):
+        does = {BenchmarkState.PREPARE: self.prepare, BenchmarkState.EXECUTE: self.execute}
+        while rclpy.ok():
+            try:
+                does.get(self.states.get(timeout=0.1), lambda: print("stopped", flush=True))()
+            except queue.Empty:
+                continue
 
 
 def main():
-    import rclpy
-    from rclpy.executors import MultiThreadedExecutor
-
     rclpy.init()
-    node = rclpy.create_node("my_robot")
-    executor = MultiThreadedExecutor()
-    executor.add_node(node)
-    client = RobotClient(sys.argv[1], os.environ.get("ROAH_RSBB_KEY", ""), InExecutor(executor, MyRobot(node)),
-                         rsbb_host=sys.argv[2])
-    client.messages_saved = 1  # offline data is being recorded: the box stops a run without it
-    threading.Thread(target=asyncio.run, args=(client.run(),), daemon=True).start()
-    executor.spin()
+    robot = MyRobot()
+    executor = MultiThreadedExecutor(4)
+    executor.add_node(robot)
+    threading.Thread(target=robot.run, daemon=True).start()
+    try:
+        executor.spin()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        rclpy.try_shutdown()
 
 
 if __name__ == "__main__":

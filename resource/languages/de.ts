@@ -126,6 +126,61 @@
         <translation>{phase}: überzogen um</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/counting.py"/>
+        <source>counts</source>
+        <translation>zählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/counting.py"/>
+        <source>counts as 0</source>
+        <translation>zählt als 0</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/counting.py"/>
+        <source>is not over</source>
+        <translation>ist nicht beendet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/counting.py"/>
+        <source>does not count: never started</source>
+        <translation>zählt nicht: nie gestartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/counting.py"/>
+        <source>no score: all robots at once</source>
+        <translation>keine Wertung: alle Roboter zugleich</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/counting.py"/>
+        <source>does not count: excluded</source>
+        <translation>zählt nicht: ausgenommen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/counting.py"/>
+        <source>does not count: not signed off</source>
+        <translation>zählt nicht: nicht abgeschlossen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/counting.py"/>
+        <source>does not count: a later attempt counts</source>
+        <translation>zählt nicht: ein späterer Versuch zählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/counting.py"/>
+        <source>does not count: a better attempt counts</source>
+        <translation>zählt nicht: ein besserer Versuch zählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/counting.py"/>
+        <source>does not count: a run of the team at this event counts</source>
+        <translation>zählt nicht: ein Lauf des Teams bei diesem Termin zählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/counting.py"/>
+        <source>no score</source>
+        <translation>ohne Wertung</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Referee</source>
         <translation>Schiedsrichter</translation>
@@ -427,13 +482,48 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>NO LINK TO THE BOX since {time}. This is its last known state</source>
-        <translation>KEINE VERBINDUNG ZUR BOX seit {time}. Das ist ihr letzter bekannter Zustand</translation>
+        <source>NO LINK TO THE BOX since {time}. STOP is sent until the box answers</source>
+        <translation>KEINE VERBINDUNG ZUR BOX seit {time}. STOPP wird gesendet, bis die Box antwortet</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>NO LINK TO THE BOX</source>
-        <translation>KEINE VERBINDUNG ZUR BOX</translation>
+        <source>This is the last known state. STOP works</source>
+        <translation>Das ist der letzte bekannte Zustand. STOPP funktioniert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{zone} is not in the schedule. This page shows {other} now</source>
+        <translation>{zone} steht nicht im Zeitplan. Diese Seite zeigt jetzt {other}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{zone} is not in the schedule. To use this device in another zone, pair it again</source>
+        <translation>{zone} steht nicht im Zeitplan. Koppeln Sie dieses Gerät neu, um es in einer anderen Zone zu verwenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The web gateway cannot show this zone now: see its log. STOP works</source>
+        <translation>Das Web-Gateway kann diese Zone gerade nicht zeigen: siehe sein Log. STOPP funktioniert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>A part of this page has failed: {part}. STOP works. Reload the page</source>
+        <translation>Ein Teil dieser Seite ist ausgefallen: {part}. STOPP funktioniert. Laden Sie die Seite neu</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Locked, because nobody has touched this page for a while. STOP works</source>
+        <translation>Gesperrt, weil diese Seite eine Weile nicht berührt wurde. STOPP funktioniert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Slide to unlock</source>
+        <translation>Zum Entsperren schieben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No other zone needs its referee</source>
+        <translation>Keine andere Zone braucht ihren Schiedsrichter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -442,8 +532,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>{command}: press again to confirm</source>
-        <translation>{command}: zur Bestätigung noch einmal drücken</translation>
+        <source>Press again: {command}</source>
+        <translation>Noch einmal drücken: {command}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -467,11 +557,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Warnings</source>
-        <translation>Warnungen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Time</source>
         <translation>Zeit</translation>
     </message>
@@ -492,13 +577,28 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>▶ Continue the run</source>
+        <translation>▶ Lauf fortsetzen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Stopped by mistake? The rules allow a restart: it continues this run.</source>
+        <translation>Aus Versehen gestoppt? Die Regeln erlauben einen Neustart: Er setzt diesen Lauf fort.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>■ STOP</source>
         <translation>■ STOPP</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Hold to stop</source>
-        <translation>Zum Stoppen gedrückt halten</translation>
+        <source>■ STOP ALL</source>
+        <translation>■ ALLE STOPPEN</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>hold</source>
+        <translation>halten</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -552,18 +652,18 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>STOPPING … try {number}. The box has not confirmed it yet</source>
-        <translation>STOPPE … Versuch {number}. Die Box hat es noch nicht bestätigt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>STOP was confirmed by the box</source>
-        <translation>Die Box hat STOPP bestätigt</translation>
+        <source>No run is in progress, so there is nothing to stop</source>
+        <translation>Es läuft kein Lauf, also gibt es nichts zu stoppen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>STOP was refused: {reasons}</source>
         <translation>STOPP wurde abgelehnt: {reasons}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{zone}: STOP WAS NOT DELIVERED. Stop the robot by hand, or press STOP again</source>
+        <translation>{zone}: STOPP NICHT ZUGESTELLT. Halten Sie den Roboter von Hand an, oder drücken Sie STOPP</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -667,6 +767,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>NOT CONFIRMED: {mark}. The box has it, but its standby does not</source>
+        <translation>NICHT BESTÄTIGT: {mark}. Die Box hat die Eingabe, aber ihr Standby nicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Refused: {what}: {reasons}</source>
         <translation>Abgelehnt: {what}: {reasons}</translation>
     </message>
@@ -674,6 +779,11 @@
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Undo: {mark}</source>
         <translation>Ohne: {mark}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Undo</source>
+        <translation>Rückgängig</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -1588,6 +1698,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The run is over, but the robot did not answer STOP: stop it by hand</source>
+        <translation>Der Lauf ist vorbei, aber der Roboter hat nicht auf STOPP geantwortet: Halten Sie ihn von Hand an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
         <source>The run ended by timeout: disconnect, and connect for a new run</source>
         <translation>Die Zeit des Laufs ist abgelaufen: Trennen Sie ihn und verbinden Sie sich für einen neuen Lauf</translation>
     </message>
@@ -1663,6 +1778,26 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Name the team: the zone may have gone to the event of another one</source>
+        <translation>Nennen Sie das Team: Die Zone kann inzwischen beim Termin eines anderen sein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The current event of zone &apos;{zone}&apos; is of team {team}, not of team {named}: choose the event first</source>
+        <translation>Der aktuelle Termin der Zone „{zone}“ ist von Team {team}, nicht von Team {named}: Wählen Sie zuerst den Termin</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Zone &apos;{zone}&apos; is at another event of team {team} now: choose the event first</source>
+        <translation>Zone „{zone}“ ist jetzt bei einem anderen Termin von Team {team}: Wählen Sie zuerst den Termin</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The event is of team {team} now: choose it again</source>
+        <translation>Der Termin ist jetzt von Team {team}: Wählen Sie ihn erneut</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
         <source>Listening for another box before transmitting: {time} s</source>
         <translation>Horche vor dem Senden auf eine andere Box: {time} s</translation>
     </message>
@@ -1688,13 +1823,33 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The robot did not answer STOP: stop it by hand. The box repeats STOP until the disconnect</source>
+        <translation>Der Roboter hat nicht auf STOPP geantwortet: Halten Sie ihn von Hand an. Die Box wiederholt STOPP, bis Sie trennen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
         <source>No message from the robot for {time} s</source>
         <translation>Seit {time} s keine Nachricht vom Roboter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>No message from the robot for {time} s, but its beacons arrive: its program was restarted, or a firewall blocks the private channel. Check whether it moves</source>
+        <translation>Seit {time} s keine Nachricht vom Roboter, aber seine Beacons kommen an: Sein Programm wurde neu gestartet, oder eine Firewall sperrt den privaten Kanal. Prüfen Sie, ob er sich bewegt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The robot has disappeared: no message for {time} s, and no beacon from its address. It may still be moving, and STOP may not reach it: check it</source>
+        <translation>Der Roboter ist verschwunden: seit {time} s keine Nachricht und kein Beacon von seiner Adresse. Er bewegt sich vielleicht noch, und STOPP erreicht ihn vielleicht nicht: Prüfen Sie ihn</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
         <source>Clock skew of {robot} is {skew}, but must be below {limit} s: synchronise the robot&apos;s clock</source>
         <translation>Die Uhr von {robot} weicht um {skew} ab, erlaubt sind weniger als {limit} s: Stellen Sie die Uhr des Roboters</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The core was restarted at {time}, {down} s after its last record</source>
+        <translation>Der Core wurde um {time} neu gestartet, {down} s nach seinem letzten Eintrag</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
@@ -1708,8 +1863,108 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>ANOTHER RSBB is transmitting from {address}: stop it, robots obey both</source>
-        <translation>EINE ANDERE RSBB sendet von {address}: Stoppen Sie sie, die Roboter gehorchen beiden</translation>
+        <source>NOT CONFIRMED: the standby does not have the last entries: {why}. To continue with one computer, delete &apos;durable: two&apos; in {place} and reload</source>
+        <translation>NICHT BESTÄTIGT: Dem Standby fehlen die letzten Einträge: {why}. Um mit einem Computer fortzufahren, löschen Sie &apos;durable: two&apos; in {place}, und laden Sie neu</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>not confirmed: {why}. To continue with one computer, delete &apos;durable: two&apos; in {place} and reload. It counts, and is saved on this computer: do not enter it again. It is confirmed as soon as the standby has it</source>
+        <translation>nicht bestätigt: {why}. Um mit einem Computer fortzufahren, löschen Sie &apos;durable: two&apos; in {place}, und laden Sie neu. Die Eingabe zählt und ist auf dem Computer der Box gespeichert: Geben Sie sie nicht noch einmal ein. Sie wird bestätigt, sobald der Standby sie hat</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>not confirmed: the box at {address} has taken over, and may not have this entry. Look there, and enter it there if it is missing</source>
+        <translation>nicht bestätigt: Die Box auf {address} hat übernommen und hat diese Eingabe vielleicht nicht. Sehen Sie dort nach, und geben Sie sie dort ein, wenn sie fehlt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The standby is {standby} now, instead of {other}. If none of you paired it, a stranger has all results and passwords: pair your standby again, and give the teams new passwords</source>
+        <translation>Der Standby ist jetzt {standby} statt {other}. Wenn niemand von Ihnen ihn gekoppelt hat, hat ein Fremder alle Ergebnisse und Passwörter: Koppeln Sie Ihren Standby erneut, und geben Sie den Teams neue Passwörter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>it did not answer within {time} s</source>
+        <translation>Er hat nicht innerhalb von {time} s geantwortet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>node roah_rsbb_backup does not report. Check that it runs</source>
+        <translation>Der Knoten roah_rsbb_backup meldet sich nicht. Prüfen Sie, ob er läuft</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>the copy is being written. If this lasts, its disk or its connection is too slow</source>
+        <translation>Die Kopie wird geschrieben. Wenn das so bleibt, ist ihr Datenträger oder ihre Verbindung zu langsam</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>the journal of this core is not copied yet. If this lasts, start the node roah_rsbb_backup with the log_dir of the core</source>
+        <translation>Das Journal dieses Core ist noch nicht kopiert. Wenn das so bleibt, starten Sie den Knoten roah_rsbb_backup mit dem log_dir des Core</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>no standby is paired yet. Enter on the box: {command}</source>
+        <translation>Es ist noch kein Standby gekoppelt. Geben Sie auf dem Computer der Box ein: {command}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>no standby is connected since this computer took over. Enter &apos;standby rejoin&apos; on the computer that was the box, or pair another computer</source>
+        <translation>Seit dieser Computer übernommen hat, ist kein Standby verbunden. Geben Sie auf dem Computer, der die Box war, &apos;standby rejoin&apos; ein, oder koppeln Sie einen anderen Computer</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>the standby is not connected. It connects by itself: check that it runs, and its cable</source>
+        <translation>Der Standby ist nicht verbunden. Er verbindet sich von selbst: Prüfen Sie, ob er läuft, und sein Kabel</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>the standby reports: {why}</source>
+        <translation>Der Standby meldet: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>the disk is full. Free space for {folder}</source>
+        <translation>Der Datenträger ist voll. Schaffen Sie Platz für {folder}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>its disk failed to save what was written. It is written again, and what was there before stays until that is complete. If this happens again, replace the disk</source>
+        <translation>Sein Datenträger hat nicht gespeichert, was geschrieben wurde. Es wird noch einmal geschrieben, und was vorher da war, bleibt, bis das vollständig ist. Wenn das wieder vorkommt, ersetzen Sie den Datenträger</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>ANOTHER RSBB is transmitting from {address}, and robots obey both: stop it, or take that computer off the network</source>
+        <translation>EINE ANDERE RSBB sendet von {address}, und die Roboter gehorchen beiden: Stoppen Sie sie, oder nehmen Sie diesen Computer vom Netz</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>ANOTHER RSBB was heard at {address}, so this box sends nothing until you press connect. Stop the other box first, or take that computer off the network if it is none of yours</source>
+        <translation>EINE ANDERE RSBB war von {address} zu hören. Diese Box sendet daher nichts, bis Sie Verbinden drücken. Stoppen Sie zuerst die andere Box, oder nehmen Sie diesen Computer vom Netz, wenn er keiner von Ihren ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Two robots call themselves {robot}: {address} (confirmed by its password) and {others}. Connect and start use the one that knows the password. Give the other one another robot_name, or take it off the network</source>
+        <translation>Zwei Roboter nennen sich {robot}: {address} (durch sein Passwort bestätigt) und {others}. Verbinden und Starten nehmen den, der das Passwort kennt. Geben Sie dem anderen einen anderen robot_name, oder nehmen Sie ihn vom Netz</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Two robots call themselves {robot}: {address} (confirmed by its password) and {others}. Connect and start use the one that knows the password. Give the other one another robot_name, or take it off the network. Their clocks differ: {skew} and {other}</source>
+        <translation>Zwei Roboter nennen sich {robot}: {address} (durch sein Passwort bestätigt) und {others}. Verbinden und Starten nehmen den, der das Passwort kennt. Geben Sie dem anderen einen anderen robot_name, oder nehmen Sie ihn vom Netz. Ihre Uhren weichen ab: {skew} und {other}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Two robots call themselves {robot}: {address} and {others}. Connect and start use the one that knows the password. Give the other one another robot_name, or take it off the network</source>
+        <translation>Zwei Roboter nennen sich {robot}: {address} und {others}. Verbinden und Starten nehmen den, der das Passwort kennt. Geben Sie dem anderen einen anderen robot_name, oder nehmen Sie ihn vom Netz</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Two robots call themselves {robot}: {address} and {others}. Connect and start use the one that knows the password. Give the other one another robot_name, or take it off the network. Their clocks differ: {skew} and {other}</source>
+        <translation>Zwei Roboter nennen sich {robot}: {address} und {others}. Verbinden und Starten nehmen den, der das Passwort kennt. Geben Sie dem anderen einen anderen robot_name, oder nehmen Sie ihn vom Netz. Ihre Uhren weichen ab: {skew} und {other}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Beacons of {robot} from {address} show two clocks: somebody forges this address, or two programs there use the name. Start uses the clock of the one that knows the password. Find the other one and take it off the network</source>
+        <translation>Beacons von {robot} von {address} zeigen zwei Uhren: Jemand fälscht diese Adresse, oder zwei Programme dort nutzen den Namen. Starten nimmt die Uhr dessen, der das Passwort kennt. Suchen Sie den anderen, und nehmen Sie ihn vom Netz</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
@@ -1863,6 +2118,71 @@
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>{withdrawn}, a correction</source>
         <translation>{withdrawn}, eine Korrektur</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>STOP {zone}: sent …</source>
+        <translation>STOPP {zone}: gesendet …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>STOP {zone}: the box has it. Waiting for the robot …</source>
+        <translation>STOPP {zone}: Die Box hat ihn. Warten auf den Roboter …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>STOP {zone}: the robot has stopped</source>
+        <translation>STOPP {zone}: Der Roboter hat angehalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>STOP {zone}: the clock is stopped. The run has no robot</source>
+        <translation>STOPP {zone}: Die Uhr steht. Der Lauf hat keinen Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>STOP {zone}: NOT DELIVERED. Stop the robot by hand. Trying again …</source>
+        <translation>STOPP {zone}: NICHT ZUGESTELLT. Halten Sie den Roboter von Hand an. Neuer Versuch …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>STOP {zone}: NO ANSWER FROM THE ROBOT. Stop it by hand. Trying again …</source>
+        <translation>STOPP {zone}: KEINE ANTWORT DES ROBOTERS. Halten Sie ihn von Hand an. Neuer Versuch …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>sent …</source>
+        <translation>gesendet …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>the box has it …</source>
+        <translation>Box hat es …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>has stopped</source>
+        <translation>steht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>clock stopped</source>
+        <translation>Uhr angehalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>NOT DELIVERED</source>
+        <translation>NICHT ZUGESTELLT</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>NO ANSWER</source>
+        <translation>KEINE ANTWORT</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>{robots} did not answer STOP. After the disconnect the box does not repeat it: stop by hand first</source>
+        <translation>{robots}: keine Antwort auf STOPP. Nach dem Trennen wiederholt die Box STOPP nicht: Halten Sie zuerst von Hand an</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/superseded.py"/>
@@ -2138,6 +2458,41 @@
         <translation>▯▯▯ stumm</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
+        <source>Waiting for the core</source>
+        <translation>Warte auf den Core</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
+        <source>No zone is running</source>
+        <translation>Keine Zone läuft</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
+        <source>Nothing is running in {zone}. Running: {zones}. Choose one of them, or hold STOP ALL</source>
+        <translation>In {zone} läuft nichts. Es laufen: {zones}. Wählen Sie eine davon, oder halten Sie ALLE STOPPEN gedrückt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
+        <source>refused</source>
+        <translation>abgelehnt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
+        <source>{way}, stop by hand: {zones}</source>
+        <translation>{way}, von Hand anhalten: {zones}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
+        <source>✘ {what} failed: {error}</source>
+        <translation>✘ {what} ist fehlgeschlagen: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
+        <source>Stop {zones}</source>
+        <translation>{zones} stoppen</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
         <source>Team</source>
         <translation>Team</translation>
@@ -2198,11 +2553,6 @@
         <translation>Kein Roboter ist zu hören</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>Waiting for the core</source>
-        <translation>Warte auf den Core</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Why was the run stopped? Press Enter to save</source>
         <translation>Warum wurde der Lauf gestoppt? Speichern mit Enter</translation>
@@ -2251,16 +2601,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Start the benchmark (keys: F5 twice)</source>
         <translation>Den Benchmark starten (Tasten: zweimal F5)</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Stop in {zone}</source>
-        <translation>Stoppen in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Stop the benchmark (keys: Esc twice)</source>
-        <translation>Den Benchmark stoppen (Tasten: zweimal Esc)</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -2316,6 +2656,16 @@
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>This ends the run of {robot} in zone {zone}, and it cannot be resumed.</source>
         <translation>Das beendet den Lauf von {robot} in Zone {zone}. Er kann nicht fortgesetzt werden.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>The robot has not stopped. Disconnect?</source>
+        <translation>Der Roboter hat nicht angehalten. Trennen?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>The run is over. Disconnect?</source>
+        <translation>Der Lauf ist vorbei. Trennen?</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -2998,26 +3348,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
-        <source>■ STOP ALL ZONES (hold)</source>
-        <translation>■ ALLE STOPPEN (halten)</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
-        <source>Stop the runs of all zones. Hold the button down (keys: {key} twice).</source>
-        <translation>Die Läufe aller Zonen stoppen. Halten Sie die Schaltfläche gedrückt (Tasten: zweimal {key}).</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
-        <source>To stop all zones, hold the button down until the runs stop</source>
-        <translation>Um alle Zonen zu stoppen, halten Sie die Schaltfläche gedrückt, bis die Läufe stoppen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
-        <source>No zone is running</source>
-        <translation>Keine Zone läuft</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
         <source>Overview</source>
         <translation>Übersicht</translation>
     </message>
@@ -3045,11 +3375,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
         <source>Cancel</source>
         <translation>Abbrechen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
-        <source>✘ {what} failed: {error}</source>
-        <translation>✘ {what} ist fehlgeschlagen: {error}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
@@ -3164,11 +3489,6 @@ Signed by {name}. The sheet cannot be corrected afterwards.</source>
         <translation>{score}
 
 Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>no score</source>
-        <translation>ohne Wertung</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
@@ -3581,28 +3901,98 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
-        <source>Nothing is running in {zone}</source>
-        <translation>In {zone} läuft nichts</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
-        <source>Nothing is running in any zone</source>
-        <translation>In keiner Zone läuft etwas</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
         <source>■ STOP {zones}?  Press {key} again within {time:.0f} s</source>
         <translation>■ {zones} STOPPEN?  Drücken Sie innerhalb von {time:.0f} s noch einmal {key}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
-        <source>Stop {zones}</source>
-        <translation>{zones} stoppen</translation>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
+        <source>Stop the run at once: the button acts when it is pressed (keys: Esc twice)</source>
+        <translation>Den Lauf sofort stoppen: Der Knopf wirkt beim Drücken (Tasten: zweimal Esc)</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
-        <source>✘ Stop failed: {errors}</source>
-        <translation>✘ Stoppen ist fehlgeschlagen: {errors}</translation>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
+        <source>Stop the runs of all zones. Hold the button down (keys: Shift+Esc twice).</source>
+        <translation>Die Läufe aller Zonen stoppen. Halten Sie den Knopf gedrückt (Tasten: zweimal Umschalt+Esc).</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
+        <source>To stop all zones, hold the button down until the runs stop</source>
+        <translation>Um alle Zonen zu stoppen, halten Sie die Schaltfläche gedrückt, bis die Läufe stoppen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
+        <source>⚠ {part} has failed and may show old values. STOP works. The log says more</source>
+        <translation>⚠ {part} ist ausgefallen und zeigt vielleicht alte Werte. STOPP wirkt. Das Protokoll sagt mehr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
+        <source>Esc twice: {zone}</source>
+        <translation>Zweimal Esc: {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
+        <source>{zone} · Esc is off here</source>
+        <translation>{zone} · Esc ist aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
+        <source>STOP and Esc stop {zone}, the only run. You see {shown}</source>
+        <translation>STOPP und Esc stoppen {zone}, den einzigen Lauf. Sie sehen {shown}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
+        <source>The window cannot be smaller: STOP would be cut off</source>
+        <translation>Das Fenster kann nicht kleiner sein: STOPP wäre abgeschnitten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
+        <source>The line beside STOP</source>
+        <translation>Die Zeile neben STOPP</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
+        <source>The line of the other zones</source>
+        <translation>Die Zeile der anderen Zonen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
+        <source>The core is silent. STOP is sent until it answers</source>
+        <translation>Der Core schweigt. STOPP wird gesendet, bis er antwortet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
+        <source>Esc is off: click here first</source>
+        <translation>Esc wirkt nicht: erst hier klicken</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
+        <source>Esc is off, because another window is in front. Press this STOP, or click the window of the RSBB</source>
+        <translation>Esc wirkt nicht, weil ein anderes Fenster vorn ist. Drücken Sie dieses STOPP, oder klicken Sie auf das Fenster der RSBB</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
+        <source>RSBB: runs in progress</source>
+        <translation>RSBB: Läufe im Gang</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
+        <source>RSBB: no run is in progress</source>
+        <translation>RSBB: kein Lauf im Gang</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
+        <source>This STOP closes …</source>
+        <translation>Dieses STOPP schließt sich …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
+        <source>Close until another run begins, or the window of the RSBB is in front again</source>
+        <translation>Schließen, bis ein weiterer Lauf beginnt oder das Fenster der RSBB wieder vorn ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
+        <source>It stays: a STOP has not arrived, or a robot did not answer it</source>
+        <translation>Es bleibt: Ein STOPP ist nicht angekommen, oder ein Roboter hat nicht darauf geantwortet</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>

@@ -1,12 +1,21 @@
 """Files that survive a power failure: whole or unchanged, and on the disk when the function returns."""
 
 import contextlib
+import errno
 import os
 
 # Only the owner may read the file.
 PRIVATE = 0o600
 # As the user's umask says.
 USUAL = 0o666
+SPACE_BYTES = 1 << 19
+# Others may not read the files of log_dir; its group may.
+_UMASK = 0o027
+
+
+def close_to_others() -> None:
+    """Let no new file or folder of this process be open to users outside its group."""
+    os.umask(os.umask(_UMASK) | _UMASK)
 
 
 def write_file(path: str, content: bytes, mode: int = PRIVATE) -> None:
@@ -21,6 +30,20 @@ def write_file(path: str, content: bytes, mode: int = PRIVATE) -> None:
         os.fsync(file.fileno())
     os.replace(draft, path)
     sync(os.path.dirname(path) or ".")
+
+
+def has_space(folder: str) -> bool:
+    """Whether the disk of a folder has space for small files and the beginning of a segment of the journal."""
+    try:
+        disk = os.statvfs(folder or ".")
+    except OSError:
+        return True
+    return disk.f_bavail * disk.f_frsize >= SPACE_BYTES
+
+
+def is_full(error: Exception) -> bool:
+    """Whether an error of the system says that the disk is full."""
+    return getattr(error, "errno", 0) in (errno.ENOSPC, errno.EDQUOT)
 
 
 def sync(path: str) -> None:

@@ -10,15 +10,15 @@ import time
 from typing import Callable, Dict, List, Tuple
 
 import wire
-from box import SPEECH, TEAMS, Box
 from crew import EXECUTE_S, USUAL_EXECUTE_S, Robot, Tablet
 from namespaces import Lan
 from support.waiting import happened, wait_until
 
+from box import SPEECH, TEAMS, Box
 from referee import Referee, Result
 
 FOLDER = pathlib.Path(__file__).resolve().parents[2] / "build" / "net"
-BOX, FLOODER, TABLET, STRANGER, TWIN, IMPOSTOR, OTHER_BOX = 1, 2, 3, 4, 5, 6, 7
+BOX, FLOODER, TABLET, STRANGER, TWIN, IMPOSTOR, OTHER_BOX, FORGER = 1, 2, 3, 4, 5, 6, 7, 8
 FIRST_ROBOT = 11
 ROUNDS = 40
 LIMIT_S = 300.0
@@ -33,7 +33,8 @@ class Net:
         """Raises `NoRight` where such a network cannot be made."""
         self.seed = seed
         self.numbers = {code: FIRST_ROBOT + place for place, code in enumerate(TEAMS)}
-        self.lan = Lan(BOX, [*self.numbers.values(), TABLET, STRANGER, TWIN, IMPOSTOR, OTHER_BOX], [FLOODER], seed)
+        others = TABLET, STRANGER, TWIN, IMPOSTOR, OTHER_BOX, FORGER
+        self.lan = Lan(BOX, [*self.numbers.values(), *others], [FLOODER], seed)
         FOLDER.mkdir(parents=True, exist_ok=True)
         self._lock = os.open(FOLDER, os.O_RDONLY)
         fcntl.flock(self._lock, fcntl.LOCK_EX)  # another such run of this checkout ends first

@@ -2,14 +2,14 @@
 
 import json
 import re
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import rosbag
-from box import SPEECH, Box
-from support.box_client import Refusal
+from support.box_client import NoAnswer, Refusal
 from support.run_logs import RunLog
 from support.waiting import wait_until
 
+from box import SPEECH, Box
 from roah_rsbb.msg import ZoneDetails
 from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneUInt8
 
@@ -128,11 +128,24 @@ class Referee:
                 return True
             try:
                 self._box.command(command, self._code)
-            except Refusal as refused:
-                refusal = str(refused)
+            except (Refusal, NoAnswer) as error:
+                refusal = str(error)
             return False
 
         wait_until(attempt, lambda: f"{command} in {self._code}: {refusal}", LIMIT_S)
+
+    @staticmethod
+    def _until_answered(call: Callable[..., object], *arguments: object) -> None:
+        """Repeat a call that may come twice: the core may be killed just then."""
+
+        def attempt() -> bool:
+            try:
+                call(*arguments)
+            except NoAnswer:
+                return False
+            return True
+
+        wait_until(attempt, "the core answers", LIMIT_S)
 
     def _mark(self) -> None:
         """Mark each scoring item with a different value."""
@@ -141,7 +154,7 @@ class Referee:
                  for desc, kind in zip(group.descriptions, group.types)]
         for place, (group, desc, kind) in enumerate(items):
             value = (place + 1) % 2 if kind == 0 else place + 1
-            self._box.set_score(self._code, group, desc, value)
+            self._until_answered(self._box.set_score, self._code, group, desc, value)
             self._marked[group, desc] = value
 
     def _enter_switches(self) -> None:

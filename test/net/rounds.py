@@ -3,8 +3,9 @@
 from typing import Dict, NamedTuple, Tuple
 
 import troubles
-from box import TEAMS
 from net import Trouble
+
+from box import TEAMS
 
 
 class Plan(NamedTuple):

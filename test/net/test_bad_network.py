@@ -9,12 +9,13 @@ import expected
 import lateness
 import troubles
 import wire
-from box import SPEECH, TEAMS
 from crew import RSBB_PORT
-from net import FLOODER, STRANGER, Net, Round
+from net import FLOODER, FORGER, STRANGER, Net, Round
 from rounds import Plan
 from support.programs import Program
+from support.waiting import wait_until
 
+from box import SPEECH, TEAMS
 from referee import Result
 from roah_rsbb.protocol import BoxState
 
@@ -29,7 +30,7 @@ def test_round(net: Net, plan: Plan, measured: List[str]) -> None:
     net.impair(wire.BAD)
     for code in plan.lossless:
         net.lan.wire(net.numbers[code]).how = wire.BAD._replace(loss=0.0)
-    with Round(net, list(TEAMS)) as played:
+    with _forger(net, plan), Round(net, list(TEAMS)) as played:
         with contextlib.ExitStack() as around:
             if plan.strangers:
                 played.when_connected = lambda: around.enter_context(
@@ -39,6 +40,18 @@ def test_round(net: Net, plan: Plan, measured: List[str]) -> None:
         measured.append(f"{plan.name}: {_lateness(played, results)}")
         measured.extend(_overtaken(played))
     assert not faults, "\n".join(faults)
+
+
+@contextlib.contextmanager
+def _forger(net: Net, plan: Plan) -> Iterator[None]:
+    """Somebody forges the robots' beacons, and the box hears that first."""
+    if not plan.strangers:
+        yield
+        return
+    teams = list(TEAMS.values())
+    with troubles.forged_robots(net.lan.stations[FORGER], teams):
+        wait_until(lambda: {robot.team for robot in net.box.gui.active_robots} >= set(teams), "all are forged")
+        yield
 
 
 def test_flood(net: Net, measured: List[str]) -> None:

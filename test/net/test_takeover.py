@@ -3,7 +3,10 @@
 `make test` runs only the first test; `make test-net NET=--all` and `make test-all` run all.
 """
 
+import os
 import pathlib
+import signal
+import subprocess
 from typing import Iterator, List
 
 import pytest
@@ -127,6 +130,101 @@ def test_an_automatic_takeover(pair: Pair, measured: List[str]) -> None:
     took_s = pair.wait_followed(lost, ports)
     measured.append(f"automatic takeover: robots sent to the standby after {took_s:.1f} s")
     assert "Nothing was heard of the box for 5 s" in pair.follower.text
+
+
+def test_a_box_that_hangs_and_continues(pair: Pair, measured: List[str]) -> None:
+    """All its processes are stopped. When they continue, the core sends nothing before it ends."""
+    first = pair.begin("--automatic", "2", "--witness", address(WITNESS))
+    pair.run()
+    pair.wait_ready()
+    pair.box.referee("score", ALPHA, DOOR, "yes")
+    pair.wait_copied(DOOR)
+    ports = pair.private_ports(BOX)
+    lost = pair.now()
+    pair.box.signal(signal.SIGSTOP)
+    took_s = pair.wait_followed(lost, ports)
+    measured.append(f"takeover after the box hung: robots sent to the standby after {took_s:.1f} s")
+    assert_marked(pair.standby.shows("score", ALPHA))
+    continued = pair.now()
+    pair.box.signal(signal.SIGCONT)
+    first.wait_printed("has taken over meanwhile: this core ends")
+    pair.box.wait_shows("This box is superseded", "status")
+    pair.wait_beacon(STANDBY, pair.now())
+    assert pair.sent_to_robots(BOX, continued) == [], "not one datagram"
+
+
+def test_a_core_that_hangs_is_replaced_on_its_computer(pair: Pair) -> None:
+    """Panels and pages keep their box, and the standby stays the standby."""
+    first = pair.begin("--automatic", "10", "--witness", address(WITNESS))
+    pair.run()
+    pair.wait_ready()
+    ports, hung = pair.private_ports(BOX), pair.box.core()
+    os.kill(hung, signal.SIGSTOP)
+    pair.follower.wait_printed(f"the core of the box at {address(BOX)} does not answer")
+    first.wait_printed(f"The core (process {hung}) has not answered for 2 s: it is stopped")
+    first.wait_printed("process[roah_rsbb_core-", 2)
+    pair.wait_beacon(BOX, pair.now())
+    assert pair.private_ports(BOX) == ports, "the runs continue on their ports"
+    assert pair.sent_to_robots(STANDBY) == [] and "taking over" not in pair.follower.text
+
+
+def test_a_core_that_hangs_and_is_not_replaced_is_handed_over(pair: Pair, measured: List[str]) -> None:
+    """The standby takes over by itself, without an option."""
+    first = pair.begin()
+    pair.run()
+    pair.wait_ready()
+    ports = pair.private_ports(BOX)
+    lost = pair.now()
+    # Only the copy is still made.
+    pair.box.signal(signal.SIGSTOP, "roah_rsbb_backup")
+    took_s = pair.wait_followed(lost, ports)
+    measured.append(f"takeover after a handover: robots sent to the standby after {took_s:.1f} s")
+    assert "its computer hands over: taking over" in pair.follower.text
+    continued = pair.now()
+    pair.box.signal(signal.SIGCONT)
+    first.wait_printed("process[roah_rsbb_core-", 2)
+    pair.box.wait_shows("This box is superseded", "status")
+    pair.wait_beacon(STANDBY, pair.now())
+    assert pair.sent_to_robots(BOX, continued) == []
+
+
+@pytest.fixture
+def disk(tmp_path) -> Iterator[pathlib.Path]:
+    """A disk of its own, mounted here."""
+    image, folder = tmp_path / "image", tmp_path / "disk"
+    folder.mkdir()
+    with image.open("wb") as file:
+        file.truncate(64 << 20)
+    for command in (["mkfs.ext4", "-q", str(image)], ["mount", "-o", "loop", str(image), str(folder)]):
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode:
+            pytest.skip(f"NOT TESTED with a disk that hangs: {done.stderr.strip()}")
+    yield folder
+    subprocess.run(["umount", str(folder)])
+
+
+def test_a_disk_that_hangs(disk: pathlib.Path, pair: Pair, measured: List[str]) -> None:
+    """The core waits in its system call, where it cannot even be killed. The next one waits for its end."""
+    pair.box.log_dir.symlink_to(disk)
+    first = pair.begin()
+    pair.run()
+    pair.wait_ready()
+    pair.box.referee("score", ALPHA, DOOR, "yes")
+    ports, hung = pair.private_ports(BOX), pair.box.core()
+    subprocess.run(["fsfreeze", "--freeze", str(disk)], check=True)
+    lost = pair.now()
+    try:
+        took_s = pair.wait_followed(lost, ports)
+        measured.append(f"takeover after the box's disk hung: robots sent to the standby after {took_s:.1f} s")
+        assert f"The core (process {hung}) has not answered for 2 s: it waits for a disk" in first.text
+        assert_marked(pair.standby.shows("score", ALPHA))
+        taken = pair.now()
+        assert pathlib.Path(f"/proc/{hung}").exists()
+    finally:
+        subprocess.run(["fsfreeze", "--unfreeze", str(disk)], check=True)
+    pair.box.wait_shows("This box is superseded", "status")
+    pair.wait_beacon(STANDBY, pair.now())
+    assert pair.sent_to_robots(BOX, taken) == []
 
 
 def test_robots_do_not_hear_the_box_but_the_standby_does(pair: Pair) -> None:

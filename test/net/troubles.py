@@ -3,7 +3,7 @@ first goal; it returns when it is over."""
 
 import contextlib
 import time
-from typing import Iterator, List
+from typing import Callable, Iterator, List
 
 import wire
 from crew import ROBOT, Impostor, Robot, Stranger, foreign_beacon
@@ -18,6 +18,8 @@ PULLED_S = 3.0
 OFF_S = 1.0
 WILD_S = 1.0
 WILD_TIMES = (-1, 2 ** 32, -2 ** 62, 2 ** 62)
+# A clock that is only a little wrong.
+FORGED_S = 0.3
 # The port of no run.
 NO_PORT = 9999
 LIMIT_S = 60.0
@@ -117,19 +119,35 @@ def _executing(the_round, code: str, held: bool = False):
 
 @contextlib.contextmanager
 def strangers(station: Station, teams: List[str]) -> Iterator[None]:
-    """A second box that lists everybody's robot, and beacons with times that cannot be, under every robot's name."""
+    """A second box that lists everybody's robot, beacons of invented robots, and tablets that cannot be."""
     listed = [pb.BenchmarkingTeam(team_name=team, robot_name=ROBOT, rsbb_port=NO_PORT) for team in teams]
 
     def messages() -> list:
         found = [foreign_beacon(*listed)]
         for seconds in WILD_TIMES:
-            found += [pb.RobotBeacon(team_name=team, robot_name=name, time=wire_time(seconds))
-                      for team in teams for name in (ROBOT, "Wild")]
+            found += [pb.RobotBeacon(team_name=team, robot_name="Wild", time=wire_time(seconds)) for team in teams]
             found.append(pb.TabletBeacon(
                 last_call=wire_time(seconds), last_pos=wire_time(seconds), x=float("nan"), y=1e300))
         return found
 
-    stranger = Stranger(station, messages, period_s=1.0)
+    with _sends(station, messages, period_s=1.0):
+        yield
+
+
+@contextlib.contextmanager
+def forged_robots(station: Station, teams: List[str]) -> Iterator[None]:
+    """Beacons with wrong clocks under every robot's name, from before its first own one."""
+    def messages() -> list:
+        return [pb.RobotBeacon(team_name=team, robot_name=ROBOT, time=wire_time(seconds))
+                for seconds in (*WILD_TIMES, time.time() + FORGED_S) for team in teams]
+
+    with _sends(station, messages, period_s=0.5):
+        yield
+
+
+@contextlib.contextmanager
+def _sends(station: Station, messages: Callable[[], list], period_s: float) -> Iterator[None]:
+    stranger = Stranger(station, messages, period_s)
     try:
         yield
     finally:

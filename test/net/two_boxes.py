@@ -7,18 +7,17 @@ import re
 import shutil
 import signal
 import socket
-import sqlite3
 import subprocess
 import sys
 import time
-from typing import Any, Dict, List, NamedTuple, Optional
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional
 
 from crew import RSBB_PORT, Robot, password_of
 from namespaces import BROADCAST, INTERFACE, Host, Station, Switch, address, other_address, run_ip
 from support.programs import Program, own
 from support.waiting import happened, wait_until
 
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.file import FILE_NAME, holder_of
 from roah_rsbb.robot.effects import Problem
 
 BOX, STANDBY, WITNESS, FIRST_ROBOT = 1, 2, 3, 11
@@ -184,16 +183,32 @@ class Computer:
 
     def burn(self) -> None:
         """Kill all its processes."""
+        self.signal(signal.SIGKILL)
+        for program in self._programs:
+            program.wait_ended(LIMIT_S)
+
+    def _processes(self) -> Iterator[int]:
         mine = os.stat(self.station.host.path).st_ino
         for pid in [int(name) for name in os.listdir("/proc") if name.isdigit() and int(name) != os.getpid()]:
             with contextlib.suppress(OSError):
                 if os.stat(f"/proc/{pid}/ns/net").st_ino == mine:
-                    os.kill(pid, signal.SIGKILL)
-        for program in self._programs:
-            program.wait_ended(LIMIT_S)
+                    yield pid
+
+    def signal(self, number: int, *but: str) -> None:
+        """Send a signal to all its processes, but not to nodes with these names."""
+        for pid in self._processes():
+            with contextlib.suppress(OSError):
+                if not any(f"__name:={name}\0".encode() in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes()
+                           for name in but):
+                    os.kill(pid, number)
+
+    def core(self) -> int:
+        """The process of its core."""
+        return holder_of(str(self.log_dir))
 
     def close(self) -> None:
-        """End all its programs."""
+        """End all its programs, also those that a test stopped."""
+        self.signal(signal.SIGCONT)
         for program in reversed(self._programs):
             program.signal(signal.SIGINT)
         for program in self._programs:
@@ -245,8 +260,10 @@ class Pair:
         """Start box, standby and robots; returns the box's program. `follow`: options of the standby. `host`: to which
         robots send."""
         box = self.box.box()
-        box.wait_printed("with the code")
-        code = re.search("with the code ([A-Z0-9-]+)", box.text).group(1)
+        for ready in ("For a code, enter", "Listening on UDP"):
+            box.wait_printed(ready)
+        shown = self.box.run("standby", "code", "--log-dir", str(self.box.log_dir)).text
+        code = re.search("The code is ([A-Z0-9-]+)", shown).group(1)
         self.follower = self.standby.follow(address(BOX), "--code", code, *follow)
         if has_robots:
             self.robots = [Robot(self.stations[FIRST_ROBOT + place], team, EXECUTE_S, 1, host=host)
@@ -344,10 +361,7 @@ class Pair:
 
 
 def _has(path: pathlib.Path, text: str) -> bool:
-    uri = f"file:{path}?mode=ro"
-    with contextlib.suppress(sqlite3.Error), contextlib.closing(sqlite3.connect(uri, uri=True)) as journal:
-        return journal.execute("SELECT count(*) FROM entries WHERE value LIKE ?", (f"%{text}%",)).fetchone()[0] > 0
-    return False
+    return any(text.encode("utf-8") in segment.read_bytes() for segment in path.glob("*.log"))
 
 
 def zone_of(team: str) -> str:

@@ -1,8 +1,7 @@
-// Commands of a paired device: STOP until it is confirmed, and marks until each was answered (docs/web.md, "Referees").
+// Commands of a paired device, and marks until each was answered (docs/web.md, "Referees"). STOP is in stop.js.
 
 import {ask} from "/assets/device.js";
 
-const STOP_AGAIN_MS = 500;
 const MARK_AGAIN_MS = 2000;
 // A mark without an answer is shown as not confirmed.
 const LATE_MS = 1000;
@@ -10,11 +9,10 @@ const LATE_MS = 1000;
 const MARKS_AT_ONCE = 2;
 // Each mark has a key of its own: several tabs of a browser keep theirs beside each other.
 const KEPT = "roah_rsbb_mark ";
-const STOPPING = "roah_rsbb_stop";
 // Answers after which a mark is sent again: whether it counted is not known, or the box was not ready.
 const AGAIN = [0, 401, 429, 503, 504];
-
-const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+// The box has the mark, but its standby does not: the mark is sent again until both have it.
+const ON_ONE_COMPUTER = 202;
 
 // The answer is in the language of the page.
 export const send = (name, body) => ask("POST", `commands/${name}`, {language: document.documentElement.lang, ...body});
@@ -25,89 +23,6 @@ function tryTo(act) {
     return act();
   } catch (error) {
     return null;
-  }
-}
-
-// Phones make sounds only after a touch, and iPhones only if the sound was allowed while they were touched.
-let audio = null;
-window.addEventListener("click", () => {
-  audio = audio || new AudioContext();
-  if (audio.state !== "running") {
-    audio.resume();
-  }
-});
-
-// A short tone, and a vibration where there is one.
-export function signal(frequency, pattern) {
-  if (navigator.vibrate) {
-    navigator.vibrate(pattern);
-  }
-  try {
-    audio = audio || new AudioContext();
-    pattern.forEach((ms, number) => {
-      if (number % 2 === 0) {
-        const begin = audio.currentTime + pattern.slice(0, number).reduce((sum, each) => sum + each, 0) / 1000;
-        const tone = audio.createOscillator(), volume = audio.createGain();
-        tone.frequency.value = frequency;
-        volume.gain.value = 0.3;
-        tone.connect(volume).connect(audio.destination);
-        tone.start(begin);
-        tone.stop(begin + ms / 1000);
-      }
-    });
-  } catch (error) {
-    // Without sound the page still shows it.
-  }
-}
-
-// One STOP of one run, repeated until the box confirms or refuses it. It never stops another run.
-export class Stop {
-  constructor(zone, identity, onChange) {
-    this.zone = zone;
-    this.identity = identity;
-    this.tries = 0;
-    this.state = "sending";  // then confirmed or refused: only the answer ends it, never what the page shows
-    this.reasons = [];
-    this.onChange = onChange;
-  }
-
-  // The one that this tab did not finish, as it was reloaded; null: there is none.
-  static unfinished(onChange) {
-    const kept = tryTo(() => JSON.parse(sessionStorage.getItem(STOPPING)));
-    return kept && new Stop(kept.zone, kept.identity, onChange);
-  }
-
-  async repeat() {
-    const kept = JSON.stringify({zone: this.zone, identity: this.identity});
-    while (this.state === "sending") {
-      this.tries += 1;
-      const asked = send("stop", {zone: this.zone, identity: this.identity});
-      tryTo(() => sessionStorage.setItem(STOPPING, kept));
-      this.show();
-      // The next try does not wait for an answer that may never come.
-      const answer = await Promise.race([asked, wait(STOP_AGAIN_MS * 4).then(() => ({status: 0, body: {}}))]);
-      if (answer.status === 200) {
-        this.state = "confirmed";
-      } else if ([400, 401, 403, 409].includes(answer.status)) {
-        this.state = "refused";
-        this.isPaired = answer.status !== 401;
-        this.reasons = answer.body.reasons;
-      } else {
-        signal(880, [200, 100, 200]);
-        await wait(STOP_AGAIN_MS);
-      }
-    }
-    tryTo(() => sessionStorage.getItem(STOPPING) === kept && sessionStorage.removeItem(STOPPING));
-    this.show();
-  }
-
-  // A page that cannot be drawn does not end STOP.
-  show() {
-    try {
-      this.onChange();
-    } catch (error) {
-      console.error(error);
-    }
   }
 }
 
@@ -133,31 +48,45 @@ export class Marks {
 
   again() {
     if (this.isLinked()) {
+      this.waiting.forEach((mark) => { mark.isDue = true; });
       this.sendNext();
     }
   }
 
-  // Those of an item one after the other: they must arrive as they were entered.
+  // Those of an item one after the other: they must arrive as they were entered. Those that the box has wait for
+  // nobody, and nobody waits for them.
   sendNext() {
     const items = new Set();
-    for (const mark of this.waiting) {
+    for (const mark of this.waiting.filter((one) => !one.isAtBox)) {
       const item = [mark.identity, mark.group, mark.desc].join("\n");
       if (!items.has(item) && !this.isSending.has(mark.id) && this.isSending.size < MARKS_AT_ONCE) {
         this.send(mark);
       }
       items.add(item);
     }
+    for (const mark of this.waiting.filter((one) => one.isAtBox && one.isDue)) {
+      if (!this.isSending.has(mark.id) && this.isSending.size < MARKS_AT_ONCE) {
+        this.send(mark);
+      }
+    }
   }
 
   async send(mark) {
     this.isSending.add(mark.id);
-    const {shown, isLate, isUndo, made, command = "mark", ...body} = mark;
+    const {shown, isLate, isUndo, isAtBox, isDue, made, command = "mark", ...body} = mark;
+    mark.isDue = false;
     const late = setTimeout(() => this.isNotConfirmed(mark), LATE_MS);
     const answer = await send(command, body);
     clearTimeout(late);
     this.isSending.delete(mark.id);
     if (AGAIN.includes(answer.status)) {
       this.isNotConfirmed(mark);
+      return;
+    }
+    if (answer.status === ON_ONE_COMPUTER) {
+      mark.isAtBox = true;
+      this.isNotConfirmed(mark);
+      this.sendNext();
       return;
     }
     this.waiting = this.waiting.filter((one) => one.id !== mark.id);

@@ -3,7 +3,6 @@
 import {html, useEffect, useState} from "/assets/parts.js";
 import {reasonsText} from "/assets/device.js";
 import {send} from "/assets/commands.js";
-import {Command} from "/assets/buttons.js";
 import {Sheet} from "/assets/sheet.js";
 
 // `undo(mark)` takes the last mark of this device back.
@@ -11,7 +10,6 @@ export function Correction({zone, run, marks, texts, undo}) {
   const [isOpen, setOpen] = useState(false);
   const [sheet, setSheet] = useState(null);
   const [trouble, setTrouble] = useState("");
-  const last = marks.last(run.identity);
   useEffect(() => {
     let isCurrent = isOpen;
     if (isOpen) {
@@ -32,8 +30,6 @@ export function Correction({zone, run, marks, texts, undo}) {
     ${isOpen && trouble && html`<p class="alarm" role="alert">${trouble}</p>`}
     ${isOpen && sheet && html`
       <div class="correction">
-        <${Sheet} zone=${{...sheet, zone: zone.zone, identity: run.identity}} marks=${marks} texts=${texts} />
-        ${last && html`<${Command} name="undo_correction" label=${texts.undo.replace("{mark}", () => last.shown)}
-          act=${() => undo(last)} />`}
+        <${Sheet} zone=${{...sheet, zone: zone.zone, identity: run.identity}} marks=${marks} texts=${texts} undo=${undo} />
       </div>`}`;
 }

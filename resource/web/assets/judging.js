@@ -158,10 +158,11 @@ function Objections({run, objections, give, texts}) {
   return html`
     <details>
       <summary>${texts.publication}${run.publication && `: ${run.publication}`}</summary>
-      <label>${texts.objection_time}
-        <select class="objection-time" onChange=${(event) => setSeconds(Number(event.target.value))}>
-          ${texts.objection_times.map(([value, text]) => html`<option value=${value} selected=${value === seconds}>${text}</option>`)}
-        </select></label>
+      <p>${texts.objection_time}</p>
+      <div class="controls objection-time">
+        ${texts.objection_times.map(([value, text]) => html`
+          <button type="button" aria-pressed=${value === seconds} onClick=${() => setSeconds(value)}>${text}</button>`)}
+      </div>
       <${Twice} name="publish" label=${texts.publish} question=${texts.really}
         reasons=${run.is_over ? [] : [texts.not_over]} act=${() => ask("publish", texts.publish, {seconds})} />
       <ul>${objections.map((one) => html`

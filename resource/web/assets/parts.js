@@ -1,9 +1,9 @@
 // Parts that several pages share.
 
-import {html, render, useEffect, useLayoutEffect, useRef, useState} from "/assets/vendor/preact-htm.js";
+import {Component, html, render, useEffect, useLayoutEffect, useRef, useState} from "/assets/vendor/preact-htm.js";
 import {Live} from "/assets/live.js";
 
-export {html, useEffect, useLayoutEffect, useRef, useState};
+export {Component, html, useEffect, useLayoutEffect, useRef, useState};
 
 export const parameters = new URLSearchParams(location.search);
 // A long text shrinks to at most this share of its size. Then it is shortened: it must stay legible.

@@ -1,11 +1,12 @@
 // The page of a referee, judge or organiser on a phone, tablet or laptop (docs/web.md, "Referees").
 
-import {address, clockText, html, parameters, useEffect, useRef, useState} from "/assets/parts.js";
+import {Component, address, html, parameters, useEffect, useRef, useState} from "/assets/parts.js";
 import {render} from "/assets/vendor/preact-htm.js";
 import {Live} from "/assets/live.js";
 import {ask, reasonsText, roleText} from "/assets/device.js";
-import {Marks, Stop, send, signal} from "/assets/commands.js";
-import {Command, Hold, Twice} from "/assets/buttons.js";
+import {Marks, send} from "/assets/commands.js";
+import {Cells, Command, Twice} from "/assets/buttons.js";
+import {lockWhenIdle} from "/assets/lock.js";
 import {Correction} from "/assets/correction.js";
 import {HeadReferee, JudgeRun, Publication} from "/assets/judging.js";
 import {ADD, RefusedMark, Sheet} from "/assets/sheet.js";
@@ -14,15 +15,36 @@ const SILENT_S = 2.2;
 const ASK_AGAIN_MS = 1500;
 const SOON = 1;
 const SWITCHES = 10;
-const STILL_MS = 400;
-const LOOK_MS = 250;
-const SLEPT_MS = 1000;
+const CHANGED_MS = 600;
 
 const language = parameters.get("language") || "";
-const state = {session: undefined, live: null, known: null, stop: null, said: "", place: "", marks: null, tick: null};
+const place = document.getElementById("page");
+const {strip} = window;  // STOP: see stop.js
+const state = {session: undefined, live: null, known: null, said: "", place: "", marks: null, tick: null, isChoosing: false,
+  shown: "",  // the zone that was shown last
+  gone: ""};  // that a zone is gone, until the reader touches the page
 
 function draw() {
-  render(html`<${Page} />`, document.getElementById("page"));
+  render(html`<${Guard} name="page"><${Page} /><//>`, place);
+}
+
+// A part of the page that fails says so in its place. The others work, and the next update tries it again.
+class Guard extends Component {
+  componentDidCatch(error) {
+    strip.failed(this.props.name, error);
+    this.isTried = true;
+    this.setState({error});
+  }
+  componentWillReceiveProps() {
+    this.setState({error: null});
+  }
+  componentDidUpdate() {
+    this.state.error || this.isTried || strip.works(this.props.name);
+    this.isTried = false;
+  }
+  render({name, children}, {error}) {
+    return error ? html`<p class="failed" role="alert">⚠ ${name}: ${String(error.message || error)}</p>` : children;
+  }
 }
 
 // -- the connection -----------------------------------------------------------------------------------
@@ -31,9 +53,11 @@ async function begin() {
   const answer = await ask("GET", "session");
   if (answer.status === 200) {
     state.session = answer.body;
+    strip.pair(true);
     open(answer.body.zone || parameters.get("zone") || "");
   } else if (answer.status === 401) {
     state.session = null;
+    strip.pair(false);
     if (state.live) {
       state.live.close();
     }
@@ -47,7 +71,8 @@ function open(zone) {
   if (zone !== state.zone) {
     state.known = null;
   }
-  state.zone = zone;
+  state.zone = state.shown = zone;
+  strip.show(zone);
   if (state.live) {
     state.live.close();
   }
@@ -80,21 +105,37 @@ function changed(names = []) {
   if (names.length === 0 && state.session) {
     check();
   }
-  const zone = zoneNow(), zones = state.live.data["page.zones"];
+  const zone = zoneNow(), zones = state.live.data["page.zones"], texts = state.live.data["page.device_words"];
+  if (texts) {
+    strip.speak(texts, whyNoStop);
+  }
+  if (zone) {
+    state.shown = zone.zone;
+    strip.show(zone.zone);
+  }
+  if (isGone(zones) && !state.session.zone) {
+    const known = zones.map((one) => one.zone), other = known.includes(strip.other()) ? strip.other() : known[0];
+    state.gone = texts ? texts.zone_gone.replace("{zone}", () => state.shown).replace("{other}", () => other) : "";
+    openZone(other);
+    return;
+  }
   if (!state.zone && !zone && zones && zones.length > 0) {
     open(zones[0].zone);  // an organiser, and the gateway did not know the zones before
     return;
   }
   if (zone && state.live.silentSince === null) {
-    const place = [zone.event, zone.identity, zone.phase].join();
-    state.said = place === state.place ? state.said : "";  // why it was refused is no news any more
-    state.place = place;
-    if (state.stop && state.stop.state !== "sending" && zone.phase !== "running") {
-      state.stop = null;  // what the box answered is no news any more
-    }
+    const now = [zone.event, zone.identity, zone.phase].join();
+    state.said = now === state.place ? state.said : "";  // why it was refused is no news any more
+    state.place = now;
     state.marks.again();
   }
   draw();
+}
+
+// Whether the zone that was shown is not in the schedule: `reload` may have removed it.
+function isGone(zones) {
+  return Boolean(state.session && state.shown && zones && zones.length > 0) && state.live.silentSince === null
+    && zones.every((one) => one && one.zone !== state.shown);
 }
 
 // The pairing may have been ended while the page was open, or another one made in another tab.
@@ -107,15 +148,7 @@ async function check() {
 }
 setInterval(() => state.session && state.live.silentSince !== null && check(), 2 * ASK_AGAIN_MS);
 
-// While a phone or laptop sleeps, the clock of its pages may be stopped, so they notice no silence.
-let slept = Date.now() - performance.now();
-setInterval(() => {
-  const now = Date.now() - performance.now();
-  if (Math.abs(now - slept) > SLEPT_MS && state.session && state.live) {
-    state.live.wake();
-  }
-  slept = now;
-}, LOOK_MS);
+window.addEventListener("wake", () => state.session && state.live && state.live.wake());
 window.addEventListener("offline", () => state.live && state.live.socket && state.live.reconnect(state.live.socket));
 
 // -- commands -----------------------------------------------------------------------------------------
@@ -132,18 +165,14 @@ async function give(name, texts, label, more = {}) {
   return answer.status === 200;
 }
 
-function stopRun(zone) {
-  if (state.stop && state.stop.state === "sending" && state.stop.identity === zone.identity) {
-    return;
-  }
-  repeatStop(new Stop(zone.zone, zone.identity, draw));
-  signal(660, [150]);  // after it is sent: the first sound takes long on a phone
+// Why the box does not let STOP be pressed in a zone, and whether a robot may be moving there.
+function whyNoStop(name) {
+  const zone = state.live && state.live.data["page.zone"];
+  return zone && zone.zone === name ? [zone.off.stop.join("; "), isMoving(zone)] : null;
 }
 
-function repeatStop(stop) {
-  state.stop = stop;
-  stop.repeat();
-}
+// Whether a robot did not answer STOP.
+const isMoving = (zone) => Boolean(zone.leaving) && zone.is_urgent;
 
 async function undo(last, texts) {
   if (last.change === ADD) {
@@ -158,11 +187,12 @@ async function undo(last, texts) {
 
 function Figure({figure, isMain}) {
   return html`
-    <div class="figure ${isMain ? "first" : ""} ${figure.hurry ? "hurry" : ""}">
-      <span class="label">${figure.label}</span> <span class="time">${figure.text}</span>
+    <div class="figure ${isMain ? "first" : ""} ${figure && figure.hurry ? "hurry" : ""}">
+      ${figure && html`<span class="label">${figure.label}</span> <span class="time">${figure.text}</span>`}
     </div>`;
 }
 
+// Each line has its place, also while there is nothing to say: what moved under a finger would be hit by mistake.
 function Run({zone, texts}) {
   const [, redraw] = useState(0);
   const clock = state.live.data["page.clock"];
@@ -171,38 +201,64 @@ function Run({zone, texts}) {
     return () => (state.tick = null);
   }, []);
   useSignals(zone, clock);
+  const {main = null, goal = null, pause = "", aside = ""} = clock || {};
   return html`
     <section class="run ${zone.phase}">
-      <h1 class="team">${zone.team}</h1>
-      <p class="title">${zone.title}</p>
-      <p class="facts">${zone.facts}</p>
-      <p class="phase"><span class="unseen">${texts.state}: </span>${zone.phase_text}${zone.robot && ` · ${zone.robot}`}</p>
-      ${clock && html`
-        <div class="times">
-          ${clock.pause && html`<p class="pause">${clock.pause}</p>`}
-          <${Figure} figure=${clock.main} isMain />
-          ${clock.goal && html`<${Figure} figure=${clock.goal} />`}
-          ${clock.aside && html`<p class="facts">${clock.aside}</p>`}
-        </div>`}
-      <p class="todo ${zone.is_urgent ? "urgent" : ""}" role="status">${zone.todo}</p>
-      <ul class="state">${zone.state.map((line) => html`<li>${line}</li>`)}</ul>
+      <h1 class="team short">${zone.team}</h1>
+      <p class="title short">${zone.title}</p>
+      <p class="facts short">${zone.facts}</p>
+      <p class="phase short"><span class="unseen">${texts.state}: </span>${[zone.phase_text, zone.robot].filter(Boolean).join(" · ")}</p>
+      <div class="times">
+        <${Figure} figure=${main} isMain />
+        <${Figure} figure=${goal} />
+        <p class="short ${pause ? "pause" : "facts"}">${pause || aside}</p>
+      </div>
     </section>`;
 }
+
+// What the referee must do and know now. It scrolls in a place that keeps its size. Controls come first, where nothing
+// moves them. When a line changes, all lines are new ones: so none moves.
+function Now({zone, texts, judge}) {
+  const {marks} = state;
+  const late = marks.waiting.filter((mark) => mark.isLate);
+  const mayContinue = !judge && zone.phase === "ended" && zone.off.start.length === 0;
+  const operation = !judge && zone.operation;
+  return html`
+    <section class="now ${operation ? "operation" : ""}" tabindex="0" aria-label=${texts.state}>
+      ${operation && html`<${Operation} key="${zone.identity} ${operation.number}" zone=${zone} texts=${texts} />`}
+      ${!judge && zone.robots.length > 0 && html`<div class="controls">${zone.robots.map((robot) => html`
+        <${Command} key=${robot} label=${texts.connect_robot.replace("{robot}", () => robot)}
+          act=${() => give("connect_robot", texts, robot, {robot})} />`)}</div>`}
+      ${marks.refused.map((mark) => html`<${RefusedMark} key=${mark.id} mark=${mark} marks=${marks} texts=${texts} />`)}
+      <div role="status" key=${JSON.stringify([late, operation, mayContinue, zone.todo, zone.warnings, zone.state])}>
+        ${late.map((mark) => html`<p class="alarm">${lateText(mark, texts)}</p>`)}
+        ${!operation && html`<p class="todo ${zone.is_urgent ? "urgent" : ""}">${zone.todo}</p>`}
+        ${mayContinue && html`<p>${texts.may_continue}</p>`}
+        <ul class="warnings">${zone.warnings.map((text) => html`<li>⚠ ${text}</li>`)}</ul>
+        <ul class="state">${zone.state.map((line) => html`<li>${line}</li>`)}</ul>
+      </div>
+    </section>`;
+}
+
+const lateText = (mark, texts) => (mark.isAtBox ? texts.not_on_standby : texts.not_confirmed)
+  .replace("{mark}", () => `${mark.desc}: ${mark.shown}`);
+const refusedText = (mark, texts) => texts.refused.replace("{what}", () => `${mark.desc}: ${mark.shown}`)
+  .replace("{reasons}", () => mark.reasons.join("; "));
 
 function Operation({zone, texts}) {
   const [typed, setTyped] = useState("");
   const {operation} = zone;
   const answer = (text) => give("operation", texts, texts.operation, {operation: operation.number, answer: text});
   return html`
-    <section class="operation">
-      <h2>${texts.operation}</h2>
-      <p class="todo urgent">${operation.text}</p>
-      ${operation.choices.map((choice) => html`<${Command} label=${choice} act=${() => answer(choice)} />`)}
+    <h2>☞ ${texts.operation}</h2>
+    <p class="asked" role="alert">${operation.text}</p>
+    <div class="controls">
+      ${operation.choices.map((choice) => html`<${Command} key=${choice} label=${choice} act=${() => answer(choice)} />`)}
       ${operation.choices.length === 0 && html`<${Command} label=${texts.done} act=${() => answer(typed)} isMain />`}
-      ${operation.asks_text && html`
-        <label>${texts.answer}<input maxlength="200" value=${typed} onInput=${(event) => setTyped(event.target.value)} /></label>
-        <${Command} label=${texts.save} act=${() => answer(typed)} />`}
-    </section>`;
+    </div>
+    ${operation.asks_text && html`
+      <label>${texts.answer}<input maxlength="200" value=${typed} onInput=${(event) => setTyped(event.target.value)} /></label>
+      <${Command} label=${texts.save} act=${() => answer(typed)} />`}`;
 }
 
 function Switches({zone, texts}) {
@@ -229,35 +285,38 @@ function Switches({zone, texts}) {
 }
 
 function Commands({zone, texts}) {
-  const next = {idle: "connect", connected: "start", ended: "leave"}[zone.phase];
-  const button = (name) => html`
-    <${Command} name=${name} label=${texts[name]} reasons=${zone.off[name]} isMain=${name === next}
-      act=${() => give(name, texts, texts[name])} />`;
-  const twice = (name, more = {}) => html`
-    <${Twice} key="${name} ${zone.event} ${zone.identity}" name=${name} label=${texts[name]} question=${texts.really}
-      reasons=${zone.off[name]} act=${() => give(name, texts, texts[name], more)} isMain=${name === next} />`;
+  const next = zone.leaving ? "" : {idle: "connect", connected: "start", ended: "leave"}[zone.phase];
+  const isOver = zone.phase === "ended";
+  const one = (name, more = {}) => ({
+    name, label: texts[name], question: texts.really, reasons: zone.off[name], isMain: name === next,
+    act: () => give(name, texts, texts[name]), ...more,
+  });
+  const twice = (name) => one(name, {isTwice: true, of: `${zone.event} ${zone.identity}`});
+  // A command that hits one team names it, and its event.
+  const ofTeam = (name) => ({
+    ...twice(name), act: () => give(name, texts, texts[name], {team: zone.team, event: zone.event_id}),
+  });
+  // One that leaves the run.
+  const leaves = (command) => ({...command, warning: isMoving(zone) ? zone.leaving : ""});
+  const resumes = zone.off.resume.length === 0;
   return html`
     <section class="commands">
-      <h2>${texts.commands}</h2>
-      <div class="grid">
-        ${zone.phase === "idle" && button("connect")}
-        ${zone.robots.map((robot) => html`
-          <${Command} label=${texts.connect_robot.replace("{robot}", () => robot)}
-            act=${() => give("connect_robot", texts, robot, {robot})} />`)}
-        ${["idle", "connected"].includes(zone.phase) && button("start")}
-        ${zone.phase === "ended" && twice("start")}
-        ${["connected", "ended"].includes(zone.phase) && html`
-          <${Twice} key="leave ${zone.identity}" name="leave" label=${texts.leave} question=${texts.really} reasons=${zone.off.leave}
-            isMain=${next === "leave"} act=${() => give("leave", texts, texts.leave, {identity: zone.identity})} />`}
-        ${zone.has_pause && (zone.off.resume.length === 0 ? button("resume") : button("pause"))}
-        ${zone.has_phases && [button("previous_phase"), button("next_phase")]}
-      </div>
+      <${Cells} commands=${[
+        one("connect"),
+        isOver ? {...twice("start"), label: texts.continue, of: "again"} : one("start"),
+        leaves(one("leave", {isTwice: true, of: zone.identity,
+          act: () => give("leave", texts, texts.leave, {identity: zone.identity})})),
+        ...(zone.has_pause ? [one(resumes ? "resume" : "pause")] : []),
+        ...(zone.has_phases ? [one("previous_phase"), one("next_phase")] : []),
+      ]} />
       <details>
-        <summary>${texts.more}</summary>
-        <div class="grid">
-          ${twice("previous")}${twice("next")}
-          ${twice("open_sheet")}${twice("no_show")}${twice("withdrawn")}
-        </div>
+        <summary class="short">${texts.more}</summary>
+        <${Cells} commands=${[twice("previous"), twice("next"), ofTeam("open_sheet"), ofTeam("no_show"),
+          leaves(ofTeam("withdrawn"))]} />
+      </details>
+      <details>
+        <summary class="short">${texts.stop_reason}</summary>
+        <${Reason} key=${zone.identity} zone=${zone} texts=${texts} />
       </details>
     </section>`;
 }
@@ -275,16 +334,24 @@ function Reason({zone, texts}) {
     <form class="reason" onSubmit=${save}>
       <label>${texts.stop_reason}
         <input maxlength="200" value=${typed} onInput=${(event) => setTyped(event.target.value)} /></label>
-      <button>${texts.save}</button>
+      <button disabled=${zone.phase !== "ended"}>${texts.save}</button>
       ${saved && html`<p role="status">${texts.saved}: ${saved}</p>`}
     </form>`;
 }
 
-function Unsigned({zone, texts}) {
-  return zone.unsigned.length > 0 && html`
-    <section class="unsigned">
-      <h2>${texts.unsigned}</h2>
-      <ul>${zone.unsigned.map((run) => html`
+// The runs that are over: their sheets, their judges, their results. It is closed until the referee opens it: so it
+// moves nothing during a run.
+function Over({zone, texts}) {
+  const judged = zone.judging.filter((run) => run.count > 0);
+  const identities = new Set([...judged, ...zone.unsigned].map((run) => run.identity));
+  const differences = judged.reduce((sum, run) => sum + run.differences, 0);
+  return html`
+    <details class="over">
+      <summary class="short">${texts.unsigned}: ${identities.size}${differences > 0
+        && ` · ⚠ ${texts.differences.replace("{number}", () => differences)}`}</summary>
+      ${judged.map((run) => html`
+        <${HeadReferee} key=${run.identity} zone=${zone.zone} run=${run} texts=${texts} give=${give} />`)}
+      <ul class="unsigned">${zone.unsigned.map((run) => html`
         <li key=${run.identity}>
           <p><strong>${run.title}</strong></p>
           <p>${run.end}${run.score && ` · ${run.score}`}</p>
@@ -296,23 +363,51 @@ function Unsigned({zone, texts}) {
           ${zone.judging.filter((one) => one.identity === run.identity && one.count === 0).map((one) => html`
             <${Publication} zone=${zone.zone} run=${one} texts=${texts} give=${give} />`)}
         </li>`)}</ul>
-    </section>`;
+    </details>`;
 }
 
-function Zones({zones, zone, texts}) {
-  const choose = (event) => {
-    parameters.set("zone", event.target.value);
-    history.replaceState(null, "", `${location.pathname}?${parameters}`);
-    open(event.target.value);
-    draw();
-  };
+function choose(isChoosing) {
+  state.isChoosing = isChoosing;
+  draw();
+}
+
+function openZone(name) {
+  parameters.set("zone", name);
+  history.replaceState(null, "", `${location.pathname}?${parameters}`);
+  open(name);
+  choose(false);
+}
+
+function Header({zone, zones, session, texts}) {
+  const name = session.zone || (zone && zone.zone) || "";
   return html`
-    <label class="zones">${texts.zone}
-      <select onChange=${choose}>
-        ${zones.map((one) => html`<option value=${one.zone} selected=${one.zone === zone}>
-          ${one.zone} · ${one.team} · ${one.phase}</option>`)}
-      </select>
-    </label>`;
+    <header class="who">
+      ${session.zone || !zones ? html`<strong class="short">${name}</strong>` : html`
+        <button type="button" class="short zones" aria-expanded=${state.isChoosing} aria-label="${texts.zone}: ${name}"
+          onClick=${() => choose(!state.isChoosing)}>${name} ▾</button>`}
+      ${session.role === "organiser" && html`<a class="short" href=${address("/displays")}>${texts.displays}</a>`}
+      <a class="short" href=${address("/pair")}>${session.person} · ${roleText(session, texts)}</a>
+    </header>`;
+}
+
+// Which other zones need their referee. It stays in sight while a zone is scored.
+function Others({zones, zone, texts}) {
+  const urgent = zones.filter((one) => one.is_urgent && !(zone && one.zone === zone.zone));
+  return html`
+    <button type="button" class="others ${urgent.length > 0 ? "urgent" : ""}" data-meaning="zones" onClick=${() => choose(true)}>
+      <span>${urgent.length > 0 ? urgent.map((one) => `⚠ ${one.zone}: ${one.todo}`).join(" · ") : texts.others_quiet}</span>
+    </button>`;
+}
+
+// All zones, beside STOP: a list of the browser would cover it.
+function Zones({zones, texts}) {
+  return html`
+    <section class="choice" role="dialog" aria-label=${texts.zone}>
+      ${zones.map((one) => html`
+        <button type="button" key=${one.zone} data-zone=${one.zone} data-meaning=${one.zone} onClick=${() => openZone(one.zone)}>
+          <strong>${one.zone}</strong> · ${one.team} · ${one.phase}<br />${one.is_urgent && "⚠ "}${one.todo}</button>`)}
+      <button type="button" onClick=${() => choose(false)}>${texts.close}</button>
+    </section>`;
 }
 
 // Signals for the ear and the hand: 30 s and 10 s before the end, and the end.
@@ -326,62 +421,43 @@ function useSignals(zone, clock) {
       return;
     }
     if (was.phase === "running" && now.phase === "ended") {
-      signal(440, [600, 150, 600]);
+      strip.signal(440, [600, 150, 600]);
     } else if (now.phase === "running" && now.hurry >= SOON && was.hurry < now.hurry) {
-      signal(550, [200]);
+      strip.signal(550, [200]);
     }
   });
 }
 
-// What moved under the finger must not be hit: a button that is new, was moved or got another text does nothing for a moment.
-const places = new WeakMap();
-function keepStill() {
-  for (const button of document.querySelectorAll(".all button")) {
-    const {left, top} = button.getBoundingClientRect();
-    const place = [Math.round(left + scrollX), Math.round(top + scrollY), button.textContent].join();
-    const before = places.get(button);
-    if (!before || before.place !== place) {
+// A button that is new, or that means something else now, does nothing for a moment, and shows it.
+const meanings = new WeakMap();
+function holdChanged() {
+  for (const button of place.querySelectorAll("button")) {
+    const meaning = button.dataset.meaning || button.textContent, before = meanings.get(button);
+    if (!before || before.meaning !== meaning) {
       clearTimeout(before && before.timer);
-      button.dataset.moved = "moved";
-      places.set(button, {place, timer: setTimeout(() => delete button.dataset.moved, STILL_MS)});
+      button.dataset.changed = "changed";
+      meanings.set(button, {meaning, timer: setTimeout(() => delete button.dataset.changed, CHANGED_MS)});
     }
   }
 }
 // Whatever drew it: a part of the page may draw itself, such as a sheet that was asked for.
-new MutationObserver(keepStill).observe(document.getElementById("page"), {subtree: true, childList: true, characterData: true});
-
-// The bar is at the bottom of what is seen: a keyboard on the screen, or a page that is enlarged, leaves less.
-function keepInSight() {
-  const {height, offsetTop} = visualViewport;
-  document.documentElement.style.setProperty("--covered", `${Math.max(0, innerHeight - height - offsetTop)}px`);
-}
-["resize", "scroll"].forEach((kind) => visualViewport.addEventListener(kind, keepInSight));
-
-// What became of STOP; empty: nothing is to be said. `zone`: the one that is shown.
-function stopText(zone, texts) {
-  const {stop} = state;
-  if (!stop) {
-    return "";
+new MutationObserver(holdChanged).observe(place, {subtree: true, childList: true, characterData: true});
+place.addEventListener("click", (event) => {
+  if (event.target.closest("[data-changed]")) {
+    event.preventDefault();
+    event.stopPropagation();
+  } else if (state.gone) {
+    state.gone = "";
+    draw();
   }
-  const isShown = zone && stop.zone === zone.zone;
-  const text = {
-    sending: texts.stopping.replace("{n}", () => stop.tries),
-    confirmed: isShown && stop.identity === zone.identity && zone.phase === "running" ? texts.stopped : "",
-    refused: texts.not_stopped.replace("{reasons}", () => stop.isPaired ? stop.reasons.join("; ") : texts.not_paired),
-  }[stop.state];
-  return text && !isShown ? `${stop.zone}: ${text}` : text;
-}
+}, true);
 
-function StopBar({zone, texts, isOld}) {
-  const reasons = zone && !isOld ? zone.off.stop : [];
-  const said = stopText(zone, texts);
-  return html`
-    <footer class="stopbar">
-      ${said && html`<p class=${state.stop.state === "confirmed" ? "good" : "alarm"} role="alert">${said}</p>`}
-      ${reasons.length > 0 ? html`<p class="why"><strong>${texts.stop}</strong>: ${reasons.join("; ")}</p>` : html`
-        <${Hold} label=${texts.stop} hint=${texts.hold_to_stop} data-command="stop" disabled=${!zone}
-          act=${() => stopRun(zone)} />`}
-    </footer>`;
+// What a locked page must not hide: what needs its referee.
+function Urgent({zone, zones}) {
+  const others = (zones || []).filter((one) => one.is_urgent && one.zone !== state.shown);
+  setOnLock([...(zone && zone.is_urgent ? [zone.todo] : []), ...others.map((one) => `${one.zone}: ${one.todo}`)]
+    .map((line) => `⚠ ${line}`).join("\n"));
+  return null;
 }
 
 function Page() {
@@ -389,15 +465,18 @@ function Page() {
   const data = live ? live.data : {};
   const words = data["page.words"], texts = data["page.device_words"];
   const zone = live && zoneNow();
-  if (!words || session === undefined) {
+  if (session === undefined || !("page.device_words" in data)) {
     return null;
   }
+  if (!words || !texts) {
+    strip.failed("texts", "the web gateway cannot make them: see its log");
+    return null;
+  }
+  strip.works("texts");
   document.documentElement.lang = words.language;
   document.title = zone ? `${zone.zone} – ${texts.referee_page}` : texts.referee_page;
   if (session === null) {
-    const stopped = stopText(null, texts);
     return html`
-      ${stopped && html`<p class="alarm" role="alert">${stopped}</p>`}
       <h1 class="title">${texts.not_paired}</h1>
       <p class="nothing">${texts.pair_how}</p>
       <p><a class="button main" href=${address("/pair")}>${texts.pair_title}</a></p>`;
@@ -405,50 +484,46 @@ function Page() {
   const isOld = live.silentSince !== null || !zone;
   document.body.classList.toggle("old", isOld);
   const judge = session.role === "judge" ? session.person : "";
+  const zones = session.zone ? null : data["page.zones"];
   const isJudged = Boolean(zone) && zone.judging.some((run) => run.identity === zone.identity && run.count > 0);
-  const last = zone && marks.last(zone.identity);
-  const isOther = (mark) => !zone || (mark.identity !== zone.identity
-    && !zone.judging.some((run) => run.identity === mark.identity && run.count > 0));
+  const late = marks.waiting.find((mark) => mark.isLate);
+  const trouble = marks.refused.length > 0 ? refusedText(marks.refused[0], texts) : late ? lateText(late, texts)
+    : !zone && live.silentSince === null ? noZone(texts) : "";
+  strip.note(trouble || (live.silentSince === null ? state.gone || state.said : texts.not_current),
+    Boolean(trouble || state.gone) || isOld);
+  const part = (name, made) => html`<${Guard} key=${name} name=${name}>${made}<//>`;
   return html`
-    ${isOld && html`<p class="alarm" role="alert">${live.silentSince === null ? (zone ? texts.offline_now : words.waiting)
-      : texts.offline.replace("{time}", () => clockText(live.silentSince, words))}</p>`}
-    <header class="who">
-      ${session.zone ? html`<strong>${session.zone}</strong>` : data["page.zones"] && html`
-        <${Zones} zones=${data["page.zones"]} zone=${zone && zone.zone} texts=${texts} />`}
-      ${session.role === "organiser" && html`<a href=${address("/displays")}>${texts.displays}</a>`}
-      <a href=${address("/pair")}>${session.person} · ${roleText(session, texts)}</a>
-    </header>
-    ${zone && html`
-      ${zone.warnings.length > 0 && html`
-        <section class="warnings"><h2>${texts.warnings}</h2>
-          <ul>${zone.warnings.map((text) => html`<li>⚠ ${text}</li>`)}</ul></section>`}
-      <${Run} zone=${zone} texts=${texts} />
-      <p class="said" role="status">${state.said}</p>
-      ${marks.refused.filter(isOther).map((mark) => html`<${RefusedMark} mark=${mark} marks=${marks} texts=${texts} />`)}
+    ${part(texts.zone, html`<${Header} zone=${zone} zones=${zones} session=${session} texts=${texts} />`)}
+    ${zones && zones.length > 1 && part(texts.all_zones, html`<${Others} zones=${zones} zone=${zone} texts=${texts} />`)}
+    ${part("⚠", html`<${Urgent} zone=${zone} zones=${zones} />`)}
+    ${zones && state.isChoosing && part("…", html`<${Zones} zones=${zones} texts=${texts} />`)}
+    ${zone ? html`
       <fieldset disabled=${isOld} class="all">
-        ${!judge && html`
-          ${zone.operation && html`<${Operation} key="${zone.identity} ${zone.operation.number}" zone=${zone} texts=${texts} />`}
-          ${zone.switches && html`<${Switches} zone=${zone} texts=${texts} />`}
-          ${zone.phase === "running" || html`<${Commands} zone=${zone} texts=${texts} />`}
-          ${zone.phase === "ended" && html`<${Reason} key=${zone.identity} zone=${zone} texts=${texts} />`}`}
-        ${zone.judging.filter((run) => run.count > 0).map((run) => judge ? html`
-          <${JudgeRun} key=${run.identity} zone=${zone.zone} run=${run} marks=${marks} texts=${texts} person=${judge} give=${give} />` : html`
-          <${HeadReferee} key=${run.identity} zone=${zone.zone} run=${run} texts=${texts} give=${give} />`)}
-        ${isJudged && !judge && html`<p class="nothing">${texts.judges_score}</p>`}
-        ${zone.items.length > 0 && !isJudged && html`<${Sheet} key=${zone.identity} zone=${zone} marks=${marks} texts=${texts} judge=${judge} />`}
-        ${last && html`<${Command} name="undo" label=${texts.undo.replace("{mark}", () => last.shown)} act=${() => undo(last, texts)} />`}
-        ${!judge && zone.phase === "running" && html`<${Commands} zone=${zone} texts=${texts} />`}
-        ${marks.waiting.filter(isOther).map((mark) => html`<p class="alarm" role="status">${texts.not_confirmed.replace("{mark}",
-          () => `${mark.desc}: ${mark.shown}`)}</p>`)}
-        ${!judge && html`<${Unsigned} zone=${zone} texts=${texts} />`}
-      </fieldset>`}
-    ${!judge && html`<${StopBar} zone=${zone} texts=${texts} isOld=${isOld} />`}`;
+        <div>
+          ${part(texts.time, html`<${Run} zone=${zone} texts=${texts} />`)}
+          ${part(texts.state, html`<${Now} zone=${zone} texts=${texts} judge=${judge} />`)}
+        </div>
+        <div>
+          ${!judge && part(texts.commands, html`<${Commands} zone=${zone} texts=${texts} />`)}
+          ${!judge && part(texts.unsigned, html`<${Over} zone=${zone} texts=${texts} />`)}
+          ${judge && part(texts.judges, zone.judging.filter((run) => run.count > 0).map((run) => html`
+            <${JudgeRun} key=${run.identity} zone=${zone.zone} run=${run} marks=${marks} texts=${texts} person=${judge}
+              give=${give} />`))}
+          ${isJudged && !judge && html`<p class="nothing">${texts.judges_score}</p>`}
+          ${zone.items.length > 0 && !isJudged && part(texts.sheet, html`
+            <${Sheet} key=${zone.identity} zone=${zone} marks=${marks} texts=${texts} judge=${judge}
+              undo=${judge ? null : (last) => undo(last, texts)} />`)}
+          ${!judge && zone.switches && part(texts.switches, html`<${Switches} zone=${zone} texts=${texts} />`)}
+        </div>
+      </fieldset>` : html`<p class="nothing">${live.silentSince === null ? noZone(texts) : words.waiting}</p>`}`;
+}
+
+// Why no zone is shown.
+function noZone(texts) {
+  return isGone(state.live.data["page.zones"]) ? texts.own_zone_gone.replace("{zone}", () => state.shown) : texts.no_data;
 }
 
 state.marks = new Marks(draw);
 window.marks = state.marks;
-const unfinished = Stop.unfinished(draw);
-if (unfinished) {
-  repeatStop(unfinished);
-}
+const setOnLock = lockWhenIdle(place, () => state.live && state.live.data["page.device_words"]);
 begin();

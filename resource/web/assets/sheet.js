@@ -1,6 +1,7 @@
 // The score sheet of a referee's page: large targets, and what the box has not confirmed yet.
 
 import {html, useState} from "/assets/parts.js";
+import {Command} from "/assets/buttons.js";
 
 export const SET = 0, ADD = 1, NOT_ATTEMPTED = 2;
 
@@ -18,7 +19,7 @@ export function RefusedMark({mark, marks, texts}) {
 }
 
 // `mark(item, change, more)`: enters a mark; `waiting`: marks of this item that were not answered yet.
-function Item({item, waiting, refused, marks, mark, texts, judge}) {
+function Item({item, zone, waiting, refused, mark, texts, judge}) {
   const [isOpen, setOpen] = useState(false);
   const [note, setNote] = useState("");
   const enter = (change, more, shown) => {
@@ -27,14 +28,15 @@ function Item({item, waiting, refused, marks, mark, texts, judge}) {
   };
   const minimum = number(item.min), maximum = number(item.max);
   const name = item.desc;
-  const sending = waiting.filter((one) => !one.isLate);
+  const late = waiting.some((one) => one.isLate);
   return html`
     <li class="item" data-item=${name}>
       <div class="what"><span>${name}</span>
-        <span class="sending" role="status">${sending.length > 0 && html`…<span class="unseen">${sending.map((one) =>
-          texts.sending.replace("{mark}", () => one.shown)).join("; ")}</span>`}</span>
-        <strong class="shown">${item.shown}</strong>
-        ${item.points && html` <span class="points">${item.points}</span>`}</div>
+        <span class="sending" role="status">${refused.length > 0 || late ? "⚠" : waiting.length > 0 && "…"}${
+          waiting.length > 0 && html`<span class="unseen">${waiting.map((one) =>
+            texts.sending.replace("{mark}", () => one.shown)).join("; ")}</span>`}</span>
+        <span class="value"><strong class="shown">${item.shown}</strong>
+          ${zone.points && html`<span class="points">${item.points}</span>`}</span></div>
       <div class="controls">
         ${item.type === "bool" && !judge && [["yes", 1], ["no", 0]].map(([word, value]) => html`
           <button type="button" aria-pressed=${!item.not_attempted && item.value === value}
@@ -69,9 +71,6 @@ function Item({item, waiting, refused, marks, mark, texts, judge}) {
             <input maxlength="200" value=${note} onInput=${(event) => setNote(event.target.value)} />
           </label>
         </div>`}
-      ${waiting.filter((one) => one.isLate).map((one) => html`
-        <p class="alarm" role="status">${texts.not_confirmed.replace("{mark}", () => one.shown)}</p>`)}
-      ${refused.map((one) => html`<${RefusedMark} mark=${one} marks=${marks} texts=${texts} />`)}
     </li>`;
 }
 
@@ -96,7 +95,9 @@ function Entry({label, isLabelShown = false, value, enter, texts}) {
 
 // `judge`: the name of the judge who may only give ratings; empty: a referee.
 // `command`: another one than "mark", on the own sheet of `person`.
-export function Sheet({zone, marks, texts, judge = "", command = "", person = ""}) {
+// `undo(mark)` takes the last mark of this device back.
+export function Sheet({zone, marks, texts, judge = "", command = "", person = "", undo = null}) {
+  const last = marks.last(zone.identity);
   const items = judge ? zone.items.filter((item) => item.judges.includes(judge)) : zone.items;
   const mark = (item, change, more, shown) => marks.add({
     zone: zone.zone, identity: zone.identity, group: item.group, desc: item.desc, change, value: 0, text: "", judge: "",
@@ -111,8 +112,10 @@ export function Sheet({zone, marks, texts, judge = "", command = "", person = ""
       ${groups.map((group) => html`
         <h3>${group}</h3>
         <ul>${items.filter((item) => item.group === group).map((item) => html`
-          <${Item} key="${group}/${item.desc}" item=${item} waiting=${marks.waiting.filter(isOf(item))}
-            refused=${marks.refused.filter(isOf(item))} marks=${marks} mark=${mark} texts=${texts} judge=${judge} />`)}</ul>`)}
+          <${Item} key="${group}/${item.desc}" item=${item} zone=${zone} waiting=${marks.waiting.filter(isOf(item))}
+            refused=${marks.refused.filter(isOf(item))} mark=${mark} texts=${texts} judge=${judge} />`)}</ul>`)}
       ${zone.points && html`<p class="points">${zone.points}</p>`}
+      ${undo && html`<${Command} key=${last ? last.number : ""} name="undo" label=${last ? texts.undo.replace("{mark}", () => last.shown) : texts.nothing_to_undo}
+        isBare reasons=${last ? [] : [""]} act=${() => undo(last)} />`}
     </section>`;
 }

@@ -50,7 +50,14 @@ class BadNetwork:
         def receive(datagram: bytes, sender: Address) -> None:
             self.largest = max(self.largest, len(datagram))
             self.received += is_private
-            self.treat(self.back, lambda: on_datagram(datagram, sender))
+            # What this network adds is a delay on the way.
+            received_utc = made.real_received_utc if self.back is PERFECT else None
+
+            def deliver() -> None:
+                made.received_utc = received_utc
+                on_datagram(datagram, sender)
+
+            self.treat(self.back, deliver)
 
         made = BadPeer(self, self._make_peer(loop, rsbb_host, port, receive, *args, **kwargs), is_private)
         if self._peers.get(port) is None or not self._peers[port].is_open:
@@ -83,6 +90,12 @@ class BadPeer:
         self._network = network
         self._peer = peer
         self._is_private = is_private
+        self.received_utc: Optional[float] = None  # see `Peer`
+
+    @property
+    def real_received_utc(self) -> Optional[float]:
+        """When the system received the datagram that is being read, in UTC seconds; None: unknown."""
+        return self._peer.received_utc
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._peer, name)

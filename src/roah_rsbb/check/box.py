@@ -102,14 +102,18 @@ class WatchedBox(Box):
         found = super().beacon()
         return found._replace(robots=self.extra + found.robots)
 
-    def on_robot_beacon(self, now: Now, host: str, team: str, robot: str, time: WireTime) -> None:
+    def on_robot_beacon(
+        self, now: Now, host: str, team: str, robot: str, time: WireTime, received_utc: Optional[float] = None,
+    ) -> None:
         """See `Box.on_robot_beacon`."""
-        skew = wire_seconds(time) - now.utc
+        skew = wire_seconds(time) - self.arrival(now, received_utc).utc
         self._log.beacons.append(HeardBeacon(now.mono, team, robot, skew))
-        super().on_robot_beacon(now, host, team, robot, time)
+        super().on_robot_beacon(now, host, team, robot, time, received_utc)
         self._news()
 
-    def on_robot_report(self, now: Now, port: int, host: str, report: RobotReport) -> None:
+    def on_robot_report(
+        self, now: Now, port: int, host: str, report: RobotReport, received_utc: Optional[float] = None,
+    ) -> None:
         """See `Box.on_robot_report`."""
         run = self.zones.run_at(port)
         if run is not None:
@@ -117,10 +121,10 @@ class WatchedBox(Box):
             if self.trap is not None and (before is None or report.time > before.time):
                 self.trap(report)
             said = len(self._log.states)
-            super().on_robot_report(now, port, host, report)
+            super().on_robot_report(now, port, host, report, received_utc)
             if run.link.last is report:
                 self._log.reports.append(HeardReport(now.mono, host, port, report, said))
-                self._log.skews.append((now.mono, wire_seconds(report.time) - now.utc))
+                self._log.skews.append((now.mono, wire_seconds(report.time) - self.arrival(now, received_utc).utc))
             else:
                 self._log.stale += 1
         self._news()
@@ -210,7 +214,7 @@ class CheckBox(NetworkDriver):
             if last is None or last.state is not said.state:
                 self._record.states.append(said)
                 self._news()
-        elif isinstance(effect, effects.GiveUp):
+        elif isinstance(effect, effects.AnotherBox):
             self.another = another_box(effect.host)
             self._news()
         elif isinstance(effect, effects.SetDevice):

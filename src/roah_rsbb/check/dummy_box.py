@@ -149,7 +149,7 @@ class DummyBox(NetworkDriver):
             self._say(escaped(effect.text))
         elif isinstance(effect, effects.ModuleRunsChanged):
             self._loop.call_soon(self._modules)
-        elif isinstance(effect, effects.GiveUp):
+        elif isinstance(effect, effects.AnotherBox):
             self.gave_up = another_box(effect.host)
 
     async def _press(self, command: str, robot: str = "") -> None:

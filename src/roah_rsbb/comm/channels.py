@@ -55,6 +55,11 @@ class _Channel:
     def is_open(self) -> bool:
         return self._peer.is_open
 
+    @property
+    def received_utc(self) -> Optional[float]:
+        """Within `on_message`: when the system received the datagram, in UTC seconds; None: unknown."""
+        return self._peer.received_utc
+
     def open(self) -> None:
         """Start to receive; has no effect if open. Raises OSError whose text names the remedy."""
         self._peer.open()

@@ -8,7 +8,7 @@ import enum
 import hashlib
 import os
 import threading
-from typing import Dict, Optional, Tuple
+from typing import Callable, Dict, Optional, Tuple
 
 from cryptography.hazmat.backends import default_backend
 from cryptography.hazmat.primitives.ciphers import Cipher as _AesCipher
@@ -98,10 +98,13 @@ class Key:
     initialisation vector of further rounds.
     """
 
-    __slots__ = ("_aes_128", "_aes_256", "_streams")
+    __slots__ = ("_aes_128", "_aes_256", "_random_bytes", "_streams")
 
-    def __init__(self, password: str) -> None:
-        """ValueError if the password is empty or not valid Unicode; the error never shows the password."""
+    def __init__(self, password: str, random_bytes: Callable[[int], bytes] = os.urandom) -> None:
+        """ValueError if the password is empty or not valid Unicode; the error never shows the password.
+
+        `random_bytes` makes the initialisation vectors.
+        """
         try:
             digest = password.encode("utf-8")
         except UnicodeEncodeError:
@@ -114,6 +117,7 @@ class Key:
         self._aes_128 = algorithms.AES(digest[:16])
         self._aes_256 = algorithms.AES(digest)
         self._streams: Dict[Tuple[Cipher, bool], _Stream] = {}
+        self._random_bytes = random_bytes
 
     def __repr__(self) -> str:
         return "Key(...)"
@@ -124,7 +128,7 @@ class Key:
         `iv` is for tests that compare bytes; the default is random.
         """
         if iv is None:
-            iv = os.urandom(cipher.iv_size)
+            iv = self._random_bytes(cipher.iv_size)
         padded = plain + _PADDINGS[BLOCK_SIZE - len(plain) % BLOCK_SIZE]
         return iv + self._stream(cipher, encrypts=True).run(padded, iv)
 

@@ -4,6 +4,7 @@ import asyncio
 import errno
 import logging
 import os
+import select
 import socket
 from typing import Callable, List, Optional, Tuple
 
@@ -14,9 +15,8 @@ Address = Tuple[str, int]
 
 _log = logging.getLogger(__name__)
 
-# Leaves the loop time for timers and other sockets during a flood.
-_MAX_READS_PER_WAKE_UP = 100
-_LARGEST_DATAGRAM = 65535
+# During a flood, timers, other sockets and a referee's STOP come after so many datagrams of each socket.
+_MAX_READS_PER_WAKE_UP = 20
 _OWN_HOST_PERIOD_S = 1.0
 
 _SEND_REMEDY = {
@@ -63,6 +63,8 @@ class Peer:
         """
         self.rsbb_host = rsbb_host
         self.port = port
+        # Within `on_datagram`: when the system received the datagram, in UTC seconds; None: unknown.
+        self.received_utc: Optional[float] = None
         self._loop = loop
         self._on_datagram = on_datagram
         self._on_complaint = on_complaint
@@ -143,6 +145,11 @@ class Peer:
             return self._not_sent(host, f"{os.strerror(error.errno or 0)}. Remedy: {remedy}")
         return True
 
+    def wait(self, seconds: float) -> None:
+        """Wait, without the loop, for datagrams, and read them; returns after `seconds` at the latest."""
+        for endpoint in select.select(self._sockets, [], [], seconds)[0]:
+            self._read(endpoint)
+
     def _not_sent(self, host: str, why: str) -> bool:
         self._send_errors.count()
         count = self._send_errors.take(self._loop.time())
@@ -154,7 +161,7 @@ class Peer:
     def _read(self, endpoint: socket.socket) -> None:
         for _ in range(_MAX_READS_PER_WAKE_UP):
             try:
-                datagram, sender = endpoint.recvfrom(_LARGEST_DATAGRAM)
+                datagram, sender, self.received_utc = sockets.receive(endpoint)
             except (BlockingIOError, InterruptedError):
                 return
             except OSError as error:

@@ -4,16 +4,25 @@ import errno
 import ipaddress
 import os
 import socket
-from typing import Optional
+import struct
+import sys
+from typing import Optional, Tuple
 
 ANY_HOST = "0.0.0.0"
 LOOPBACK_BROADCAST = "127.255.255.255"
 # In remedies: the name of the parameter, and that of the option of programs without ROS.
 BIND_HOST = "bind_host (option --bind)"
 
-# More than the usual default, for times when the loop is busy; the system may grant less.
-_RECEIVE_BUFFER_SIZE = 4 * 1024 * 1024
+# Bytes; Linux doubles it. It holds some seconds of a robot's datagrams, for times when the loop is busy. A flood fills
+# it, and everything then waits until what is in it has been read: more would delay a robot's datagrams by seconds.
+_RECEIVE_BUFFER_SIZE = 256 * 1024
 _PROBE_PORT = 9  # any port: connecting a UDP socket sends nothing
+_LARGEST_DATAGRAM = 65535
+# Option of Linux for which Python has no name, and the type of the message with the time.
+_SO_TIMESTAMPNS = 35
+_TIMESPEC = struct.Struct("@ll")  # seconds and nanoseconds
+_HAS_TIMES = sys.platform.startswith("linux")
+_SPACE = socket.CMSG_SPACE(_TIMESPEC.size) if _HAS_TIMES else 0
 
 
 class OpenError(OSError):
@@ -48,12 +57,30 @@ def _bound(host: str, port: int, shared: bool) -> socket.socket:
         endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER_SIZE)
         if shared:
             endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if _HAS_TIMES:
+            endpoint.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
         endpoint.bind((host, port))
     except OSError as error:
         endpoint.close()
         remedy = _bind_remedy(error, host, port)
         raise OpenError(error.errno, f"cannot open UDP {host}:{port}: {remedy}") from error
     return endpoint
+
+
+def receive(endpoint: socket.socket) -> Tuple[bytes, Tuple[str, int], Optional[float]]:
+    """Read a datagram: its bytes, its sender, and when the system received it (UTC seconds).
+
+    The last is None where the system does not say it. A busy process reads later than the system receives. Raises
+    OSError, also if no datagram is there.
+    """
+    if not _HAS_TIMES:
+        return (*endpoint.recvfrom(_LARGEST_DATAGRAM), None)
+    datagram, notes, _, sender = endpoint.recvmsg(_LARGEST_DATAGRAM, _SPACE)
+    for level, kind, value in notes:
+        if kind == _SO_TIMESTAMPNS and level == socket.SOL_SOCKET and len(value) == _TIMESPEC.size:
+            seconds, nanoseconds = _TIMESPEC.unpack(value)
+            return datagram, sender, seconds + nanoseconds / 1e9
+    return datagram, sender, None
 
 
 def _bind_remedy(error: OSError, host: str, port: int) -> str:

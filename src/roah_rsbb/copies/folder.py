@@ -1,28 +1,34 @@
 """A copy of the journal in another folder, from which a core can resume.
 
 The folder is often a USB stick: it can vanish at any moment, and be another one when it is back.
+
+Theory of operation. A segment is on the disk before the next one is begun, so whatever is lost, the copy is an earlier
+state of the journal. A segment that the copy does not have is written as a draft, which gets its name when it is on the
+disk. So is a segment in which an fsync failed: Linux does not try again to write these pages, so what is read back may
+be only in memory. All of it is written again, and the old one stays in its place, for a takeover, until the new one
+replaces it.
+
+The records of a segment say what was proven on the disk of the box, which says nothing of this disk. So a file beside
+the journal says how much of the newest segment was on this one. A gap after that is a torn tail, not damage.
 """
 
 import contextlib
-import fcntl
-import itertools
+import glob
 import os
-import sqlite3
-from typing import Optional, Sequence
+from typing import Iterator, Optional, Set
 
 from roah_rsbb import durable
-from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent
-from roah_rsbb.copies.rows import COLUMNS, Row, Rows, known_of
+from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent, Held, Part, crc_of, intact_size
 from roah_rsbb.journal import file as files
-from roah_rsbb.journal import schema
+from roah_rsbb.journal import log
 
-BUSY_S = 1.0
-# Rows that are inserted by one statement, in which SQLite 3.31 allows 999 values.
-TOGETHER = 50
-# Pages of SQLite's write-ahead log after which it is written into the file: with many parts, about 40 MB. Usually, as
-# by default.
-HURRYING_PAGES, USUAL_PAGES = 10_000, 1000
 _REMEDY = "Check the disk or stick of the copy"
+_NOT_SYNCED = ("its disk failed to save what was written. It is written again, and what was there before stays until "
+               "that is complete. If this happens again, replace the disk")
+# The file that says so may lack this much.
+CERTAIN_BYTES = 1 << 20
+# Segments in which an fsync failed, and that were not written again yet. Their drafts say so to later processes.
+_untrusted: Set[str] = set()
 
 
 class Stick:
@@ -54,15 +60,16 @@ class CopyFolder(Copy):
 
     def __init__(self, folder: str) -> None:
         """Raises `CannotWriteCopy`."""
-        self._folder = folder
-        self.path = os.path.join(folder, files.FILE_NAME)
         super().__init__()
-        self._connection: Optional[sqlite3.Connection] = None
-        self._lock: Optional[int] = None
+        self._place = folder
+        self.path = os.path.join(folder, files.FILE_NAME)
+        self._certain = 0  # bytes of the newest segment that are noted to be on the disk
+        self._lock: Optional[files.Lock] = None
         with self._writing():
             if not os.path.isdir(folder):
                 raise CannotWriteCopy("the folder is missing. Plug the stick in again, or create the folder")
-            self._lock = _locked(f"{self.path}.lock")
+            self._lock = files.lock(folder)
+            self._file = files.identity(f"{self.path}.lock")
             try:
                 self._open()
             except BaseException:
@@ -70,128 +77,116 @@ class CopyFolder(Copy):
                 raise
 
     def close(self) -> None:
-        """Close the files. Never raises: the stick may be gone."""
-        if self._connection is not None:
-            with contextlib.suppress(sqlite3.Error):
-                self._connection.close()
-            self._connection = None
+        """Release the folder. Never raises: the stick may be gone."""
         if self._lock is not None:
             with contextlib.suppress(OSError):
-                os.close(self._lock)
+                os.close(self._lock.fd)
             self._lock = None
 
     def check(self) -> None:
         """Raise `CannotWriteCopy` if the path no longer leads to this copy."""
-        if files.identity(self.path) != self._file:
+        if not os.path.isdir(self.path) or files.identity(f"{self.path}.lock") != self._file:
             raise CannotWriteCopy("it was removed. Plug the stick in again")
 
-    def write(self, rows: Rows, beside: FileContent) -> None:
-        """Write rows and files. With the last part, everything is on the disk when this returns. Raises
-        `CannotWriteCopy`."""
+    def write_files(self, beside: FileContent) -> None:
+        """Replace files beside the journal. They are on the disk when this returns. Raises `CannotWriteCopy`."""
         with self._writing():
-            was_hurrying = self._is_hurrying
-            self._hurry(not rows.is_last)
-            # The files come first: the journal refers to them.
             for name, content in beside.items():
                 # Only the owner may read it: it can be the teams' passwords.
-                durable.write_file(os.path.join(self._folder, name), content)
-            self._connection.execute("BEGIN IMMEDIATE")
-            try:
-                for table, found in rows.tables.items():
-                    self._insert(table, found)
-                self._connection.execute("COMMIT")
-            except BaseException:
-                with contextlib.suppress(sqlite3.Error):
-                    self._connection.execute("ROLLBACK")
-                raise
-            if was_hurrying and rows.is_last:
-                self._connection.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()  # puts all parts on the disk
-            self.known.add(rows)
-            if rows.tables.get("sessions"):
-                self.box_uuid = self._newest_core()
+                durable.write_file(os.path.join(self._place, name), content)
+
+    def write(self, part: Part) -> None:
+        """Write a part of a segment. It is on the disk when this returns. Raises `CannotWriteCopy`."""
+        path = os.path.join(self.path, part.segment)
+        is_new = part.segment not in self.sizes
+        with self._writing():
+            with open(path + log.DRAFT if is_new else path, "r+b" if part.at else "wb", buffering=0) as file:
+                _put(file.fileno(), part)
+                with _syncing(path):
+                    os.fsync(file.fileno())
+            self.note(part)
+            if is_new and part.is_last:
+                with _syncing(path):
+                    os.replace(path + log.DRAFT, path)
+                    durable.sync(self.path)
+                _untrusted.discard(path)
+                self._note_certain(part.segment)
+            elif not is_new and self.sizes[part.segment] >= self._certain + CERTAIN_BYTES:
+                self._note_certain(part.segment)
 
     def set_aside(self) -> None:
-        """Keep the contents under another name, and begin a new copy. Raises `CannotWriteCopy`."""
+        """Keep the journal under another name, and begin a new one. Raises `CannotWriteCopy`."""
         with self._writing():
-            self._connection.close()
-            self._connection = None
             self.aside = files.set_aside(self.path)
             self._open()
 
     # -- steps --------------------------------------------------------------------------------------
 
-    def _insert(self, table: str, rows: Sequence[Row]) -> None:
-        """Insert rows, many in each statement: alone, each takes twice as long."""
-        columns = COLUMNS[table]
-        statement = f"INSERT OR REPLACE INTO {table} ({', '.join(columns)}) VALUES "
-        values = f"({', '.join('?' * len(columns))})"
-        rest = len(rows) - len(rows) % TOGETHER
-        self._connection.executemany(
-            statement + ", ".join([values] * TOGETHER),
-            (tuple(itertools.chain.from_iterable(rows[i:i + TOGETHER])) for i in range(0, rest, TOGETHER)))
-        self._connection.executemany(statement + values, rows[rest:])
+    def _open(self) -> None:
+        os.makedirs(self.path, exist_ok=True)
+        found, held = [str(name) for name in log.names_in(self.path)], {}
+        for name in found:
+            path = os.path.join(self.path, name)
+            is_again = path in _untrusted or os.path.exists(path + log.DRAFT)
+            # The end of the newest one may be torn.
+            size = 0 if is_again else intact_size(path) if name == found[-1] else os.path.getsize(path)
+            held[name] = Held(size, crc_of(path, size))
+        # The newest one, or a name, may be only in the memory of a process that was killed.
+        newest = [os.path.join(self.path, found[-1])] if found else []
+        with _syncing(*newest):
+            for path in (*newest, self.path, self._place):
+                durable.sync(path)
+        self.open(held)
+        if found and found[-1] in self.sizes:
+            self._note_certain(found[-1])
 
-    def _hurry(self, is_hurrying: bool) -> None:
-        """Do not wait for the disk with each part of many. The copy stays undamaged, and resumes with what it has."""
-        if self._has_log and is_hurrying != self._is_hurrying:
-            self._is_hurrying = is_hurrying
-            self._connection.execute(f"PRAGMA synchronous = {'NORMAL' if is_hurrying else 'FULL'}")
-            self._connection.execute(f"PRAGMA wal_autocheckpoint = {HURRYING_PAGES if is_hurrying else USUAL_PAGES}")
+    def _note_certain(self, segment: str) -> None:
+        """Note that everything that the copy has of this segment is on the disk."""
+        self._certain = self.sizes[segment]
+        log.note_certain(self.path, segment, self._certain)
 
     @contextlib.contextmanager
-    def _writing(self):
+    def _writing(self) -> Iterator[None]:
         try:
             yield
-        except (sqlite3.Error, files.CannotWriteJournal) as error:
-            raise CannotWriteCopy(f"{error}. {_REMEDY}") from None
-        except OSError as error:
-            raise CannotWriteCopy(f"{error.strerror}. {_REMEDY}") from None
-
-    def _open(self) -> None:
-        if os.path.exists(self.path) and not _is_journal(self.path):
-            self.aside = files.set_aside(self.path)
-        self._connection = sqlite3.connect(self.path, timeout=BUSY_S, isolation_level=None, check_same_thread=False)
-        self._connection.text_factory = lambda value: value.decode("utf-8", errors="replace")
-        schema.add_functions(self._connection)
-        # Some file systems cannot have a write-ahead log. SQLite then uses another way that is as safe.
-        self._has_log = self._connection.execute("PRAGMA journal_mode = WAL").fetchone() == ("wal",)
-        self._is_hurrying = False
-        self._connection.execute("PRAGMA synchronous = FULL")
-        if not schema.is_readable(self._connection):
-            schema.create(self._connection)
-            durable.sync(self._folder)
-        self._file = files.identity(self.path)
-        self.known = known_of(self._connection)
-        self.box_uuid = self._newest_core()
-
-    def _newest_core(self) -> str:
-        row = self._connection.execute("SELECT box_uuid FROM sessions ORDER BY id DESC LIMIT 1").fetchone()
-        return "" if row is None else row[0]
+        except files.JournalInUse:
+            raise CannotWriteCopy("another core or copy uses the folder. Use another folder, or end that one") from None
+        except (files.CannotWriteJournal, OSError) as error:
+            if durable.is_full(error):
+                raise CannotWriteCopy(f"the disk is full. Free space for {self._place}") from None
+            raise CannotWriteCopy(f"{getattr(error, 'strerror', None) or error}. {_REMEDY}") from None
 
 
-def _is_journal(path: str) -> bool:
-    """Whether a file is an undamaged journal of this version."""
+def drop_drafts(folder: str) -> bool:
+    """Remove the drafts of a copy that is used from now on: nothing may replace its segments any more. Returns whether
+    one of these was not to be trusted. Raises OSError."""
+    drafts = glob.glob(os.path.join(glob.escape(folder), files.FILE_NAME, f"*{log.DRAFT}"))
+    for draft in drafts:
+        os.unlink(draft)
+    return any(os.path.exists(draft[:-len(log.DRAFT)]) for draft in drafts)
+
+
+def _put(fd: int, part: Part) -> None:
+    """Write a part into a file, which ends with it. Raises OSError or `CannotWriteCopy`."""
+    size, end = os.fstat(fd).st_size, part.at + len(part.content)
+    if size < part.at:
+        raise CannotWriteCopy("it was replaced. Plug the stick in again")
+    log.Files.write(fd, part.content, part.at)
+    if size > end:
+        os.ftruncate(fd, end)  # a torn end
+
+
+@contextlib.contextmanager
+def _syncing(*segments: str) -> Iterator[None]:
+    """If an fsync fails here, these segments are written again, also after a restart of this process. Raises
+    `CannotWriteCopy` then."""
     try:
-        with contextlib.closing(sqlite3.connect(path, timeout=BUSY_S, isolation_level=None)) as connection:
-            return (schema.is_readable(connection) and schema.is_whole(connection)
-                    and connection.execute("PRAGMA quick_check(1)").fetchone()[0] == "ok")
-    except sqlite3.OperationalError:
-        raise
-    except sqlite3.DatabaseError:
-        return False
-
-
-def _locked(path: str) -> int:
-    """Lock the copy, as a core locks its journal. Raises OSError or `CannotWriteCopy`."""
-    fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
-    try:
-        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        os.ftruncate(fd, 0)
-        os.pwrite(fd, f"{os.getpid()}\n".encode("ascii"), 0)
-    except BlockingIOError:
-        os.close(fd)
-        raise CannotWriteCopy("another core or copy uses the folder. Use another folder, or end that one") from None
-    except BaseException:
-        os.close(fd)
-        raise
-    return fd
+        yield
+    except OSError as error:
+        _untrusted.update(segments)
+        for path in segments:
+            with contextlib.suppress(OSError):
+                os.close(os.open(path + log.DRAFT, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, durable.USUAL))
+        if durable.is_full(error):
+            raise
+        raise CannotWriteCopy(_NOT_SYNCED) from None

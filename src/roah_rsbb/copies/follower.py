@@ -1,6 +1,6 @@
 """Keeps a copy of the journal up to date, in a thread of its own.
 
-The core never waits for the copy: another process reads the journal's file. A stick that hangs stops only the thread,
+The core never waits for the copy: another process reads the journal's files. A stick that hangs stops only the thread,
 and the time since the last complete copy still rises.
 """
 
@@ -10,8 +10,8 @@ import time
 from types import MappingProxyType
 from typing import Callable, Mapping, NamedTuple, Optional
 
-from roah_rsbb.copies.copy import FILES, CannotWriteCopy, ChangedFiles, Copy
-from roah_rsbb.copies.rows import CannotReadJournal, JournalRows, OtherJournal
+from roah_rsbb.copies.copy import FILES, CannotReadJournal, CannotWriteCopy, ChangedFiles, Copy
+from roah_rsbb.copies.segments import JournalSegments
 from roah_rsbb.journal import file as files
 
 # Time between two looks at the journal.
@@ -25,9 +25,9 @@ class Progress(NamedTuple):
 
     trouble: str  # why it is not complete, and what to do; empty: none
     complete_mono: Optional[float]  # when it was complete for the last time (monotonic seconds); None: never
-    missing_entries: int  # number of entries that the copy lacks, as far as it is known
-    box_uuid: str  # of the core whose journal was copied last; empty: none yet
-    aside: str  # the file to which an earlier copy was moved; empty: none
+    missing_bytes: int  # bytes of the journal that the copy lacks, as far as it is known
+    journal: str  # identity of the journal that was read last; empty: none yet
+    aside: str  # the folder to which an earlier copy was moved; empty: none
 
 
 class Follower:
@@ -43,14 +43,14 @@ class Follower:
         """
         self.progress = Progress("", None, 0, "", "")
         self.log_dir = log_dir
-        self._path = os.path.join(log_dir, files.FILE_NAME)
         self._now = now
-        self._journal: Optional[JournalRows] = None
-        self._open_place = open_copy
+        self._journal = JournalSegments(os.path.join(log_dir, files.FILE_NAME))
+        self._present: Mapping[str, int] = {}  # the sizes of its segments,
+        self._sizes: Mapping[str, int] = {}  # and what the copy had of them, also while it is closed
+        self._open_copy = open_copy
         self._copy: Optional[Copy] = None
         self._paths = {**{name: os.path.join(log_dir, name) for name in FILES}, **more_files}
         self._beside = ChangedFiles(self._paths)
-        self._copied_entry = 0
         self._on_answer = on_answer
         self._question: Optional[object] = None
         self._answered: Optional[object] = None
@@ -75,23 +75,18 @@ class Follower:
         self._thread.join(timeout)
 
     def close(self) -> None:
-        """Close all files, in the thread that calls `step`."""
-        self._drop_copy()
-        if self._journal is not None:
-            self._journal.close()
-            self._journal = None
+        """Close the copy, in the thread that calls `step`."""
+        if self._copy is not None:
+            self._copy.close()
+            self._copy = None
 
     def step(self) -> None:
         """Copy everything that is missing. Never raises."""
         try:
             self._follow()
-        except CannotReadJournal as error:
+        except (CannotReadJournal, CannotWriteCopy) as error:
+            self.progress = self.progress._replace(trouble=str(error), missing_bytes=self._missing_bytes())
             self.close()
-            self.progress = self.progress._replace(trouble=str(error))
-        except CannotWriteCopy as error:
-            self._drop_copy()
-            self.progress = self.progress._replace(
-                trouble=f"the copy cannot be written: {error}", missing_entries=self._missing_entries())
 
     def _work(self) -> None:
         while not self._ended.is_set():
@@ -109,58 +104,34 @@ class Follower:
         self.close()
 
     def _follow(self) -> None:
-        if self._journal is None or not self._journal.is_in_place():
-            self.close()
-            self._journal = self._open_journal()
+        question, began = self._question, self._now()
+        # What is written after this look is copied by the next step, or a busy journal would never be complete.
+        self._present = present = self._journal.sizes()
+        self.progress = self.progress._replace(journal=self._journal.identity)
         if self._copy is None:
-            self._open_copy()
-        copy, journal = self._copy, self._journal
-        copy.check()
-        # A part that is not the last is followed by the next one at once. What is written meanwhile is copied by the
-        # next step, or a busy journal would never be complete.
-        is_last, has_parts = False, False
-        while not is_last and not self._ended.is_set():
-            question, began = self._question, self._now()
-            if not journal.has_changed():
-                break
-            rows = journal.missing(copy.known)
-            is_last = rows.is_last
-            beside = self._beside.changed()
-            # The last part puts all of them on the disk, even if it has no rows.
-            if beside or has_parts or not rows.is_empty():
-                copy.write(rows, beside)
-            has_parts = not is_last
-            self._copied_entry = copy.known.last["entries"].number
-            if not is_last:
-                self.progress = self.progress._replace(missing_entries=self._missing_entries())
-        if not self._ended.is_set():
-            self.progress = Progress("", began, 0, copy.box_uuid, copy.aside)
-            if question is not self._answered:
-                self._answered = question
-                self._on_answer(question)
-
-    def _open_journal(self) -> JournalRows:
-        if not os.path.exists(self._path):
-            raise CannotReadJournal(f"there is no journal {self._path} yet")
-        return JournalRows(self._path)
-
-    def _open_copy(self) -> None:
-        self._copy = self._open_place()
-        try:
-            self._journal.begin(self._copy.known)
-        except OtherJournal:
+            self._copy = self._open_copy()
+            self._beside = ChangedFiles(self._paths)
+            is_earlier = self._journal.has(self._copy.held, present)
+        else:
+            self._copy.check()
+            is_earlier = all(size <= present.get(segment, -1) for segment, size in self._copy.sizes.items())
+        if not is_earlier:
             self._copy.set_aside()
-            self._journal.begin(self._copy.known)
-        self._beside = ChangedFiles(self._paths)
+        self._sizes = self._copy.sizes
+        # The files come first: the journal refers to them.
+        beside = self._beside.changed()
+        if beside:
+            self._copy.write_files(beside)
+        for segment, size in present.items():
+            for part in self._journal.parts(segment, self._sizes.get(segment, 0), size):
+                if self._ended.is_set():
+                    return
+                self._copy.write(part)
+                self.progress = self.progress._replace(trouble="", missing_bytes=self._missing_bytes())
+        self.progress = self.progress._replace(trouble="", complete_mono=began, missing_bytes=0, aside=self._copy.aside)
+        if question is not self._answered:
+            self._answered = question
+            self._on_answer(question)
 
-    def _missing_entries(self) -> int:
-        """Return how many entries the copy lacks; the last known number if the journal cannot be read."""
-        try:
-            return max(0, self._journal.newest_entry() - self._copied_entry)
-        except CannotReadJournal:
-            return self.progress.missing_entries
-
-    def _drop_copy(self) -> None:
-        if self._copy is not None:
-            self._copy.close()
-            self._copy = None
+    def _missing_bytes(self) -> int:
+        return sum(max(0, size - self._sizes.get(name, 0)) for name, size in self._present.items())

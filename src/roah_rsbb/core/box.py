@@ -9,7 +9,7 @@ from typing import Callable, List, Mapping, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.clock import ClockWatch, Now
-from roah_rsbb.core.commands import CommandRecord, Commands
+from roah_rsbb.core.commands import CommandRecord, Commands, OfTeam
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.copies import Copies, CopyReport
 from roah_rsbb.core.effects import Effect, Level, Outbox
@@ -52,14 +52,16 @@ class Box:
         self._outbox = outbox = Outbox()
         # Runs: in zones, and finished.
         self.zones = zones = Zones(config.zones)
-        self.finished = FinishedRuns(config.benchmarks)
+        self.finished = FinishedRuns(config.benchmarks, config.ranking)
         # Robots, devices and warnings.
         self.robots = ActiveRobots(
-            settings.robot_timeout, config.passwords, lambda: {run.robot for run in zones.members()})
+            settings.robot_timeout, config.passwords, lambda: {run.robot for run in zones.members()},
+            settings.allowed_skew)
         self.devices = DevicesState()
         self.tablet = Tablet()
         self.watches = Watches(settings.listen_duration)
         self.copies = Copies()
+        self.copies.use(config)
         self._modules = Modules()
         # What changes runs.
         self._connections = Connections(
@@ -67,7 +69,7 @@ class Box:
             beacon_size, last_port,
         )
         self._connections.version = version
-        self._reload = Reload(zones, self.robots, self.finished, self._connections, outbox)
+        self._reload = Reload(zones, self.robots, self.finished, self._connections, self.copies, outbox)
         self._restart = Restart(zones, self.finished, self._connections, self.watches, outbox)
         self._record = record = CommandRecord(zones, outbox)
         self.commands = Commands(
@@ -77,6 +79,8 @@ class Box:
         self.modules = ModuleDesk(self.tick, zones, self._modules, record)
         # Time.
         self._clock = ClockWatch()
+        self._clock_set_mono = -math.inf  # when a step of the box's clock was noticed last
+        self._latest_mono = -math.inf  # of the latest event
         self._calm_until: Optional[float] = None  # see `tick_if_due`
         self._replay = ""  # see `begin_replay`
         self.superseded_by = ""  # address of the box that took over; see `supersede`
@@ -105,6 +109,7 @@ class Box:
         """Do what is due by now. Every other event does this first, so that timeouts keep their order."""
         if self._superseded:
             return  # the runs continue in another box
+        self._latest_mono = now.mono
         self._calm_until = None
         self._look_at_clock(now)
         self.modules.tick(now)
@@ -118,13 +123,19 @@ class Box:
         No run has anything to do until `_calm_until` (monotonic, s). A report only moves the deadline of its own run, a
         beacon none. Every other event sets `_calm_until` to None; then all runs are checked again.
         """
-        modules = self.modules.deadline()
-        calm = self._calm_until is not None and now.mono < self._calm_until and (modules is None or now.mono < modules)
-        if calm:
+        if self._is_calm(now):
+            self._latest_mono = now.mono
             self._look_at_clock(now)
         else:
-            self.tick(now)
-            self._calm_until = self._runs_deadline()
+            self._tick_until_calm(now)
+
+    def _is_calm(self, now: Now) -> bool:
+        modules = self.modules.deadline()
+        return self._calm_until is not None and now.mono < self._calm_until and (modules is None or now.mono < modules)
+
+    def _tick_until_calm(self, now: Now) -> None:
+        self.tick(now)
+        self._calm_until = self._runs_deadline()
 
     def _runs_deadline(self) -> float:
         """Return the monotonic time (s) at which the next run has something to do; infinity if no run has."""
@@ -135,10 +146,40 @@ class Box:
         self.watches.start(now)
         step = self._clock.look(now)
         if step:
+            self._clock_set_mono = now.mono
             self.robots.restart_skews()
             for run in self.zones.members():
                 run.link.restart_skew()
             self._outbox.notice(Level.WARNING, self.watches.clock_stepped(now, step))
+
+    def arrival(self, now: Now, received_utc: Optional[float]) -> Now:
+        """Return when a datagram that is handled `now` arrived. `received_utc`: when the system received it, by the
+        same clock as `now` (s); None: unknown, so now.
+
+        On a busy computer the box reads a datagram late. That delay must not look like a robot's wrong clock, nor like
+        its silence.
+        """
+        if received_utc is None:
+            return now
+        mono = now.mono - (now.utc - received_utc)
+        # Before a step of the clock, `received_utc` was on another clock.
+        return Now(mono, received_utc) if self._clock_set_mono < mono < now.mono else now
+
+    def _take_arrival(self, now: Now, received_utc: Optional[float]) -> Tuple[Now, Now]:
+        """Do what is due before a datagram. Return when it arrived, and when it takes effect: then, but not before the
+        latest event, because the box's own times never go back.
+
+        A result that arrived within the run's time counts, even if the box was busy when the time was over.
+        """
+        self._look_at_clock(now)
+        arrival = self.arrival(now, received_utc)
+        latest = self._latest_mono
+        effective = arrival if arrival.mono >= latest else now.later(min(0.0, latest - now.mono))
+        if self._is_calm(effective):
+            self._latest_mono = effective.mono
+        else:
+            self._tick_until_calm(effective)
+        return arrival, effective
 
     # -- looking ------------------------------------------------------------------------------------
 
@@ -160,6 +201,11 @@ class Box:
             return 0.0
         return self.watches.listening_left(now)
 
+    @property
+    def is_held(self) -> bool:
+        """Whether it sends nothing because of another box, until a referee connects a robot."""
+        return bool(self.watches.held_by)
+
     def beacon(self) -> Beacon:
         """Return the current content of the beacon."""
         return Beacon(self._connections.listed(), self.devices, self.tablet.state)
@@ -175,12 +221,12 @@ class Box:
         return self.watches.warnings(now) + self.copies.warnings(now) + devices + tablet + ports
 
     def warnings_of(self, now: Now, zone_name: str) -> List[str]:
-        """Return the current warnings for the referee of a zone."""
+        """Return the current warnings for the referee of a zone. Some faces show the first one only: those of a robot
+        that may still be moving come first."""
         if self._superseded:
             return []
         zone = self.zones[zone_name]
-        of_run = [] if zone.run is None else (
-            self._restart.warnings(now, zone.run) + zone.run.times.warnings() + zone.run.warnings(now))
+        of_run = [] if zone.run is None else zone.run.warnings(now) + zone.run.times.warnings()
         return of_run + self.commands.outsiders(now, zone)
 
     def link_samples(self, now: Now, unreadable: Mapping[int, int]) -> Tuple[Tuple[int, LinkSample], ...]:
@@ -204,7 +250,7 @@ class Box:
         """Continue from the state that was saved before a restart. Call it once, before any other event."""
         self.devices = saved.box.devices
         self.tablet.restore(saved.box.tablet)
-        self._restart.resume(now, saved)
+        self._restart.resume(now, saved, self.superseded_by)
         self.tick(now)
 
     # -- replays ------------------------------------------------------------------------------------
@@ -213,6 +259,7 @@ class Box:
         """Show only earlier states of a run from now on. The only warning says so, and every command is refused."""
         self._replay = f"This is a replay of {run}: nothing here is live, and commands have no effect"
         self._record.close(self._replay)
+        self._connections.hears_beacons = False
 
     def show(self, now: Now, zone_name: str, state: Optional[ZoneState]) -> None:
         """Put an earlier state into a zone; None: the zone had no run. Raises ValueError. Do not call `tick`."""
@@ -245,6 +292,10 @@ class Box:
         """Return why a configuration cannot be taken now; empty: it can."""
         return [self._superseded] if self._superseded else self._reload.off(config)
 
+    def ran(self) -> List[EventKey]:
+        """Return the events of all runs, as they were when the runs were connected."""
+        return self._reload.ran()
+
     def reload(self, now: Now, config: Config, version: int, changes: Sequence[str], who: str = "") -> None:
         """Put another configuration into force; raises `Refused`. `changes` lists what it changes."""
         self.tick(now)
@@ -254,10 +305,12 @@ class Box:
 
     # -- the referee --------------------------------------------------------------------------------
 
-    def command(self, now: Now, zone_name: str, command: str, who: str = "", reason: str = "") -> None:
-        """Carry out one of `commands.COMMANDS`; raises `Refused`. `reason`: why the referee stops the run, if given."""
+    def command(
+        self, now: Now, zone_name: str, command: str, who: str = "", reason: str = "", of: Optional[OfTeam] = None,
+    ) -> None:
+        """Carry out one of `commands.COMMANDS`; see `Commands.give`. Raises `Refused`."""
         self.tick(now)
-        self.commands.give(now, zone_name, command, who, reason)
+        self.commands.give(now, zone_name, command, who, reason, of)
 
     def connect_robot(self, now: Now, zone_name: str, robot: str, who: str = "") -> None:
         """Connect this robot of the event's team; raises `Refused`."""
@@ -281,35 +334,38 @@ class Box:
         self._calm_until = None
         self._connections.on_failed(now, port, error)
 
-    def on_robot_beacon(self, now: Now, host: str, team: str, robot: str, time: WireTime) -> None:
-        """A RobotBeacon arrived from `host`."""
-        self.tick_if_due(now)
+    def on_robot_beacon(
+        self, now: Now, host: str, team: str, robot: str, time: WireTime, received_utc: Optional[float] = None,
+    ) -> None:
+        """A RobotBeacon arrived from `host`. `received_utc`: see `arrival`."""
+        arrival, now = self._take_arrival(now, received_utc)
         robot_id = RobotId(team, robot)
         known = self.robots.find(robot_id)
-        heard = self.robots.hear(now, robot_id, host, time)
-        text = None
+        heard = self.robots.hear(arrival, robot_id, host, time)
+        texts: List[Optional[str]] = []
         if heard is None:
-            text = self.watches.not_listed(now, host)
+            texts.append(self.watches.not_listed(now, host))
         elif known is None:
             self._outbox.notice(Level.INFO, f"Robot {robot_id} is active at {host}")
-        elif heard.has_rival(now):
-            text = self.watches.rivals(now, heard)
-        if text:
-            self._outbox.notice(Level.WARNING, text)
+        else:
+            texts += [self.watches.rivals(now, heard), self.watches.two_clocks(now, heard)]
         squatter = self.robots.take_squatter()
-        text = self.watches.squatter(now, squatter) if squatter is not None else None
-        if text:
+        if squatter is not None:
+            texts.append(self.watches.squatter(now, squatter))
+        for text in filter(None, texts):
             self._outbox.notice(Level.WARNING, text)
 
-    def on_robot_report(self, now: Now, port: int, host: str, report: RobotReport) -> None:
-        """A RobotState arrived on the private channel `port` from `host`."""
-        self.tick_if_due(now)
+    def on_robot_report(
+        self, now: Now, port: int, host: str, report: RobotReport, received_utc: Optional[float] = None,
+    ) -> None:
+        """A RobotState arrived on the private channel `port` from `host`. `received_utc`: see `arrival`."""
+        arrival, now = self._take_arrival(now, received_utc)
         run = self.zones.run_at(port)
         if run is None:
             return
         calm_until, self._calm_until = self._calm_until, None
-        if run.on_report(now, host, report):
-            self.robots.hear(now, run.robot, host, report.time, certain=True)
+        if run.on_report(now, host, report, arrival):
+            self.robots.hear(arrival, run.robot, host, report.time, certain=True)
         due = run.deadline()
         self._calm_until = calm_until if due is None else min(calm_until, due)
 
@@ -342,13 +398,12 @@ class Box:
     def on_foreign_box(self, now: Now, host: str) -> None:
         """Another box's beacon (or state on a private channel) arrived from `host`."""
         self.tick(now)
-        if self.listening_left(now) > 0 and not self.settings.take_over:
-            self._outbox.emit(effects.GiveUp(
-                f"Another RSBB is running at {host}: stop that one, or give this one another rsbb_host or "
-                "rsbb_port. If none of your boxes is there, someone forges its beacons: start with take_over:=true, "
-                f"and take {host} off the network", host))
-            return
-        text = self.watches.foreign_box(now, host)
+        if self.is_held or (self.listening_left(now) > 0 and not self.settings.take_over):
+            # Anybody can forge the beacon of a box, so the referee decides.
+            self._outbox.emit(effects.AnotherBox(host))
+            text = self.watches.hold(host)
+        else:
+            text = self.watches.foreign_box(now, host)
         if text:
             self._outbox.notice(Level.ERROR, text)
 
@@ -419,15 +474,15 @@ class Box:
                 Level.INFO, f"The copy of the journal ({report.place}) is complete again")
             self._outbox.notice(level, text)
 
-    def on_copy_answer(self, now: Now, number: int) -> None:
-        """The standby has everything up to this question (`Copies.ask`)."""
+    def on_copy_answer(self, now: Now, ticket: int) -> None:
+        """The standby has everything up to this ticket of the journal (`Copies.ask`)."""
         self.tick(now)
-        if self.copies.answer(number):
+        if self.copies.answer(ticket):
             self._outbox.notice(Level.INFO, "The standby has all entries again")
 
-    def on_copy_given_up(self, now: Now, number: int) -> None:
-        """The answer to a referee does not wait for the standby any longer (`Copies.ask`)."""
+    def on_copy_given_up(self, now: Now, ticket: int) -> None:
+        """A referee's entry is reported as not confirmed (`Copies.give_up`)."""
         self.tick(now)
-        text = self.copies.give_up(now, number)
+        text = self.copies.give_up(now, ticket)
         if text is not None:
             self._outbox.notice(Level.WARNING, text)

@@ -11,7 +11,6 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.effects import Outbox
-from roah_rsbb.core.link.skew import skew_off
 from roah_rsbb.core.referee import MAX_NOTE, Refused, RunName, checked_who, cut_note
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots
 from roah_rsbb.core.runs.run import ZoneRun
@@ -19,7 +18,7 @@ from roah_rsbb.core.scoring.book import FinishedRuns
 from roah_rsbb.core.scoring.records import By, EndReason, Phase, RunRecord
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.watches import Watches
-from roah_rsbb.core.zones import NO_RUN, EventKey, Zone, Zones, key_of_record
+from roah_rsbb.core.zones import NO_RUN, EventKey, Zone, Zones
 from roah_rsbb.rulebook.benchmarks import Restarts
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.wording.suggestions import did_you_mean
@@ -29,6 +28,10 @@ NOT_RUNNING = "No run is running"
 
 # Commands that the original box does not have.
 OWN_COMMANDS = ("pause", "resume", "next_phase", "previous_phase", "open_sheet", "no_show", "withdrawn")
+# Those of them that hit a team without its robot. A caller names the team, so that no other one is hit.
+OF_TEAM = ("open_sheet", "no_show", "withdrawn")
+# Those that also record a result at once.
+FINAL = ("no_show", "withdrawn")
 # All commands, in the order in which panels have them.
 COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next", *OWN_COMMANDS)
 
@@ -100,6 +103,13 @@ class Candidates(NamedTuple):
     unfit: Tuple[str, ...]  # for each robot that cannot take part: its name and why
 
 
+class OfTeam(NamedTuple):
+    """Whom a command hits."""
+
+    team: str = ""  # empty: whatever team is current
+    event: str = ""  # id of the current event; empty: any of this team
+
+
 class Commands:
     """Decides which commands are allowed, and carries them out."""
 
@@ -146,11 +156,15 @@ class Commands:
             "withdrawn": lambda now, zone, by: self._give_up(now, zone, EndReason.WITHDRAWN, by),
         }
 
-    def give(self, now: Now, zone_name: str, command: str, who: str = "", reason: str = "") -> None:
-        """Carry out one of `COMMANDS`; raises `Refused`. `reason`: why the referee stops the run."""
-        with self._record.of(RunName(zone_name), who, command, reason=reason):
+    def give(
+        self, now: Now, zone_name: str, command: str, who: str = "", reason: str = "", of: Optional[OfTeam] = None,
+    ) -> None:
+        """Carry out one of `COMMANDS`; raises `Refused`. `reason`: why the referee stops the run. `of`: whom it hits,
+        for those of `OF_TEAM`."""
+        of = of or OfTeam()
+        with self._record.of(RunName(zone_name), who, command, reason=reason, team=of.team):
             zone = self._zones.named(zone_name)
-            reasons = self.reasons_off(now, zone, command)
+            reasons = self._not_of(zone, command, of) or self.reasons_off(now, zone, command)
             if reasons and command == "stop" and zone.run is not None:
                 return  # nothing to stop: scripts for the original box rely on no error here
             if reasons:
@@ -158,6 +172,19 @@ class Commands:
             by = By(checked_who(who), cut_note(reason))  # an overlong reason must not prevent a stop
             self._outbox.mark_changed(zone.name)
             self._execute[command](now, zone, by)
+
+    @staticmethod
+    def _not_of(zone: Zone, command: str, of: OfTeam) -> List[str]:
+        """Return why a command does not hit the team that its caller means; empty: it does."""
+        event = zone.event
+        if command in FINAL and not of.team:
+            return ["Name the team: the zone may have gone to the event of another one"]
+        if of.team and of.team != event.team:
+            return [f"The current event of zone '{zone.name}' is of team {event.team}, not of team "
+                    f"{cut_note(of.team)}: choose the event first"]
+        if of.event and of.event != event.id:
+            return [f"Zone '{zone.name}' is at another event of team {event.team} now: choose the event first"]
+        return []
 
     def connect_robot(self, now: Now, zone_name: str, robot: str, who: str = "") -> None:
         """Connect this robot of the event's team; raises `Refused`."""
@@ -198,20 +225,24 @@ class Commands:
         with self._record.of(name, who, "choose_event", event=f"{key.benchmark} {key.team} {key.round} {key.run}"):
             zone = self._zones.named(zone_name)
             index = zone.find(key)
+            if index is not None and key.id and zone.events[index].team != key.team:
+                raise Refused([f"The event is of team {zone.events[index].team} now: choose it again"])
             if index is None:
                 raise Refused([f"zone '{zone_name}' has no event {key.benchmark}, team {key.team}, round {key.round}, "
                                f"run {key.run} at this time"])
             if index == zone.index and zone.run is None:
                 return
-            reasons = self._choose_off(zone, unsigned)
+            reasons = self._choose_off(now, zone, unsigned)
             if reasons:
                 raise Refused(reasons)
             self._outbox.mark_changed(zone.name)
             if zone.run is not None:
                 self._connections.leave(now, zone, By(checked_who(who)))
-            zone.move(index - zone.index)
+                index = zone.find(key)  # the event of the run may have been removed with it
+            if index is not None:
+                zone.move(index - zone.index)
 
-    def _choose_off(self, zone: Zone, unsigned: bool) -> List[str]:
+    def _choose_off(self, now: Now, zone: Zone, unsigned: bool) -> List[str]:
         if zone.run is not None and zone.run.phase is Phase.CONNECTED:
             return [DISCONNECT_FIRST]
         if zone.run is not None and zone.run.phase is Phase.RUNNING:
@@ -219,8 +250,9 @@ class Commands:
         if unsigned or not self._is_unsigned(zone):
             return []
         event = zone.event
-        return [f"The run of {event.benchmark.code}, team {event.team}, round {event.round}, run {event.run} is not "
-                "signed off: confirm to leave it"]
+        moving = [] if zone.run is None else zone.run.ignores_stop(now)
+        return moving + [f"The run of {event.benchmark.code}, team {event.team}, round {event.round}, run {event.run} "
+                         "is not signed off: confirm to leave it"]
 
     def _is_unsigned(self, zone: Zone) -> bool:
         """Whether the run that a zone shows, or showed last, is over and not signed off."""
@@ -291,9 +323,8 @@ class Commands:
         return sum(bool(record.started_utc) for record in self._runs_of(zone)) + 1
 
     def _runs_of(self, zone: Zone) -> Iterator[RunRecord]:
-        """Return the runs of the zone's event that are over, the newest first."""
-        records = (record for record in self._finished.records() if record.zone == zone.name)
-        return (record for record in records if zone.place_of(key_of_record(record)) == zone.index)
+        """Return the runs of the team at the zone's event that are over, the newest first."""
+        return filter(zone.is_of, self._finished.records())
 
     def _attempts_off(self, zone: Zone) -> List[str]:
         most = zone.event.benchmark.rules.attempts
@@ -314,7 +345,7 @@ class Commands:
                 return [f"No robot of team {team} is active: none of its beacons arrives on UDP port "
                         f"{self._settings.rsbb_port}"]
             return [f"Robot {r.id} is in a run in zone {run.zone}" for r, run in busy if run is not None]
-        return skew_off(f"robot {robots[0].id}", robots[0].skew.seconds, self._settings.allowed_skew)
+        return robots[0].skew_off(f"robot {robots[0].id}")
 
     def _nobody_off(self, now: Now, zone: Zone) -> List[str]:
         """Return why a run of all robots would have no robots; empty: it would have some."""
@@ -349,7 +380,7 @@ class Commands:
             reasons.append("its team has no password in the passwords file")
         if robot.is_late(now):
             reasons.append(f"it was not heard for {now.mono - robot.last_heard.mono:.0f} s")
-        return reasons + skew_off("the robot", robot.skew.seconds, self._settings.allowed_skew)
+        return reasons + robot.skew_off("the robot")
 
     # -- start, stop, disconnect --------------------------------------------------------------------
 
@@ -370,12 +401,16 @@ class Commands:
             )
         return reasons + run.start_off(now)
 
-    def _stop_off(self, _now: Now, zone: Zone) -> List[str]:
+    def _stop_off(self, now: Now, zone: Zone) -> List[str]:
         if zone.run is None:
             return ["No run is connected, so there is nothing to stop"]
         if zone.run.phase is Phase.CONNECTED:
             return ["The run is not started: disconnect to leave it"]
-        return [] if zone.run.phase is Phase.RUNNING else ["The run is over: disconnect to leave it"]
+        if zone.run.phase is Phase.RUNNING:
+            return []
+        if zone.run.ignores_stop(now):
+            return ["The run is over, but the robot did not answer STOP: stop it by hand"]
+        return ["The run is over: disconnect to leave it"]
 
     def _disconnect_off(self, _now: Now, zone: Zone) -> List[str]:
         return [] if zone.run is not None else ["No run is connected"]

@@ -5,7 +5,7 @@ one is tried. A run that continues after a restart keeps its port, because its r
 opened, it is tried again.
 """
 
-from typing import Callable, Container, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.capacity import LAST_PORT, Capacity, ports_warning
@@ -17,7 +17,7 @@ from roah_rsbb.core.robots import MAX_ROBOTS, ActiveRobot, ActiveRobots, RobotId
 from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
-from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState
+from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState, port_of
 from roah_rsbb.core.scoring.book import FinishedRuns
 from roah_rsbb.core.scoring.records import NOBODY, By
 from roah_rsbb.core.settings import Settings
@@ -60,6 +60,7 @@ class Connections:
         self._beacon_size = beacon_size
         self._last_port = max(settings.rsbb_port, last_port or 0)
         self.version = 0  # of the configuration with which runs are connected
+        self.hears_beacons = True  # False: a replay, which does not know them
         self._failures_left: Dict[str, int] = {}  # by zone, of channels of the run being connected
         self._reopen_at: Dict[int, float] = {}  # port -> monotonic time (s)
         self._listed: Tuple[BenchmarkingRobot, ...] = ()
@@ -100,6 +101,7 @@ class Connections:
     def connect(self, now: Now, zone: Zone, robots: Sequence[ActiveRobot]) -> None:
         """Open a run with these robots in a zone whose *connect* is allowed."""
         assert robots, "connect was checked before"
+        self._watches.release()
         self._failures_left[zone.name] = MAX_PORTS_TRIED + len(robots) - 1
         for robot in robots:
             self._open_run(now, zone, robot)
@@ -119,7 +121,8 @@ class Connections:
         assert run is not None, "disconnect was checked before"
         run.close(now, by)
         self._finished.add(run.record(now))
-        zone.leave(self._settings.auto_next)
+        zone.leave(self._settings.auto_next, lambda: {
+            place for name, place in self._zones.over(self._finished.records()) if name == zone.name})
         self._outbox.emit(effects.SendBeacon())
 
     def on_failed(self, now: Now, port: int, error: str) -> None:
@@ -172,14 +175,22 @@ class Connections:
         return Run(now, assignment, context, state)
 
     def _context(self, zone: str) -> RunContext:
-        return RunContext(self._settings, self._outbox.of_zone(zone), self._show_map)
+        last_beacon = self._robots.last_beacon if self.hears_beacons else None
+        return RunContext(self._settings, self._outbox.of_zone(zone), self._show_map, last_beacon)
 
-    def _show_map(self, display_map: bool) -> None:
-        if display_map != self._tablet.display_map:
+    def _show_map(self, display_map: bool) -> bool:
+        is_change = display_map != self._tablet.display_map
+        if is_change:
             self._tablet.display_map = display_map
             self._outbox.emit(effects.SendBeacon())
+        return is_change
 
     # -- after a restart ----------------------------------------------------------------------------
+
+    def leave_out(self, identities: Iterable[str]) -> None:
+        """Give no port again that is in the identity of an earlier run, even if the record of used ports is lost."""
+        ports = [port for port in map(port_of, identities) if port <= LAST_PORT]
+        self._last_port = max(self._last_port, *ports, 0)
 
     def reopen(self, now: Now, zone: Zone, state: ZoneState, teams: Optional[Container[str]] = None) -> None:
         """Continue the run in a zone's saved state, if any. Raises ValueError if it cannot have its channels.
@@ -188,6 +199,7 @@ class Connections:
         """
         zone.version = self.version if teams is None else state.version
         if state.by_hand is not None:
+            self.leave_out([state.by_hand.identity])
             zone.run = HandRun(now, zone.name, zone.event, self._context(zone.name), state=state.by_hand)
             return
         runs = () if state.all_robots is None else state.all_robots.members

@@ -1,8 +1,13 @@
-"""What is known of the copies of the journal, and the warnings about them (docs/backup.md, "Warnings")."""
+"""What is known of the copies of the journal, and the warnings about them (docs/backup.md, "Warnings").
+
+With `durable: two`, entries of referees are confirmed when the standby has them, too (docs/standby.md, "No entry is
+lost"). They are known by the journal's tickets, which only rise.
+"""
 
 from typing import Dict, List, NamedTuple, Optional
 
 from roah_rsbb.core.clock import Now
+from roah_rsbb.rulebook.benchmarks import Config, Durable
 
 # The place of the copy on a second computer.
 STANDBY = "standby"
@@ -10,8 +15,23 @@ STANDBY = "standby"
 LATE_S = 3.0
 # The node that copies reports once a second.
 SILENT_S = 10.0
-# An answer to a referee waits for the standby for at most this long.
-SYNC_S = 0.5
+# An answer to a referee waits for the standby for at most this long. Faces wait for an answer for 5 s.
+SYNC_S = 2.0
+# The beginning of the answer to an entry that the standby does not have yet.
+NOT_CONFIRMED = "not confirmed: "
+NO_PORT = "{place}: 'durable: two' needs a standby: start the box with standby_port:=8083, or delete this line"
+
+
+def unconfirmed(why: str) -> str:
+    """Return the answer to an entry that the standby does not have yet."""
+    return (f"{NOT_CONFIRMED}{why}. It counts, and is saved on this computer: do not enter it again. It is confirmed "
+            "as soon as the standby has it")
+
+
+def unconfirmed_by_old_box(by: str) -> str:
+    """Return the answer to an entry that a box took just before another one, at this address, took over."""
+    return (f"{NOT_CONFIRMED}the box at {by} has taken over, and may not have this entry. Look there, and enter it "
+            "there if it is missing")
 
 
 class CopyReport(NamedTuple):
@@ -19,9 +39,10 @@ class CopyReport(NamedTuple):
 
     place: str
     is_of_this_box: bool  # whether it copies the journal of this core
-    behind_s: float
-    missing_entries: int
+    behind_s: float  # infinite: it was not complete since the node that copies started
+    missing_bytes: int
     trouble: str  # empty: none
+    notice: str = ""  # what every referee must know besides; empty: nothing
 
 
 class _Copy:
@@ -40,6 +61,10 @@ class _Copy:
         return (report is not None and report.is_of_this_box and not report.trouble
                 and now.mono - self.heard_mono < SILENT_S)
 
+    def has_notice(self, now: Now) -> bool:
+        """Whether the latest report is recent and says something that every referee must know."""
+        return self.report is not None and bool(self.report.notice) and now.mono - self.heard_mono < SILENT_S
+
     def why_behind(self, now: Now) -> str:
         """Return why the copy is behind."""
         report = self.report
@@ -48,8 +73,9 @@ class _Copy:
         if report.trouble:
             return report.trouble
         if not report.is_of_this_box:
-            return "the journal of another core is copied. End the other core"
-        return "it is being written. If this lasts, use a faster stick"
+            return ("the journal of this core is not copied yet. If this lasts, start the node roah_rsbb_backup with "
+                    "the log_dir of the core")
+        return "the copy is being written. If this lasts, its disk or its connection is too slow"
 
 
 class Copies:
@@ -57,8 +83,9 @@ class Copies:
 
     def __init__(self) -> None:
         self._copies: Dict[str, _Copy] = {}
-        # The box asks the standby whether it has everything up to now. These are numbers of such questions: the newest
-        # one, the newest one with an answer, and the newest one for which the answer to a referee no longer waited.
+        self._two_at = ""  # where the configuration demands two copies; empty: one is enough
+        # Tickets: the newest one that the standby was asked for, the newest one that it has, and the newest one that
+        # was reported as not confirmed.
         self._asked = self._answered = self._given_up = 0
 
     def expect(self, now: Now, place: str) -> None:
@@ -79,38 +106,64 @@ class Copies:
             return None
         return self._text(now, report.place, copy) if warning else ""
 
-    # -- answers that wait for the standby ----------------------------------------------------------
+    # -- two copies ---------------------------------------------------------------------------------
 
-    def ask(self) -> int:
-        """Return the number of a new question: whether the standby has everything up to now."""
-        self._asked += 1
-        return self._asked
+    def why_not(self, config: Config) -> str:
+        """Return why a configuration cannot be used: it demands a standby, and this box has none; empty: it can."""
+        is_missing = config.durable is Durable.TWO and STANDBY not in self._copies
+        return NO_PORT.format(place=config.durable_at) if is_missing else ""
+
+    def use(self, config: Config) -> None:
+        """Demand as many copies as this configuration."""
+        self._two_at = str(config.durable_at) if config.durable is Durable.TWO else ""
+        if not self._two_at:
+            self._given_up = 0
+
+    @property
+    def are_two(self) -> bool:
+        """Whether an entry is confirmed only when the standby has it, too."""
+        return bool(self._two_at) and STANDBY in self._copies
+
+    @property
+    def answered(self) -> int:
+        """The newest ticket that the standby has on its disk."""
+        return self._answered
+
+    def ask(self, ticket: int) -> None:
+        """Note that the standby was asked whether it has everything up to this ticket."""
+        self._asked = max(self._asked, ticket)
 
     def is_worth_waiting(self, now: Now) -> bool:
         """Whether the standby will probably answer in time: it is connected, and it answered the earlier questions."""
-        copy = self._copies[STANDBY]
-        return copy.is_connected(now) and self._given_up <= self._answered
+        return self._copies[STANDBY].is_connected(now) and not self._is_unconfirmed
 
-    def answer(self, number: int) -> bool:
-        """Note that the standby has everything up to this question. Return whether that ends a warning."""
+    def answer(self, ticket: int) -> bool:
+        """Note that the standby has everything up to this ticket. Return whether that ends a warning."""
         copy = self._copies[STANDBY]
         if copy.report is not None:  # this report may be older than the answer
             copy.report = copy.report._replace(trouble="", is_of_this_box=True)
-        was_missing = self._given_up > self._answered
-        self._answered = max(self._answered, min(number, self._asked))
-        return was_missing and self._given_up <= self._answered
+        was_missing = self._is_unconfirmed
+        self._answered = max(self._answered, min(ticket, self._asked))
+        return was_missing and not self._is_unconfirmed
 
-    def give_up(self, now: Now, number: int) -> Optional[str]:
-        """Note that the answer to a referee no longer waits for this question. Return a new warning to log, or None."""
-        was_missing = self._given_up > self._answered
-        self._given_up = max(self._given_up, number)
-        is_missing = self._given_up > self._answered
-        return self._unconfirmed(now) if is_missing and not was_missing else None
+    def give_up(self, now: Now, ticket: int) -> Optional[str]:
+        """Note that a referee's entry was reported as not confirmed. Return a new warning to log, or None."""
+        was_missing = self._is_unconfirmed
+        self._given_up = max(self._given_up, ticket)
+        return self._not_confirmed(now) if self._is_unconfirmed and not was_missing else None
 
-    def _unconfirmed(self, now: Now) -> str:
+    def why_not_confirmed(self, now: Now) -> str:
+        """Return why the standby does not have an entry, and what to do."""
         copy = self._copies[STANDBY]
         why = f"it did not answer within {SYNC_S:g} s" if copy.is_connected(now) else copy.why_behind(now)
-        return f"The standby does not have the referees' last entries yet. They are saved on this computer only: {why}"
+        return f"{why}. To continue with one computer, delete 'durable: two' in {self._two_at} and reload"
+
+    @property
+    def _is_unconfirmed(self) -> bool:
+        return self._given_up > self._answered
+
+    def _not_confirmed(self, now: Now) -> str:
+        return f"NOT CONFIRMED: the standby does not have the last entries: {self.why_not_confirmed(now)}"
 
     # -- warnings -----------------------------------------------------------------------------------
 
@@ -120,17 +173,19 @@ class Copies:
         self._copies = {place: copy for place, copy in self._copies.items()
                         if copy.is_expected or now.mono - copy.heard_mono < SILENT_S}
         late = {place: copy for place, copy in self._copies.items() if self._is_late(now, copy)}
-        is_unconfirmed = self._given_up > self._answered and STANDBY not in late  # the other warning says more
-        return [*([self._unconfirmed(now)] if is_unconfirmed else []),
-                *(self._text(now, place, copy) for place, copy in late.items())]
+        texts = [self._text(now, place, copy) for place, copy in late.items()]
+        if self._is_unconfirmed and STANDBY not in late:
+            texts.insert(0, self._not_confirmed(now))
+        return texts + [copy.report.notice for copy in self._copies.values() if copy.has_notice(now)]
 
     @staticmethod
     def _is_late(now: Now, copy: _Copy) -> bool:
         return now.mono - copy.complete_mono >= LATE_S
 
-    @staticmethod
-    def _text(now: Now, place: str, copy: _Copy) -> str:
-        missing = 0 if copy.report is None else copy.report.missing_entries
-        entries = f", {missing} entries" if missing else ""
-        return (f"The copy of the journal ({place}) is {now.mono - copy.complete_mono:.0f} s{entries} behind: "
+    def _text(self, now: Now, place: str, copy: _Copy) -> str:
+        if place == STANDBY and self.are_two:
+            return self._not_confirmed(now)
+        missing = 0 if copy.report is None else copy.report.missing_bytes
+        size = f", {-(-missing // 1000)} kB" if missing else ""
+        return (f"The copy of the journal ({place}) is {now.mono - copy.complete_mono:.0f} s{size} behind: "
                 f"{copy.why_behind(now)}")

@@ -155,17 +155,16 @@ class Notice(NamedTuple):
     zone: str = ""
 
 
-class GiveUp(NamedTuple):
-    """This box must not run: report why, and end the process."""
+class AnotherBox(NamedTuple):
+    """Another box was heard while this one only listened. It sends nothing for now. Programs of teams end then."""
 
-    reason: str
     host: str  # of the other box
 
 
 Effect = Union[
     PortTaken, OpenChannel, AimChannel, CloseChannel, SendState, SendBeacon, TimeoutRung, SetDevice,
     RunOpened, SheetOpened, RunResumed, RunLogged, RunClosed, RecordChanged, Recorded,
-    Superseded, ModuleRunsChanged, Notice, GiveUp,
+    Superseded, ModuleRunsChanged, Notice, AnotherBox,
 ]
 
 # The name of the state that belongs to no zone, in `Outbox.take_changed`.

@@ -4,19 +4,22 @@ Theory of operation. Each configuration has a *version*, a rising number. A run 
 of the version with which it was connected, and its channel keeps that version's password. Its zone saves the version,
 so that the run also keeps them after a restart of the core. When the run is left, its zone takes the present schedule.
 
-Results belong to their runs, not to the schedule, so they stay whatever happens to their events.
+Results belong to their runs, not to the schedule, so they stay whatever happens to their events. The list of changes
+says what becomes of them.
 """
 
 from typing import List, Sequence
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.connections import Connections
+from roah_rsbb.core.copies import Copies
 from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.referee import Refused, checked_who
 from roah_rsbb.core.robots import ActiveRobots
 from roah_rsbb.core.scoring.book import FinishedRuns
-from roah_rsbb.core.zones import Zones
+from roah_rsbb.core.zones import Zones, key_of_record
 from roah_rsbb.rulebook.benchmarks import Config
+from roah_rsbb.rulebook.event_ids import EventKey, key_of
 
 # The journal records at most this many changes of a reload.
 MAX_RECORDED = 500
@@ -26,22 +29,30 @@ class Reload:
     """Puts another configuration into force."""
 
     def __init__(
-        self, zones: Zones, robots: ActiveRobots, finished: FinishedRuns, connections: Connections, outbox: Outbox
+        self, zones: Zones, robots: ActiveRobots, finished: FinishedRuns, connections: Connections, copies: Copies,
+        outbox: Outbox
     ) -> None:
         self._zones = zones
         self._robots = robots
         self._finished = finished
         self._connections = connections
+        self._copies = copies
         self._outbox = outbox
 
     def off(self, config: Config) -> List[str]:
         """Return why a configuration cannot be taken now; empty: it can."""
         names = {zone.name for zone in config.zones}
-        return [
+        why = self._copies.why_not(config)
+        return ([why] if why else []) + [
             f"zone '{zone.name}' is no longer in the schedule, but a run of {zone.event.benchmark.code} is connected "
             "in it: disconnect it first"
             for zone in self._zones.values() if zone.run is not None and zone.name not in names
         ]
+
+    def ran(self) -> List[EventKey]:
+        """Return the events of all runs, also of those in the zones, as they were when the runs were connected."""
+        return [key_of_record(record) for record in self._finished.records()] + [
+            key_of(run.event) for run in self._zones.runs()]
 
     def take(self, config: Config, version: int, changes: Sequence[str], who: str) -> None:
         """Put a configuration into force. `changes` lists what it changes. Raises `Refused`."""
@@ -54,7 +65,8 @@ class Reload:
         value = {"version": version, "changes": recorded}
         self._outbox.emit(effects.Recorded("", "", None, "reload", value, checked_who(who)))
         self._robots.use_teams(config.passwords)
-        self._finished.use(config.benchmarks)
+        self._finished.use(config.benchmarks, config.ranking)
+        self._copies.use(config)
         self._connections.version = version
         self._zones.reschedule(config.zones)
         for zone in self._zones.values():

@@ -4,6 +4,10 @@ Anybody can send beacons, because they are not encrypted. Therefore nothing here
 sender under a robot's name takes nothing over while the first is still heard. A robot is confirmed once one of its
 messages was decrypted with its team's password. Robots that are not confirmed have quotas by address and by team, so
 invented robots only use up the quota of their sender.
+
+A sender's address can be forged, too. Therefore beacons only suggest. While a robot is heard with the password, its
+beacons only say that it is there; and a clock keeps a robot from *connect* only if no beacon under its name shows a
+better one.
 """
 
 import collections
@@ -11,12 +15,16 @@ import math
 from typing import Callable, Container, Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.link.skew import SkewEstimate
+from roah_rsbb.core.link.skew import WINDOW_S, SkewEstimate, skew_off, within
 from roah_rsbb.core.messages import NEVER
 from roah_rsbb.protocol import WireTime, wire_seconds
 
 # A robot sends every second. After this many seconds without a message, it is late.
 LATE_S = 3.0
+# If the times in beacons from a robot's address go back by this much (s) twice within `LATE_S`, they show two clocks.
+BACK_S = 1.0
+# This many other addresses under a robot's name are remembered.
+MAX_RIVALS = 8
 # No robot has a longer name. Panels receive all names ten times a second.
 MAX_NAME = 100
 # More robots than any competition has.
@@ -44,53 +52,100 @@ class RobotId(NamedTuple):
         return f"{self.robot} of team {self.team}"
 
 
+class Rival(NamedTuple):
+    """Another address that uses a robot's name."""
+
+    mono: float  # when it was heard last (s)
+    skew: float  # seconds
+
+
 class ActiveRobot:
     """One robot that was heard."""
 
-    def __init__(self, robot_id: RobotId, host: str, now: Now) -> None:
+    def __init__(self, robot_id: RobotId, host: str, now: Now, allowed_skew: float) -> None:
+        """`allowed_skew`: with which a run can start (s)."""
         self.id = robot_id
+        self._allowed_skew = allowed_skew
         self.host = host
         self.first_heard = now
         self.last_heard = now
+        # Monotonic time (s), of a beacon that may be its own: once an address used the password, from there. A robot in
+        # a run sends none.
+        self.last_beacon: Optional[float] = None
         self.time: WireTime = NEVER  # the robot's own, from its last message
         self.skew = SkewEstimate()
         self.confirmed_host: Optional[str] = None  # the last host that used the team's password
-        self.rival: Optional[str] = None  # another host that uses the same name
-        self.rival_skew = 0.0  # seconds
-        self._rival_heard = 0.0
+        self._rivals: Dict[str, Rival] = {}  # by address
+        self._confirmed_mono = -math.inf  # when it used the password last
+        self._beacon_mono = -math.inf  # of the last beacon of any address, and of the last one with a good clock
+        self._good_clock_mono = -math.inf
+        self._back: List[float] = []  # when times of its beacons went back
 
     def is_late(self, now: Now) -> bool:
         """Whether it has missed several beacons."""
         return now.mono - self.last_heard.mono > LATE_S
 
-    def has_rival(self, now: Now) -> bool:
-        """Whether another host uses the same name right now."""
-        return self.rival is not None and now.mono - self._rival_heard <= LATE_S
+    def rivals(self, now: Now) -> Dict[str, Rival]:
+        """Return the other addresses that use the same name right now."""
+        return {host: rival for host, rival in self._rivals.items() if now.mono - rival.mono <= LATE_S}
+
+    def has_two_clocks(self, now: Now) -> bool:
+        """Whether beacons from its own address show two clocks: somebody forges that address."""
+        return len(self._back) > 1 and now.mono - self._back[-2] <= LATE_S
+
+    def skew_off(self, whose: str) -> List[str]:
+        """Return why its clock prevents *connect*; empty: it does not. `whose` names it.
+
+        Any address may forge a beacon with a wrong clock, and none can take the good one of the robot's away. Before a
+        start, the clock in its encrypted messages counts.
+        """
+        is_good = self._good_clock_mono >= self._beacon_mono - WINDOW_S
+        return [] if is_good else skew_off(whose, self.skew.seconds, self._allowed_skew)
+
+    def restart_skew(self) -> None:
+        """Drop all samples of its clock, because the box's clock was set."""
+        self.skew.restart()
+        self._good_clock_mono = -math.inf
 
     def hear(self, now: Now, host: str, time: WireTime, certain: bool) -> None:
-        """Take a message from `host`. It is `certain` if it was decrypted with the team's password.
+        """Take a message from `host` that arrived `now`. It is `certain` if it was decrypted with the team's password.
 
         A beacon from another host than before is a rival's, and changes nothing while the first host is heard. The
         exception: the first host never used the password, and the other did.
         """
+        skew = wire_seconds(time) - now.utc
+        if not certain and now.mono - self._confirmed_mono <= LATE_S:
+            if host == self.host:  # it is there; but its clock is that of its messages
+                self.last_beacon, self.last_heard = now.mono, now
+            else:
+                self._note_rival(now, host, skew)
+            return
+        self._beacon_mono = now.mono
+        if within(skew, self._allowed_skew):
+            self._good_clock_mono = now.mono
         if certain:
             self.confirmed_host = host
+            self._confirmed_mono = now.mono
         elif host != self.host and host != self.confirmed_host and not self.is_late(now):
-            self._note_rival(now, host, wire_seconds(time) - now.utc)
+            self._note_rival(now, host, skew)
             return
-        if host == self.rival:
-            self.rival = None
+        self._rivals.pop(host, None)
         if host != self.host and not certain and not self.is_late(now):
             self._note_rival(now, self.host, self.skew.seconds or 0.0)
             self.skew.restart()  # the samples so far are of the other host's clock
+        elif host == self.host and not certain and wire_seconds(self.time) - wire_seconds(time) > BACK_S:
+            self._back = [*self._back[-1:], now.mono]
+        if not certain and self.confirmed_host in (None, host):
+            self.last_beacon = now.mono
         self.host = host
         self.last_heard = now
         self.time = time
-        self.skew.sample(now.mono, wire_seconds(time) - now.utc)
-
+        self.skew.sample(now.mono, skew)
 
     def _note_rival(self, now: Now, host: str, skew: float) -> None:
-        self.rival, self.rival_skew, self._rival_heard = host, skew, now.mono
+        self._rivals = self.rivals(now)
+        if host in self._rivals or len(self._rivals) < MAX_RIVALS:
+            self._rivals[host] = Rival(now.mono, skew)
 
 
 class _Pauses:
@@ -120,10 +175,13 @@ class ActiveRobots:
     """All robots that were heard within `timeout` seconds; `teams` are those of the competition."""
 
     def __init__(
-        self, timeout: float, teams: Container[str], in_runs: Callable[[], Container[RobotId]] = frozenset
+        self, timeout: float, teams: Container[str], in_runs: Callable[[], Container[RobotId]] = frozenset,
+        allowed_skew: float = 0.1,
     ) -> None:
-        """`in_runs`: the robots that are in runs. They are never dropped for others."""
+        """`in_runs`: the robots that are in runs. They are never dropped for others. `allowed_skew`: with which a run
+        can start (s)."""
         self._timeout = timeout
+        self._allowed_skew = allowed_skew
         self._teams = teams
         self._in_runs = in_runs
         self._robots: Dict[RobotId, ActiveRobot] = {}
@@ -142,7 +200,7 @@ class ActiveRobots:
             name_fits = 0 < len(robot_id.team) <= MAX_NAME and 0 < len(robot_id.robot) <= MAX_NAME
             if not name_fits or not self._make_room(now, robot_id, host, certain):
                 return None
-            robot = self._robots[robot_id] = ActiveRobot(robot_id, host, now)
+            robot = self._robots[robot_id] = ActiveRobot(robot_id, host, now, self._allowed_skew)
             self._by_team.setdefault(robot_id.team, []).append(robot)
         robot.hear(now, host, time, certain)
         return robot
@@ -211,10 +269,15 @@ class ActiveRobots:
         """Return the robot of that name, or None if it was not heard."""
         return self._robots.get(robot_id)
 
+    def last_beacon(self, robot_id: RobotId) -> Optional[float]:
+        """Return when the last beacon of a robot arrived, in monotonic seconds; None: not lately."""
+        robot = self._robots.get(robot_id)
+        return None if robot is None else robot.last_beacon
+
     def restart_skews(self) -> None:
         """Drop all skew samples, because the box's clock was set."""
         for robot in self._robots.values():
-            robot.skew.restart()
+            robot.restart_skew()
 
     def all(self, now: Now) -> List[ActiveRobot]:
         """Return the active robots, by team and name."""
@@ -222,6 +285,8 @@ class ActiveRobots:
         return [self._robots[robot_id] for robot_id in sorted(self._robots)]
 
     def of_team(self, now: Now, team: str) -> List[ActiveRobot]:
-        """Return a team's active robots in the order of preference: heard recently, then known longest."""
+        """Return a team's active robots in the order of preference: heard recently, then known by the password, then
+        known longest."""
         self.forget(now)
-        return sorted(self._by_team.get(team, ()), key=lambda r: (r.is_late(now), r.first_heard.mono, r.id))
+        return sorted(self._by_team.get(team, ()),
+                      key=lambda r: (r.is_late(now), r.confirmed_host is None, r.first_heard.mono, r.id))

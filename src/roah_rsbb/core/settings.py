@@ -16,4 +16,4 @@ class Settings(NamedTuple):
     max_datagram: int = 1024  # bytes that every robot of the competition can read
     auto_next: bool = True  # after a run that was completed, the zone moves to its next event
     listen_duration: float = 5.0  # after the start, the box first only listens for another box
-    take_over: bool = False  # start although another box was heard
+    take_over: bool = False  # send although another box was heard

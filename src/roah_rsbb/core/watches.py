@@ -28,6 +28,13 @@ class Watches:
         self._kept: Dict[Tuple[str, object], Tuple[float, str]] = {}
         self._devices_trouble = ""
         self._journal_trouble = ""
+        self._held_by = ""
+
+    @property
+    def held_by(self) -> str:
+        """The address of another box that this one heard before it sent anything. It sends nothing until a referee
+        connects a robot. Empty: it need not wait."""
+        return self._held_by
 
     def start(self, now: Now) -> None:
         """Begin the time in which the box only listens, in the first call."""
@@ -43,19 +50,46 @@ class Watches:
     def foreign_box(self, now: Now, host: str) -> Optional[str]:
         """Warn of another box that transmits: two boxes confuse every robot."""
         return self._keep(
-            now, ("box", host), f"ANOTHER RSBB is transmitting from {host}: stop it, robots obey both",
-            REMEMBER_S,
-        )
+            now, ("box", host), f"ANOTHER RSBB is transmitting from {host}, and robots obey both: stop it, or take "
+            "that computer off the network", REMEMBER_S)
+
+    def hold(self, host: str) -> Optional[str]:
+        """Send nothing, because of another box. The warning stays until `release`."""
+        is_new, self._held_by = host != self._held_by, host
+        return self._held_text() if is_new else None
+
+    def release(self) -> None:
+        """Begin to send: a referee connects a robot in spite of the other box."""
+        self._held_by = ""
+
+    def _held_text(self) -> str:
+        return (f"ANOTHER RSBB was heard at {self._held_by}, so this box sends nothing until you press connect. Stop "
+                "the other box first, or take that computer off the network if it is none of yours")
 
     def rivals(self, now: Now, robot: ActiveRobot) -> Optional[str]:
-        """Warn of two hosts that use one robot's name."""
+        """Warn of several hosts that use one robot's name, if there are any."""
+        rivals = robot.rivals(now)
+        if not rivals:
+            return None
+        hosts = sorted(rivals, key=lambda host: -rivals[host].mono)
+        others = " and ".join(hosts[:2]) + (f" and {len(hosts) - 2} more" if len(hosts) > 2 else "")
         confirmed = " (confirmed by its password)" if robot.host == robot.confirmed_host else ""
-        text = (f"Two robots call themselves {robot.id}: {robot.host}{confirmed} and {robot.rival}. Give one another "
-                "robot_name")
-        mine, theirs = robot.skew.seconds or 0.0, robot.rival_skew
+        text = (f"Two robots call themselves {robot.id}: {robot.host}{confirmed} and {others}. Connect and start use "
+                "the one that knows the password. Give the other one another robot_name, or take it off the network")
+        mine, theirs = robot.skew.seconds or 0.0, rivals[hosts[0]].skew
         if abs(mine - theirs) >= TWO_CLOCKS_S:
-            text += f". Their clocks differ: {times.skew(mine)} and {times.skew(theirs)}"
+            text = f"{text}. Their clocks differ: {times.skew(mine)} and {times.skew(theirs)}"
         return self._keep(now, ("rival", robot.id), text, REMEMBER_S)
+
+    def two_clocks(self, now: Now, robot: ActiveRobot) -> Optional[str]:
+        """Warn of beacons that show two clocks at one address, if there are any."""
+        if not robot.has_two_clocks(now):
+            return None
+        return self._keep(
+            now, ("clocks", robot.id),
+            f"Beacons of {robot.id} from {robot.host} show two clocks: somebody forges this address, or two programs "
+            "there use the name. Start uses the clock of the one that knows the password. Find the other one and take "
+            "it off the network", REMEMBER_S)
 
     def squatter(self, now: Now, squatter: Squatter) -> Optional[str]:
         """Warn of a host that announces more robots than the list accepts."""
@@ -139,7 +173,8 @@ class Watches:
         """Return the current warnings for every referee."""
         self._kept = {key: kept for key, kept in self._kept.items() if kept[0] >= now.mono}
         journal = [self._journal_trouble] if self._journal_trouble else []
-        return journal + [text for _, text in self._kept.values()]
+        held = [self._held_text()] if self._held_by else []
+        return held + journal + [text for _, text in self._kept.values()]
 
     def _keep(self, now: Now, key: Tuple[str, object], text: str, seconds: float) -> Optional[str]:
         old = self._kept.get(key)

@@ -1,7 +1,7 @@
 """Zones: their scheduled events, the current event, and the run in it (docs/organiser.md, "schedule.yaml")."""
 
 from dataclasses import dataclass
-from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Container, Dict, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.robots import RobotId
@@ -9,13 +9,16 @@ from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
 from roah_rsbb.core.runs.run import AllRobotsState, Run, RunState, ZoneRun, ZoneRunState
+from roah_rsbb.core.scoring.counting import is_attempt
 from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason, RunRecord
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
+from roah_rsbb.rulebook.event_ids import EventKey, key_of
 from roah_rsbb.wording.suggestions import did_you_mean
 
 # A scheduled time that was sent and converted may differ by less than this.
 SAME_TIME_S = 0.001
 NO_RUN = "No run is connected: press connect first"
+_THE_END = frozenset(reason.name.lower() for reason in RAN_TO_THE_END)
 
 
 class LastRun(NamedTuple):
@@ -26,24 +29,16 @@ class LastRun(NamedTuple):
     online_data: str
 
 
-class EventKey(NamedTuple):
-    """Identifies an event of a schedule. Its other properties are in the benchmarks file."""
-
-    benchmark: str  # code
-    team: str
-    round: int
-    run: int
-    scheduled: float  # UTC seconds
-
-
-def key_of(event: ScheduledEvent) -> EventKey:
-    """Return the key of an event."""
-    return EventKey(event.benchmark.code, event.team, event.round, event.run, event.scheduled)
-
-
 def key_of_record(record: RunRecord) -> EventKey:
     """Return the key of the event of a run."""
-    return EventKey(record.benchmark, record.team, record.round, record.run, record.scheduled)
+    return EventKey(record.benchmark, record.team, record.round, record.run, record.scheduled, record.event)
+
+
+def is_same(key: EventKey, event: ScheduledEvent) -> bool:
+    """Return whether a key is that of an event. A key without an id, such as one of an old journal, has its time."""
+    if key.id and event.id:
+        return key.id == event.id
+    return key_of(event).turn == key.turn and abs(event.scheduled - key.scheduled) < SAME_TIME_S
 
 
 @dataclass
@@ -109,15 +104,28 @@ class Zone:
 
     def find(self, key: EventKey) -> Optional[int]:
         """Return the place of an event in the schedule; None: the zone has no such event."""
-        for index, event in enumerate(self.events):
-            if key_of(event)[:-1] == key[:-1] and abs(event.scheduled - key.scheduled) < SAME_TIME_S:
-                return index
-        return None
+        return next((index for index, event in enumerate(self.events) if is_same(key, event)), None)
 
     def place_of(self, key: EventKey) -> Optional[int]:
-        """Return the place of an event in the schedule, even if its time was changed; None: it was removed."""
-        place = self._places.get(key)
-        return self._places_by_run.get(key[:-1]) if place is None else place
+        """Return the place of an event in the schedule, even if its time was changed; None: it was removed.
+
+        Without an id, it is the event of that team, round and run.
+        """
+        if key.id and key.id in self._places_by_id:
+            return self._places_by_id[key.id]
+        place = self._places.get(key[:5])
+        return self._places_by_turn.get(key.turn) if place is None and not key.id else place
+
+    def place_of_id(self, event_id: str) -> Optional[int]:
+        """Return the place of the event with this id in the schedule; None: the zone does not have it."""
+        return self._places_by_id.get(event_id)
+
+    def is_of(self, record: RunRecord) -> bool:
+        """Return whether a run was an attempt at the current event, perhaps in another zone."""
+        event = self.event
+        if record.event and event.id:
+            return record.event == event.id and is_attempt(record, event)
+        return record.zone == self.name and self.place_of(key_of_record(record)) == self.index
 
     def move(self, by: int) -> None:
         """Go to another event of the schedule. Drop the last run's log, which belongs to the event before."""
@@ -179,21 +187,26 @@ class Zone:
     def _set_events(self, events: Tuple[ScheduledEvent, ...]) -> None:
         self.events = events
         numbered = list(enumerate(events))
-        self._places = {key_of(event): index for index, event in reversed(numbered)}
-        self._places_by_run = {key_of(event)[:-1]: index for index, event in reversed(numbered)}
+        self._places = {key_of(event)[:5]: index for index, event in reversed(numbered)}
+        self._places_by_turn = {key_of(event).turn: index for index, event in reversed(numbered)}
+        self._places_by_id = {event.id: index for index, event in numbered if event.id}
 
     # -- the run ------------------------------------------------------------------------------------
 
-    def leave(self, auto_next: bool) -> None:
-        """Remove the closed run. After a run that was completed, the zone moves to the next event."""
+    def leave(self, auto_next: bool, over: Callable[[], Container[int]] = tuple) -> None:
+        """Remove the closed run. After a run that was completed, the zone moves to the next event. `over` returns the
+        places of events that need no run any more."""
         run, self.run = self.run, None
         assert run is not None, "there is a run to leave"
         self.last_run = LastRun(run.end_reason, run.log, run.online_data)
         if self.events is not self.planned and not self._use_plan(key_of(run.event)):
             self.last_run = None
             return
-        if auto_next and run.end_reason in RAN_TO_THE_END and not self.at_last:
-            self.move(1)
+        if auto_next and run.end_reason in RAN_TO_THE_END:
+            skipped = over()
+            later = [place for place in range(self.index + 1, len(self.events)) if place not in skipped]
+            if later:
+                self.move(later[0] - self.index)
 
 
 class _Runs:
@@ -229,6 +242,34 @@ class Zones(Dict[str, Zone]):
             self[plan.name] = before.get(plan.name) or Zone(plan, self._forget_runs)
             self[plan.name].reschedule(plan)
         self._forget_runs()
+
+    def places_of(self, record: RunRecord) -> List[Tuple[str, int]]:
+        """Return the zone and the place in its schedule of the event at which a run is an attempt. There is none if the
+        event was removed, or has another team or benchmark now. There are two while a run of it is connected and it was
+        moved to another zone."""
+        places = [(zone.name, zone.place_of_id(record.event)) for zone in self.values()] if record.event else []
+        found = [(name, place) for name, place in places if place is not None]
+        if not found and record.zone in self:
+            place = self[record.zone].place_of(key_of_record(record))
+            found = [] if place is None else [(record.zone, place)]
+        return [(name, place) for name, place in found if is_attempt(record, self[name].events[place])]
+
+    def last_runs(self, records: Iterable[RunRecord]) -> Dict[Tuple[str, int], RunRecord]:
+        """Return the last run of each event, by zone and place in its schedule. `records`: the newest first."""
+        last: Dict[Tuple[str, int], RunRecord] = {}
+        seen: Set[Tuple[object, ...]] = set()
+        for record in records:
+            event = record.event, record.zone, key_of_record(record)
+            if event not in seen:
+                seen.add(event)
+                for place in self.places_of(record):
+                    last.setdefault(place, record)
+        return last
+
+    def over(self, records: Iterable[RunRecord]) -> Set[Tuple[str, int]]:
+        """Return the events that need no run any more: the last one was completed, or the team withdrew or did not
+        appear. By zone and place; `records`: the newest first."""
+        return {place for place, record in self.last_runs(records).items() if record.end_reason in _THE_END}
 
     def named(self, name: str) -> Zone:
         """Return the zone of that name. Raises `Refused` with the existing names if there is none."""

@@ -10,6 +10,8 @@ from roah_rsbb.devices.home import Home, is_ring
 from roah_rsbb.devices.smartif import FROM_CONTROLLER, Busy, Decoder, Garbage, Message, Set, encode
 
 RETRY_S = 0.2
+# A controller that is started at the same time, such as the dummy, may not be there yet: this is no fault.
+STARTS_S = 3.0
 CONNECT_S = 3.0
 # Time limit for the rest of a message, which has only a few bytes.
 REST_S = 5.0
@@ -36,6 +38,7 @@ class SmartIfClient:
         self._on_ring = on_ring
         self._on_status = on_status
         self._status = (False, "")
+        self._has_met = False  # the controller was reached
         self._writer: Optional[asyncio.StreamWriter] = None
 
     @property
@@ -54,8 +57,12 @@ class SmartIfClient:
 
     async def run(self) -> None:
         """Run until cancelled."""
+        loop = asyncio.get_event_loop()
+        reported_from = loop.time() + STARTS_S
         while True:
-            self._report(False, await self._session())
+            why = await self._session()
+            if self._has_met or loop.time() >= reported_from:
+                self._report(False, why)
             await asyncio.sleep(RETRY_S)
 
     async def _session(self) -> str:
@@ -68,6 +75,7 @@ class SmartIfClient:
             return f"{self._where} cannot be reached ({_reason(error)}): check that it is on, and check smartif_host"
         settled = asyncio.get_event_loop().call_later(SETTLE_S, self._report, True, f"connected to {self._where}")
         try:
+            self._has_met = True
             _enable_keepalive(writer)
             self._writer = writer
             for message in self._home.all():

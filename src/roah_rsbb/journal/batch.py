@@ -1,7 +1,7 @@
-"""The data that events add to the journal, in one transaction."""
+"""The data that an event adds to the journal, as one record. Values are those of JSON: no tuples in what changes."""
 
 from dataclasses import dataclass, field
-from typing import Dict, List, NamedTuple, Optional
+from typing import Any, Dict, List, NamedTuple, Optional
 
 
 class NewEntry(NamedTuple):
@@ -14,7 +14,7 @@ class NewEntry(NamedTuple):
     port: Optional[int]  # of the robot's private channel; None if it belongs to no robot
     who: str  # the originator: a referee's node or a robot's address; empty: the box
     kind: str
-    value: str  # JSON
+    value: Any  # JSON's value
 
 
 class RunRow(NamedTuple):
@@ -34,7 +34,7 @@ class OutcomeRow(NamedTuple):
     """The present record of a run."""
 
     closed_utc: Optional[float]  # None: still connected
-    outcome: str  # JSON
+    outcome: Any  # JSON's value
 
 
 class Member(NamedTuple):
@@ -52,31 +52,20 @@ class LinkRow(NamedTuple):
     port: int
     utc: float
     mono: float
-    sample: str  # JSON
+    sample: Any  # JSON's value
 
 
 @dataclass
 class Batch:
-    """What one transaction writes: the changes of one event, or of all events that wait. Of values that replace each
-    other, it has only the newest."""
+    """The changes of one event."""
 
     entries: List[NewEntry] = field(default_factory=list)
     runs: List[RunRow] = field(default_factory=list)
     members: List[Member] = field(default_factory=list)
     log_files: Dict[int, str] = field(default_factory=dict)  # path of the run log by port
     outcomes: Dict[str, OutcomeRow] = field(default_factory=dict)  # by the run's identity
-    states: Dict[str, str] = field(default_factory=dict)  # JSON of the state for a restart by its name
+    states: Dict[str, Any] = field(default_factory=dict)  # JSON's value of the state for a restart by its name
     links: List[LinkRow] = field(default_factory=list)
-
-    def add(self, later: "Batch") -> None:
-        """Append a later batch."""
-        self.entries += later.entries
-        self.runs += later.runs
-        self.members += later.members
-        self.links += later.links
-        self.log_files.update(later.log_files)
-        self.outcomes.update(later.outcomes)
-        self.states.update(later.states)
 
     def is_empty(self) -> bool:
         """Whether there is nothing to write."""

@@ -117,18 +117,18 @@ class ChangesWriter:
 class ChangesReader:
     """Follows the states of one run. After a damaged or missing entry, it waits for the next complete state."""
 
-    def __init__(self) -> None:
-        self._number = 0
-        self.state: Any = None  # None: not known
+    def __init__(self, number: int = 0, state: Any = None) -> None:
+        self.number = number  # of the last entry
+        self.state = state  # None: not known
 
     def take(self, value: Any) -> Any:
         """Take the value of the next entry; returns the state; None: it is not known."""
         try:
             number, change = value["number"], value["change"]
             is_complete = isinstance(change, list) and len(change) == 1
-            is_next = number == self._number + 1 and self.state is not None
+            is_next = number == self.number + 1 and self.state is not None
             self.state = changed(self.state, change) if is_next or is_complete else None
-            self._number = number
+            self.number = number
         except (TypeError, KeyError, ValueError):
             self.state = None
         return self.state

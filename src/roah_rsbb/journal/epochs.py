@@ -1,95 +1,85 @@
 """Epochs: which of two computers with copies of one journal is the box (docs/standby.md, "How it works").
 
-Each takeover raises the epoch of the journal that it continues, with an entry of its own. A box that hears of a higher
-epoch than its own writes an entry, too, and is superseded from then on. The newest entries alone say what is in force.
+Each takeover begins a segment with a higher epoch, and an entry says so. A box that hears of a higher epoch than its
+own writes an entry, too, and is superseded from then on.
 """
 
 import contextlib
-import json
 import os
-import sqlite3
-from typing import List, NamedTuple, Tuple
+from typing import Dict, NamedTuple
 
-from roah_rsbb.journal import kinds, schema
+from roah_rsbb.journal import kinds, records
+from roah_rsbb.journal.batch import Batch, NewEntry
+from roah_rsbb.journal.contents import open_journal
+from roah_rsbb.journal.log import HEAD_BYTES, NewerFormat, NotASegment, frames, names_in, read_head
+from roah_rsbb.journal.standing import FIRST, Standing, after, superseded_value, takeover_value
+from roah_rsbb.journal.writer import Writer
 
-FIRST = 1
+__all__ = ["FIRST", "NO_MONO", "NO_SESSION", "Standing", "hand_over", "raise_epoch", "standing_in", "superseded_value"]
+
 # Entries that no core wrote. A core's restart finds the end of the previous core by its session.
 NO_SESSION, NO_MONO = 0, 0.0
 
-# Keys of an entry's value: a takeover has "epoch", the end of a superseded box "superseded_by".
-_EPOCH, _SUPERSEDED_BY, _CUT, _BY = "epoch", "superseded_by", "cut", "by"
+
+class _Seen(NamedTuple):
+    """What was read of a journal."""
+
+    salt: int  # of its newest segment
+    at: int  # bytes from the beginning of that segment
+    standing: Standing
 
 
-class Standing(NamedTuple):
-    """What a journal says about its box."""
-
-    epoch: int = FIRST
-    superseded_by: int = 0  # the epoch of the box that took over from this one; 0: none
-    cut: int = 0  # number of the last entry that both journals have
-    by: str = ""  # address of the box that took over
-
-    @property
-    def is_superseded(self) -> bool:
-        """Whether another box took over from this one."""
-        return self.superseded_by > 0
-
-
-def superseded_value(epoch: int, cut: int, by: str) -> dict:
-    """Return the value of the entry of a box that was superseded."""
-    return {_SUPERSEDED_BY: epoch, _CUT: cut, _BY: by}
-
-
-def read_standing(connection: sqlite3.Connection) -> Standing:
-    """Read what is in force. Raises sqlite3.Error."""
-    # Entries of no run are few, and the index finds them.
-    rows = connection.execute(
-        f"SELECT value FROM entries WHERE identity = '' AND kind = ? AND crc IS {schema.crc_of('entries')} ORDER BY id",
-        (kinds.EPOCH,)).fetchall()
-    standing = Standing()
-    for (text,) in rows:
-        with contextlib.suppress(ValueError, TypeError, AttributeError):
-            standing = _after(standing, json.loads(text))
-    return standing
-
-
-def _after(standing: Standing, value: dict) -> Standing:
-    epoch, superseded_by = int(value.get(_EPOCH, 0)), int(value.get(_SUPERSEDED_BY, 0))
-    if epoch > max(standing.epoch, standing.superseded_by):
-        return Standing(epoch, cut=int(value.get(_CUT, 0)))
-    if superseded_by >= standing.epoch and superseded_by > standing.superseded_by:
-        return standing._replace(superseded_by=superseded_by, cut=int(value.get(_CUT, 0)), by=str(value.get(_BY, "")))
-    return standing
+_seen: Dict[str, _Seen] = {}  # by path: it is read once a second, and mostly unchanged
 
 
 def standing_in(path: str) -> Standing:
     """Read what a journal says; the first epoch if it cannot be read."""
-    if not os.path.exists(path):
-        return Standing()
-    with contextlib.suppress(sqlite3.Error), contextlib.closing(sqlite3.connect(path, timeout=1.0)) as connection:
-        connection.execute("PRAGMA query_only = ON")
-        schema.add_functions(connection)
-        if schema.is_readable(connection):
-            return read_standing(connection)
+    with contextlib.suppress(OSError, NotASegment, NewerFormat, ValueError, IndexError):
+        name = names_in(path)[-1]
+        seen = _seen.get(path)
+        if seen is None or seen.salt != name.salt or seen.at > os.path.getsize(os.path.join(path, str(name))):
+            seen = _Seen(name.salt, HEAD_BYTES, open_journal(path).contents.standing)
+        with open(os.path.join(path, str(name)), "rb") as file:
+            read_head(file.read(HEAD_BYTES))
+            file.seek(seen.at)
+            content = file.read()
+        standing, at = seen.standing, 0
+        for frame in frames(content, name.salt, 0):
+            at = frame.end
+            if not frame.is_summary and records.EPOCHS in records.top_of(frame.payload).letters:
+                for entry in records.line_of(frame.payload, records.EPOCHS):
+                    standing = after(standing, entry[-1])
+        _seen[path] = _Seen(name.salt, seen.at + at, standing)
+        return standing
     return Standing()
 
 
 def raise_epoch(path: str, utc: float, who: str) -> Standing:
-    """Raise the epoch of a journal that no core uses. It is on the disk when this returns. Raises sqlite3.Error."""
-    with contextlib.closing(sqlite3.connect(path, timeout=1.0, isolation_level=None)) as connection:
-        schema.add_functions(connection)
-        connection.execute("PRAGMA synchronous = FULL")
-        before = read_standing(connection)
-        (cut,) = connection.execute("SELECT ifnull(max(id), 0) FROM entries").fetchone()
-        value = {_EPOCH: max(before.epoch, before.superseded_by) + 1, _CUT: cut}
-        connection.execute(schema.insertion("entries"), (
-            NO_SESSION, utc, NO_MONO, "", "", None, who, kinds.EPOCH, json.dumps(value)))
-        return read_standing(connection)
+    """Raise the epoch of a journal that no core uses. It is on the disk when this returns. Raises OSError or
+    `NewerFormat`."""
+    writer = _writer(path)
+    with contextlib.closing(writer.log):
+        epoch = writer.contents.standing.next_epoch
+        _add(writer, utc, who, takeover_value(epoch, writer.log.last))
+        writer.log.begin(epoch)
+        writer.log.finish()
+    return writer.contents.standing
 
 
-def only_here(connection: sqlite3.Connection, standing: Standing) -> List[Tuple[str, int]]:
-    """Return the runs with entries that the box which took over does not have, and how many. Raises sqlite3.Error."""
-    if not standing.is_superseded:
-        return []
-    return connection.execute(
-        "SELECT identity, count(*) FROM entries WHERE id > ? AND identity != '' GROUP BY identity ORDER BY min(id)",
-        (standing.cut,)).fetchall()
+def hand_over(path: str, utc: float, by: str) -> Standing:
+    """Note in a journal that no core uses that the standby, at the address `by`, has a copy of all of it and raises the
+    epoch. It is on the disk when this returns. Raises OSError or `NewerFormat`."""
+    writer = _writer(path)
+    with contextlib.closing(writer.log):
+        _add(writer, utc, by, superseded_value(writer.contents.standing.next_epoch, writer.log.last, by))
+        writer.log.begin()
+        writer.log.finish()
+    return writer.contents.standing
+
+
+def _writer(path: str) -> Writer:
+    return Writer(path, open_journal(path))
+
+
+def _add(writer: Writer, utc: float, who: str, value: Dict[str, object]) -> None:
+    writer.add(Batch(entries=[NewEntry(utc, NO_MONO, "", "", None, who, kinds.EPOCH, value)]), NO_SESSION)

@@ -15,11 +15,18 @@ LARGEST_PORT = 65535
 _DIGITS = 5
 
 
+def begin_thread(work: Callable[[], None]) -> None:
+    """Run a function in a thread of its own."""
+    threading.Thread(target=work, name="ports", daemon=True).start()
+
+
 class PortRecord:
     """The ports that a competition used; `log_dir` holds the file."""
 
-    def __init__(self, log_dir: str) -> None:
+    def __init__(self, log_dir: str, begin: Callable[[Callable[[], None]], None] = begin_thread) -> None:
+        """`begin` runs a function that may wait for the disk."""
         self.path = os.path.join(log_dir, FILE_NAME)
+        self._begin = begin
 
     def read(self) -> Tuple[Optional[int], List[str]]:
         """Return the largest used port (None if no port was used), and warnings about invalid lines.
@@ -49,7 +56,7 @@ class PortRecord:
         except OSError:
             os.close(fd)
             raise
-        threading.Thread(target=_force, args=(fd, on_problem), name="ports", daemon=True).start()
+        self._begin(lambda: _force(fd, on_problem))
 
 
 def _force(fd: int, on_problem: Callable[[OSError], None]) -> None:

@@ -1,60 +1,45 @@
 """The state that the previous session of the core left in the journal."""
 
-import sqlite3
-from typing import Dict, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.journal import schema
+from roah_rsbb.journal.contents import DAMAGED, Opened
 from roah_rsbb.journal.file import CoreSession
-
-# Number of runs whose records are restored, so that referees can correct them: as many as the core keeps.
-MAX_OUTCOMES = 400
 
 
 class PreviousSession(NamedTuple):
-    """Everything that a core needs to resume."""
+    """Everything that a core needs to resume. Values are those of JSON."""
 
-    states: Dict[str, str]  # by name; JSON
-    outcomes: Tuple[str, ...]  # JSON of the records of the newest runs, including active ones; oldest first
+    states: Dict[str, Any]  # by name
+    outcomes: Tuple[Any, ...]  # the records of all runs, including active ones; oldest first
     log_files: Dict[int, str]  # path of the run log by port
     last_port: Optional[int]  # the highest used private port
-    last: Optional[CoreSession]  # the previous session, with the times of its last record
+    last: Optional[CoreSession]  # the session that wrote the states, with the times of its last record
 
 
 NOTHING = PreviousSession({}, (), {}, None, None)
 
 
-def read_previous_session(connection: sqlite3.Connection) -> PreviousSession:
-    """Read the state before the new session is written. Damaged rows are omitted. Raises sqlite3.Error."""
-    outcomes = connection.execute(
-        f"SELECT outcome FROM runs WHERE outcome IS NOT NULL AND crc IS {schema.crc_of('runs')}"
-        " ORDER BY opened_utc DESC LIMIT ?", (MAX_OUTCOMES,)).fetchall()
-    return PreviousSession(
-        states=dict(connection.execute(f"SELECT name, state FROM states WHERE crc IS {schema.crc_of('states')}")),
-        outcomes=tuple(outcome for (outcome,) in reversed(outcomes)),
-        log_files=dict(connection.execute("SELECT port, log_file FROM members WHERE log_file IS NOT NULL")),
-        last_port=connection.execute("SELECT max(port) FROM members").fetchone()[0],
-        last=_last_session(connection),
+def read_previous_session(opened: Opened) -> Tuple[PreviousSession, List[str]]:
+    """Return the state before the new session, and what is damaged in it, in words. Raises OSError."""
+    contents, found, problems = opened.contents, {}, []
+    for run, outcome in opened.outcomes(contents.runs.values()):
+        identity = run.row[0]
+        found[identity] = outcome
+        if outcome is DAMAGED:
+            earlier = found[identity] = opened.earlier_outcome(identity)
+            problems.append(f"the newest record of the run {identity} is damaged; "
+                            f"{'there is no other' if earlier is None else 'an earlier one counts'}")
+    ordered = sorted(contents.runs.values(), key=lambda run: run.row[-1])
+    outcomes = [found[run.row[0]] for run in ordered if found[run.row[0]] is not None]
+    members = [member for run in contents.runs.values() for member in run.members]
+    last = None
+    if contents.sessions:
+        mono, utc = contents.last
+        last = CoreSession(*contents.sessions[contents.stated - 1])._replace(mono=mono, utc=utc)
+    previous = PreviousSession(
+        states={name: state.state for name, state in contents.states.items() if state.state is not None},
+        outcomes=tuple(outcomes), log_files={member[0]: member[4] for member in members if member[4]},
+        last_port=max(contents.run_of, default=None), last=last,
     )
-
-
-def _last_session(connection: sqlite3.Connection) -> Optional[CoreSession]:
-    row = connection.execute(
-        "SELECT id, utc, mono, boot_id, pid, box_uuid, launch FROM sessions ORDER BY id DESC LIMIT 1").fetchone()
-    if row is None:
-        return None
-    number, session = row[0], CoreSession(*row[1:])
-    newest = [(session.mono, session.utc)]
-    newest += connection.execute(
-        "SELECT mono, utc FROM entries WHERE session = ? ORDER BY id DESC LIMIT 1", (number,)).fetchall()
-    newest += connection.execute(
-        "SELECT mono, utc FROM links WHERE mono >= ? ORDER BY rowid DESC LIMIT 1", (session.mono,)).fetchall()
-    # SQLite returns any value from a damaged file, even if it is not a number.
-    times = [(mono, utc) for mono, utc in newest if _is_time(mono) and _is_time(utc)]
-    if not times:
-        return None
-    mono, utc = max(times)
-    return session._replace(mono=mono, utc=utc)
-
-
-def _is_time(value: object) -> bool:
-    return isinstance(value, float) and abs(value) < 1e12
+    problems += [f"the state of {name} is damaged" for name, state in contents.states.items() if state.state is None]
+    return previous, problems

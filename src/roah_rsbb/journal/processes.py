@@ -1,8 +1,7 @@
 """Shares work out among processes, because threads of Python do not compute at the same time.
 
 Each process does every n-th item, and the results come in the order of the items. A program must have no other threads
-when it starts processes. A process opens what it reads itself, and only files that this program reads without locks,
-because SQLite's locks do not survive a fork.
+when it starts processes.
 """
 
 import contextlib

@@ -1,41 +1,34 @@
 """Reads the journal of the present or a past competition, or a copy of one. It never changes the journal.
 
-While the box runs, it reads the state at the time of opening. It creates no files next to a journal that is not in use.
-If the folder is read-only, or the tables have an older version, it reads a temporary copy.
+It shows the journal as it was when it was opened, also while the box runs. The journal of an earlier version, which is
+one SQLite file, is imported into a temporary folder first.
 """
 
 import contextlib
-import json
 import os
-import pathlib
-import shutil
-import sqlite3
 import tempfile
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.journal import epochs, kinds, schema
-from roah_rsbb.journal.damage import Damage, damage_in_run, damaged_rows, find_damage, last_moment, text_of
-from roah_rsbb.journal.pages import has_damaged_log, has_torn_log
-from roah_rsbb.journal.processes import usable_processors
+from roah_rsbb.journal import kinds, records
+from roah_rsbb.journal.contents import DAMAGED, Opened, Run, holes_of, open_journal, utc_text
+from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log import Files, Frame, NewerFormat, Scan, Segment, scan_at, scans
+from roah_rsbb.journal.old import OLD_FILE_NAME, CannotImport, import_journal
+from roah_rsbb.journal.records import Top, line_of, top_of
+from roah_rsbb.journal.standing import Standing
 
-# The box may lock the file for this time if its file system supports no write-ahead log.
-BUSY_S = 5.0
-# Number of attempts to copy, because the box may write during a copy.
-COPIES = 3
-
-# Pages that SQLite keeps. With its usual 2 MiB, it reads those that runs at the same time share for each of them.
-CACHE_KIB = 16_000
-
+# A running box may write a record, or begin a segment, while the folder is read.
+ATTEMPTS = 3
 # A larger journal is checked only where it is read, unless the caller wants all of it (docs/journal.md, "Damage").
 SMALL_BYTES = 4_000_000
+# Segments whose records are in memory.
+_MOST_LOADED = 2
 
-# Files that SQLite keeps next to a file in use, except those that can be rebuilt.
-LOG_SUFFIX = "-wal"
-LOGS = (LOG_SUFFIX, "-journal")
-# The byte of the file's header that indicates a write-ahead log, and its value.
-READ_VERSION_AT, WRITE_AHEAD = 19, 2
 
-_DECODER = json.JSONDecoder()
+def journal_in(log_dir: str) -> str:
+    """Return the path of the journal in a log_dir: also that of an earlier version, if there is no other."""
+    path, old = os.path.join(log_dir, FILE_NAME), os.path.join(log_dir, OLD_FILE_NAME)
+    return old if os.path.isfile(old) and not os.path.isdir(path) else path
 
 
 class JournalError(Exception):
@@ -103,28 +96,53 @@ class JournalLink(NamedTuple):
     sample: Dict[str, Any]  # the core's LinkSample, without fields that have their default
 
 
-_OUTLINE = "identity, zone, benchmark, team, round, run, scheduled, opened_utc"
-_RUN = f"{_OUTLINE}, closed_utc, outcome"
-_ENTRY = "id, session, utc, mono, zone, identity, port, who, kind"  # and the value
+class JournalSegment(NamedTuple):
+    """A segment of the journal."""
+
+    number: int
+    name: str
+    bytes: int
+    count: int  # of intact records
+    utc: float  # UTC seconds of the first one; 0.0: there is none
+    damage: List[str]  # what is damaged or missing, and the periods
+
+
+class _Loaded:
+    """The records of a segment."""
+
+    def __init__(self, frames: List[Frame]) -> None:
+        self.records: List[Tuple[Top, Frame]] = [(top_of(frame.payload), frame) for frame in frames]
+        self.of: Dict[str, List[Tuple[Top, Frame]]] = {}  # by the identities of runs
+        for record in self.records:
+            for identity in record[0].identities:
+                self.of.setdefault(identity, []).append(record)
 
 
 class JournalReader:
-    """One journal in its state at the time of opening. Use it in a `with`, or call `close`.
+    """One journal as it was when it was opened. Use it in a `with`, or call `close`.
 
-    All methods raise `JournalError`.
+    All methods raise `JournalError`. After a fork, both processes can use it.
     """
 
-    def __init__(self, path: str, checks_all: bool = True) -> None:
-        """`checks_all`: check all of a large journal, which takes seconds. A small one is always checked."""
-        self.path = path
-        self._checks_all = checks_all or self._is_small()
+    def __init__(
+        self, path: str, checks_all: bool = True, on_damage: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        """`path`: the folder of the journal, or the file of an earlier version. `checks_all`: check all of a large
+        journal, which takes seconds. A small one is always checked. Otherwise `on_damage` is called with each damaged
+        record of a run that is read."""
+        self._on_damage = on_damage
+        self.path = path.rstrip(os.sep) or path
         self._cleanup = contextlib.ExitStack()
-        self.is_at_rest = False  # no box has the file open, and it is read without locks
+        self._import_damage: List[str] = []
+        self._loaded: Dict[int, _Loaded] = {}  # the latest last
         try:
-            self._connection = self._open()
+            self._opened = self._open()
         except BaseException:
             self._cleanup.close()
             raise
+        self._contents = self._opened.contents
+        self._last = 0 if self._opened.newest is None else self._opened.newest.last
+        self._checks_all = checks_all or self._is_small()
 
     def __enter__(self) -> "JournalReader":
         return self
@@ -133,251 +151,259 @@ class JournalReader:
         self.close()
 
     def close(self) -> None:
-        """Close the file."""
+        """Remove temporary files."""
         self._cleanup.close()
 
     # -- contents -----------------------------------------------------------------------------------
 
     def sessions(self) -> List[JournalSession]:
         """All starts of the core, in order."""
-        rows = self._rows("SELECT id, utc, mono, boot_id, pid, box_uuid, launch FROM sessions ORDER BY id")
-        return [JournalSession(*row) for row in rows]
+        return [JournalSession(number, *session) for number, session in enumerate(self._contents.sessions, 1)]
 
     def runs(self) -> List[JournalRun]:
         """All runs, in the order in which they were connected."""
-        return [self._run(row) for row in self._rows(f"SELECT {_RUN} FROM runs ORDER BY opened_utc, identity")]
+        outcomes = self._outcomes()
+        return [JournalRun(*run.row, run.closed, outcomes[run.row[0]] or {}) for run in self._ordered()]
 
     def identities(self) -> List[str]:
         """The identities of all runs, in the same order."""
-        return [row[0] for row in self._rows("SELECT identity FROM runs ORDER BY opened_utc, identity")]
+        return [run.row[0] for run in self._ordered()]
 
     def outlines(self, fields: Sequence[str]) -> List[Tuple[Any, ...]]:
-        """All runs in the same order: identity to opened_utc, then these fields of their outcomes (None: missing). This
-        takes less time than `runs`."""
-        values = ", ".join(f"json_extract(outcome, '$.{name}')" for name in fields)
-        return self._rows(f"SELECT {_OUTLINE}, {values} FROM runs ORDER BY opened_utc, identity")
+        """All runs in the same order: identity to opened_utc, then these fields of their outcomes (None: missing)."""
+        found = self._outcomes(lambda outcome: _fields(outcome, fields))
+        return [(*run.row, *found[run.row[0]]) for run in self._ordered()]
 
     def run(self, identity: str) -> Optional[JournalRun]:
         """A run; None if it does not exist."""
-        rows = self._rows(f"SELECT {_RUN} FROM runs WHERE identity = ?", identity)
-        return self._run(rows[0]) if rows else None
+        run = self._contents.runs.get(identity)
+        return None if run is None else JournalRun(*run.row, run.closed, self._outcome(run) or {})
 
     def members(self, identity: str) -> List[JournalMember]:
         """The robots of a run."""
-        rows = self._rows(
-            "SELECT port, identity, team, robot, coalesce(log_file, '') FROM members WHERE identity = ? ORDER BY port",
-            identity,
-        )
-        return [JournalMember(*row) for row in rows]
+        run = self._contents.runs.get(identity)
+        return [] if run is None else [JournalMember(*member) for member in sorted(run.members)]
 
     def all_members(self) -> List[JournalMember]:
         """The robots of all runs, in the order of their ports."""
-        rows = self._rows("SELECT port, identity, team, robot, coalesce(log_file, '') FROM members ORDER BY port")
-        return [JournalMember(*row) for row in rows]
+        return sorted(JournalMember(*member) for run in self._contents.runs.values() for member in run.members)
 
     def as_of(self) -> float:
         """The UTC seconds of the last thing in the journal; 0.0: there is none."""
-        return max(row[0] or 0.0 for row in self._rows(
-            "SELECT max(utc) FROM sessions UNION ALL SELECT utc FROM (SELECT utc FROM entries ORDER BY id DESC LIMIT 1)"
-            " UNION ALL SELECT utc FROM (SELECT utc FROM links ORDER BY rowid DESC LIMIT 1)"))
+        return max(self._contents.times)
 
     def entries(self, identity: str, without: Sequence[str] = ()) -> List[JournalEntry]:
-        """All entries of a run, in order, except its states and the entries `without` which the caller can do."""
-        omitted = kinds.STATE, *without
-        return self._entries(f"identity = ? AND kind NOT IN ({', '.join('?' * len(omitted))})", identity, *omitted)
+        """All entries of a run (empty: of no run), in order, except its states and the entries `without` which the
+        caller can do."""
+        return [entry for entry in self._entries(self._of(identity), (records.ENTRIES,))
+                if entry.identity == identity and entry.kind not in without]
 
     def states(self, identity: str, without: Sequence[str] = ()) -> List[JournalEntry]:
         """The states of a run, in order, for `changes.ChangesReader`. `without`: parts of the state, such as
-        `zone.run.link`, that are left out; to read them would take most of the time."""
-        # A complete state is the only item of a list (`changes.py`).
-        paths = ", ".join(f"'$.change.{part}', '$.change[0].{part}'" for part in without)
-        value = f"json_remove(value, {paths})" if without else "value"
-        return self._entries("identity = ? AND kind = ?", identity, kinds.STATE, value=value)
+        `zone.run.link`, that are left out."""
+        found = [entry for entry in self._entries(self._of(identity), (records.STATES_OF_RUNS,))
+                 if entry.identity == identity]
+        for entry in found:
+            change = entry.value.get("change") if isinstance(entry.value, dict) else None
+            # A complete state is the only item of a list (`changes.py`).
+            state = change[0] if isinstance(change, list) and len(change) == 1 else change
+            for part in without:
+                _remove(state, part.split("."))
+        return found
 
     def commands(self, zone: str) -> List[JournalEntry]:
         """The referees' commands to a zone, including refused ones, in order."""
-        return self._entries("zone = ? AND kind = 'command'", zone)
+        return [entry for entry in self._entries(self._all(), (records.ENTRIES,), b'"command"')
+                if entry.zone == zone and entry.kind == kinds.COMMAND]
 
     def links(self, port: int) -> List[JournalLink]:
         """The link record of a robot, in order."""
-        rows = self._rows("SELECT port, utc, mono, sample FROM links WHERE port = ? ORDER BY rowid", port)
-        return [JournalLink(*row[:3], self._json(row[3])) for row in rows]
+        identity = self._contents.run_of.get(port)
+        return [] if identity is None else [
+            JournalLink(*link) for top, frame in self._of(identity) if records.LINKS in top.letters
+            for link in line_of(frame.payload, records.LINKS) if link[0] == port]
 
-    def _entries(self, where: str, *values: object, value: str = "value") -> List[JournalEntry]:
-        rows = self._rows(f"SELECT {_ENTRY}, {value} FROM entries WHERE {where} ORDER BY id", *values)
-        return [JournalEntry(*row[:-1], self._json(row[-1])) for row in rows]
+    def dump(self, identity: str = "") -> Iterator[str]:
+        """Return lines of text for all records, or those of a run."""
+        for top, frame in self._of(identity):
+            yield f"{frame.number} {utc_text(top.utc)}, start {top.session}"
+            for line in frame.payload.decode("utf-8", errors="replace").split("\n")[1:]:
+                yield f"  {records.NAMES.get(line[:1], line[:1])}: {line[1:]}"
 
-    def _run(self, row: Tuple[Any, ...]) -> JournalRun:
-        return JournalRun(*row[:-1], {} if row[-1] is None else self._json(row[-1]))
-
-    def _json(self, text: str) -> Any:
-        try:
-            value, end = _DECODER.raw_decode(text)
-            return value if end == len(text) else json.loads(text)  # which takes longer, for texts with spaces
-        except (ValueError, RecursionError) as error:
-            raise self._damaged(f"{error}: {text[:40]!r}") from None
-
-    def _rows(self, statement: str, *values: object) -> List[Tuple[Any, ...]]:
-        try:
-            return self._connection.execute(statement, values).fetchall()
-        except (sqlite3.Error, UnicodeDecodeError) as error:
-            raise self._damaged(str(error)) from None
+    # -- damage -------------------------------------------------------------------------------------
 
     @property
     def damage(self) -> List[str]:
         """Return what is damaged or missing in the journal, and the periods. The rest can be read.
 
-        Of a journal that is not checked completely, these are the records of runs; `damage_of` checks a run.
+        Of a journal that is not checked completely, this is what is after the newest summary; `damage_of` checks a run.
         """
-        try:
-            tables = self._all_damage() if self._checks_all else damaged_rows(self._connection, "runs")
-            found = [text_of(damage) for damage in tables]
-            if self._has(has_damaged_log):
-                found.append(f"the write-ahead log: what happened after {last_moment(self._connection)} cannot be read")
-            elif self._has(has_torn_log):
-                found.append("the end of the write-ahead log is torn or damaged: what happened after "
-                             f"{last_moment(self._connection)} may be missing")
-        except (sqlite3.Error, UnicodeDecodeError) as error:
-            raise self._damaged(str(error)) from None
-        return found
+        found = self._import_damage + self._opened.problems + ([self._opened.torn] if self._opened.torn else [])
+        if self._checks_all:
+            return found + [text for segment in self.segments() for text in segment.damage]
+        return found + self._opened.holes
 
-    def _all_damage(self) -> List[Damage]:
-        shares = self.is_at_rest and not self._is_small()
-        return find_damage(self._connection, self.path, usable_processors() if shares else 1)
+    def damage_of(self, identity: str) -> List[str]:
+        """Return what is damaged or missing in the segments that have something of a run, also of others, if `damage`
+        did not check them."""
+        run = self._contents.runs.get(identity)
+        if self._checks_all or run is None:
+            return []
+        segments = self._opened.segments
+        places = [place for place, segment in enumerate(segments) if segment.name.number in run.segments]
+        return [text for place in places for text in holes_of(self._scan(place)) if text not in self._opened.holes]
 
-    def standing(self) -> epochs.Standing:
+    def segments(self) -> List[JournalSegment]:
+        """All segments, in order. This reads all of the journal."""
+        return [JournalSegment(
+            segment.name.number, str(segment.name), os.path.getsize(segment.path), len(found.records),
+            top_of(found.records[0].payload).utc if found.records else 0.0, holes_of(found),
+        ) for segment, found in self._scans()]
+
+    def standing(self) -> Standing:
         """Whether the box of this journal was superseded, and where the journals fork."""
-        try:
-            return epochs.read_standing(self._connection)
-        except (sqlite3.Error, UnicodeDecodeError) as error:
-            raise self._damaged(str(error)) from None
+        return self._contents.standing
 
     def only_here(self) -> List[Tuple[str, int]]:
         """The runs with entries that the box which took over does not have, and how many."""
-        try:
-            return epochs.only_here(self._connection, epochs.read_standing(self._connection))
-        except (sqlite3.Error, UnicodeDecodeError) as error:
-            raise self._damaged(str(error)) from None
+        standing, found = self.standing(), {}
+        if standing.is_superseded:
+            for _, frame in self._all():
+                if frame.number > standing.cut:
+                    for _, _, _, _, identity, *_ in records.entries_in(frame.payload, records.OF_ENTRIES):
+                        found[identity] = found.get(identity, 0) + bool(identity)
+        return [(identity, count) for identity, count in found.items() if count]
 
-    def damage_of(self, identity: str) -> List[str]:
-        """Return what is damaged or missing in the period of a run, if `damage` did not check it."""
-        if self._checks_all:
-            return []
+    # -- records ------------------------------------------------------------------------------------
+
+    def _ordered(self) -> List[Run]:
+        return sorted(self._contents.runs.values(), key=lambda run: (run.row[-1], run.row[0]))
+
+    def _outcomes(self, kept: Callable[[Any], Any] = lambda outcome: outcome) -> Dict[str, Any]:
+        """Return what is kept of the records of all runs, by their identities."""
+        with self._reading():
+            return {run.row[0]: kept(self._earlier(run) if outcome is DAMAGED else outcome)
+                    for run, outcome in self._opened.outcomes(self._contents.runs.values())}
+
+    def _outcome(self, run: Run) -> Any:
+        with self._reading():
+            (_, found), = self._opened.outcomes([run])
+            return self._earlier(run) if found is DAMAGED else found
+
+    def _earlier(self, run: Run) -> Any:
+        """Return the record of a run whose newest one is damaged."""
+        if not self._checks_all:
+            self._on_damage(f"the newest record of the run {run.row[0]}: an earlier one is shown")
+        return self._opened.earlier_outcome(run.row[0])
+
+    def _entries(self, found: Iterator[Tuple[Top, Frame]], letters: Sequence[str],
+                 text: bytes = b"") -> Iterator[JournalEntry]:
+        for top, frame in found:
+            if text in frame.payload:
+                for number, *entry in records.entries_in(frame.payload, letters):
+                    yield JournalEntry(number, top.session, *entry)
+
+    def _of(self, identity: str) -> Iterator[Tuple[Top, Frame]]:
+        """Return the records of a run; of none: all records."""
+        if not identity:
+            yield from self._all()
+            return
+        run = self._contents.runs.get(identity)
+        for number, segment in enumerate(self._opened.segments):
+            if run is not None and segment.name.number in run.segments:
+                yield from self._load(number).of.get(identity, ())
+
+    def _all(self) -> Iterator[Tuple[Top, Frame]]:
+        for number in range(len(self._opened.segments)):
+            yield from self._load(number).records
+
+    def _load(self, number: int) -> _Loaded:
+        """Return a segment's records; the latest ones stay in memory."""
+        found = self._loaded.get(number)
+        if found is None:
+            found = _Loaded([frame for frame in self._scan(number).records if frame.number <= self._last])
+            self._loaded[number] = found
+            if len(self._loaded) > _MOST_LOADED:
+                del self._loaded[next(iter(self._loaded))]
+        return found
+
+    def _scan(self, place: int) -> Scan:
+        """Read a single segment."""
+        with self._reading():
+            return scan_at(self._opened.segments, place)
+
+    def _scans(self) -> Iterator[Tuple[Segment, Scan]]:
+        with self._reading():
+            yield from scans(self._opened.segments)
+
+    @contextlib.contextmanager
+    def _reading(self) -> Iterator[None]:
         try:
-            return [text_of(damage) for damage in damage_in_run(self._connection, identity)]
-        except (sqlite3.Error, UnicodeDecodeError) as error:
-            raise self._damaged(str(error)) from None
+            yield
+        except OSError as error:
+            raise self._unreadable(error) from None
 
     def _is_small(self) -> bool:
         with contextlib.suppress(OSError):
-            return os.path.getsize(self.path) <= SMALL_BYTES
+            return sum(os.path.getsize(segment.path) for segment in self._opened.segments) <= SMALL_BYTES
         return True
-
-    def _has(self, damage: Callable[[str], bool]) -> bool:
-        """Check for damage again if a box wrote at the same time."""
-        with contextlib.suppress(OSError):
-            return all(damage(self.path) for _ in range(COPIES))
-        return False
 
     # -- opening ------------------------------------------------------------------------------------
 
-    def _open(self) -> sqlite3.Connection:
-        if not os.path.isfile(self.path):
+    def _open(self) -> Opened:
+        if not os.path.exists(self.path):
             raise JournalError(
-                f"{self.path}: the file is missing. A box creates its journal in its log_dir at its first start: "
-                "name it with --journal FILE"
+                f"{self.path}: the journal is missing. A box creates its journal in its log_dir at its first start: "
+                "name it with --journal FOLDER"
             )
+        folder = self.path if os.path.isdir(self.path) else self._imported()
         try:
-            is_at_rest = self._has_no_log()
-            connection = self._connect(self.path, "immutable=1" if is_at_rest else "mode=ro")
-            version = self._check(connection)
-        except sqlite3.OperationalError:
-            return self._open_copy()
-        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
-            raise self._damaged(str(error)) from None
-        if version != schema.VERSION:
-            return self._open_copy()
-        self.is_at_rest = is_at_rest
-        return connection
-
-    def _has_no_log(self) -> bool:
-        """Whether the file is not in use, so SQLite need not create files next to it."""
-        try:
-            with open(self.path, "rb") as file:
-                header = file.read(READ_VERSION_AT + 1)
+            for _ in range(ATTEMPTS):
+                found = open_journal(folder)
+                if not (found.problems or found.holes or found.torn):
+                    break
+        except NewerFormat as error:
+            raise JournalError(f"{self.path}: {error}: read it with that version") from None
         except OSError as error:
-            raise JournalError(
-                f"{self.path}: cannot be read: {error.strerror}. Its owner can make it readable"
-            ) from None
-        return header[READ_VERSION_AT:] == bytes((WRITE_AHEAD,)) and not os.path.exists(self.path + LOG_SUFFIX)
+            raise self._unreadable(error) from None
+        if not found.segments:
+            raise JournalError(f"{self.path}: this folder has no journal that can be read "
+                               f"({'; '.join(found.problems) or 'it has no segments'}). Name the folder {FILE_NAME} of "
+                               "a box's log_dir, or another copy of it")
+        return found
 
-    def _open_copy(self) -> sqlite3.Connection:
-        problem: Exception = OSError("it changes all the time")
-        for _ in range(COPIES):
-            try:
-                connection = self._connect(self._copied(), "mode=rwc")
-                schema.migrate(connection, self._check(connection))
-                return connection
-            except OSError as error:
-                raise JournalError(
-                    f"{self.path}: cannot be read: {error.strerror}. Its owner can make it readable, or free space "
-                    f"for a copy in {tempfile.gettempdir()}"
-                ) from None
-            except (sqlite3.Error, UnicodeDecodeError, JournalError) as error:
-                problem = error
-        raise problem if isinstance(problem, JournalError) else self._damaged(str(problem))
+    def _imported(self) -> str:
+        folder = os.path.join(self._cleanup.enter_context(
+            tempfile.TemporaryDirectory(prefix="roah_rsbb_journal_")), FILE_NAME)
+        try:
+            self._import_damage = import_journal(self.path, folder, Files())
+        except CannotImport as error:
+            raise JournalError(f"{self.path}: this file is no journal of an earlier version that can be read: {error}. "
+                               "Look for another copy of it. The run logs (.bag) are separate files") from None
+        except OSError as error:
+            raise self._unreadable(error) from None
+        return folder
 
-    def _copied(self) -> str:
-        directory = self._cleanup.enter_context(tempfile.TemporaryDirectory(prefix="roah_rsbb_journal_"))
-        copy = os.path.join(directory, "journal.sqlite3")
-        for suffix in ("", *LOGS):
-            with contextlib.suppress(FileNotFoundError):
-                shutil.copyfile(self.path + suffix, copy + suffix)
-        return copy
-
-    def _connect(self, path: str, options: str) -> sqlite3.Connection:
-        address = f"{pathlib.Path(path).resolve().as_uri()}?{options}"
-        connection = sqlite3.connect(address, uri=True, timeout=BUSY_S, isolation_level=None)
-        schema.add_functions(connection)
-        connection.execute(f"PRAGMA cache_size = -{CACHE_KIB}")
-        self._cleanup.callback(connection.close)
-        return connection
-
-    def _check(self, connection: sqlite3.Connection) -> int:
-        """Check that this version can read the file; returns the version of its tables. From here on, all data is of
-        the same moment. Raises sqlite3.Error, too."""
-        connection.execute("BEGIN")
-        if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0:
-            if self._has(has_damaged_log):
-                raise self._damaged("its write-ahead log")
-            raise JournalError(f"{self.path}: this journal is still empty: connect a robot first")
-        if _pragma(connection, "application_id") != schema.APPLICATION_ID:
-            raise JournalError(f"{self.path}: this database belongs to another program: name a box's journal")
-        version = _pragma(connection, "user_version")
-        if version > schema.VERSION:
-            raise JournalError(
-                f"{self.path}: a newer version of roah_rsbb wrote this journal (tables of version {version}, known up "
-                f"to {schema.VERSION}): read it with that version"
-            )
-        if any(v not in schema.MIGRATIONS for v in range(version, schema.VERSION)):
-            raise JournalError(
-                f"{self.path}: its tables have version {version}, which this version of roah_rsbb no longer reads: "
-                "read it with the version that wrote it"
-            )
-        found = _pragma(connection, "integrity_check(1)") if self._checks_all else "ok"
-        if found != "ok":
-            raise self._damaged(str(found))
-        if version != schema.VERSION:
-            connection.execute("COMMIT")
-        return version
-
-    def _damaged(self, what: str) -> JournalError:
-        return JournalError(
-            f"{self.path}: this journal is damaged, or not a journal ({what}). Look for another copy of it. To recover "
-            f"its readable part: rosrun roah_rsbb results recover '{self.path}' NEW_FILE, then --journal NEW_FILE. "
-            "The run logs (.bag) are separate files"
-        )
+    def _unreadable(self, error: OSError) -> JournalError:
+        return JournalError(f"{error.filename or self.path}: cannot be read: {error.strerror}. Its owner can make it "
+                            f"readable; a file of an earlier version also needs space in {tempfile.gettempdir()}")
 
 
-def _pragma(connection: sqlite3.Connection, name: str) -> Any:
-    return connection.execute(f"PRAGMA {name}").fetchone()[0]
+def _fields(outcome: Any, fields: Sequence[str]) -> List[Any]:
+    """Return fields of a record; a name with points leads into a part."""
+    found = []
+    for name in fields:
+        value = outcome
+        for part in name.split("."):
+            value = value.get(part) if isinstance(value, dict) else None
+        found.append(value)
+    return found
+
+
+def _remove(state: Any, path: Sequence[str]) -> None:
+    """Remove a part of a state."""
+    for name in path[:-1]:
+        # A part that is new in a difference is the only item of a list.
+        state = state.get(name) if isinstance(state, dict) else None
+    if isinstance(state, dict):
+        state.pop(path[-1], None)

@@ -5,27 +5,33 @@ It reads the journal in log_dir, which the core writes. The core never waits for
 second) says how complete each copy is, and the core warns the referees if one is behind.
 
 Parameters (private): log_dir; backup_dir: an existing folder, on another disk (none: no folder); standby_port: TCP port
-for a standby (0: no standby); bind_host: own address for it; passwords_file, rsbb_host, rsbb_port, sync_standby: what
-the standby needs to continue.
+for a standby (0: no standby); bind_host: own address for it; passwords_file, rsbb_host, rsbb_port: what the standby
+needs to continue.
 """
 
 import json
+import math
 import os
 import time
-from typing import List, Optional
+from typing import Callable, List, Optional
 
 import rospy
 
 from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.core.copies import STANDBY
+from roah_rsbb.durable import close_to_others
 from roah_rsbb.msg import CopyQuestion, CopyState
+from roah_rsbb.nodes.handover import Handover
 from roah_rsbb.nodes.standing_by import wait_for_takeover
 from roah_rsbb.ros.command_line import run_node
+from roah_rsbb.ros.log_lines import LogLines
 from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.standby import codes
 from roah_rsbb.standby.box_end import BoxEnd
 from roah_rsbb.standby.herald import Herald
 from roah_rsbb.standby.messages import NETWORK, PASSWORDS
+from roah_rsbb.standby.partners import read_standby
 
 PERIOD_S = 1.0
 # A stick that hangs must not keep the node from ending.
@@ -41,10 +47,11 @@ def own_address(bind_host: str) -> str:
 class _Reported:
     """A copy, and what was logged about it."""
 
-    def __init__(self, place: str, follower: Follower) -> None:
+    def __init__(self, place: str, follower: Follower, notice: Callable[[], str]) -> None:
+        """`notice` returns what referees must know besides; see `CopyState`."""
         self.place = place
         self.follower = follower
-        self._began_mono = time.monotonic()
+        self._notice = notice
         self._trouble = self._aside = ""
         follower.start()
 
@@ -59,9 +66,8 @@ class _Reported:
             rospy.logwarn("%s: the earlier copy is not of this journal, or is damaged. It is kept as %s",
                           self.place, progress.aside)
             self._aside = progress.aside
-        complete = self._began_mono if progress.complete_mono is None else progress.complete_mono
-        return CopyState(self.place, progress.box_uuid, time.monotonic() - complete, progress.missing_entries,
-                         progress.trouble)
+        behind = math.inf if progress.complete_mono is None else time.monotonic() - progress.complete_mono
+        return CopyState(self.place, progress.journal, behind, progress.missing_bytes, progress.trouble, self._notice())
 
 
 class BackupNode:
@@ -75,12 +81,12 @@ class BackupNode:
         bind_host = params.text("bind_host", "0.0.0.0")
         passwords = params.path("passwords_file", "none")
         network = {"rsbb_host": params.text("rsbb_host", "10.255.255.255"),
-                   "rsbb_port": params.whole("rsbb_port", 6666, 1, 65000), "standby_port": port,
-                   "sync_standby": str(params.flag("sync_standby", False)).lower()}
+                   "rsbb_port": params.whole("rsbb_port", 6666, 1, 65000), "standby_port": port}
         params.done()
         if not backup_dir and not port:
             raise BadParams(f"{rospy.get_name()}: set backup_dir, standby_port or both")
         wait_for_takeover(self._log_dir)
+        self._log_lines = LogLines()  # a handover must not wait for the terminal
         self._publisher = rospy.Publisher("/copies/state", CopyState, queue_size=10, latch=True)
         self._copies: List[_Reported] = []
         if backup_dir:
@@ -88,21 +94,26 @@ class BackupNode:
             self._add(backup_dir, Follower(self._log_dir, Stick(backup_dir, self._log_dir).open))
         self._box_end: Optional[BoxEnd] = None
         if port:
-            self._herald = Herald(self._log_dir, (own_address(bind_host), port))
+            self._handover = Handover(self._log_dir, lambda: self._box_end.is_connected,
+                                      lambda question: self._copies[-1].follower.ask(question), self._standby_host)
+            self._herald = Herald(self._log_dir, (own_address(bind_host), port),
+                                  lambda: self._handover.state().is_alive)
             self._box_end = BoxEnd(self._log_dir, bind_host, port, lambda text: rospy.logwarn("%s", text),
-                                   self._herald.answer)
+                                   self._herald.answer, self._handover.state, self._handover.taken)
             self._herald.start()
             network_file = os.path.join(self._box_end.folder, NETWORK)
             with open(network_file, "w", encoding="utf-8") as file:
                 json.dump(network, file)
             follower = Follower(self._log_dir, self._box_end.open_copy, {PASSWORDS: passwords, NETWORK: network_file},
                                 on_answer=self._confirm)
-            self._add(STANDBY, follower)
+            self._add(STANDBY, follower, lambda: self._box_end.notice)
+            self._handover.start()
             self._confirmed = rospy.Publisher("/copies/confirmed", CopyQuestion, queue_size=10)
             rospy.Subscriber("/copies/asked", CopyQuestion, follower.ask, queue_size=10, tcp_nodelay=True)
+            # Everybody on this computer can read the log, so the code is not in it.
             known = f"The standby is {self._box_end.name}. Another one" if self._box_end.is_paired else "A standby"
-            rospy.logwarn("%s can be paired on TCP port %d with the code %s",
-                          known, self._box_end.port, self._box_end.code)
+            rospy.logwarn("%s can be paired on TCP port %d. For a code, enter on this computer: %s",
+                          known, self._box_end.port, codes.command(self._log_dir))
 
     def run(self) -> int:
         """Run until shut down."""
@@ -114,21 +125,30 @@ class BackupNode:
             except rospy.ROSInterruptException:
                 break
         if self._box_end is not None:
+            self._handover.end()
             self._herald.end()
             self._box_end.close()
         for copy in self._copies:
             copy.follower.end(END_S)
+        self._log_lines.close()
         return 0
 
-    def _add(self, place: str, follower: Follower) -> None:
-        self._copies.append(_Reported(place, follower))
+    def _add(self, place: str, follower: Follower, notice: Callable[[], str] = lambda: "") -> None:
+        self._copies.append(_Reported(place, follower, notice))
+
+    def _standby_host(self) -> str:
+        standby = read_standby(self._log_dir)
+        return "" if standby is None else standby.host
 
     def _confirm(self, question: CopyQuestion) -> None:
         """Answer the core that the standby has everything. Another core may also ask, but its journal is not copied."""
-        if question.box_uuid == self._copies[-1].follower.progress.box_uuid:
+        if self._handover.complete(question):
+            return
+        if question.journal == self._copies[-1].follower.progress.journal:
             self._confirmed.publish(question)
 
 
 def main() -> None:
     """Entry point of the node."""
+    close_to_others()
     run_node("roah_rsbb_backup", __doc__, BackupNode, (BadParams, OSError))

@@ -44,7 +44,9 @@ class DevicesNode:
         self._bell = rospy.Publisher("/devices/bell", Empty, queue_size=10)
         self._status = rospy.Publisher("/devices/status", DevicesStatus, queue_size=10, latch=True)
         self._client = SmartIfClient(host, port, self._home, self._ring, self._on_status)
-        self._on_status(False, f"connecting to the SmartIF controller at {host}:{port}")
+        text = f"connecting to the SmartIF controller at {host}:{port}"
+        rospy.loginfo("%s", text)
+        self._status.publish(DevicesStatus(False, text))
 
     def run(self) -> None:
         """Run until shut down."""

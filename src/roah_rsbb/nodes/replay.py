@@ -47,6 +47,7 @@ from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuratio
 from roah_rsbb.results.runs import NoSuchRun
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.wording.replay import PREFIX
 
@@ -69,8 +70,8 @@ After the end of the run, its last moment stays. End the replay with Ctrl-C.
 """
 _EPILOG = """\
 Examples:
-  replay ~/.ros/roah_rsbb/roah_rsbb_journal.sqlite3 3
-  replay /media/usb/roah_rsbb_journal.sqlite3 3 --speed 8
+  replay ~/.ros/roah_rsbb/roah_rsbb_journal 3
+  replay /media/usb/roah_rsbb_journal 3 --speed 8
 
 RUN is a run's number in 'rosrun roah_rsbb results list', its identity, or the beginning of its identity. A ROS master
 must be running, and no core. The benchmarks and the schedule come from configuration.json beside the journal.
@@ -143,7 +144,7 @@ class ReplayNode:
         self._judging = JudgingBoard(box, self._uuid)
         self._schedule = ScheduleBoard(box, self._uuid)
         self._public = public_convert.PublicSchedule(box)
-        self._board = PublicBoardMaker(box, self._uuid, {}, {})
+        self._board = PublicBoardMaker(box, self._uuid, {})
         self._last_explained: Optional[Tuple[Explanation, ...]] = None
         self._topics = {
             kind: rospy.Publisher(name, kind, queue_size=1, latch=True) for name, kind in (
@@ -154,7 +155,7 @@ class ReplayNode:
                 ("/core/public_explained", PublicExplained),
             )
         }
-        CoreServices(box, self._ros, self._event)
+        CoreServices(box, LoopServices(self._ros.loop), self._event)
 
     def run(self) -> int:
         """Run until shut down; returns the exit status."""
@@ -208,7 +209,7 @@ class ReplayNode:
             public = self._public.to_public(now)
             public.clock = f"{PREFIX}{public.clock}"
             view = public_view(box, now, PublicResults.NONE)
-            messages += [public, public_convert.public_details(view, now, self._uuid), self._board.take(view),
+            messages += [public, public_convert.public_details(view, now, self._uuid), self._board.take(now, view),
                          self._explained(), self._schedule.take(now), self._results.take(now), self._judging.take(now)]
         for message in messages:
             if message is not None:

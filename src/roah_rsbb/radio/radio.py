@@ -5,6 +5,7 @@ It makes no decisions. It turns datagrams into events of the box, and the box's 
 """
 
 import asyncio
+import os
 from typing import Callable, Dict, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.comm.channels import MakePeer, PrivateChannel, PublicChannel
@@ -68,14 +69,20 @@ class CoreRadio:
         event: Callable[..., None],
         warn: Callable[[str], None],
         make_peer: Optional[MakePeer] = None,
+        check: Callable[[], None] = lambda: None,
+        random_bytes: Callable[[int], bytes] = os.urandom,
+        seen: Optional[Seen] = None,
     ) -> None:
         """`event(method, *arguments)` passes an event to the box. `warn` logs a text about a private channel.
 
-        `make_peer` replaces `Peer`, for another network.
+        `make_peer` replaces `Peer`, for another network. `check` is called before each datagram: see `Fence.check`.
+        `random_bytes`: see `Key`. `seen` remembers the datagrams of all channels (default: of a whole competition).
         """
         self._loop = loop
         self._warn = warn
         self._make_peer = make_peer
+        self._check = check
+        self._random_bytes = random_bytes
         self._network = network
         self._keys: Dict[int, Dict[str, Key]] = {}  # by version of the configuration, then by team
         self._box = box
@@ -83,7 +90,7 @@ class CoreRadio:
         self._listening = True
         self._is_closed = False
         self._privates: Dict[int, _Private] = {}
-        self._seen = Seen()  # of all channels, for as long as the box runs
+        self._seen = Seen() if seen is None else seen  # of all channels, for as long as the box runs
         self._beacon_timer: Optional[asyncio.TimerHandle] = None
         self._beacon_soon: Optional[asyncio.TimerHandle] = None
         self._last_beacon = float("-inf")
@@ -94,7 +101,7 @@ class CoreRadio:
 
     def use_passwords(self, version: int, passwords: Mapping[str, str]) -> None:
         """Set the teams' passwords of a version of the configuration."""
-        self._keys[version] = {team: Key(password) for team, password in passwords.items()}
+        self._keys[version] = {team: Key(password, self._random_bytes) for team, password in passwords.items()}
 
     def open(self, listen_duration: float) -> None:
         """Open the public channel; send beacons after `listen_duration` seconds of only listening.
@@ -121,11 +128,11 @@ class CoreRadio:
     # -- sending -------------------------------------------------------------------------------------
 
     def send_beacon(self) -> None:
-        """Send a beacon immediately, in addition to regular ones, unless the box only listens.
+        """Send a beacon immediately, in addition to regular ones, unless the box only listens, or is held.
 
         Shortly after another beacon, it is delayed until `BEACON_GAP_S` has passed, and then has the present state.
         """
-        if self._listening or self._is_closed or self._beacon_soon is not None:
+        if self._listening or self._is_closed or self._box.is_held or self._beacon_soon is not None:
             return
         gap_left = self._last_beacon + BEACON_GAP_S - self._loop.time()
         if gap_left > 0:
@@ -136,7 +143,9 @@ class CoreRadio:
     def _send_beacon_now(self) -> None:
         self._beacon_soon = None
         self._last_beacon = self._loop.time()
-        self.public.send(wire_convert.beacon_message(self._box.beacon()))
+        message = wire_convert.beacon_message(self._box.beacon())
+        self._check()
+        self.public.send(message)
 
     def open_channel(self, port: int, team: str, host: Optional[str], version: int) -> None:
         """Open a private channel with the team's key of a version; raises OSError whose text names the remedy."""
@@ -205,6 +214,7 @@ class CoreRadio:
         if private.sender.due(self._loop.time()) and private.message is not None:
             if private.made is None:
                 private.made = wire_convert.state_message(private.message)
+            self._check()
             private.channel.send(private.made)
         private.timer = self._loop.call_at(private.sender.deadline, self._send_due, private)
 
@@ -214,7 +224,8 @@ class CoreRadio:
         host = address[0]
         if isinstance(message, pb.RobotBeacon):
             time = wire_convert.time_of(message.time)
-            self._event(self._box.on_robot_beacon, host, message.team_name, message.robot_name, time)
+            self._event(self._box.on_robot_beacon, host, message.team_name, message.robot_name, time,
+                        self.public.received_utc)
         elif isinstance(message, pb.TabletBeacon):
             self._event(self._box.on_tablet, host, wire_convert.tablet_of(message))
         elif isinstance(message, pb.RoahRsbbBeacon):
@@ -225,11 +236,14 @@ class CoreRadio:
             if message.count:
                 self._event(self._box.on_robot_overload, port, message.count)
         elif isinstance(message, RobotReport):
-            self._event(self._box.on_robot_report, port, address[0], message)
-            run, private = self._box.zones.run_at(port), self._privates.get(port)
+            private = self._privates.get(port)
+            if private is None:
+                return
+            self._event(self._box.on_robot_report, port, address[0], message, private.channel.received_utc)
+            run = self._box.zones.run_at(port)
             # Messages from another host do not count. If they counted here, a copy that overtakes the robot's own
             # datagram would exclude that datagram.
-            if run is not None and private is not None and run.link.host == address[0]:
+            if run is not None and run.link.host == address[0]:
                 private.channel.remember()
         else:
             self._event(self._box.on_foreign_box, address[0])

@@ -1,19 +1,25 @@
-"""Manual operations during `referee run`: completed automatically, or with what the referee types."""
+"""What the referee types: answers to manual operations and questions, and STOP. Manual operations may also be completed
+automatically."""
 
 import enum
 import queue
+import signal
 import sys
 import threading
+import time
 from typing import Callable, List, Optional
 
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.state import ManualOperation, ZoneSnapshot
+from roah_rsbb.referee.stopping import TypedStops
 from roah_rsbb.referee.words import BadWord, answer_of, switches_of
 
 # A module may repeat a request, for example when no pose is available. Wait before each repetition, and give up.
 AGAIN_S = 1.0
 MAX_IN_A_ROW = 10
+# A program in the background of its terminal cannot read it. It looks again after this time.
+BACKGROUND_S = 1.0
 
 Note = Callable[[str], None]
 
@@ -145,12 +151,41 @@ def _ignoring_others(job: Callable[[], None]) -> bool:
 
 
 class Keyboard:
-    """Lines of standard input, read in the background."""
+    """Lines of standard input, read in the background. Use it in a `with` block.
 
-    def __init__(self, note: Note) -> None:
-        self._note = note
+    A line such as "stop", "stop all" or "stop Home A" stops at once, whatever the program waits for. It is no answer.
+    At the end of the block, the program waits until each STOP has come to its robots.
+    """
+
+    def __init__(
+        self, stops: TypedStops, at_end: Callable[[], None] = lambda: None, begin_s: float = 0.0,
+        at_begin: Callable[[], None] = lambda: None,
+    ) -> None:
+        """`at_end` is called when the input has ended. If the block lasts longer than `begin_s` seconds, `at_begin` is
+        called, and reading begins: what is typed before is for the shell."""
+        self._stops = stops
+        self._at_end = at_end
+        self._begin_s = begin_s
+        self._at_begin = at_begin
+        self._is_over = threading.Event()
         self._read: queue.Queue = queue.Queue()
+        self.is_terminal = sys.stdin.isatty()
+
+    def __enter__(self) -> "Keyboard":
+        if self.is_terminal:
+            signal.signal(signal.SIGTTIN, signal.SIG_IGN)  # in the background, reading fails and does not suspend
         threading.Thread(target=self._work, name="keyboard", daemon=True).start()
+        return self
+
+    def __exit__(self, kind: Optional[type], *_error: object) -> None:
+        self._is_over.set()
+        if kind is not KeyboardInterrupt:
+            self._stops.wait()
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether a STOP was typed for the zone of this program, or for all zones."""
+        return self._stops.of_own_zone
 
     def lines(self) -> List[str]:
         """Return what was typed since the last call."""
@@ -161,11 +196,31 @@ class Keyboard:
             except queue.Empty:
                 return found
             if line is None:
-                self._note("end of input: other referees must complete manual operations")
+                self._at_end()
             else:
                 found.append(line)
 
+    def answer(self, ask: Callable[[], None]) -> str:
+        """Ask, and wait for the next line; empty at the end of the input. Ask again after each STOP."""
+        ask()
+        self._stops.after = ask
+        try:
+            return self._read.get() or ""
+        finally:
+            self._stops.after = None
+
     def _work(self) -> None:
-        for line in sys.stdin:
-            self._read.put(line.strip())
-        self._read.put(None)
+        if self._is_over.wait(self._begin_s):
+            return
+        self._at_begin()
+        while True:
+            try:
+                line = sys.stdin.readline()
+            except OSError:
+                time.sleep(BACKGROUND_S)
+                continue
+            if not line:
+                self._read.put(None)
+                return
+            if not self._stops.take(line):
+                self._read.put(line.strip())

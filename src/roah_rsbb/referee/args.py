@@ -22,8 +22,9 @@ _EXITS = """exit status:
        within --wait, or a score could not be set
   2    wrong usage: an unknown command, zone, scoring item, value or event
   3    no ROS master, no core, or the core did not come back; for 'run' also:
-       the run could not be disconnected
-  4    the run did not complete: timeout, stop, no messages saved, disconnected, lost
+       the run could not be disconnected; for 'stop': interrupted, NOT DELIVERED
+  4    the run did not complete: timeout, stop, no messages saved, disconnected, lost;
+       for 'stop': interrupted, and a robot does not report that it has stopped
   130  interrupted (Ctrl-C); 'run' stops its run first. A terminal that is closed
        (SIGHUP) leaves the run as it is
 """
@@ -34,7 +35,6 @@ _RUN = "a run that is over: 'last', or a part of its name ('runs' lists them)"
 _COMMANDS = {
     "connect": "connect the robot of the zone's event",
     "start": "start the run, also after a stop",
-    "stop": "stop the run; it stays connected",
     "disconnect": "leave the run; after a completed run the zone moves to its next event",
     "previous": "go to the previous event of the zone's schedule",
     "next": "go to the next event of the zone's schedule",
@@ -46,6 +46,12 @@ _COMMANDS = {
     "no-show": "record that the team did not appear, and leave the event",
     "withdrawn": "record that the team withdrew, and leave the event",
 }
+
+
+# Those that name the team that they hit, and the number of words for it.
+_OF_TEAM = {"open-sheet": "?", "no-show": None, "withdrawn": None}
+# Those that leave a run.
+_LEAVING = ("disconnect", "withdrawn")
 
 
 def _formatter(prog: str) -> argparse.HelpFormatter:
@@ -67,10 +73,16 @@ def parser() -> argparse.ArgumentParser:
     _status(commands)
     _watch(commands)
     for name, text in _COMMANDS.items():
-        one = _add(commands, name, text, [f"{PROG} {name} 'Home A'"])
+        one = _add(commands, name, text, [f"{PROG} {name} 'Home A'" + (" Beta" if name in _OF_TEAM else "")])
         one.add_argument("zone", metavar="ZONE", help=_ZONE)
         if name == "connect":
             _robot(one)
+        if name in _OF_TEAM:
+            one.add_argument("team", metavar="TEAM", nargs=_OF_TEAM[name], default="",
+                             help="whom it hits: it is refused if the zone is at the event of another team")
+        if name in _LEAVING:
+            _leaving(one)
+    _stop(commands)
     _score(commands)
     _sheets(commands)
     _judges(commands)
@@ -113,6 +125,16 @@ def _watch(commands) -> None:
                      help="only this zone, the robots of its team, and the whole box; " + _ZONE)
 
 
+def _stop(commands) -> None:
+    one = _add(
+        commands, "stop", "stop the run of a zone, or of all zones; it stays connected",
+        [f"{PROG} stop 'Home A'", f"{PROG} stop all"],
+    )
+    one.add_argument("zone", metavar="ZONE", nargs="?",
+                     help="'all' stops the runs of all zones. Otherwise the " + _ZONE)
+    one.add_argument("--all", action="store_true", help="stop the runs of all zones, also where a zone is named 'all'")
+
+
 def _score(commands) -> None:
     one = _add(
         commands, "score", "show the score sheet of the run in a zone, or set an item",
@@ -136,6 +158,11 @@ def _say(one: argparse.ArgumentParser, where: str) -> None:
 def _by(one: argparse.ArgumentParser, required: bool = False) -> None:
     one.add_argument("--by", "--referee", metavar="NAME", dest="referee", default="", required=required,
                      help="name of the referee" + ("" if required else " (default: no name)"))
+
+
+def _leaving(one: argparse.ArgumentParser) -> None:
+    one.add_argument("--yes", action="store_true",
+                     help="leave the run also if its robot did not answer STOP. The box no longer repeats it then")
 
 
 def _robot(one: argparse.ArgumentParser) -> None:
@@ -250,6 +277,7 @@ def _schedule(commands) -> None:
                      help="number of the event in its zone ('schedule' shows it)")
     one.add_argument("--unsigned", action="store_true",
                      help="leave the zone's run although its score sheet is not signed off")
+    _leaving(one)
 
 
 def _counted(word: str) -> int:

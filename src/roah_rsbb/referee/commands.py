@@ -1,23 +1,41 @@
 """The commands of the terminal referee. Each takes the open link to the core, its options and the output."""
 
+import contextlib
+import functools
 import sys
-from typing import Any, Callable, Dict, List, Optional, Tuple
+import time
+from typing import Any, Callable, ContextManager, Dict, List, Optional, Tuple
 
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee import judges, pairing, sheets, view
-from roah_rsbb.referee.answers import Operations
-from roah_rsbb.referee.changes import Follower
+from roah_rsbb.referee.answers import Keyboard, Operations
+from roah_rsbb.referee.changes import Change, Follower
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.output import Output
 from roah_rsbb.referee.run import RunScript, ScriptOutcome, ScriptPlan
 from roah_rsbb.referee.sheets import RunLine, Sheet, pick_run, sheet_of
 from roah_rsbb.referee.state import CONNECTED, IDLE, SheetItem
-from roah_rsbb.referee.words import NOT_ATTEMPTED, BadWord, EventWanted, answer_of, pick_item, pick_zone, value_of
+from roah_rsbb.referee.stopping import Stopping, TypedStops
+from roah_rsbb.referee.words import (
+    ALL_OPTION,
+    NOT_ATTEMPTED,
+    BadWord,
+    EventWanted,
+    answer_of,
+    pick_item,
+    pick_zone,
+    value_of,
+)
 from roah_rsbb.wording import schedule
+from roah_rsbb.wording.stop import NOT_DELIVERED_S, leaving
 from roah_rsbb.wording.texts import escaped
 
 WATCH_STEP_S = 1.0
+STOP_HINT = "type 'stop' to stop the run, 'stop all' to stop the runs of all zones"
+# A command that takes longer reads STOP from the keyboard while it waits.
+SLOW_S = 1.0
+STOP_HINT_ALL = "type 'stop ZONE' to stop a run, 'stop all' to stop the runs of all zones"
 
 
 def _status(link: Link, options, output: Output) -> Exit:
@@ -38,15 +56,96 @@ def _watch(link: Link, options, output: Output) -> Exit:
         box = link.box if zone is None else link.box._replace(zones=(link.box.zone(zone),))
         output.lines([*view.status(box, output.style), ""])
     follower = Follower(link, zone)
-    while not output.closed:
-        for change in follower.step(WATCH_STEP_S):
-            output.change(change)
+    with _keyboard(link, options, output, zone or "") as keyboard:
+        if keyboard is not None:
+            _note(output, zone or "", STOP_HINT if zone else STOP_HINT_ALL)
+        while not output.closed:
+            for change in follower.step(WATCH_STEP_S):
+                output.change(change)
     return Exit.OK
+
+
+def _keyboard(
+    link: Link, options: Any, output: Output, zone: str, always: bool = False, at_end: str = "",
+) -> ContextManager[Optional[Keyboard]]:
+    """Return what reads the lines that are typed; None: there is no terminal, and not `always` a reader."""
+    if not always and not sys.stdin.isatty():
+        return contextlib.nullcontext()
+    return Keyboard(_typed_stops(link, options, output, zone),
+                    functools.partial(_note, output, zone, at_end) if at_end else lambda: None)
+
+
+def _slow_keyboard(link: Link, options: Any, output: Output) -> ContextManager[Any]:
+    """Return what reads STOP from the terminal while a command waits that reads nothing else."""
+    if options.command in READS or output.json or not sys.stdin.isatty():
+        return contextlib.nullcontext()
+    zone = getattr(options, "zone", None) or ""
+    hint = STOP_HINT if zone else STOP_HINT_ALL
+    return Keyboard(_typed_stops(link, options, output, zone), begin_s=SLOW_S,
+                    at_begin=functools.partial(_note, output, zone, hint))
+
+
+def _typed_stops(link: Link, options: Any, output: Output, zone: str) -> TypedStops:
+    return TypedStops(lambda: Link(options.ros_arguments), output.stop, functools.partial(_note, output, zone), zone,
+                      lambda: link.box)
+
+
+def _note(output: Output, zone: str, text: str) -> None:
+    output.change(Change(time.time(), "note", zone, {"text": text}))
+
+
+def _stop(_link: Link, options: Any, output: Output) -> Exit:
+    """Stop, on connections of its own."""
+    if (options.zone is None) != options.all:
+        raise BadWord("give the name of a zone, or 'all'")
+    stopping = Stopping(lambda: Link(options.ros_arguments), ALL_OPTION if options.all else options.zone, output.stop)
+    with contextlib.suppress(KeyboardInterrupt):
+        stopping.run()
+    status, found = stopping.status(), stopping.result()
+    reasons = [reason for one in found for reason in one.refused]
+    if status is Exit.REFUSED and reasons:
+        return output.failure(status, "stop was refused", reasons)
+    if output.json:
+        zones = [{"zone": one.zone, "way": one.line(time.monotonic()).way, "state": one.after} for one in found]
+        which = {"zones": zones} if stopping.is_all or not zones else zones[0]
+        output.object({"kind": "result", "ok": status is Exit.OK, "exit": int(status), "command": "stop", **which})
+    elif not found and status is Exit.OK:
+        output.lines(["no run is in progress"])
+    return status
 
 
 def _command(link: Link, options, output: Output) -> Exit:
     name = _zone_name(link, options.zone)
     link.command(options.command.replace("-", "_"), name)
+    return _say_done(link, name, output, options.command)
+
+
+def _disconnect(link: Link, options, output: Output) -> Exit:
+    _check_stopped(link, options)
+    return _command(link, options, output)
+
+
+def _withdrawn(link: Link, options, output: Output) -> Exit:
+    _check_stopped(link, options)
+    return _command_of(link, options, output)
+
+
+def _check_stopped(link: Link, options: Any) -> None:
+    """Refuse to leave a run whose robots do not report STOP, unless the referee says that they know it."""
+    if options.yes:
+        return
+    name, deadline = _zone_name(link, options.zone), link.now() + NOT_DELIVERED_S
+    zone = link.settle().zone(name)
+    while zone is not None and leaving(zone) and link.now() < deadline:
+        link.next(deadline - link.now())
+        zone = link.box.zone(name)
+    if zone is not None and leaving(zone):
+        raise Refused([f"{leaving(zone)}. Then give --yes"])
+
+
+def _command_of(link: Link, options, output: Output) -> Exit:
+    name = _zone_name(link, options.zone)
+    link.command_of(options.command.replace("-", "_"), name, options.team)
     return _say_done(link, name, output, options.command)
 
 
@@ -124,8 +223,13 @@ def _run(link: Link, options, output: Output) -> Exit:
         _zone_name(link, options.zone), options.wait, event, tuple(options.score), options.keep,
         Operations(options.operations), options.robot,
     )
-    outcome = RunScript(link, plan, output.change).run()
-    _show_outcome(plan.zone, outcome, output)
+    is_typed = plan.operations is Operations.TYPED
+    end = "end of input: other referees must complete manual operations" if is_typed else ""
+    with _keyboard(link, options, output, plan.zone, is_typed, end) as keyboard:
+        if keyboard is not None and keyboard.is_terminal:
+            _note(output, plan.zone, STOP_HINT)
+        outcome = RunScript(link, plan, output.change, keyboard).run()
+        _show_outcome(plan.zone, outcome, output)
     return outcome.status
 
 
@@ -205,15 +309,20 @@ def _reason(link: Link, options: Any, output: Any) -> Exit:
 def _sign_off(link: Link, options: Any, output: Any) -> Exit:
     """Sign off the score sheet of a finished run."""
     zone, run = _which(link, options)
-    if not options.yes:
-        if output.json or not sys.stdin.isatty():
-            raise BadWord("the sheet becomes final: give --yes, or use a terminal, where you are asked")
-        output.lines(sheets.sheet_lines(_fetched(link, zone, run), output.style))
-        answered = input(f"Sign off as {options.referee}? The sheet becomes final. [y/N] ")
-        if answered.strip().lower() not in ("y", "yes"):
-            raise Refused(["not signed off: the question was not answered with yes"])
-    link.sign_off(zone, _identity(run), options.referee)
-    return _show(link, zone, run, "sign-off", output)
+    with contextlib.ExitStack() as at_end:
+        if not options.yes:
+            if output.json or not sys.stdin.isatty():
+                raise BadWord("the sheet becomes final: give --yes, or use a terminal, where you are asked")
+            keyboard = at_end.enter_context(_keyboard(link, options, output, zone, always=True))
+            output.lines(sheets.sheet_lines(_fetched(link, zone, run), output.style))
+            if not _is_yes(keyboard, output, f"Sign off as {escaped(options.referee)}? The sheet becomes final. [y/N]"):
+                raise Refused(["not signed off: the question was not answered with yes"])
+        link.sign_off(zone, _identity(run), options.referee)
+        return _show(link, zone, run, "sign-off", output)
+
+
+def _is_yes(keyboard: Keyboard, output: Output, question: str) -> bool:
+    return keyboard.answer(lambda: output.question(question)).lower() in ("y", "yes")
 
 
 def _show(link: Link, zone: str, run: Optional[RunLine], command: str, output: Any) -> Exit:
@@ -267,6 +376,7 @@ def _choose(link: Link, options: Any, output: Any) -> Exit:
     own = [line for line in message.events if line.zone == name]
     if options.event > len(own):
         raise BadWord(f"zone '{name}' has no event {options.event}: there are 1 to {len(own)} ('schedule' lists them)")
+    _check_stopped(link, options)
     link.choose_event(own[options.event - 1], options.unsigned)
     return _say_done(link, name, output, "choose")
 
@@ -280,17 +390,18 @@ def _reload(link: Link, options: Any, output: Output) -> Exit:
     _check_reload(found)
     if not found.changes or options.check:
         return _show_reload(found, output)
-    if not options.yes:
-        if output.json or not sys.stdin.isatty():
-            raise BadWord("give --yes to apply the changes, --check to list them, or use a terminal, where you are "
-                          "asked")
-        output.lines(_reload_lines(found))
-        answered = input("Apply these changes? [y/N] ")
-        if answered.strip().lower() not in ("y", "yes"):
-            raise Refused(["nothing was changed: the question was not answered with yes"])
-    done = link.reload(found.digest, options.referee)
-    _check_reload(done)
-    return _show_reload(done, output)
+    with contextlib.ExitStack() as at_end:
+        if not options.yes:
+            if output.json or not sys.stdin.isatty():
+                raise BadWord("give --yes to apply the changes, --check to list them, or use a terminal, where you are "
+                              "asked")
+            keyboard = at_end.enter_context(_keyboard(link, options, output, "", always=True))
+            output.lines(_reload_lines(found))
+            if not _is_yes(keyboard, output, "Apply these changes? [y/N]"):
+                raise Refused(["nothing was changed: the question was not answered with yes"])
+        done = link.reload(found.digest, options.referee)
+        _check_reload(done)
+        return _show_reload(done, output)
 
 
 def _check_reload(answer: Any) -> None:
@@ -316,23 +427,27 @@ def _reload_lines(answer: Any) -> List[str]:
 # -- all commands ---------------------------------------------------------------------------------
 
 COMMANDS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
-    "status": _status, "watch": _watch, "connect": _connect, "start": _command, "stop": _command,
-    "disconnect": _command, "previous": _command, "next": _command, "pause": _command, "resume": _command,
-    "next-phase": _command, "previous-phase": _command, "open-sheet": _command, "no-show": _command,
-    "withdrawn": _command, "score": _score, "runs": _runs, "sheet": _sheet,
+    "status": _status, "watch": _watch, "connect": _connect, "start": _command, "stop": _stop,
+    "disconnect": _disconnect, "previous": _command, "next": _command, "pause": _command, "resume": _command,
+    "next-phase": _command, "previous-phase": _command, "open-sheet": _command_of, "no-show": _command_of,
+    "withdrawn": _withdrawn, "score": _score, "runs": _runs, "sheet": _sheet,
     "withdraw": _withdraw, "reason": _reason, "sign-off": _sign_off, "schedule": _schedule, "choose": _choose,
     "done": _done, "switches": _switches, "run": _run, "reload": _reload,
     "judges": judges.judges, "pair": pairing.pair, "devices": pairing.devices,
     "team-codes": pairing.team_codes,
 }
+# Those that read the keyboard themselves, and the STOP.
+READS = ("watch", "run", "sign-off", "reload", "stop")
 
 
 def carry_out(options: Any, output: Output) -> Exit:
     """Connect to the core and carry out the command."""
     link = Link(options.ros_arguments)
     try:
-        link.open(options.wait if options.command == "run" else 0.0)
-        return COMMANDS[options.command](link, options, output)
+        with _slow_keyboard(link, options, output):
+            if options.command != "stop":
+                link.open(options.wait if options.command == "run" else 0.0)
+            return COMMANDS[options.command](link, options, output)
     except Refused as refused:
         return output.failure(Exit.REFUSED, f"{options.command} was refused", refused.reasons)
     except BadWord as bad:

@@ -56,6 +56,7 @@ from roah_rsbb.srv import (
     TeamCodes,
     TeamCodesResponse,
     Zone,
+    ZoneOfTeam,
     ZoneUInt8,
 )
 from roah_rsbb.wording.device import NO_WEB
@@ -68,6 +69,8 @@ _FOLLOWED = {GUI_TOPIC: CoreToGui, DETAILS_TOPIC: CoreDetails, CLOCKS_TOPIC: Run
 # Time limits: for the master, for the core's first messages, for a service. A busy computer may take seconds, and a
 # command such as stop must not fail because of that.
 MASTER_S, CORE_S, ANSWER_S = 6.0, 6.0, 6.0
+# For one attempt to stop. It is repeated, and a core that was busy may obey each of them.
+TRY_S = 2.0
 # For one attempt to connect to a topic.
 CONNECT_S = 2.0
 # A missing master or core is tried again after this time.
@@ -88,7 +91,7 @@ START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"
 
 
 class Link:
-    """One connection. Use it from the main thread. Call `open` first and `close` at the end."""
+    """One connection. Use it from one thread. Call `open` first and `close` at the end."""
 
     def __init__(self, ros_arguments: Sequence[str] = ()) -> None:
         """`ros_arguments`: words such as /from:=/to."""
@@ -193,11 +196,15 @@ class Link:
         """
         clock = self._call("/core/clock", GetClock).clock
         deadline = self.now() + DETAILS_S
-        while self._gui.clock <= clock or self._details.clock <= clock:
+        while not self.shows_after(clock):
             if self.next(min(CORE_S, max(0.0, deadline - self.now()))) is None:
                 raise NoCore(NO_DETAILS if self.silence_s < CORE_S else self._why_silent())
         assert self.box is not None, "both topics were heard"
         return self.box
+
+    def shows_after(self, clock: Any) -> bool:
+        """Whether all of the snapshot was published after this time of the core's clock (see `try_clock`)."""
+        return self._gui is not None and self._gui.clock > clock and self._details.clock > clock
 
     def _take(self) -> bool:
         """Take new messages. Returns whether they gave a new snapshot."""
@@ -238,6 +245,10 @@ class Link:
         """Give a command to a zone; raises `Refused` with the core's reasons, or `NoCore`."""
         self._call(f"/core/{command}", Zone, zone)
 
+    def command_of(self, command: str, zone: str, team: str) -> None:
+        """Give a command that hits this team, which must be that of the zone's event; raises as `command` does."""
+        self._call(f"/core/{command}", ZoneOfTeam, zone, team, "")
+
     def connect_robot(self, zone: str, robot: str) -> None:
         """Connect this robot of the event's team; raises as `command` does."""
         self._call("/core/connect_robot", ConnectRobot, zone, robot)
@@ -245,6 +256,14 @@ class Link:
     def stop_run(self, zone: str, identity: str) -> None:
         """Stop the run of that identity; raises as `command` does."""
         self._call("/core/stop_run", StopRun, zone, identity)
+
+    def try_to_stop(self, zone: str) -> None:
+        """Try once to stop the run in a zone, soon; raises as `command` does. The link need not be open."""
+        self._call("/core/stop_run", StopRun, zone, "", soon=True)
+
+    def try_clock(self) -> Any:
+        """Return the core's clock, soon, for `shows_after`; raises as `command` does."""
+        return self._call("/core/clock", GetClock, soon=True).clock
 
     def leave_run(self, zone: str, identity: str) -> None:
         """Disconnect the run of that identity, unless it is running; raises as `command` does."""
@@ -330,7 +349,7 @@ class Link:
     def choose_event(self, event: ScheduleEvent, unsigned: bool) -> None:
         """Make an event the current one of its zone; raises as `command` does."""
         self._call("/core/choose_event", ChooseEvent, event.zone, event.code, event.team, event.round, event.run,
-                   event.schedule, unsigned)
+                   event.schedule, unsigned, event.id)
 
     def _latched(self, topic: str, kind: type) -> Any:
         """Return the latched message of a topic; raises `NoCore`."""
@@ -384,16 +403,18 @@ class Link:
         """Return the codes of the teams, after giving them new ones if `renew`; raises as `command` does."""
         return self._call("/web/team_codes", TeamCodes, renew, why=NO_WEB)
 
-    def _call(self, name: str, kind: type, *request: object, why: str = "") -> Any:
+    def _call(self, name: str, kind: type, *request: object, why: str = "", soon: bool = False) -> Any:
+        limit_s = TRY_S if soon else ANSWER_S
         try:
-            return self._ros.call(name, kind, *request, limit_s=ANSWER_S)
+            return self._ros.call(name, kind, *request, limit_s=limit_s)
         except Late:
             remedy = why or "the core hangs, restart it"
-            raise NoCore(f"{name} did not answer within {ANSWER_S:.0f} s: {remedy}") from None
+            raise NoCore(f"{name} did not answer within {limit_s:.0f} s: {remedy}") from None
         except ServiceError as error:
             raise Refused(refusals.answered_reasons(str(error))) from None
         except RosError as error:
-            raise NoCore(f"{name} could not be called ({error}): {why or self._why_silent()}") from None
+            why = why or (START if soon else self._why_silent())  # to find out why takes seconds
+            raise NoCore(f"{name} could not be called ({error}): {why}") from None
 
     def _problem(self) -> str:
         """Return why there is no core; empty: the master knows one."""

@@ -5,6 +5,7 @@ exit status shows the result.
 """
 
 import argparse
+import contextlib
 import os
 import signal
 import sys
@@ -48,8 +49,16 @@ def carry_out(options: argparse.Namespace) -> int:
         return hung_up.code
 
 
+def _open_streams() -> None:
+    """Open those that were closed before the start, as by `stop >&-`: a STOP must not fail because of them."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8"))
+
+
 def main() -> None:
     """Entry point of `rosrun roah_rsbb referee`."""
+    _open_streams()
     # genpy imports numpy for arrays that our messages do not have. That takes longer than a whole command.
     sys.modules.setdefault("numpy", None)  # type: ignore[arg-type]
     options = options_of(sys.argv[1:])
@@ -57,7 +66,8 @@ def main() -> None:
     if signal.getsignal(signal.SIGHUP) is signal.SIG_DFL:  # not under nohup
         signal.signal(signal.SIGHUP, _hang_up)
     status = carry_out(options)
-    sys.stdout.flush()
-    sys.stderr.flush()  # Python 3.8 buffers it, too, unless it is a terminal
+    for stream in (sys.stdout, sys.stderr):  # Python 3.8 buffers both, unless they are a terminal
+        with contextlib.suppress(OSError):
+            stream.flush()
     # A thread that is still resolving the name of a computer would delay the end.
     os._exit(status)

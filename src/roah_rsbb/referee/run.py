@@ -6,7 +6,6 @@ identity. It never disconnects a running robot, and never a run that may be anot
 """
 
 import contextlib
-import sys
 import time
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
 
@@ -17,16 +16,17 @@ from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.state import COMPLETED, CONNECTED, ENDED, IDLE, RUNNING, STOPPED, SheetItem, ZoneSnapshot
 from roah_rsbb.referee.words import BadWord, Entered, EventWanted, pick_item, value_of
 from roah_rsbb.wording.sheets import END_REASONS
+from roah_rsbb.wording.stop import NOT_DELIVERED_S, Way, leaving, way_text
 
 # A core that crashed is restarted within seconds. After this long without it, the script gives up.
 GIVE_UP_S = 60.0
 STEP_S = 1.0
 
 
-_ANSWERS: Dict[Operations, Callable[[Any, Note], Union[Automatic, Typed, None]]] = {
-    Operations.OTHERS: lambda link, note: None,
-    Operations.AUTOMATIC: Automatic,
-    Operations.TYPED: lambda link, note: Typed(link, note, Keyboard(note).lines, ahead=not sys.stdin.isatty()),
+_ANSWERS: Dict[Operations, Callable[[Any, Note, Optional[Keyboard]], Union[Automatic, Typed, None]]] = {
+    Operations.OTHERS: lambda link, note, keyboard: None,
+    Operations.AUTOMATIC: lambda link, note, keyboard: Automatic(link, note),
+    Operations.TYPED: lambda link, note, keyboard: Typed(link, note, keyboard.lines, ahead=not keyboard.is_terminal),
 }
 
 
@@ -59,11 +59,14 @@ class _Failed(Exception):
 
 
 class RunScript:
-    """One run. `link` is an open Link; `report` gets every change."""
+    """One run. `link` is an open Link; `report` gets every change; without a keyboard nothing is typed."""
 
-    def __init__(self, link, plan: ScriptPlan, report: Callable[[Change], None]) -> None:
+    def __init__(
+        self, link, plan: ScriptPlan, report: Callable[[Change], None], keyboard: Optional[Keyboard] = None
+    ) -> None:
         self._link = link
-        self._answers = _ANSWERS[plan.operations](link, self._note)
+        self._keyboard = keyboard
+        self._answers = _ANSWERS[plan.operations](link, self._note, keyboard)
         self._plan = plan
         self._report = report
         self._follower = Follower(link, plan.zone)
@@ -171,6 +174,8 @@ class RunScript:
         deadline = self._link.now() + self._plan.wait_s
         known: Tuple[str, ...] = ()
         while self._zone().phase == phase:
+            if self._is_stopped():
+                raise _Failed(Exit.NOT_COMPLETED, "stopped before the run began")
             gone: Optional[NoCore] = None
             if phase == IDLE:
                 self._hold_event()
@@ -221,6 +226,9 @@ class RunScript:
 
     def _to_the_end(self) -> ScriptOutcome:
         while self._is_running():
+            if self._is_stopped():  # typed while the start was on its way: the start may have come later
+                with contextlib.suppress(Refused, NoCore):
+                    self._link.stop_run(self._plan.zone, self._run)
             self._step(STEP_S)
             if self._answers is not None and self._is_running():
                 self._answers.look(self._zone())
@@ -235,9 +243,9 @@ class RunScript:
             return self._leave(status, f"the run is completed{self._unmarked}")
         if zone.end_reason == STOPPED:
             # Whoever stopped it may want to start it again.
-            return ScriptOutcome(
-                Exit.NOT_COMPLETED, "stopped by another referee, and left connected for that one", zone
-            )
+            text = ("stopped, and left connected" if self._is_stopped()
+                    else "stopped by another referee, and left connected for that one")
+            return ScriptOutcome(Exit.NOT_COMPLETED, text, zone)
         return self._leave(Exit.NOT_COMPLETED, f"the run did not complete: {END_REASONS[zone.end_reason]}")
 
     def _is_running(self) -> bool:
@@ -256,7 +264,8 @@ class RunScript:
     # -- leaving ------------------------------------------------------------------------------------
 
     def _leave(self, status: Exit, text: str, wait_s: float = GIVE_UP_S) -> ScriptOutcome:
-        """Disconnect our run, unless the plan keeps it. If the core is down, wait for it."""
+        """Disconnect our run, unless the plan keeps it. If the core is down, wait for it. A run whose robots do not
+        stop stays connected: after the disconnect the box would not repeat STOP."""
         zone = self._link.box.zone(self._plan.zone)
         if not self._run or zone is None or zone.identity != self._run:
             return ScriptOutcome(status, text)
@@ -269,6 +278,11 @@ class RunScript:
                 "referee's", zone,
             )
         try:
+            moving = self._not_stopped()
+            if moving is not None:
+                lost = way_text(Way.LOST_ROBOT, moving.zone)
+                return ScriptOutcome(
+                    unsure, f"{text}; left connected\n{lost}\n{', '.join(moving.not_stopped)}", moving)
             kept = self._disconnect(wait_s)
         except NoCore as gone:
             return ScriptOutcome(unsure, f"{text}; it could not be disconnected: {gone}", zone)
@@ -308,6 +322,21 @@ class RunScript:
         except (Refused, NoCore) as error:
             return ScriptOutcome(Exit.NOT_COMPLETED, f"{text}; it could not be stopped: {error}{self._left_behind()}")
         return self._leave(Exit.NOT_COMPLETED, text)
+
+    def _not_stopped(self) -> Optional[ZoneSnapshot]:
+        """Return the zone if its robots do not report STOP in time after the end of our run. Raises `NoCore`."""
+        deadline = self._link.now() + NOT_DELIVERED_S
+        while True:
+            zone = self._link.box.zone(self._plan.zone)
+            if zone is None or zone.identity != self._run or not leaving(zone):
+                return None
+            left = deadline - self._link.now()
+            if left <= 0:
+                return zone
+            self._step(left)
+
+    def _is_stopped(self) -> bool:
+        return self._keyboard is not None and self._keyboard.is_stopped
 
     def _interrupted(self) -> ScriptOutcome:
         """Handle Ctrl-C: stop our run unless it is over, and leave it. A second Ctrl-C ends the script at once."""

@@ -11,6 +11,7 @@ from roah_rsbb.referee.state import SheetItem, items_of
 from roah_rsbb.referee.view import BOLD, YELLOW, Style, sheet_line
 from roah_rsbb.referee.words import BadWord
 from roah_rsbb.wording import sheets, times
+from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.sheets import HistoryEntry, history_entry
 from roah_rsbb.wording.texts import escaped
 
@@ -36,6 +37,7 @@ class RunLine(NamedTuple):
     signed_utc_s: Optional[float]
     signed_by: str
     started_utc_s: Optional[float] = None
+    counts: str = ""  # why it counts or not: a word of `wording.counting`
 
 
 class RunEnd(NamedTuple):
@@ -69,6 +71,7 @@ def run_of(summary) -> RunLine:
         summary.identity, summary.zone, summary.code, summary.team, summary.round, summary.run,
         summary.opened.to_sec(), _moment(summary.closed), summary.end_reason, summary.score, summary.corrected,
         _moment(summary.signed), summary.signed_by, _moment(summary.started),
+        summary.counts,
     )
 
 
@@ -127,7 +130,8 @@ def _run_line(run: RunLine, style: Style) -> str:
 
 
 def _state(run: RunLine, style: Style) -> str:
-    parts = [escaped(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason))]
+    state = sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason)
+    parts = [escaped(with_counting(state, run.counts))]
     if run.corrected:
         parts.append(style(YELLOW, sheets.CORRECTED))
     if run.closed_utc_s is not None:

@@ -144,6 +144,7 @@ class ZoneSnapshot(NamedTuple):
     attempt: int = 0  # number of this or the next run of the event; 0: the rules do not count attempts
     attempts: int = 0  # how many the rules allow
     robots_to_choose: Tuple[str, ...] = ()  # the team's robots if there are several
+    not_stopped: Tuple[str, ...] = ()  # robots of the run that do not report STOP
 
 
 class RobotSnapshot(NamedTuple):
@@ -276,6 +277,7 @@ def _zone(zone, details, run_times: RunTimes) -> ZoneSnapshot:
         attempt=details.attempt,
         attempts=details.attempts,
         robots_to_choose=tuple(details.robots_to_choose),
+        not_stopped=tuple(details.not_stopped),
         held=details.held,
         module_status=details.module_status,
         module_score=tuple(

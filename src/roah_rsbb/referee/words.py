@@ -13,6 +13,8 @@ T = TypeVar("T")
 
 # Words instead of a value.
 NOT_ATTEMPTED = ("not-attempted", "n/a")
+# The words of STOP at a prompt, and those for all zones: a person under stress types them in their own language.
+STOP, ALL, ALL_OPTION = ("stop", "stopp"), ("all", "alle"), "--all"
 # Words for the value of a yes-or-no item.
 WORDS = {"yes": 1, "true": 1, "no": 0, "false": 0}
 
@@ -58,6 +60,19 @@ def pick_zone(word: str, names: Sequence[str]) -> str:
         near = did_you_mean(word, names)
         raise BadWord(f"no zone '{word}'{near}" + (f" ({there_are})" if "did you mean" in near else ""))
     raise BadWord(f"'{word}' is the beginning of {len(found)} zones: {_quoted(found)}")
+
+
+def is_all(word: str, names: Sequence[str] = ()) -> bool:
+    """Whether a word means all zones. A zone that is really named "all" comes first; '--all' always means all."""
+    low = word.casefold()
+    return low == ALL_OPTION or (low in ALL and low not in [name.casefold() for name in names])
+
+
+def stop_wanted(line: str) -> Optional[str]:
+    """Return which zone a line that was typed at a prompt wants to stop (empty: that of the prompt), or a word for all.
+    None: the line is no STOP."""
+    first, _, rest = line.strip().rstrip("!. ").partition(" ")
+    return rest.strip() if first.casefold().rstrip(",:!.") in STOP else None
 
 
 def pick_item(word: str, items: Sequence[SheetItem]) -> SheetItem:

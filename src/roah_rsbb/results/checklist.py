@@ -1,8 +1,8 @@
 """The organisers' list before publication: whether the result of each event is signed off, or what is missing."""
 
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence
 
-from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.core.scoring.counting import AttemptsKey, Ruling, Why, attempts_key, event_results
 from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
 from roah_rsbb.wording import sheets
@@ -11,8 +11,6 @@ from roah_rsbb.wording.times import date_time
 
 NO_RUN = "no run"
 
-_Key = Tuple[str, str, str, int, int, float]
-
 
 class CheckLine(NamedTuple):
     """An event, or a run that is not in the schedule."""
@@ -20,52 +18,64 @@ class CheckLine(NamedTuple):
     zone: str
     name: str
     scheduled: float  # UTC seconds
-    number: Optional[int]  # of its last run in the list of all runs; None: no run was started
+    number: Optional[int]  # of its run in the list of all runs; None: no run was started
     state: str
     sheet: str
     is_final: bool  # it has a result that is signed off
 
 
-def checklist(plans: Sequence[ZonePlan], records: Sequence[RunRecord], in_utc: bool) -> List[CheckLine]:
-    """Return a line for each event, in the order of the scheduled times. Of an event that was repeated, the last run
-    counts. An event whose time was changed since its run keeps that run. Runs that the schedule does not have follow.
+class _Found(NamedTuple):
+    """A run that stands for an event, and whether the event's result is final."""
+
+    ruling: Ruling
+    is_final: bool
+
+
+def checklist(plans: Sequence[ZonePlan], ruled: Sequence[Ruling], in_utc: bool) -> List[CheckLine]:
+    """Return a line for each event, in the order of the scheduled times. It has the run that counts; of several, one
+    that is not signed off. Runs follow of events that the schedule does not have, or has for another team or benchmark.
+
+    `ruled`: which of the runs count, in the order of connecting.
     """
-    last: Dict[_Key, Tuple[int, RunRecord]] = {}
-    for number, record in enumerate(records, 1):
-        if record.started_utc or record.end_reason:
-            key = (record.zone, record.benchmark, record.team, record.round, record.run, record.scheduled)
-            last[key] = (number, record)
+    numbers = {ruling.record.identity: number for number, ruling in enumerate(ruled, 1)}
     events = sorted(((event.scheduled, plan.name, event) for plan in plans for event in plan.events),
                     key=lambda line: line[:2])
-    exact = {_key_of(zone, event) for _, zone, event in events}
-    moved = {key[:-1]: key for key in last if key not in exact}
+    found = _found(ruled)
     lines = []
     for _, zone, event in events:
-        key = _key_of(zone, event)
-        run = last.pop(key, None)
-        if run is None and key[:-1] in moved:
-            run = last.pop(moved.pop(key[:-1]))
-        lines.append(_of_event(zone, event, run, in_utc))
-    return lines + [_of_run(number, record, in_utc) for number, record in last.values()]
+        run = found.pop((event.benchmark.code, event.team, event.id), None)
+        lines.append(_line(zone, event, run, numbers, in_utc))
+    return lines + [_line(run.ruling.record.zone, None, run, numbers, in_utc) for run in found.values()]
 
 
-def _key_of(zone: str, event: ScheduledEvent) -> _Key:
-    return (zone, event.benchmark.code, event.team, event.round, event.run, event.scheduled)
+def _found(ruled: Sequence[Ruling]) -> Dict[AttemptsKey, _Found]:
+    """Return the run that stands for the attempts of each team at each event."""
+    found: Dict[AttemptsKey, _Found] = {}
+    for ruling in ruled:  # first the runs that are not over
+        if ruling.why is Why.NOT_OVER and ruling.record.started_utc:
+            found[attempts_key(ruling.record)] = _Found(ruling, False)
+    for result in event_results(ruled):
+        unsigned = [ruling for ruling in result.runs if ruling.record.sign_off is None]
+        found[attempts_key(result.shown.record)] = _Found((unsigned or [result.shown])[-1], result.signed)
+    return found
 
 
-def _of_event(zone: str, event: ScheduledEvent, run: Optional[Tuple[int, RunRecord]], in_utc: bool) -> CheckLine:
-    if run is not None:
-        return _of_run(*run, in_utc)
-    name = sheets.run_name(event.benchmark.code, event.team, event.round, event.run)
-    return CheckLine(zone, name, event.scheduled, None, NO_RUN, "", False)
-
-
-def _of_run(number: int, record: RunRecord, in_utc: bool) -> CheckLine:
-    name = sheets.run_name(record.benchmark, record.team, record.round, record.run)
+def _line(
+    zone: str, event: Optional[ScheduledEvent], run: Optional[_Found], numbers: Dict[str, int], in_utc: bool
+) -> CheckLine:
+    """`event`: None if the schedule does not have that of the run."""
+    if run is None:
+        return CheckLine(zone, _name(event), event.scheduled, None, NO_RUN, "", False)
+    record = run.ruling.record
     sheet = signature_of(record, in_utc) if record.closed_utc else sheets.OPEN
-    return CheckLine(
-        record.zone, name, record.scheduled, number, run_state_text(record), sheet, record.sign_off is not None
-    )
+    name, scheduled = (_name(event), event.scheduled) if event is not None else (
+        sheets.run_name(record.benchmark, record.team, record.round, record.run), record.scheduled)
+    return CheckLine(zone, name, scheduled, numbers[record.identity], run_state_text(record, run.ruling.why.value),
+                     sheet, run.is_final)
+
+
+def _name(event: ScheduledEvent) -> str:
+    return sheets.run_name(event.benchmark.code, event.team, event.round, event.run)
 
 
 def check_lines(lines: Sequence[CheckLine], in_utc: bool) -> Iterator[str]:

@@ -67,12 +67,13 @@ _RUN_FIELDS = {
     "run": Field("run", "integer", "run within the round", True),
     "robots": Field("robots", "string", "names of the robots, separated by commas; empty: there was none"),
     "scheduled": Field("scheduled", "datetime", "scheduled time"),
+    "counts": Field("counts", "string", "counts, counts_as_zero, or why the run does not count"),
     "connected": Field("connected", "datetime", "when the robot was connected"),
     "started": Field("started", "datetime", "last start; empty: never started"),
     "disconnected": Field("disconnected", "datetime", "empty: still connected"),
     "end_reason": Field("end_reason", "string", "why the run ended (docs/results.md, CSV); empty: never started, or "
                                                 "still running"),
-    "elapsed_s": Field("elapsed_s", "number", "seconds that counted; empty: never started"),
+    "elapsed_s": Field("elapsed_s", "number", "seconds that counted; empty: never started, or still running"),
     "signed_off": Field("signed_off", "datetime", "when the score sheet was signed off; empty: not signed off"),
     "signed_off_by": Field("signed_off_by", "string", "who signed it off"),
 }
@@ -173,7 +174,7 @@ def _open(folder: str, name: str) -> TextIO:
 
 
 def _run_rows(result: RunResult, _names: Optional[Names]) -> Iterator[Dict[str, Cell]]:
-    yield run_row(result.record, in_utc=True)
+    yield run_row(result.record, in_utc=True, counts=result.counts)
 
 
 def _score_rows(result: RunResult, _names: Optional[Names]) -> Iterator[Dict[str, Cell]]:

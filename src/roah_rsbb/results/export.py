@@ -8,11 +8,14 @@ import csv
 import dataclasses
 import json
 import os
-from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, TextIO, Tuple, Union
+from fractions import Fraction
+from types import MappingProxyType
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, TextIO, Tuple, Union
 
 from roah_rsbb.core.restart.saved import freeze
+from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreEntry
-from roah_rsbb.results.runs import RunResult, run_state_text
+from roah_rsbb.results.runs import RunResult, run_state_text, taken_s
 from roah_rsbb.results.standings import Standing
 from roah_rsbb.wording.sheets import ratings_text
 from roah_rsbb.wording.texts import value_text, visible
@@ -26,7 +29,7 @@ _FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "|", "%", "＝", "＋", "－",
 # Columns about the run.
 RUN_COLUMNS = (
     "run_id", "zone", "benchmark", "team", "round", "run", "robots", "scheduled", "connected", "started",
-    "disconnected", "end_reason", "elapsed_s", "signed_off", "signed_off_by",
+    "disconnected", "end_reason", "elapsed_s", "signed_off", "signed_off_by", "counts",
 )
 # Columns about the item or value.
 SCORE_COLUMNS = (
@@ -69,10 +72,13 @@ def write_rows(file: TextIO, columns: Tuple[str, ...], rows: Iterable[Dict[str, 
         writer.writerow([safe(row.get(column)) for column in columns])
 
 
-def result_rows(records: Iterable[RunRecord], in_utc: bool) -> Iterator[Dict[str, Cell]]:
-    """Return the rows of all runs. A run without items and values has one row of kind "none"."""
+def result_rows(
+    records: Iterable[RunRecord], in_utc: bool, why: Mapping[str, Why] = MappingProxyType({})
+) -> Iterator[Dict[str, Cell]]:
+    """Return the rows of all runs. A run without items and values has one row of kind "none". `why`: whether runs
+    count, by their identities."""
     for record in records:
-        of_run = run_row(record, in_utc)
+        of_run = run_row(record, in_utc, why[record.identity].value if record.identity in why else "")
         for row in list(score_rows(record, in_utc)) or [{"kind": "none"}]:
             yield {**of_run, **row}
 
@@ -85,17 +91,17 @@ def score_rows(record: RunRecord, in_utc: bool) -> Iterator[Dict[str, Cell]]:
     yield from _module_rows(record)
 
 
-def run_row(record: RunRecord, in_utc: bool) -> Dict[str, Cell]:
-    """Return the columns about a run."""
+def run_row(record: RunRecord, in_utc: bool, counts: str = "") -> Dict[str, Cell]:
+    """Return the columns about a run. `counts`: whether it counts, see `RunResult`."""
     def at(utc: float) -> Optional[str]:
         return iso(utc, in_utc) if utc else None
 
-    sign_off = record.sign_off
+    sign_off, taken = record.sign_off, taken_s(record)
     return dict(zip(RUN_COLUMNS, (
         record.identity, record.zone, record.benchmark, record.team, record.round, record.run,
         ", ".join(record.robots), at(record.scheduled), at(record.opened_utc), at(record.started_utc),
-        at(record.closed_utc), record.end_reason, round(record.elapsed_s, 3) if record.started_utc else None,
-        at(sign_off.utc) if sign_off else None, sign_off.who if sign_off else None,
+        at(record.closed_utc), record.end_reason, None if taken is None else round(taken, 3),
+        at(sign_off.utc) if sign_off else None, sign_off.who if sign_off else None, counts,
     )))
 
 
@@ -170,9 +176,14 @@ def standing_rows(standings: Iterable[Standing]) -> Iterator[Dict[str, Cell]]:
             for criterion, number, unit in zip(standing.criteria, team.numbers, standing.units):
                 yield dict(zip(STANDING_COLUMNS, (
                     standing.benchmark, standing.of_runs.value, team.rank, team.tied, team.team, team.disqualified,
-                    criterion.name, "more" if criterion.more_is_better else "less", number, len(identities),
+                    criterion.name, "more" if criterion.more_is_better else "less", _decimal(number), len(identities),
                     " ".join(identities), standing.title, unit,
                 )))
+
+
+def _decimal(number: Optional[Fraction]) -> Optional[float]:
+    """Return an exact number as the nearest one that programs can read."""
+    return None if number is None else float(number)
 
 
 # -- JSON -------------------------------------------------------------------------------------------
@@ -209,6 +220,7 @@ def _run_value(result: RunResult) -> Dict[str, Any]:
     return {
         **_plain(result.record),
         "state": run_state_text(result.record),
+        "counts": result.counts,
         "robot_parts": [
             {"port": r.port, "team": r.team, "robot": r.robot, "log_file": r.log_file,
              "link": [{"utc": second.utc, **_plain(second.sample)} for second in r.link]}
@@ -229,9 +241,11 @@ def _standing_value(standing: Standing) -> Dict[str, Any]:
             for c, unit in zip(standing.criteria, standing.units)
         ],
         "teams": [
-            {"rank": t.rank, "tied": t.tied, "team": t.team, "numbers": list(t.numbers), "disqualified": t.disqualified,
+            {"rank": t.rank, "tied": t.tied, "team": t.team, "numbers": list(map(_decimal, t.numbers)),
+             "disqualified": t.disqualified,
              "runs": [
-                 {"identity": r.record.identity, "disqualified": r.disqualified, "numbers": list(r.numbers),
+                 {"identity": r.record.identity, "disqualified": r.disqualified,
+                  "numbers": list(map(_decimal, r.numbers)),
                   "signed_off": r.record.sign_off is not None, "counts": t.best in (None, i)}
                  for i, r in enumerate(t.runs)
              ]}

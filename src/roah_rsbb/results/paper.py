@@ -5,15 +5,15 @@ two or three columns of smaller letters. Text that is too long for the page is c
 """
 
 from decimal import Decimal
+from fractions import Fraction
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.core.scoring.counting import amount_of, exact
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, SheetPoints, grouped
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, tag
-from roah_rsbb.results.runs import run_state_text, signature_of
-from roah_rsbb.results.standing_rules import DEFAULT, Rules
+from roah_rsbb.results.runs import run_state_text, signature_of, taken_s, taken_text
 from roah_rsbb.results.standings import (
     DISQUALIFIED,
-    amount_of,
     criteria_of,
     number_text,
     number_with_unit,
@@ -21,7 +21,9 @@ from roah_rsbb.results.standings import (
 )
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
+from roah_rsbb.rulebook.standing_rules import DEFAULT, Rules
 from roah_rsbb.wording import sheets
+from roah_rsbb.wording.counting import counting_text
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed, optional_date_time
@@ -97,9 +99,10 @@ def benchmark_name(code: str, title: str) -> str:
     return f"{title} ({code})" if title else code
 
 
-def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool) -> Front:
-    """Return the texts of a run's front page. `title`: the benchmark's title; empty: not known."""
-    ended = run_state_text(record) + (f", after {elapsed(record.elapsed_s)} min" if record.started_utc else "")
+def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool, counts: str = "") -> Front:
+    """Return the texts of a run's front page. `title`: the benchmark's title; empty: not known. `counts`: whether the
+    run counts, see `RunResult`."""
+    ended = run_state_text(record) + (f", after {taken_text(record)} min" if taken_s(record) is not None else "")
     return Front(
         benchmark_name(record.benchmark, title),
         "Score sheet" if record.sign_off else "Score sheet, not signed off: may still change",
@@ -110,6 +113,7 @@ def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool
             ("Started", optional_date_time(record.started_utc, in_utc)),
             ("Disconnected", optional_date_time(record.closed_utc, in_utc)), ("End", ended),
             ("Sheet", signature_of(record, in_utc)), ("Run", record.identity),
+            *([("Counting", counting_text(counts)), ("", "")] if counts else []),
         ),
         (*_item_groups(record, rules), *_module_groups(record)),
         tuple(_totals(record, rules)),
@@ -164,7 +168,7 @@ def _blank_line(item: ScoringItem) -> Line:
 
 
 def _in_brackets(points: Optional[Decimal]) -> str:
-    return "" if points is None else f" ({number_text(float(points))})"
+    return "" if points is None else f" ({number_text(exact(points))})"
 
 
 def _item_groups(record: RunRecord, rules: Optional[Rules]) -> Iterator[Group]:
@@ -206,10 +210,11 @@ def _value(item: ItemRecord) -> str:
 def _points(rules: Rules, items: Sequence[ItemRecord]) -> str:
     """Return what items contribute to the criteria of the ranking; empty: they do not count."""
     counted = [
-        term.weight * float(amount_of(item))
-        for item in items for criterion in rules.criteria for term in criterion.terms if term.counts(item)
+        exact(term.weight) * amount_of(item)
+        for item in items for criterion in rules.criteria for term in criterion.terms
+        if term.counts(item.group, item.desc)
     ]
-    return number_text(sum(counted)) if counted else ""
+    return number_text(sum(counted, Fraction(0))) if counted else ""
 
 
 def _module_groups(record: RunRecord) -> Iterator[Group]:

@@ -2,7 +2,7 @@
 
 import re
 from functools import partial
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.core import run_log
 from roah_rsbb.core.link.record import LinkSample
@@ -11,7 +11,8 @@ from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.changes import ChangesReader
 from roah_rsbb.journal.reader import JournalEntry, JournalReader, JournalRun
 from roah_rsbb.wording import sheets
-from roah_rsbb.wording.times import date_time
+from roah_rsbb.wording.counting import with_counting
+from roah_rsbb.wording.times import NOTHING, date_time, elapsed
 
 
 class LinkSecond(NamedTuple):
@@ -39,6 +40,7 @@ class RunResult(NamedTuple):
     record: RunRecord
     robots: Tuple[RobotPart, ...]
     entries: Tuple[JournalEntry, ...]  # in order
+    counts: str = ""  # whether it counts: a word of `wording.counting`; empty: nobody asked
 
     def robot_at(self, port: Optional[int]) -> str:
         """The name of the robot with this port; empty if the run has only one robot."""
@@ -89,18 +91,22 @@ class RunHead(NamedTuple):
     end_reason: str
     elapsed_s: float
     sign_off: Optional[float]  # UTC seconds; None: not signed off
+    event: str = ""
+
+    points = None  # not read
 
 
 def heads(reader: JournalReader, warn: Callable[[str], None]) -> List[RunHead]:
     """Return the heads of all runs in the order of connecting. This takes less time than all records."""
     return [_head(row, warn) for row in reader.outlines(
-        ("started_utc", "closed_utc", "end_reason", "elapsed_s", "sign_off.utc"))]
+        ("started_utc", "closed_utc", "end_reason", "elapsed_s", "sign_off.utc", "event"))]
 
 
 def _head(row: Tuple[Any, ...], warn: Callable[[str], None]) -> RunHead:
-    *run, started, closed, end, took, signed = row
+    *run, started, closed, end, took, signed, event = row
     try:
-        return RunHead(*run, float(started or 0.0), float(closed or 0.0), str(end or ""), float(took or 0.0), signed)
+        return RunHead(*run, float(started or 0.0), float(closed or 0.0), str(end or ""), float(took or 0.0), signed,
+                       str(event or ""))
     except (TypeError, ValueError) as error:
         warn(_unreadable(run[0], error))
         return RunHead(*run, 0.0, 0.0, "", 0.0, None)
@@ -168,9 +174,21 @@ def find(known: Sequence[str], word: str) -> int:
     raise NoSuchRun(f"there is no run '{word}': {numbers}. 'results list' lists them")
 
 
-def run_state_text(record: RunRecord) -> str:
-    """Return how a run ended, or how far it is."""
-    return sheets.run_state(record.started_utc, record.closed_utc, record.end_reason)
+def taken_s(record: Union[RunRecord, RunHead]) -> Optional[float]:
+    """Return the counted seconds that a run took. None: it was never started, or is in progress. The journal has the
+    time of its last entry then, and only the box knows the time now."""
+    return record.elapsed_s if record.started_utc and record.end_reason else None
+
+
+def taken_text(record: Union[RunRecord, RunHead]) -> str:
+    """Return the time that a run took; `NOTHING`: see `taken_s`."""
+    seconds = taken_s(record)
+    return NOTHING if seconds is None else elapsed(seconds)
+
+
+def run_state_text(record: Union[RunRecord, RunHead], counts: str = "") -> str:
+    """Return how a run ended, or how far it is. `counts`: whether it counts, see `RunResult`."""
+    return with_counting(sheets.run_state(record.started_utc, record.closed_utc, record.end_reason), counts)
 
 
 def signature_of(record: RunRecord, in_utc: bool) -> str:

@@ -9,9 +9,18 @@ from roah_rsbb.results.judging import act_lines, judged_items, objection_lines, 
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, facts_table, joined, page, table, tag
 from roah_rsbb.results.paper import front_markup, front_of, robots_of
-from roah_rsbb.results.runs import RobotPart, RunResult, clock_text, run_state_text, signature_of, without_step
-from roah_rsbb.results.standing_rules import Rules
+from roah_rsbb.results.runs import (
+    RobotPart,
+    RunResult,
+    clock_text,
+    run_state_text,
+    signature_of,
+    taken_text,
+    without_step,
+)
+from roah_rsbb.rulebook.standing_rules import Rules
 from roah_rsbb.wording import sheets
+from roah_rsbb.wording.counting import counting_text
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.texts import one_line as line
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed, optional_date_time, time_with_tenths
@@ -54,10 +63,11 @@ def facts(result: RunResult, in_utc: bool) -> List[Tuple[str, str]]:
         ("Connected", date_time(record.opened_utc, in_utc)),
         ("Started", optional_date_time(record.started_utc, in_utc)),
         ("Disconnected", optional_date_time(record.closed_utc, in_utc)),
-        ("Time", elapsed(record.elapsed_s) if record.started_utc else NOTHING),
+        ("Time", taken_text(record)),
         *([("Phases", ", ".join(f"{line(phase.name)} {elapsed(phase.elapsed_s)}" for phase in record.phases))]
           if record.phases else []),
         ("End", line(run_state_text(record))),
+        *([("Counting", counting_text(result.counts))] if result.counts else []),
         ("Sheet", line(signature_of(record, in_utc))),
         ("Run logs", ", ".join(line(r.log_file) for r in result.robots if r.log_file) or NOTHING),
     ]
@@ -170,7 +180,7 @@ def sheet_page(
     sections, if the caller has them."""
     record = result.record
     title = _title(record)
-    front = front_of(record, rules, benchmark, in_utc)._replace(competition=competition)
+    front = front_of(record, rules, benchmark, in_utc, result.counts)._replace(competition=competition)
     body: List[Child] = [front_markup(front)]
     shown = sections(result) if shown is None else shown
     clock = clock_text(result)

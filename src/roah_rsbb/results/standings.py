@@ -1,18 +1,31 @@
 """The standing of a benchmark: its teams, ranked, with the runs that count; as data, as text and as pages."""
 
-import json
 import math
 import statistics
-from decimal import ROUND_HALF_UP, Decimal
+from decimal import Decimal
+from fractions import Fraction
+from types import MappingProxyType
 from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.core.scoring.records import NOT_RUN, ItemRecord, RunRecord, ScoreValue
+from roah_rsbb.core.scoring.counting import (
+    Choice,
+    Numbers,
+    Ruling,
+    Why,
+    attempts_of,
+    exact,
+    rules_for,
+    rulings,
+    sort_key,
+)
+from roah_rsbb.core.scoring.points import text_of
+from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, joined, page, table, tag
 from roah_rsbb.results.runs import run_state_text, signature_of
-from roah_rsbb.results.standing_rules import (
-    BY_POINTS,
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_RULES, EventRules
+from roah_rsbb.rulebook.registry import PROFILES
+from roah_rsbb.rulebook.standing_rules import (
     DEFAULT,
-    TOTAL,
     Criterion,
     Normalised,
     OfRuns,
@@ -20,42 +33,20 @@ from roah_rsbb.results.standing_rules import (
     Part,
     Rules,
     StandingRules,
-    Term,
     day_of,
 )
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_RULES, CountingAttempt, EventRules, NoShow
-from roah_rsbb.rulebook.registry import PROFILES
-from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import NOT_SIGNED_OFF, end_reason, turn
 from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import NOTHING, date_time
 
-# Sums of weighted values are rounded to this many decimals, so that rounding errors do not decide.
-DIGITS = 9
-# Numbers of overall standings are rounded to this, so that the shown numbers add up.
-_THOUSANDTH = Decimal("0.001")
+# Numbers are shown with at most this many decimals.
+_DECIMALS = 3
 WITHOUT_RULES = (
     "no rules rank this benchmark: all items of its sheet are added up, and penalties raise the sum. Give its items "
     "points (docs/organiser.md), or write its criteria into the file with the standings' rules (docs/results.md)"
 )
 
 NO_TITLES: Mapping[str, str] = {}
-NO_EVENT_RULES: Mapping[str, EventRules] = {}
-
-# The names of the ends of runs whose team did not appear or withdrew.
-_NOT_RUN = frozenset(reason.name.lower() for reason in NOT_RUN)
-
-# A number for each criterion; None (missing) is worse than any number.
-Numbers = Tuple[Optional[float], ...]
-
-
-class Choice(NamedTuple):
-    """Which runs count."""
-
-    signed_off: bool = False  # only those whose sheet is signed off
-    without: Tuple[str, ...] = ()  # identities of excluded runs
-    of_runs: Optional[OfRuns] = None  # overrides the rules
-    events: Mapping[str, EventRules] = NO_EVENT_RULES  # which attempts at an event count, by the benchmarks' codes
 
 
 class RankedRun(NamedTuple):
@@ -110,27 +101,22 @@ def standings(
     return [s for s in found if s.lines or s.remarks]
 
 
-def rules_for(records: Sequence[RunRecord], rules: Optional[Rules]) -> Rules:
-    """Return the rules of a benchmark. None: points count if its sheets give any, else the sum of the sheet."""
-    if rules is not None:
-        return rules
-    return BY_POINTS if any(record.points is not None for record in records) else DEFAULT
-
-
 def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], choice: Choice) -> Standing:
     """Return the standing of one benchmark. `rules`: None if the rules' file does not name it."""
     remarks: List[str] = []
     records = [record for record in records if record.benchmark == code]
     rules = rules_for(records, rules)
     of_runs = choice.of_runs or rules.of_runs
-    if any(record.team == ALL_TEAMS and record.started_utc for record in records):
+    ruled = rulings(records, {code: rules}, choice)
+    if any(ruling.why is Why.ALL_ROBOTS for ruling in ruled):
         remarks.append("all robots run at once: there is no score for each team")
     by_team: Dict[str, List[RankedRun]] = {}
-    event_rules = choice.events.get(code, NO_RULES)
-    for attempts in _attempts([record for record in records if record.team != ALL_TEAMS], choice, remarks):
-        lines = _counting([_run_line(record, rules, remarks) for record in attempts], event_rules, rules, remarks)
-        if lines:
-            by_team.setdefault(attempts[0].team, []).extend(lines)
+    for ruling in _by_attempts(ruled):
+        missing: Dict[str, None] = {}
+        if ruling.counts:
+            run = RankedRun(ruling.record, ruling.disqualified(rules), ruling.numbers(rules, missing))
+            by_team.setdefault(ruling.record.team, []).append(run)
+        remarks += _remarks(ruling, missing, choice.events.get(code, NO_RULES))
     lines = [_team_line(team, runs, of_runs, rules.criteria) for team, runs in by_team.items()]
     if rules is DEFAULT and any(run.record.items for runs in by_team.values() for run in runs):
         remarks.append(WITHOUT_RULES)
@@ -143,7 +129,9 @@ def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], ch
 def standing_of_run(record: RunRecord, rules: Optional[Rules]) -> Standing:
     """Return a standing of one run only, with its numbers."""
     rules = rules_for([record], rules)
-    line = _team_line(record.team, [_run_line(record, rules, [])], OfRuns.BEST, rules.criteria)
+    ruling = Ruling(record, Why.COUNTS)
+    run = RankedRun(record, ruling.disqualified(rules), ruling.numbers(rules))
+    line = _team_line(record.team, [run], OfRuns.BEST, rules.criteria)
     units = tuple(_unit(criterion, [record]) for criterion in rules.criteria)
     return Standing(record.benchmark, OfRuns.BEST, rules.criteria, (line,), (), units)
 
@@ -157,47 +145,33 @@ def _unit(criterion: Criterion, records: Sequence[RunRecord]) -> str:
     return units.pop() if len(units) == 1 else ""
 
 
-def _attempts(records: List[RunRecord], choice: Choice, remarks: List[str]) -> List[List[RunRecord]]:
-    """Return the attempts at each event that may count, the oldest first."""
-    by_event: Dict[Tuple[object, ...], List[RunRecord]] = {}
-    for record in sorted(records, key=lambda r: r.opened_utc):
-        if not (record.started_utc or record.end_reason in _NOT_RUN) or record.identity in choice.without:
-            continue
-        if not record.end_reason:
-            remarks.append(f"run {record.identity} is still running: it does not count yet")
-            continue
-        if choice.signed_off and record.sign_off is None:
-            remarks.append(f"run {record.identity} of team {record.team} is not signed off and does not count")
-            continue
-        event = (record.zone, record.team, record.round, record.run, record.scheduled)
-        by_event.setdefault(event, []).append(record)
-    return list(by_event.values())
+def _by_attempts(ruled: Sequence[Ruling]) -> Iterator[Ruling]:
+    """Yield the rulings with the attempts at an event beside each other."""
+    by_identity = {ruling.record.identity: ruling for ruling in ruled}
+    for attempts in attempts_of(ruling.record for ruling in ruled).values():
+        yield from (by_identity[record.identity] for record in attempts)
 
 
-def _counting(attempts: List[RankedRun], event: EventRules, rules: Rules, remarks: List[str]) -> List[RankedRun]:
-    """Return the attempts at an event that count. A no-show or withdrawal only counts if nothing else was run."""
-    found = [run for run in attempts if run.record.end_reason not in _NOT_RUN]
-    if not found:
-        zero = RankedRun(attempts[-1].record, False, tuple(0.0 for _ in rules.criteria))
-        found = [zero] if event.no_show is NoShow.ZERO else []
-        last = attempts[-1].record
-        scored = "counts as 0" if found else "no score"
-        remarks.append(f"team {last.team}, {turn(last.round, last.run)}: {end_reason(last.end_reason)}, {scored}")
-    if len(found) > 1 and event.counting is not CountingAttempt.ALL:
-        kept = len(found) - 1
-        if event.counting is CountingAttempt.BEST:
-            keys = [_key(run.numbers, run.disqualified, rules.criteria) for run in found]
-            kept = keys.index(min(keys))
-        remarks += [
-            f"run {run.record.identity} of team {run.record.team} was repeated: only the {event.counting.value} run "
-            "counts" for i, run in enumerate(found) if i != kept
-        ]
-        found = found[kept:kept + 1]
-    remarks += [
-        f"run {run.record.identity} of team {run.record.team} is not signed off and may still change"
-        for run in found if run.record.sign_off is None
-    ]
-    return found
+def _remarks(ruling: Ruling, missing: Mapping[str, None], event: EventRules) -> Iterator[str]:
+    """Yield what the reader of a standing should know about a run."""
+    record, why = ruling.record, ruling.why
+    run = f"run {record.identity} of team {record.team}"
+    if missing:
+        names = ", ".join(f"'{name}'" for name in missing)
+        yield f"{run} has no {names}"
+    if why is Why.NOT_OVER and record.started_utc:
+        yield f"run {record.identity} is still running: it does not count yet"
+    elif why is Why.NOT_SIGNED_OFF:
+        yield f"{run} is not signed off and does not count"
+    elif why in (Why.ZERO, Why.NO_SCORE):
+        scored = "counts as 0" if ruling.counts else "no score"
+        yield f"team {record.team}, {turn(record.round, record.run)}: {end_reason(record.end_reason)}, {scored}"
+    elif why in (Why.NOT_LAST, Why.NOT_BEST):
+        yield f"{run} was repeated: only the {event.counting.value} run counts"
+    elif why is Why.RAN:
+        yield f"{run} does not count ({end_reason(record.end_reason)}): the team ran at this event"
+    if ruling.counts and record.sign_off is None:
+        yield f"{run} is not signed off and may still change"
 
 
 # -- overall standings ------------------------------------------------------------------------------
@@ -216,18 +190,20 @@ def overall_standing(
     """Return an overall standing. A team that has no run in a benchmark, or is disqualified, gets 0 there."""
     remarks: List[str] = []
     columns = [_column(part, overall.normalised, records, rules, choice, remarks) for part in overall.parts]
-    teams = sorted({team for column in columns for team in column})
+    nothing = _TeamsPart(Fraction(0), ())
     lines: List[TeamLine] = []
-    keys: Dict[str, Tuple[Decimal, ...]] = {}
-    for team in teams:
-        numbers = [column.get(team, Decimal(0)) for column in columns]
-        total = sum(numbers, Decimal(0))
+    keys: Dict[str, Tuple[Fraction, ...]] = {}
+    for team in sorted({team for column in columns for team in column}):
+        parts = [column.get(team, nothing) for column in columns]
+        numbers = [part.number for part in parts]
+        total = sum(numbers, Fraction(0))
         ties = [
-            sum((n for n, part in zip(numbers, overall.parts) if part.benchmark == code), Decimal(0))
+            sum((n for n, part in zip(numbers, overall.parts) if part.benchmark == code), Fraction(0))
             for code in overall.ties
         ]
         keys[team] = (-total, *(-number for number in ties))
-        lines.append(TeamLine(0, False, team, tuple(map(float, (total, *numbers))), False, (), None))
+        runs = tuple(run for part in parts for run in part.runs)
+        lines.append(TeamLine(0, False, team, (total, *numbers), False, runs, None))
     order = sorted(keys.values())
     lines = [
         line._replace(rank=order.index(keys[line.team]) + 1, tied=order.count(keys[line.team]) > 1) for line in lines
@@ -242,134 +218,72 @@ def overall_standing(
     )
 
 
+class _TeamsPart(NamedTuple):
+    """What a team gets for a benchmark, and the runs that count there."""
+
+    number: Fraction
+    runs: Tuple[RankedRun, ...]
+
+
 def _column(
     part: Part, normalised: Normalised, records: Sequence[RunRecord], rules: Mapping[str, Rules], choice: Choice,
     remarks: List[str],
-) -> Dict[str, Decimal]:
-    """Return what each team gets for one benchmark."""
+) -> Dict[str, _TeamsPart]:
+    """Return what each team gets for one benchmark. A team that did not appear or withdrew gets 0."""
     records = [record for record in records if not part.day or day_of(record.scheduled) == part.day]
     found = standing(part.benchmark, records, rules.get(part.benchmark), choice)
-    numbers = {
-        line.team: Decimal(0) if line.disqualified or line.numbers[0] is None else Decimal(repr(line.numbers[0]))
-        for line in found.lines
-    }
+    numbers = {line.team: Fraction(0) if line.disqualified else line.numbers[0] or Fraction(0) for line in found.lines}
+    absent = {record.team: _TeamsPart(Fraction(0), ()) for record in records
+              if record.benchmark == part.benchmark and record.end_reason and record.team != ALL_TEAMS}
+    remarks += [f"team {team} gets 0 for {part.name}: none of its runs counts" for team in absent
+                if team not in numbers]
     if not numbers:
         remarks.append(f"{part.name} has no runs yet")
-        return {}
-    reference = Decimal(1)
+        return absent
+    reference = Fraction(1)
     if normalised is Normalised.MAXIMUM:
-        reference = part.maximum
+        reference = exact(part.maximum)
     elif normalised is Normalised.BEST:
         reference = max(numbers.values())
         if reference <= 0:
             remarks.append(f"{part.name} counts 0: no team has more than 0")
-            return dict.fromkeys(numbers, Decimal(0))
-    return {
-        team: (part.weight * number / reference).quantize(_THOUSANDTH, ROUND_HALF_UP)
-        for team, number in numbers.items()
-    }
+            numbers, reference = dict.fromkeys(numbers, Fraction(0)), Fraction(1)
+    return {**absent, **{line.team: _TeamsPart(exact(part.weight) * numbers[line.team] / reference, _deciding(line))
+                         for line in found.lines}}
 
 
-# -- the numbers of a run ---------------------------------------------------------------------------
-
-
-def _run_line(record: RunRecord, rules: Rules, remarks: List[str]) -> RankedRun:
-    disqualified = any(
-        sheets.is_marked(item.value, item.text) and item.group in rules.disqualified_by for item in record.items)
-    missing: Dict[str, None] = {}
-    numbers = tuple(_number(record, criterion, missing) for criterion in rules.criteria)
-    if missing and record.end_reason not in _NOT_RUN:
-        names = ", ".join(f"'{name}'" for name in missing)
-        remarks.append(f"run {record.identity} of team {record.team} has no {names}")
-    return RankedRun(record, disqualified, numbers)
-
-
-def _number(record: RunRecord, criterion: Criterion, missing: Dict[str, None]) -> Optional[float]:
-    parts = [_term(record, term, missing) for term in criterion.terms]
-    return None if None in parts else round(sum(parts), DIGITS) + 0.0
-
-
-def _term(record: RunRecord, term: Term, missing: Dict[str, None]) -> Optional[float]:
-    """Evaluate a term. Names that the run lacks go to `missing`: items count as 0, values as None."""
-    if term.score:
-        value = next((s for s in record.module_scores if not s.group and s.name == term.score), None)
-        if value is None:
-            missing[term.score] = None
-            return None
-        number = _module_number(value)
-        return None if number is None else term.weight * number
-    if term.points:
-        points = points_of(record, term.points)
-        if points is None:
-            missing[term.points] = None
-        return term.weight * float(points or 0)
-    items = [item for item in record.items if term.counts(item)]
-    if not items and (term.group or term.item):
-        missing[term.item or term.group] = None
-    return term.weight * float(sum(amount_of(item) for item in items))
-
-
-def points_of(record: RunRecord, name: str) -> Optional[Decimal]:
-    """Return the points of a group of the sheet, or `TOTAL`; None if it gives none."""
-    if record.points is None:
-        return None
-    groups = {TOTAL: record.points.total, **dict(record.points.groups)}
-    return Decimal(groups[name]) if name in groups else None
-
-
-def amount_of(item: ItemRecord) -> Decimal:
-    """Return the value of an item as a number. A choice counts as 0: it has points, but no number."""
-    return Decimal(item.text) if item.text and item.kind in ("decimal", "rating") else \
-        Decimal(0 if item.kind == "choice" else item.value)
-
-
-def _module_number(score: ScoreValue) -> Optional[float]:
-    """A module's value as a number; None if it is missing or not a number."""
-    try:
-        value = json.loads(score.value)
-    except ValueError:
-        return None
-    if not isinstance(value, (bool, int, float)) or not math.isfinite(value):
-        return None
-    return float(value)
+def _deciding(line: TeamLine) -> Tuple[RankedRun, ...]:
+    """Return the runs that gave a team its number."""
+    return line.runs if line.best is None else (line.runs[line.best],)
 
 
 # -- the numbers of a team --------------------------------------------------------------------------
 
 
-def _key(numbers: Numbers, disqualified: bool, criteria: Sequence[Criterion]) -> Tuple[float, ...]:
-    """A sort key: smaller is better."""
-    worth = [
-        math.inf if number is None else -number if criterion.more_is_better else number
-        for number, criterion in zip(numbers, criteria)
-    ]
-    return (1.0, *[0.0 for _ in worth]) if disqualified else (0.0, *worth)
-
-
 def _team_line(team: str, runs: List[RankedRun], of_runs: OfRuns, criteria: Sequence[Criterion]) -> TeamLine:
     disqualified = all(run.disqualified for run in runs)
     if of_runs is OfRuns.BEST:
-        best = min(range(len(runs)), key=lambda i: _key(runs[i].numbers, runs[i].disqualified, criteria))
+        best = min(range(len(runs)), key=lambda i: sort_key(runs[i].numbers, runs[i].disqualified, criteria))
         return TeamLine(0, False, team, runs[best].numbers, disqualified, tuple(runs), best)
     together = statistics.mean if of_runs is OfRuns.MEAN else statistics.median
     numbers = tuple(_together(together, [_of_run(run, i, c) for run in runs]) for i, c in enumerate(criteria))
     return TeamLine(0, False, team, numbers, disqualified, tuple(runs), None)
 
 
-def _of_run(run: RankedRun, place: int, criterion: Criterion) -> Optional[float]:
+def _of_run(run: RankedRun, place: int, criterion: Criterion) -> Optional[Fraction]:
     """What a run contributes to the mean. A disqualified run scores 0 where more is better, else it is left out."""
     if run.disqualified:
-        return 0.0 if criterion.more_is_better else None
+        return Fraction(0) if criterion.more_is_better else None
     return run.numbers[place]
 
 
-def _together(of: Callable[[List[float]], float], numbers: List[Optional[float]]) -> Optional[float]:
+def _together(of: Callable[[List[Fraction]], Fraction], numbers: List[Optional[Fraction]]) -> Optional[Fraction]:
     known = [number for number in numbers if number is not None]
-    return round(of(known), DIGITS) + 0.0 if known else None
+    return of(known) if known else None
 
 
 def _ranked(lines: List[TeamLine], criteria: Sequence[Criterion]) -> Tuple[TeamLine, ...]:
-    keys = {line.team: _key(line.numbers, line.disqualified, criteria) for line in lines}
+    keys = {line.team: sort_key(line.numbers, line.disqualified, criteria) for line in lines}
     ordered = sorted(lines, key=lambda line: (keys[line.team], line.team))
     all_keys = [keys[line.team] for line in ordered]
     return tuple(
@@ -388,12 +302,15 @@ OF_RUNS = {
 }
 
 
-def number_text(number: Optional[float]) -> str:
-    """A number with at most three decimals."""
-    return NOTHING if number is None else f"{number:.3f}".rstrip("0").rstrip(".")
+def number_text(number: Optional[Fraction]) -> str:
+    """A number with at most three decimals. It is rounded half up."""
+    if number is None:
+        return NOTHING
+    shown = math.floor(abs(number) * 10 ** _DECIMALS + Fraction(1, 2))
+    return text_of(Decimal(-shown if number < 0 else shown).scaleb(-_DECIMALS))
 
 
-def number_with_unit(number: Optional[float], unit: str) -> str:
+def number_with_unit(number: Optional[Fraction], unit: str) -> str:
     """A number with its unit; a missing number has none."""
     return f"{number_text(number)} {unit}" if unit and number is not None else number_text(number)
 
@@ -494,11 +411,13 @@ def standings_page(
 def index_page(
     numbered: Sequence[Tuple[int, RunRecord]], sheets: Dict[str, str], standings: Sequence[Standing],
     as_of_utc: float, in_utc: bool, competition: Competition = NO_COMPETITION,
+    why: Mapping[str, Why] = MappingProxyType({}),
 ) -> str:
-    """Build the page with the standings and links to all sheets."""
+    """Build the page with the standings and links to all sheets. `why`: whether runs count, by their identities."""
     rows = [
         (str(number), date_time(r.opened_utc, in_utc), r.zone, linked(r.benchmark, r.identity, sheets), r.team,
-         f"{r.round} / {r.run}", run_state_text(r), signature_of(r, in_utc))
+         f"{r.round} / {r.run}", run_state_text(r, why[r.identity].value if r.identity in why else ""),
+         signature_of(r, in_utc))
         for number, r in numbered
     ]
     return page(

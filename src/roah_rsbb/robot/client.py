@@ -16,9 +16,11 @@ long calls). Other threads must call the client through `loop.call_soon_threadsa
 import abc
 import asyncio
 import logging
+import os
 import time
 from typing import Any, Awaitable, Callable, Optional, Set, Union
 
+from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.protocol import RobotState
@@ -102,6 +104,8 @@ class RobotClient:
         cipher: Cipher = Cipher.AES_128_CBC,
         clock: Callable[[], float] = time.time,
         passes: Callable[[], bool] = always,
+        make_peer: Optional[MakePeer] = None,
+        random_bytes: Callable[[int], bytes] = os.urandom,
     ) -> None:
         """`rsbb_host`: broadcast address of the network, or address of the box. For the rest see `SessionRunner`."""
         self._behaviour = behaviour
@@ -109,9 +113,12 @@ class RobotClient:
         self._settings = {
             "team": team, "password": password, "robot": robot, "rsbb_host": rsbb_host,
             "rsbb_port": rsbb_port, "bind_host": bind_host, "cipher": cipher, "clock": clock,
-            "passes": passes,
+            "passes": passes, "make_peer": make_peer, "random_bytes": random_bytes,
         }
         self._runner: Optional[SessionRunner] = None
+        # What `run` waits for, because callbacks do the work. Without it here, both were garbage: a loop does not keep
+        # its tasks.
+        self._forever: Optional[asyncio.Future] = None
         self._messages_saved = 0
         self._phases: Set[asyncio.Task] = set()  # that have not ended, including cancelled ones
         self._phase: Optional[asyncio.Task] = None  # the present one
@@ -122,9 +129,10 @@ class RobotClient:
         loop = asyncio.get_event_loop()
         self._runner = SessionRunner(loop, on_effect=self._follow, on_complaint=_warn, **self._settings)
         self._runner.session.progress.messages_saved = self._messages_saved
+        self._forever = loop.create_future()
         try:
             self._runner.open()
-            await loop.create_future()  # waits forever: callbacks do the work
+            await self._forever
         finally:
             self._runner.close()
             self._runner = None

@@ -5,10 +5,11 @@
 
 import asyncio
 import logging
+import os
 import time
 from typing import Any, Callable, Optional
 
-from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
+from roah_rsbb.comm.channels import MakePeer, PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.seen import Seen
 from roah_rsbb.comm.sockets import ANY_HOST
@@ -43,12 +44,15 @@ class SessionRunner:
         cipher: Cipher = Cipher.AES_128_CBC,
         clock: Callable[[], float] = time.time,
         passes: Callable[[], bool] = always,
+        make_peer: Optional[MakePeer] = None,
+        random_bytes: Callable[[int], bytes] = os.urandom,
     ) -> None:
         """Raises ValueError for an empty name or password, and for `Cipher.NONE`. Opens nothing yet.
 
         `on_effect` is called with every effect after it was carried out, `on_complaint` with a text about the network
         or an invalid datagram. `clock` returns the robot's time in seconds since 1970. `passes` is called for each
-        datagram that is sent or received; False drops it, to simulate a bad network.
+        datagram that is sent or received; False drops it, to simulate a bad network. `make_peer` replaces `Peer`, for
+        another network. `random_bytes`: see `Key`.
         """
         if cipher is Cipher.NONE:
             raise ValueError("a private channel must be encrypted: choose another cipher than none")
@@ -58,11 +62,13 @@ class SessionRunner:
         self._on_complaint = on_complaint
         self._clock = clock
         self._passes = passes
-        self._key = Key(password)
+        self._key = Key(password, random_bytes)
         self._cipher = cipher
+        self._make_peer = make_peer
         self._bind_host = bind_host
         self._public = PublicChannel(
-            loop, rsbb_host, rsbb_port, self._public_message, on_complaint, bind_host=bind_host
+            loop, rsbb_host, rsbb_port, self._public_message, on_complaint, bind_host=bind_host,
+            make_peer=make_peer,
         )
         self._private: Optional[PrivateChannel] = None
         self._seen = Seen(SEEN_BITS)
@@ -125,6 +131,7 @@ class SessionRunner:
         channel = PrivateChannel(
             self._loop, self._public.addr, where.port, self._key, self._private_message,
             self._private_complaint, cipher=self._cipher, bind_host=self._bind_host, seen=self._seen,
+            make_peer=self._make_peer,
         )
         channel.remote = where.host
         try:

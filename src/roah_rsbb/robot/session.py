@@ -17,7 +17,7 @@ from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Result
 from roah_rsbb.robot.link import Link, wire_time
 from roah_rsbb.robot.machine import IllegalEvent, RobotProgress
-from roah_rsbb.robot.watch import SILENCE_S, Home, OtherBoxes, Reports, Silence
+from roah_rsbb.robot.watch import BOX_STARTS_S, SILENCE_S, Home, OtherBoxes, Reports, Silence
 
 BEACON_PERIOD_S = 1.0
 
@@ -41,7 +41,7 @@ class Session:
         self.link: Optional[Link] = None
         self._box: Optional[str] = None  # address of the robot's box
         self._others = OtherBoxes()
-        self._silence = Silence(SILENCE_S, now_mono)  # of the box's beacon
+        self._silence = Silence(SILENCE_S, now_mono + BOX_STARTS_S - SILENCE_S)  # of the box's beacon
         self._beacon_due = now_mono
         self._changed = False  # send to the box immediately
         self._home = Home()

@@ -16,6 +16,8 @@ from roah_rsbb.robot.effects import (
 
 # A box counts as silent after this time; it sends once a second on each channel.
 SILENCE_S = 5.0
+# A box that is started together with the robot loads its files and listens first. Until then, its silence is no fault.
+BOX_STARTS_S = 15.0
 
 # Boxes send once a second: a longer gap means that the network was down.
 _GAP_S = 3.0

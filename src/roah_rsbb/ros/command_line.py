@@ -35,13 +35,16 @@ def explain_panel(doc: str) -> None:
 
 
 def run_node(
-    name: str, doc: str, make: Callable[[], Any], errors: Tuple[Type[Exception], ...] = (BadParams,), **options: Any
+    name: str, doc: str, make: Callable[[], Any], errors: Tuple[Type[Exception], ...] = (BadParams,),
+    before: Callable[[], None] = lambda: None, **options: Any
 ) -> None:
     """Run a node: create it, call its `run`, and end with the exit status that `run` returns.
 
+    `before` is called before the node is registered with the ROS master.
     An exception of `errors` at the start becomes a fatal log line. `options` are those of `rospy.init_node`.
     """
     explain(doc)
+    before()
     connections.init_node(name, **options)
     try:
         status = make().run()

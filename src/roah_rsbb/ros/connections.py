@@ -13,6 +13,10 @@ that connects and sends nothing (a port scan, a browser) blocks every service of
   may now be this node: it ignores a request that names another one.
 
 It also keeps a publisher that starts in the moment in which a subscriber registers: rospy could lose it for good.
+
+`init_node` also keeps the log lines of a node from calling the master. rospy would subscribe to a parameter with each
+line, and for the master, that registers the node. A node that was just replaced and logs a line while it ends would
+replace its successor, which would then end, too.
 """
 
 import collections
@@ -32,10 +36,13 @@ from typing import Any, Callable, List, NamedTuple, Optional, Tuple
 
 import rosgraph.xmlrpc
 import rospy
-from rospy.impl import masterslave, registration, tcpros_base
+from rospy.impl import masterslave, paramserver, registration, tcpros_base
 
 # The field of a service call's handshake with the name that the referee typed: most requests have no field for it.
 REFEREE_HEADER = "referee"
+
+# Set by users of ROS who want log lines without the list of the node's topics.
+_LINES_WITHOUT_TOPICS = "/rosout_disable_topics_generation"
 
 # A client on the same network sends its handshake within milliseconds.
 DEADLINE_S = 5.0
@@ -60,6 +67,8 @@ def init_node(name: str, **options: Any) -> None:
         sys.stdout.reconfigure(line_buffering=True)
     protect()
     rospy.init_node(name, **options)  # noqa: TID251
+    known = rospy.get_param(_LINES_WITHOUT_TOPICS, False)
+    paramserver.get_param_server_cache().set(_LINES_WITHOUT_TOPICS, known)
 
 
 def protect() -> None:

@@ -1,6 +1,6 @@
 """Shows a node's log lines, and publishes them on /rosout, in another thread.
 
-For each line, rospy calls the ROS master and waits for its answer. A slow master would delay everything in the loop.
+rospy writes each line to the terminal, and waits while that takes none (Ctrl-S): so would everything in the loop.
 """
 
 import logging

@@ -19,10 +19,16 @@ class Params:
 
     def text(self, name: str, default: Optional[str] = None) -> str:
         """Return a text that is not empty. Without a default, the parameter is required."""
-        value = self._get(name, default)
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
-            value = str(value)  # roslaunch and rosrun turn 1234 into a number
+        value = _as_text(self._get(name, default))
         return self._check(name, value, isinstance(value, str) and value != "", "a text", default or "")
+
+    def secret(self, name: str) -> str:
+        """Return a text that is not empty. No error shows its value."""
+        value = _as_text(self._get(name, None))
+        if isinstance(value, str) and value:
+            return value
+        self._wrong.append(f"parameter {rospy.resolve_name('~' + name)}: expected a text")
+        return ""
 
     def number(self, name: str, default: float, lowest: float = 0.0, highest: float = math.inf) -> float:
         """Return a finite number in a range."""
@@ -70,6 +76,11 @@ class Params:
         found = "nothing" if value is None else repr(value)
         self._wrong.append(f"parameter {rospy.resolve_name('~' + name)}: found {found}, expected {expected}")
         return instead
+
+
+def _as_text(value: object) -> object:
+    """Return a number as a text: roslaunch and rosrun turn 1234 into a number."""
+    return str(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else value
 
 
 def _range(lowest: float, highest: float) -> str:

@@ -5,8 +5,10 @@ import math
 from dataclasses import dataclass, field
 from typing import Dict, FrozenSet, Optional, Tuple
 
+from roah_rsbb.rulebook.errors import Place
 from roah_rsbb.rulebook.registry import PROFILES, STRINGS, BenchmarkKind, Profile, profile_of
 from roah_rsbb.rulebook.scoring import NO_SHEET_RULES, JudgesRule, ScoringItem, SheetForm, SheetRules
+from roah_rsbb.rulebook.standing_rules import StandingRules
 
 # In the schedule this means every active robot. No team may have this name.
 ALL_TEAMS = "ALL"
@@ -124,6 +126,8 @@ class ScheduledEvent:
     round: int
     run: int
     scheduled: float  # UTC, seconds since 1970
+    id: str = ""  # what it is known by, whatever else changes (`event_ids`); empty: not from a file
+    id_goes: Optional[Place] = field(default=None, compare=False, repr=False)  # where it is missing; None: it is not
 
 
 @dataclass(frozen=True)
@@ -134,10 +138,20 @@ class ZonePlan:
     events: Tuple[ScheduledEvent, ...]
 
 
+class Durable(enum.Enum):
+    """Where an entry must be before it is confirmed."""
+
+    ONE = "one"  # on the disk of the box
+    TWO = "two"  # on the disk of the standby, too
+
+
 @dataclass(frozen=True)
 class Config:
-    """The contents of the three configuration files. Its `repr` omits the passwords."""
+    """The contents of the configuration files. Its `repr` omits the passwords."""
 
     benchmarks: Dict[str, Benchmark]  # by code
     passwords: Dict[str, str] = field(repr=False)  # by team
     zones: Tuple[ZonePlan, ...]
+    ranking: StandingRules = field(default_factory=StandingRules)  # how runs compare
+    durable: Durable = Durable.ONE
+    durable_at: Optional[Place] = field(default=None, compare=False)  # where the schedule says so; None: nowhere

@@ -3,20 +3,24 @@
 No line contains a password (docs/organiser.md, "Changes during the competition").
 """
 
+import collections
 import datetime
 from dataclasses import fields, is_dataclass
-from typing import Any, Dict, Iterable, List, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, NamedTuple
 
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.errors import quote
+from roah_rsbb.rulebook.event_ids import EventKey, key_of
 
-_Run = Tuple[str, str, int, int]  # code, team, round, run
 # The fields of a benchmark whose differences are listed by other names.
 _NAMES = {"own": "", "rules": "", "desc": "subject", "name": "title"}
 
 
-def changes(before: Config, after: Config) -> List[str]:
-    """Return a line for each difference; empty: there is none."""
+def changes(before: Config, after: Config, ran: Iterable[EventKey] = ()) -> List[str]:
+    """Return a line for each difference; empty: there is none. Those of events say what becomes of their runs.
+
+    `ran`: the events of all runs, as they were then.
+    """
     found = []
     for code in {**before.benchmarks, **after.benchmarks}:
         found += _of_benchmark(code, before.benchmarks.get(code), after.benchmarks.get(code))
@@ -25,9 +29,11 @@ def changes(before: Config, after: Config) -> List[str]:
         if old != new:
             what = "added" if old is None else "removed" if new is None else "another password"
             found.append(f"team {quote(team)}: {what}")
-    zones = {zone.name: zone for zone in before.zones}, {zone.name: zone for zone in after.zones}
-    for name in {**zones[0], **zones[1]}:
-        found += _of_zone(name, zones[0].get(name), zones[1].get(name))
+    found += _of_schedule(before, after, _Ran(ran))
+    if before.durable != after.durable:
+        found.append(f"durable: {before.durable.value}, now {after.durable.value}")
+    if before.ranking != after.ranking:
+        found.append("standings: other rules")
     if not found and before != after:
         found.append("schedule: another order")
     return found
@@ -93,38 +99,122 @@ def _text(value: Any) -> str:
 # -- the schedule -----------------------------------------------------------------------------------
 
 
-def _of_zone(name: str, before: Any, after: Any) -> List[str]:
-    where = f"zone {quote(name)}"
-    if before is None or after is None:
-        count = len((before or after).events)
-        return [f"{where}: {'added' if before is None else 'removed'}, with {count} event{'s' if count > 1 else ''}"]
-    old, new = _events(before), _events(after)
+class _Planned(NamedTuple):
+    """An event and the name of its zone."""
+
+    zone: str
+    event: ScheduledEvent
+
+    @property
+    def text(self) -> str:
+        """The zone and the run."""
+        return f"zone {quote(self.zone)}: {_run(self.event)}"
+
+
+def _planned(config: Config) -> Dict[object, _Planned]:
+    """Return the events by what they are known by."""
+    return {event.id or (zone.name, key_of(event)): _Planned(zone.name, event)
+            for zone in config.zones for event in zone.events}
+
+
+class _Ran:
+    """The runs that there were at events."""
+
+    def __init__(self, ran: Iterable[EventKey]) -> None:
+        self._counts = collections.Counter((key.id, key.benchmark, key.team) for key in ran)
+
+    def count(self, *events: ScheduledEvent) -> int:
+        """Return how many runs were attempts at these events."""
+        return sum(self._counts[event.id, event.benchmark.code, event.team] for event in events if event.id)
+
+    def text(self, event: ScheduledEvent, one: str, several: str) -> str:
+        """Say what becomes of the runs of an event; empty: there was none."""
+        count = self.count(event)
+        return "" if not count else f". Its run {one}" if count == 1 else f". Its {count} runs {several}"
+
+
+def _of_schedule(before: Config, after: Config, ran: _Ran) -> List[str]:
+    old, new = _planned(before), _planned(after)
+    zones, zones_now = ({zone.name: zone for zone in config.zones} for config in (before, after))
     found = []
-    for run in {**old, **new}:
-        gone = [utc for utc in old.get(run, []) if utc not in new.get(run, [])]
-        come = [utc for utc in new.get(run, []) if utc not in old.get(run, [])]
-        while gone and come:
-            found.append(f"{where}: {_run(run)}: moved from {_time(gone.pop(0))} to {_time(come.pop(0))}")
-        found += [f"{where}: {_run(run)}, {_time(utc)}: removed" for utc in gone]
-        found += [f"{where}: {_run(run)}, {_time(utc)}: added" for utc in come]
+    for key, was in old.items():
+        now = new.get(key)
+        if now is not None:
+            found += _of_event(was, now, was.zone in zones_now, ran)
+        elif was.zone in zones_now:
+            found.append(f"{was.text}, {_time(was.event)}: removed"
+                         f"{ran.text(was.event, 'stays in the results', 'stay in the results')}")
+    for key, now in new.items():
+        if key not in old and now.zone in zones:
+            found.append(f"{now.text}, {_time(now.event)}: added"
+                         f"{ran.text(now.event, 'before belongs to it', 'before belong to it')}")
+    found += [_of_removed(zone, old, new, ran) for zone in before.zones if zone.name not in zones_now]
+    return found + [f"zone {quote(zone.name)}: added, with {_events(zone)}"
+                    for zone in after.zones if zone.name not in zones]
+
+
+def _of_removed(
+    zone: ZonePlan, old: Mapping[object, _Planned], new: Mapping[object, _Planned], ran: _Ran
+) -> str:
+    """Say what becomes of the events of a zone that is removed, and of their runs."""
+    own = [key for key, event in old.items() if event.zone == zone.name]
+    moved = collections.Counter(new[key].zone for key in own if key in new)
+    parts = [f"{count} move{'s' if count == 1 else ''} to zone {quote(name)}" for name, count in moved.items()]
+    count = ran.count(*(old[key].event for key in own if key not in new))
+    lost = "" if not count else f". {count} run{' stays' if count == 1 else 's stay'} in the results"
+    return (f"zone {quote(zone.name)}: removed, with {_events(zone)}{': ' if parts else ''}{', '.join(parts)}{lost}")
+
+
+def _of_event(was: _Planned, now: _Planned, zone_stays: bool, ran: _Ran) -> List[str]:
+    """Say how an event changed. That its whole zone was removed, or has another name, is said of the zone."""
+    is_moved = was.event.scheduled != now.event.scheduled
+    zone = f"zone {quote(now.zone)}, " if now.zone != was.zone else ""
+    to = f"{zone}{_time(now.event)}"
+    if key_of(was.event).turn != key_of(now.event).turn:
+        moved = f", moved to {to}" if is_moved or zone else ""
+        return [f"{was.text}, {_time(was.event)}: now {_run(now.event)}{moved}{_kept(was, now, ran)}"]
+    if is_moved or (zone and zone_stays):
+        return [f"{was.text}: moved from {_time(was.event)} to {to}{_kept(was, now, ran)}"]
+    return []
+
+
+def _kept(was: _Planned, now: _Planned, ran: _Ran) -> str:
+    return "" if _is_other(was, now) else ran.text(was.event, "stays with it", "stay with it")
+
+
+def _is_other(was: _Planned, now: _Planned) -> bool:
+    """Return whether the runs before are no attempts at the event any more."""
+    return (was.event.benchmark.code, was.event.team) != (now.event.benchmark.code, now.event.team)
+
+
+def warnings(before: Config, after: Config, ran: Iterable[EventKey]) -> List[str]:
+    """Return a warning for each event that has the id of one of another team or benchmark, of which there were runs.
+
+    `ran`: the events of all runs, as they were then.
+    """
+    new, counts = _planned(after), _Ran(ran)
+    found = []
+    for key, was in _planned(before).items():
+        now = new.get(key)
+        count = counts.count(was.event)
+        if now is not None and count and _is_other(was, now):
+            one = count == 1
+            found.append(
+                f"{was.text} is {_run(now.event)} now. Its {'run' if one else f'{count} runs'} before "
+                f"{'stays a result' if one else 'stay results'} of {was.event.benchmark.code} of {was.event.team}, "
+                f"and {'is no attempt' if one else 'are no attempts'} at this event. If it is another event, delete "
+                f"its id ({now.event.id}) in the schedule file")
     return found
 
 
-def _events(zone: ZonePlan) -> Dict[_Run, List[float]]:
-    """Return the times of the events of a zone, by run."""
-    found: Dict[_Run, List[float]] = {}
-    for event in zone.events:
-        found.setdefault(_run_of(event), []).append(event.scheduled)
-    return found
+def _events(zone: ZonePlan) -> str:
+    return f"{len(zone.events)} event{'s' if len(zone.events) > 1 else ''}"
 
 
-def _run_of(event: ScheduledEvent) -> _Run:
-    return event.benchmark.code, event.team, event.round, event.run
+def _run(event: ScheduledEvent) -> str:
+    return f"{event.benchmark.code} of {event.team}, round {event.round}, run {event.run}"
 
 
-def _run(run: _Run) -> str:
-    return f"{run[0]} of {run[1]}, round {run[2]}, run {run[3]}"
-
-
-def _time(utc: float) -> str:
-    return datetime.datetime.fromtimestamp(utc, datetime.timezone.utc).strftime("%Y-%m-%d %H:%M:%S UTC")
+def _time(event: ScheduledEvent) -> str:
+    moment = datetime.datetime.fromtimestamp(event.scheduled, datetime.timezone.utc)
+    return moment.strftime("%Y-%m-%d %H:%M:%S UTC")

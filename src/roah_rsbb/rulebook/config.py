@@ -17,6 +17,7 @@ from roah_rsbb.rulebook.benchmarks import (
     Benchmark,
     Config,
     CountingAttempt,
+    Durable,
     EventRules,
     NoShow,
     PhaseRule,
@@ -25,6 +26,7 @@ from roah_rsbb.rulebook.benchmarks import (
     ZonePlan,
 )
 from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors, Place, Report, line_list, quote
+from roah_rsbb.rulebook.event_ids import VALID, adopted, known_by
 from roah_rsbb.rulebook.registry import CODE, PROFILES, USES, BenchmarkKind, Profile, new_profile
 from roah_rsbb.rulebook.scoring import Agreement, JudgesRule
 from roah_rsbb.rulebook.scoring_section import MAX_JUDGES, ScoringSection
@@ -45,7 +47,8 @@ def load(benchmarks_file: str, schedule_file: str, passwords_file: str) -> Tuple
     passwords = PasswordsFile(passwords_file, report)
     schedule = ScheduleFile(schedule_file, report, benchmarks, passwords)
     report.raise_errors()
-    return Config(benchmarks.by_code, passwords.by_team, schedule.zones), report.warnings
+    return Config(benchmarks.by_code, passwords.by_team, schedule.zones, durable=schedule.durable.wish,
+                  durable_at=schedule.durable.place), report.warnings
 
 
 def load_benchmarks(benchmarks_file: str) -> Dict[str, Benchmark]:
@@ -397,6 +400,7 @@ class PasswordsFile:
 
 _ZONES_SHAPE = "zones, '- zone: ...' with 'schedule: ...'"
 _ZONE = {"zone": "Task Benchmarks", "schedule": "[...]"}
+_SETTING = {"durable": Durable.TWO.value}
 _EVENT = {
     "benchmark": "HGTKMH",
     "team": "TestingTeam",
@@ -404,10 +408,45 @@ _EVENT = {
     "run": "1",
     "scheduled_time": "2015-12-31 14:30:00",
 }
+_EVENT_OPTIONAL = {"id": "k3x9w2mq"}
 # `uint8` on the ROS interface; counted from 1.
 MAX_ROUND = 255
 
 _Run = Tuple[str, str, int, int]
+
+
+class DurableSetting:
+    """What the entry 'durable' of a schedule file says, beside its zones."""
+
+    def __init__(self, report: Report) -> None:
+        self.wish = Durable.ONE
+        self.place: Optional[Place] = None
+        self._report = report
+        self._places: Dict[str, Place] = {}
+
+    def take(self, node: Node) -> bool:
+        """Read the entry if it is this setting and no zone; returns whether it is."""
+        keys = [key.text for key, _ in node.pairs] if isinstance(node, Mapping) else []
+        if not keys or nearest(keys[0], (*_ZONE, *_SETTING)) not in _SETTING:
+            return False
+        report = self._report
+        got = fields(report, node, "a setting", _SETTING, {})
+        if "durable" in got:
+            report.once(self._places, "durable", node.place, "the setting 'durable' again", "each setting once")
+            words = tuple(each.value for each in Durable)
+            found = choice(report, got["durable"], "durable", words,
+                           f"on how many computers an entry must be before it is confirmed, {' or '.join(words)}")
+            self.wish, self.place = Durable(found or Durable.ONE.value), node.place
+        return True
+
+
+def durable_in(schedule_file: str) -> Durable:
+    """What a schedule file says about it, whatever else is wrong there."""
+    found, report = DurableSetting(Report()), Report()
+    root = read_yaml(schedule_file, report, "the schedule file", "")
+    for node in root.items if isinstance(root, Sequence) else ():
+        found.take(node)
+    return found.wish
 
 
 class ScheduleFile:
@@ -418,18 +457,24 @@ class ScheduleFile:
     ) -> None:
         """`passwords`: None if the teams are not to be checked."""
         self.zones: Tuple[ZonePlan, ...] = ()
+        self.durable = DurableSetting(report)
         self._report = report
         self._benchmarks = benchmarks
         self._passwords = passwords
         self._zone_places: Dict[str, Place] = {}
         self._run_places: Dict[_Run, Place] = {}
+        self._id_places: Dict[str, Place] = {}
         self._codes_not_described: Dict[str, List[Place]] = {}
         self._teams_without_password: Dict[str, List[Place]] = {}
         what = "the schedule file (parameter schedule_file)"
         root = read_yaml(path, report, what, f"a sequence of {_ZONES_SHAPE}")
-        zones = [self._zone(node) for node in sequence(report, root, "the file's content", _ZONES_SHAPE) or ()]
+        nodes = sequence(report, root, "the file's content", _ZONES_SHAPE) or ()
+        of_zones = [node for node in nodes if not self.durable.take(node)]
+        if nodes and not of_zones:
+            report.error(nodes[0].place, "no zone", f"a sequence of {_ZONES_SHAPE}")
+        zones = [self._zone(node) for node in of_zones]
         self._report_unknown()
-        self.zones = tuple(zone for zone in zones if zone is not None)
+        self.zones = adopted(tuple(zone for zone in zones if zone is not None), ())
 
     def _zone(self, node: Node) -> Optional[ZonePlan]:
         got = fields(self._report, node, "a zone", _ZONE, {})
@@ -448,7 +493,7 @@ class ScheduleFile:
     def _event(self, node: Node) -> Optional[ScheduledEvent]:
         """Read one event; None if anything is wrong with it."""
         report = self._report
-        got = fields(report, node, "an event", _EVENT, {})
+        got = fields(report, node, "an event", _EVENT, _EVENT_OPTIONAL)
         if got is None:
             return None
         code = self._code(got.get("benchmark"))
@@ -463,10 +508,24 @@ class ScheduleFile:
         if code is None or team is None or number is None or run is None:
             return None
         self._warn_of_twin((code, team, number, run), node.place)
+        own = self._id(got["id"]) if "id" in got else ""
         benchmark = self._benchmarks.by_code.get(code)
-        if benchmark is None or scheduled is None:
+        if benchmark is None or scheduled is None or own is None:
             return None
-        return ScheduledEvent(benchmark, team, number, run, scheduled)
+        event = ScheduledEvent(benchmark, team, number, run, scheduled, own)
+        return event if own else replace(event, id=known_by(event, ()), id_goes=node.place)
+
+    def _id(self, node: Node) -> Optional[str]:
+        """Read the id of an event; None after an error."""
+        word = text(self._report, node, "id")
+        if word is None:
+            return None
+        if not VALID.fullmatch(word):
+            return self._report.error(node.place, f"{describe(node)} as id",
+                                      "a letter, then at most 39 letters, digits, '_' or '-'; or no key 'id'")
+        self._report.once(self._id_places, word, node.place, f"id {quote(word)} again",
+                          "each id once: delete the key 'id' in the new event, and the next reload writes another")
+        return word
 
     def _code(self, node: Optional[Node]) -> Optional[str]:
         """Read a code. If the codes of the benchmarks file are unknown, it may be a new one."""

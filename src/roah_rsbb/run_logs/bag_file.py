@@ -204,7 +204,7 @@ def _fill(bag: GrowingBag, messages: List[Message], old_file: Optional[IO[bytes]
                 raise
             old, is_bag = (), False
     extra, fits = _extra(messages, old) if messages else (old, True)
-    for message in itertools.chain(messages, extra):  # readers sort them by their stamps
+    for message in itertools.chain(messages, filter(_is_sound, extra)):  # readers sort them by their stamps
         bag.write(message)
     return is_bag and fits and not (isinstance(old, Salvage) and old.damage)
 
@@ -213,6 +213,8 @@ def _extra(messages: List[Message], old: Iterable[Message]) -> Tuple[List[Messag
     """Messages of an old bag that are not among these, and whether one bag can hold both."""
     known: Counter[Tuple[str, bytes]] = collections.Counter((message.topic, message.data) for message in messages)
     kinds = {message.topic: message.kind["md5sum"] for message in messages}
+    # A message with another content at such a moment is one of these, torn by a power failure: bags have no checksums.
+    moments = {(message.topic, message.stamp) for message in messages}
     extra: List[Message] = []
     fits = True
     for message in old:
@@ -222,9 +224,23 @@ def _extra(messages: List[Message], old: Iterable[Message]) -> Tuple[List[Messag
             fits = False  # written by another version of roah_rsbb
         elif known[key] > 0:
             known[key] -= 1
-        else:
+        elif (message.topic, message.stamp) not in moments:
             extra.append(message)
     return extra, fits
+
+
+def _is_sound(message: Message) -> bool:
+    """Whether a message of an old file can be read; one that a power failure has torn would end every reader."""
+    cls = _TYPES.get(KINDS.get(message.topic))
+    if cls is None or _text(message.kind["md5sum"]) != cls._md5sum:
+        return True  # written by another version of roah_rsbb
+    try:
+        found = cls().deserialize(message.data)
+        texts = [value.encode() for value in map(found.__getattribute__, cls.__slots__) if isinstance(value, str)]
+    except (genpy.DeserializationError, UnicodeError):
+        return False
+    # What cannot be decoded is replaced when it is read, and sectors that were not written are zeros.
+    return all(text in message.data and b"\0" not in text for text in texts)
 
 
 def _messages(entries: Iterable[LogEntry]) -> Iterator[Message]:

@@ -9,29 +9,31 @@ import secrets
 import socket
 import ssl
 import threading
-from typing import Callable, List, Optional, TypeVar
+import time
+from typing import Callable, List, Optional
 
 from roah_rsbb.copies.copy import CannotWriteCopy
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.standby import codes
 from roah_rsbb.standby.channel import TIMEOUT_S, Channel, Lost, box_context, wake
 from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage, Message
 from roah_rsbb.standby.pair import Side
-from roah_rsbb.standby.pairing import KEY_BYTES, NONCE_BYTES, Codes, Exchange, hashed, is_same
-from roah_rsbb.standby.partners import FOLDER, PairedStandby, partners_of, read_box, read_standby, write_standby
-from roah_rsbb.standby.remote import RemoteCopy
+from roah_rsbb.standby.pairing import KEY_BYTES, NONCE_BYTES, Exchange, hashed, is_same
+from roah_rsbb.standby.partners import FOLDER, PairedStandby, partners_of, read_standby, write_standby
+from roah_rsbb.standby.remote import CoreState, RemoteCopy
 from roah_rsbb.standby.words import rejoin_proof
-
-T = TypeVar("T")
 
 # Connections of strangers that are served at a time.
 MAX_STRANGERS = 8
 # The system may refuse to accept a connection: one that was given up, or no file descriptor is left.
 ACCEPT_AGAIN_S = 0.1
 MAX_NAME = 60
-_NOT_CONNECTED = "the standby is not connected. Check that it runs and that its cable is plugged in"
+# Referees are warned for this long of a standby that replaced another one.
+REPLACED_S = 1800.0
+_NOT_CONNECTED = "the standby is not connected. It connects by itself: check that it runs, and its cable"
 _NONE_YET = ("no standby is connected since this computer took over. Enter 'standby rejoin' on the computer that was "
-             "the box, start 'standby follow', or pair another computer")
+             "the box, or pair another computer")
 
 
 class BoxEnd:
@@ -39,24 +41,26 @@ class BoxEnd:
 
     def __init__(
         self, log_dir: str, host: str, port: int, on_event: Callable[[str], None],
-        on_word: Callable[[bytes], bytes] = lambda word: b"",
+        on_word: Callable[[bytes], bytes] = lambda word: b"", core: Callable[[], CoreState] = CoreState,
+        on_taken: Callable[[], None] = lambda: None, utc: Callable[[], float] = time.time,
     ) -> None:
         """`on_event` is called in any thread with a text for the log, and `on_word` with a word of an end of a pair; it
-        returns the answer, or nothing. Raises OSError."""
+        returns the answer, or nothing. `core` returns the state of the core, and `on_taken` is called when the standby
+        becomes the box, because it was handed over. `utc`: UTC seconds. Raises OSError."""
         self._log_dir = log_dir
+        self._core, self._on_taken = core, on_taken
         self._on_word = on_word
         self.folder = os.path.join(log_dir, FOLDER)
         os.makedirs(self.folder, mode=0o700, exist_ok=True)
         self._context, self._fingerprint = box_context(self.folder)
         self._on_event = on_event
-        self._codes = Codes()
+        self._utc = utc
+        self._codes = codes.Codes(log_dir, utc)
         self._lock = threading.Lock()  # of codes, the pairing and the channel
         self._channel: Optional[Channel] = None
-        self._was_connected = False
         self._strangers = _Strangers()
         self._ended = threading.Event()
-        standby = read_standby(log_dir)
-        self.name, self._key_sha256 = ("", "") if standby is None else (standby.name, standby.key_sha256)
+        self._standby = read_standby(log_dir)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -69,14 +73,28 @@ class BoxEnd:
         threading.Thread(target=self._accept, name="standby", daemon=True).start()
 
     @property
-    def code(self) -> str:
-        """The code to pair with."""
-        return self._codes.code
+    def is_connected(self) -> bool:
+        """Whether the standby is connected."""
+        return self._channel is not None
 
     @property
     def is_paired(self) -> bool:
         """Whether there is a standby, which may be off."""
-        return bool(self._key_sha256)
+        return self._standby is not None and bool(self._standby.key_sha256)
+
+    @property
+    def name(self) -> str:
+        """Name and address of the standby; empty: there is none."""
+        return self._standby.described if self.is_paired else ""
+
+    @property
+    def notice(self) -> str:
+        """What every referee must know of the pairing; empty: nothing. It is shown for `REPLACED_S`."""
+        standby = self._standby
+        if not self.is_paired or not self._is_replaced_lately(standby):
+            return ""
+        return (f"The standby is {standby.described} now, instead of {standby.replaced}. If none of you paired it, a "
+                "stranger has all results and passwords: pair your standby again, and give the teams new passwords")
 
     def close(self) -> None:
         """End all connections."""
@@ -84,23 +102,22 @@ class BoxEnd:
         with contextlib.suppress(OSError):
             self._socket.shutdown(socket.SHUT_RDWR)
         self._socket.close()
-        self._use(None)
+        self._end_channel()
 
     def open_copy(self) -> RemoteCopy:
         """Open the copy on the standby. Raises `CannotWriteCopy`."""
         with self._lock:
             channel = self._channel
         if not self.is_paired:
-            raise CannotWriteCopy("no standby is paired yet. The log of roah_rsbb_backup shows the code")
+            raise CannotWriteCopy(f"no standby is paired yet. Enter on the box: {codes.command(self._log_dir)}")
         if channel is None:
-            took_over = read_box(self._log_dir) is not None and not self._was_connected
-            raise CannotWriteCopy(_NONE_YET if took_over else _NOT_CONNECTED)
-        return RemoteCopy(lambda message: self._doing(channel, lambda: channel.send(message)),
-                          lambda: self._doing(channel, channel.receive))
+            raise CannotWriteCopy(_NONE_YET if self._standby.is_awaited else _NOT_CONNECTED)
+        return RemoteCopy(lambda message: self._ask(channel, message), core=self._core, on_taken=self._on_taken)
 
-    def _doing(self, channel: Channel, step: Callable[[], T]) -> T:
+    def _ask(self, channel: Channel, message: Message) -> Message:
         try:
-            return step()
+            channel.send(message)
+            return channel.receive()
         except (Lost, BadMessage) as error:
             self._drop(channel)
             raise CannotWriteCopy(f"{_NOT_CONNECTED} ({error})") from None
@@ -152,27 +169,35 @@ class BoxEnd:
             return False
         if hello.get("do") != "copy":
             return False
-        with self._lock:
-            is_right = self.is_paired and is_same(hashed(str(hello.get("key"))), self._key_sha256)
-        if not is_right:
-            channel.send({"refused": "this standby is not paired with the box: pair it again, with a new code"})
+        key_sha256 = hashed(str(hello.get("key")))
+        if not self._is_of_standby(key_sha256):
+            channel.send({"refused": "this standby is not paired with the box: another one was paired, or none is. "
+                                     "On the box, 'standby status' says which one is. Pair it again, with a new code"})
             return False
         if epochs.standing_in(os.path.join(self._log_dir, FILE_NAME)).is_superseded:
             channel.send({"refused": "this box is superseded: its journal must not replace the one of its successor"})
             return False
         channel.send({})
-        self._note_host(host)
-        self._was_connected = True
-        self._use(channel)
-        self._on_event(f"The standby {self.name} is connected from {host}")
+        with self._lock:
+            if not self._is_of_standby(key_sha256):
+                return False  # another one was paired meanwhile
+            self._note_host(host)
+            name, before, self._channel = self._standby.name, self._channel, channel
+        if before is not None:
+            before.close()
+        self._on_event(f"The standby {name} is connected from {host}")
         return True
+
+    def _is_of_standby(self, key_sha256: str) -> bool:
+        return self.is_paired and is_same(key_sha256, self._standby.key_sha256)
 
     def _note_host(self, host: str) -> None:
         """Save where the standby is: the box asks it before it starts again."""
-        standby = read_standby(self._log_dir)
-        if standby is not None and (standby.host, standby.port) != (host, self.port):
+        noted = self._standby._replace(host=host, port=self.port, is_awaited=False)
+        if noted != self._standby:
+            self._standby = noted
             with contextlib.suppress(OSError):
-                write_standby(self._log_dir, standby._replace(host=host, port=self.port))
+                write_standby(self._log_dir, noted)
 
     def _rejoined(self, hello: Message) -> Message:
         """Prove to the box before a takeover that this box took over."""
@@ -194,30 +219,43 @@ class BoxEnd:
         except ValueError:
             raise BadMessage("nonce") from None
         with self._lock:
+            had_code = bool(self._codes.valid())
             own = self._codes.take(exchange, proof)
         if not own:
-            self._on_event(f"A standby at {host} used a wrong code. The code is now {self.code}")
-            channel.send({"refused": "the code is wrong, or was used before. The box's log shows the present one. A "
-                                     "standby that is paired needs no code"})
+            if had_code:
+                self._on_event(f"A computer at {host} tried to be paired as the standby, with a wrong code")
+            channel.send({"refused": "the code is wrong, or is not valid any more. 'standby code' on the box makes a "
+                                     "new one. A standby that is paired needs no code"})
             return
         key = secrets.token_hex(KEY_BYTES)
         name = _plain(str(hello.get("name"))) or host
+        standby = PairedStandby(name, hashed(key), host, self.port, paired_utc=self._utc(), replaced=self._replaced())
         try:
-            write_standby(self._log_dir, PairedStandby(name, hashed(key), host, self.port))
+            with self._lock:
+                write_standby(self._log_dir, standby)
+                self._standby = standby
         except OSError as error:
             channel.send({"refused": f"the box cannot save the pairing: {error.strerror}"})
             return
-        with self._lock:
-            self.name, self._key_sha256 = name, hashed(key)
-        self._use(None)  # an earlier standby is no longer paired
+        self._end_channel()  # an earlier standby is no longer paired
         channel.send({"proof": own, "key": key})
-        self._on_event(f"The standby {name} at {host} is paired. The code for another one is {self.code}")
+        self._on_event(self.notice or f"The standby {self.name} is paired")
+
+    def _replaced(self) -> str:
+        """Return which standby is replaced by the next one. A stranger who is paired twice does not hide the first."""
+        standby = self._standby
+        if not self.is_paired:
+            return ""
+        return standby.replaced if self._is_replaced_lately(standby) else standby.described
+
+    def _is_replaced_lately(self, standby: PairedStandby) -> bool:
+        return bool(standby.replaced) and abs(self._utc() - standby.paired_utc) < REPLACED_S
 
     # -- the channel --------------------------------------------------------------------------------
 
-    def _use(self, channel: Optional[Channel]) -> None:
+    def _end_channel(self) -> None:
         with self._lock:
-            before, self._channel = self._channel, channel
+            before, self._channel = self._channel, None
         if before is not None:
             before.close()
 

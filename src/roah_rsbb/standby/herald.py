@@ -7,7 +7,7 @@ import contextlib
 import os
 import socket
 import threading
-from typing import Tuple
+from typing import Callable, Tuple
 
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME
@@ -23,10 +23,11 @@ PERIOD_S = 1.0
 class Herald:
     """Says the box's word to the other ends of its pairs, and answers theirs."""
 
-    def __init__(self, log_dir: str, core: Tuple[str, int]) -> None:
-        """`core`: address and UDP port at which the core of this computer hears words."""
+    def __init__(self, log_dir: str, core: Tuple[str, int], is_alive: Callable[[], bool] = lambda: True) -> None:
+        """`core`: address and UDP port at which the core of this computer hears words. `is_alive`: whether it answers:
+        one that hangs is not the box, whatever the journal says."""
         self._log_dir = log_dir
-        self._core = core
+        self._core, self._is_alive = core, is_alive
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._work, name="herald", daemon=True)
 
@@ -70,8 +71,8 @@ class Herald:
 
     def _word(self, partner: Partner) -> bytes:
         standing = epochs.standing_in(os.path.join(self._log_dir, FILE_NAME))
-        return seal(partner.secret, Word(partner.own_side, standing.epoch, not standing.is_superseded,
-                                         cut=standing.cut))
+        return seal(partner.secret, Word(partner.own_side, standing.epoch,
+                                         claims=not standing.is_superseded and self._is_alive(), cut=standing.cut))
 
     def _pass_on(self, datagram: bytes) -> None:
         with contextlib.suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:

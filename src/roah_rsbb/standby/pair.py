@@ -10,6 +10,8 @@ the standby's end has the higher rank. So of two boxes that hear each other, exa
 begins again by itself.
 
 A box that starts asks its partners first, and sends nothing to robots until each has answered, or for `ASK_S` seconds.
+So does a box that was not running for a while (`AWAY_S`), because it was stopped, for example. It asks for
+`ASK_AGAIN_S`: a partner that does not answer may be starting as the box.
 """
 
 import enum
@@ -19,6 +21,10 @@ from typing import Dict, List, Mapping, NamedTuple, Optional, Set
 SAY_S = 0.25
 # A box that starts waits this long for its partners.
 ASK_S = 0.5
+# A box that was not running for so long is not the box any more until it has asked. A standby takes over after 2 s at
+# the earliest.
+AWAY_S = 1.5
+ASK_AGAIN_S = 2.0
 
 
 class Side(enum.Enum):
@@ -70,7 +76,15 @@ class Claim:
         self._sides: Dict[str, Side] = dict(sides)
         self._unanswered: Set[str] = set(sides)
         self._asked: Optional[float] = None
-        self._said: Optional[float] = None
+        self._ask_s = ASK_S
+        self._due: Optional[float] = None  # when the next words are; None: now
+
+    def ask_again(self) -> None:
+        """Be silent again until the partners have answered: this computer was not running for a while."""
+        if self.state is State.ACTIVE and self._sides:
+            self.state, self._unanswered = State.ASKING, set(self._sides)
+            self._asked = self._due = None
+            self._ask_s = ASK_AGAIN_S
 
     def word(self, pair: str, asks: bool = False) -> Word:
         """What this computer says to the other end of a pair now."""
@@ -97,11 +111,13 @@ class Claim:
         """Return the words that are to be said now, each with its pair. `now`: monotonic seconds."""
         if self._asked is None:
             self._asked = now
-        if self.state is State.ASKING and now >= self._asked + ASK_S:
+        if self.state is State.ASKING and now >= self._asked + self._ask_s:
             self.state = State.ACTIVE
-        if self.state is State.SUPERSEDED or (self._said is not None and now < self._said + SAY_S):
+        due = now if self._due is None else self._due
+        if self.state is State.SUPERSEDED or now < due:
             return []
-        self._said = now
+        # From when they were due, or a tick that comes a little early would make a gap of two periods.
+        self._due = max(due, now - SAY_S) + SAY_S
         return [(pair, self.word(pair, asks=self.state is State.ASKING)) for pair in self._sides]
 
 

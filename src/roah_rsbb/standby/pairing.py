@@ -1,8 +1,9 @@
 """Pairing of box and standby. No I/O.
 
-Theory of operation. The box shows a code, which the organiser gives to the standby. Each end proves to the other one
-that it has the code. The proofs include the fingerprint of the box's certificate as each end sees it, so nobody in the
-middle can pass them on. Then the box gives the standby a key of its own, and the standby remembers the fingerprint.
+Theory of operation. A command on the box shows a code (`codes.py`), which the organiser gives to the standby. Each end
+proves to the other one that it has the code. The proofs include the fingerprint of the box's certificate as each end
+sees it, so nobody in the middle can pass them on. Then the box gives the standby a key of its own, and the standby
+remembers the fingerprint.
 
 Whoever pretends to be the box learns a proof, from which a code could be guessed offline. The code has 39 bits, a guess
 takes tens of milliseconds, and the code is used once, so this takes centuries of computing time.
@@ -10,14 +11,8 @@ takes tens of milliseconds, and the code is used once, so this takes centuries o
 
 import hashlib
 import hmac
-import secrets
 from typing import NamedTuple
 
-# Letters and digits that cannot be mistaken for each other.
-_SIGNS = "ABCDEFGHJKMNPQRSTUVWXYZ23456789"
-_CODE_LENGTH = 8
-# A code is replaced after so many wrong proofs.
-MAX_GUESSES = 5
 NONCE_BYTES = KEY_BYTES = 32
 BOX, STANDBY = b"box", b"standby"
 
@@ -36,29 +31,6 @@ class Exchange(NamedTuple):
         return hmac.new(key, who, hashlib.sha256).hexdigest()
 
 
-class Codes:
-    """The code that the box shows."""
-
-    def __init__(self) -> None:
-        self._guesses = 0
-        self.code = _new_code()
-
-    def take(self, exchange: Exchange, proof: str) -> str:
-        """Check a standby's proof, and use the code up. Return the box's proof, or empty if it was wrong."""
-        if not is_same(exchange.proof(self.code, STANDBY), proof):
-            self._guesses += 1
-            if self._guesses >= MAX_GUESSES:
-                self._renew()
-            return ""
-        own = exchange.proof(self.code, BOX)
-        self._renew()
-        return own
-
-    def _renew(self) -> None:
-        self._guesses = 0
-        self.code = _new_code()
-
-
 def plain_code(typed: str) -> str:
     """Return a code without what does not count."""
     return "".join(sign for sign in typed.upper() if sign.isalnum())
@@ -72,8 +44,3 @@ def is_same(first: str, second: str) -> bool:
 def hashed(key: str) -> str:
     """Return what the box keeps of a key."""
     return hashlib.sha256(key.encode("utf-8", "replace")).hexdigest()
-
-
-def _new_code() -> str:
-    code = "".join(secrets.choice(_SIGNS) for _ in range(_CODE_LENGTH))
-    return f"{code[:4]}-{code[4:]}"

@@ -33,6 +33,14 @@ class PairedStandby(NamedTuple):
     key_sha256: str
     host: str = ""  # where it was connected from last; empty: never
     port: int = 0  # the box's standby_port, which the standby also uses when it is the box
+    is_awaited: bool = False  # it is the box before this one, and was not connected since the takeover
+    paired_utc: float = 0.0
+    replaced: str = ""  # name and address of the standby that it replaced; empty: none
+
+    @property
+    def described(self) -> str:
+        """Name and address."""
+        return f"{self.name} at {self.host}" if self.host else self.name
 
 
 class Partner(NamedTuple):
@@ -66,7 +74,8 @@ def read_standby(log_dir: str) -> Optional[PairedStandby]:
         with open(os.path.join(log_dir, FOLDER, PAIRED), encoding="utf-8") as file:
             found = json.load(file)
         return PairedStandby(str(found["name"]), str(found["key_sha256"]), str(found.get("host", "")),
-                             int(found.get("port", 0)))
+                             int(found.get("port", 0)), bool(found.get("is_awaited", False)),
+                             float(found.get("paired_utc", 0.0)), str(found.get("replaced", "")))
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
 

@@ -1,101 +1,85 @@
 """The copy on the standby, as the box sees it, and the standby's end of it. No sockets."""
 
-import contextlib
 import time
-from typing import Callable, Optional
+from typing import Callable, NamedTuple, Optional
 
-from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent
+from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent, Part
 from roah_rsbb.copies.folder import CopyFolder
-from roah_rsbb.copies.rows import Rows
-from roah_rsbb.journal import schema
+from roah_rsbb.journal import log
 from roah_rsbb.journal.file import boot_id
 from roah_rsbb.standby.clocks import ClockDifference
-from roah_rsbb.standby.messages import (
-    BadMessage,
-    Message,
-    files_message,
-    files_of,
-    known_message,
-    known_of,
-    rows_message,
-    rows_of,
-)
+from roah_rsbb.standby.messages import BadMessage, Message, files_of, held_of, part_of
 
-OPEN, WRITE, SET_ASIDE, BEAT = "open", "write", "set_aside", "beat"
+OPEN, WRITE, WRITE_FILES, SET_ASIDE, BEAT = "open", "write", "write_files", "set_aside", "beat"
+# Of the messages, and of the journal in them. Versions with other messages had numbers up to 2.
+VERSION = (3, log.VERSION)
 # Each end hears the other one at least this often.
 BEAT_S = 0.5
+# In an answer: the standby becomes the box.
+TAKES_OVER = "takes_over"
+
+
+class CoreState(NamedTuple):
+    """What the box's computer says of its core, which is another process than the one that copies."""
+
+    is_alive: bool = True
+    hand_over: bool = False  # it does not send anything any more, and the copy is complete
 
 
 class RemoteCopy(Copy):
-    """The box's end: a copy in a folder of the standby.
-
-    A part that is not the last is written by the standby while the box reads the next one. If it could not be written,
-    the copy is closed, and what it has is asked again when it is opened.
-    """
+    """The box's end: a copy in a folder of the standby."""
 
     def __init__(
-        self, send: Callable[[Message], None], receive: Callable[[], Message],
+        self, ask: Callable[[Message], Message],
         now: Callable[[], float] = time.monotonic, utc: Callable[[], float] = time.time,
+        core: Callable[[], CoreState] = CoreState, on_taken: Callable[[], None] = lambda: None,
     ) -> None:
-        """`send` sends a message, and `receive` waits for its answer. Both raise `CannotWriteCopy`."""
+        """`ask` sends a message and returns the answer; it raises `CannotWriteCopy`. `on_taken` is called when the
+        standby becomes the box."""
         super().__init__()
-        self._send_raw, self._receive, self._now, self._utc = send, receive, now, utc
+        self._ask_raw, self._now, self._utc = ask, now, utc
+        self._core, self._on_taken = core, on_taken
+        self._said = CoreState()
         self._heard_mono = now()
-        self._is_answer_due = False
         self._open(OPEN)
 
     def check(self) -> None:
-        """Hear from the standby, if it did not answer lately."""
-        if self._now() - self._heard_mono >= BEAT_S:
+        """Hear from the standby, if it did not answer lately, or if the state of the core changed."""
+        if self._now() - self._heard_mono >= BEAT_S or self._core() != self._said:
             self._ask({"do": BEAT})
 
-    def write(self, rows: Rows, beside: FileContent) -> None:
-        """Send rows and files."""
-        message = {"do": WRITE, "rows": rows_message(rows), "files": files_message(beside)}
-        if rows.is_last:
-            self.box_uuid = str(self._ask(message).get("box_uuid", ""))
-        else:
-            self._take_answer()
-            self._send(message)
-            self._is_answer_due = True
-        self.known.add(rows)
+    def write_files(self, files: FileContent) -> None:
+        """Send files."""
+        self._ask({"do": WRITE_FILES, "files": files})
+
+    def write(self, part: Part) -> None:
+        """Send a part of a segment."""
+        self._ask({"do": WRITE, **part._asdict()})
+        self.note(part)
 
     def set_aside(self) -> None:
         """Let the standby begin a new copy."""
         self._open(SET_ASIDE)
 
     def close(self) -> None:
-        """The standby closes its copy when it is opened again. An answer that is due belongs to this request: it must
-        not be taken for the answer to a later one."""
-        with contextlib.suppress(CannotWriteCopy):
-            self._take_answer()
+        """The standby closes its copy when it is opened again."""
 
     def _open(self, how: str) -> None:
-        answer = self._ask({"do": how, "version": schema.VERSION, "boot": boot_id()})
+        answer = self._ask({"do": how, "version": VERSION, "boot": boot_id()})
         try:
-            self.known = known_of(answer)
+            self.open(held_of(answer))
         except BadMessage as error:
             raise CannotWriteCopy(f"the standby answers nonsense ({error}). Install the same version there") from None
-        self.box_uuid, self.aside = str(answer.get("box_uuid", "")), str(answer.get("aside", ""))
-
-    def _send(self, message: Message) -> None:
-        self._send_raw({**message, "utc": self._utc()})
+        self.aside = str(answer.get("aside", ""))
 
     def _ask(self, message: Message) -> Message:
-        self._take_answer()
-        self._send(message)
-        return self._answer()
-
-    def _take_answer(self) -> None:
-        if self._is_answer_due:
-            self._is_answer_due = False
-            self._answer()
-
-    def _answer(self) -> Message:
-        answer = self._receive()
+        self._said = self._core()
+        answer = self._ask_raw({**message, "utc": self._utc(), **self._said._asdict()})
         self._heard_mono = self._now()
         if "error" in answer:
             raise CannotWriteCopy(f"the standby reports: {answer['error']}")
+        if answer.get(TAKES_OVER):
+            self._on_taken()
         return answer
 
 
@@ -113,7 +97,6 @@ class Receiver:
         try:
             answer = self._carry_out(message)
         except CannotWriteCopy as error:
-            self.close()
             return {"error": str(error)}
         self._clocks.hear(_time_in(message), came)
         return answer
@@ -127,10 +110,10 @@ class Receiver:
     def _carry_out(self, message: Message) -> Message:
         what = message.get("do")
         if what == OPEN:
-            self.close()
-            if message.get("version") != schema.VERSION:
+            if message.get("version") != list(VERSION):
                 raise CannotWriteCopy("box and standby have different versions of roah_rsbb. Install the same one on "
                                       "both")
+            self.close()
             self._copy = CopyFolder(self._folder)
             self._clocks = ClockDifference(self._folder, str(message.get("boot")))
             return self._opened(self._copy)
@@ -139,19 +122,18 @@ class Receiver:
         if what == SET_ASIDE:
             self._copy.set_aside()
             return self._opened(self._copy)
+        self._copy.check()
         if what == WRITE:
-            self._copy.check()
-            rows, files = rows_of(message.get("rows", {})), files_of(message.get("files", {}))
-            self._copy.write(rows, files)
-            return {"box_uuid": self._copy.box_uuid}
-        if what == BEAT:
-            self._copy.check()
-            return {}
-        raise BadMessage(f"unknown request {what!r}")
+            self._copy.write(part_of(message))
+        elif what == WRITE_FILES:
+            self._copy.write_files(files_of(message.get("files")))
+        elif what != BEAT:
+            raise BadMessage(f"unknown request {what!r}")
+        return {}
 
     @staticmethod
     def _opened(copy: CopyFolder) -> Message:
-        return {**known_message(copy.known), "box_uuid": copy.box_uuid, "aside": copy.aside}
+        return {"held": copy.held, "aside": copy.aside}
 
 
 def _time_in(message: Message) -> float:

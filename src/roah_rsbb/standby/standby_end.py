@@ -6,13 +6,14 @@ import socket
 import threading
 from typing import Callable, Optional, Tuple
 
+from roah_rsbb import durable
 from roah_rsbb.journal.epochs import FIRST
 from roah_rsbb.standby.channel import ANY_HOST, Channel, Lost, connect
 from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage
 from roah_rsbb.standby.pair import Side, Word
 from roah_rsbb.standby.pairing import BOX, NONCE_BYTES, STANDBY, Exchange, hashed, is_same
 from roah_rsbb.standby.partners import PairedBox, PairedStandby, read_standby, write_box
-from roah_rsbb.standby.remote import Receiver
+from roah_rsbb.standby.remote import OPEN, TAKES_OVER, CoreState, Receiver
 from roah_rsbb.standby.words import pair_name, rejoin_key, rejoin_proof, seal, unseal
 
 RETRY_S = 1.0
@@ -24,6 +25,8 @@ class CannotPair(Exception):
 
 def pair(folder: str, host: str, port: int, code: str) -> PairedBox:
     """Pair with a box, and save that. Raises `CannotPair` or OSError."""
+    if not durable.has_space(folder):  # the box would forget its standby for one that cannot save the key
+        raise CannotPair(f"the disk is full: free space for {folder}")
     channel, fingerprint = _connect(host, port)
     try:
         nonce = secrets.token_bytes(NONCE_BYTES)
@@ -114,14 +117,17 @@ class StandbyEnd:
 
     def __init__(
         self, folder: str, box: PairedBox, on_state: Callable[[str], None], on_heard: Callable[[], None] = lambda: None,
-        bind_host: str = ANY_HOST,
+        bind_host: str = ANY_HOST, on_hand_over: Callable[[], bool] = lambda: False,
     ) -> None:
         """`on_state` is called with each change of the state: what is wrong, or empty if the copy is kept.
 
-        `on_heard` is called with each message of the box. `bind_host`: own address, which the box notes.
+        `on_heard` is called with each message of the box while its core answers. `bind_host`: own address, which the
+        box notes. `on_hand_over` is called when the box's computer hands over, and returns whether this one can be
+        the box. Then `run` ends.
         """
         self._bind_host = bind_host
-        self._on_heard = on_heard
+        self._on_heard, self._on_hand_over = on_heard, on_hand_over
+        self.was_handed_over = False  # the box's computer knows that this one is the box now
         self._box = box
         self._receiver = Receiver(folder)
         self._on_state = on_state
@@ -167,10 +173,22 @@ class StandbyEnd:
                 raise CannotPair(str(answer["refused"]))
             while True:
                 request = channel.receive()
-                self._on_heard()
+                core = CoreState(bool(request.get("is_alive", True)), bool(request.get("hand_over", False)))
+                if core.is_alive:
+                    self._on_heard()
                 answer = self._receiver.answer(request)
+                if core.hand_over and "error" not in answer and self._on_hand_over():
+                    answer[TAKES_OVER] = True
                 channel.send(answer)
-                self._report(str(answer.get("error", "")))
+                if answer.get(TAKES_OVER):
+                    self.was_handed_over = True
+                    self._ended.set()
+                    return ""
+                # A copy that can be opened need not be writable: the disk may be full.
+                if not core.is_alive and "error" not in answer:
+                    self._report(f"the core of the box at {host} does not answer")
+                elif "error" in answer or request.get("do") != OPEN:
+                    self._report(str(answer.get("error", "")))
         except (Lost, BadMessage) as error:
             return f"the connection to the box at {host} ended ({error})"
         finally:

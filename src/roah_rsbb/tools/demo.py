@@ -119,7 +119,7 @@ def main() -> None:
     parser = Parser("demo", __doc__)
     parser.add_argument("--no-window", action="store_true", help="use the scripted referee even if there is a display")
     options = parser.parse_args()
-    os.makedirs(LOG_DIR, exist_ok=True)
+    os.makedirs(LOG_DIR, mode=0o750, exist_ok=True)
     master_port = _free_port(socket.SOCK_STREAM, "127.0.0.1", 11311, 1)
     environment = {**os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{master_port}", "ROS_IP": "127.0.0.1"}
     environment.pop("ROS_HOSTNAME", None)

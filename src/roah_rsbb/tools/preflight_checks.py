@@ -173,7 +173,7 @@ def check_clock(synchronised: Optional[bool]) -> Finding:
 def check_log_dir(log_dir: str, usage: Callable[[str], object] = shutil.disk_usage) -> List[Finding]:
     """Check that logs can be written, and that the disk has enough space."""
     try:
-        os.makedirs(log_dir, exist_ok=True)
+        os.makedirs(log_dir, mode=0o750, exist_ok=True)
         with tempfile.TemporaryFile(dir=log_dir) as trial:
             trial.write(b"x" * 4096)
             trial.flush()

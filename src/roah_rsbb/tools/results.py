@@ -1,22 +1,20 @@
 """`rosrun roah_rsbb results`: shows and exports the runs of a competition (docs/results.md)."""
 
 import argparse
-import glob
+import importlib
 import os
 import sys
 from typing import Any, Callable, List, NoReturn, Optional
 
 from roah_rsbb.arguments import Parser
 from roah_rsbb.core import run_log
-from roah_rsbb.journal.damage import text_of
 from roah_rsbb.journal.file import FILE_NAME
-from roah_rsbb.journal.processes import ProcessEnded, usable_processors
-from roah_rsbb.journal.reader import JournalError, JournalReader
-from roah_rsbb.journal.recover import recover
+from roah_rsbb.journal.processes import ProcessEnded
+from roah_rsbb.journal.reader import JournalError
 from roah_rsbb.results.bags import bag_lines
 from roah_rsbb.results.printing import CannotPrint
 from roah_rsbb.results.run_list import list_lines
-from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, heads, records
+from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, heads
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.tools.results_journal import (
     BENCHMARKS_FILE,
@@ -27,7 +25,6 @@ from roah_rsbb.tools.results_journal import (
     open_journal,
     warn,
 )
-from roah_rsbb.wording.times import date_time
 
 LOG_DIR = "~/.ros/roah_rsbb"
 OF_RUNS = ("best", "mean", "median")  # `OfRuns`, without loading what reads its rules
@@ -47,7 +44,8 @@ Examples:
   results checklist                              which events have a signed-off result, and what is missing
   results report --html report                   a site of pages about the competition
   results standings HGTKMH --signed-off          ranking of the teams
-  results --journal /media/usb/roah_rsbb_journal.sqlite3 list
+  results --journal /media/usb/roah_rsbb_journal list
+  results verify                                 whether the journal is whole
 
 Times are local times with their UTC offset; --utc shows UTC. The journal is never changed.
 The exit status is 0 on success, 1 if something cannot be read or written, 2 for wrong usage.
@@ -66,7 +64,7 @@ compares them.
 """
 _STANDINGS = """\
 Ranks the teams of all benchmarks, or of the given ones. Runs count if they started and ended. Of an event that was
-repeated, only the last run counts.
+repeated, the attempt counts that benchmarks.yaml says (attempt_counts; default: the last).
 """
 _BLANK = """\
 Writes a page for each event of the schedule, and one for each benchmark without an event: with the items of the score
@@ -180,7 +178,7 @@ def _add_views(commands: Any) -> None:
 
 
 def _add_recovery(commands: Any) -> None:
-    """Commands that recover lost data."""
+    """Commands that recover lost data, and look into the journal."""
     bag = commands.add_parser("bag", help="write a run's log (rosbag) from the journal", description=_BAG)
     bag.add_argument("run", metavar="RUN")
     bag.add_argument("bag", metavar="FILE")
@@ -189,16 +187,17 @@ def _add_recovery(commands: Any) -> None:
     bags = commands.add_parser("bags", help="list the run logs (rosbags) of all runs, and what is missing")
     bags.set_defaults(do=_bags)
     journals = commands.add_parser("journals", help="list the journals in the log_dir, including old ones")
-    journals.set_defaults(do=_journals)
-    recovery = commands.add_parser("recover", help="copy the readable part of a damaged journal into a new one")
-    recovery.add_argument("damaged", metavar="FILE")
-    recovery.add_argument("new", metavar="NEW_FILE")
-    recovery.set_defaults(do=_recover)
+    journals.set_defaults(do=_writing("journals", "results_segments"))
+    verify = commands.add_parser("verify", help="read all of the journal, and list what is damaged or missing")
+    verify.set_defaults(do=_writing("verify", "results_segments"))
+    dump = commands.add_parser("dump", help="print all records of the journal as text, or those of a run")
+    dump.add_argument("run", metavar="RUN", nargs="?")
+    dump.set_defaults(do=_writing("dump", "results_segments"))
 
 
 def _add_source(parser: argparse.ArgumentParser) -> None:
     """Options that are allowed before and after the command."""
-    parser.add_argument("--journal", metavar="FILE", default=argparse.SUPPRESS,
+    parser.add_argument("--journal", metavar="FOLDER", default=argparse.SUPPRESS,
                         help=f"the journal; default: {FILE_NAME} in the log_dir")
     parser.add_argument("--log-dir", metavar="DIR", default=argparse.SUPPRESS,
                         help=f"the box's log_dir; default: {LOG_DIR}")
@@ -236,12 +235,11 @@ def _add_choice(parser: argparse.ArgumentParser) -> None:
 # -- commands ---------------------------------------------------------------------------------------
 
 
-def _writing(name: str) -> Callable[[argparse.Namespace], int]:
-    """Return a command that ranks runs or writes files."""
+def _writing(name: str, module: str = "results_files") -> Callable[[argparse.Namespace], int]:
+    """Return a command of another module of this folder."""
     def do(options: argparse.Namespace) -> int:
-        from roah_rsbb.tools import results_files  # imported late: it loads what the list does not need
-
-        return getattr(results_files, name)(options)
+        # Imported late: it loads what the list does not need.
+        return getattr(importlib.import_module(f"roah_rsbb.tools.{module}"), name)(options)
 
     return do
 
@@ -249,18 +247,25 @@ def _writing(name: str) -> Callable[[argparse.Namespace], int]:
 def _list(options: argparse.Namespace) -> int:
     with open_journal(options, checks_all=False) as reader:
         known = heads(reader, warn)
-    if not known:
-        print("There are no runs yet.")
-        return 0
-    print("\n".join(list_lines(known, options.utc)))
+        if not known:
+            print("There are no runs yet.")
+            return 0
+        from roah_rsbb.tools.results_counting import words_of_heads  # imported late: it loads the rules of standings
+
+        counts = words_of_heads(options, reader, known)
+    print("\n".join(list_lines(known, options.utc, counts)))
     return 0
 
 
 def _show(options: argparse.Namespace) -> int:
     with open_journal(options, checks_all=False) as reader:
         result = one_run(reader, options.run)
-    from roah_rsbb.results.sheet import sheet_lines  # imported late: it loads the rules of standings
+        # Imported late: they load the rules of standings.
+        from roah_rsbb.results.sheet import sheet_lines
+        from roah_rsbb.tools.results_counting import words_of_heads
 
+        counts = words_of_heads(options, reader, heads(reader, warn))
+        result = result._replace(counts=counts.get(result.record.identity, ""))
     strike = sys.stdout.isatty()
     for text in sheet_lines(result, options.utc, strike):
         print(text)
@@ -310,34 +315,6 @@ def _robot_of(result: RunResult, port: Optional[int]) -> RobotPart:
         return robots[0]
     known = ", ".join(f"{robot.port} ({robot.robot} of team {robot.team})" for robot in result.robots)
     raise _NoBag(f"choose a robot with --port: {known or 'this run has none'}")
-
-
-def _journals(options: argparse.Namespace) -> int:
-    log_dir = os.path.expanduser(options.log_dir)
-    base, suffix = os.path.splitext(FILE_NAME)
-    paths = sorted(glob.glob(os.path.join(glob.escape(log_dir), f"{base}*{suffix}")))
-    if not paths:
-        raise Usage(f"there are no journals in {log_dir}: give the box's log_dir with --log-dir DIR")
-    for path in paths:
-        try:
-            with JournalReader(path) as reader:
-                known, sessions = records(reader, lambda _: None), reader.sessions()
-        except JournalError as error:
-            print(error)
-            continue
-        begun = f"started {date_time(sessions[0].utc, options.utc)}" if sessions else "empty"
-        last = f", last connected {date_time(known[-1].opened_utc, options.utc)}" if known else ""
-        print(f"{path}: {begun}, {len(known)} runs{last}")
-    return 0
-
-
-def _recover(options: argparse.Namespace) -> int:
-    counts, damage = recover(options.damaged, options.new, usable_processors())
-    for missing in damage:
-        warn(f"not recovered: {text_of(missing)}")
-    found = ", ".join(f"{count} of {name}" for name, count in counts.items())
-    print(f"{options.new}: {found}. Read it with --journal {options.new}")
-    return 0
 
 
 # -- shared -----------------------------------------------------------------------------------------

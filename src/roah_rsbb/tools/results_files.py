@@ -6,12 +6,13 @@ import json
 import os
 import sys
 from functools import partial
-from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, TextIO, Tuple
+from typing import Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, TextIO, Tuple
 
+from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.core.scoring.records import RunRecord
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log import names_in
 from roah_rsbb.journal.processes import shared_out, usable_processors
-from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.journal.reader import JournalReader, journal_in
 from roah_rsbb.results import checklist as checklists
 from roah_rsbb.results import dataset
 from roah_rsbb.results import standings as ranking
@@ -34,13 +35,13 @@ from roah_rsbb.results.replay_page import PageParts, page_parts, replay_name, re
 from roah_rsbb.results.report.facts import RunFacts, facts_of, link_period_s
 from roah_rsbb.results.report.pages import Compared, Site, all_pages, comparison
 from roah_rsbb.results.report.plots import Assets, assets
-from roah_rsbb.results.runs import RunResult, file_name, find, find_record, records, run_result
+from roah_rsbb.results.runs import RunResult, file_name, find, find_record, run_result
 from roah_rsbb.results.sheet import sheet_page
-from roah_rsbb.results.standing_rules import OfRuns, Rules, read_rules
-from roah_rsbb.results.standings import Choice, Standing, index_page, standing_lines, standings_page
+from roah_rsbb.results.standings import Standing, index_page, standing_lines, standings_page
 from roah_rsbb.rulebook import config
-from roah_rsbb.rulebook.benchmarks import Benchmark
-from roah_rsbb.tools.results_journal import BENCHMARKS_FILE, RULES_FILE, SCHEDULE_FILE, Usage, open_journal, warn
+from roah_rsbb.rulebook.standing_rules import Rules
+from roah_rsbb.tools.results_counting import benchmarks, choice, file, known_records, ruled, rules, why_of
+from roah_rsbb.tools.results_journal import BENCHMARKS_FILE, SCHEDULE_FILE, Usage, open_journal, warn
 
 # The log_dir in the folder of a competition.
 LOG_FOLDER = "log"
@@ -58,17 +59,19 @@ def export(options: argparse.Namespace) -> int:
     _competition(options)
     with open_journal(options) as reader:
         as_of = reader.as_of()
-        known = records(reader, warn)
+        known = known_records(options, reader)
+        why = why_of(options, known)
         identities = [record.identity for record in known]
         places = sorted({find(identities, word) for word in options.runs}) if options.runs else range(len(known))
         chosen = [(place + 1, known[place]) for place in places]
         ranked = _ranked(options, known)
         if options.csv:
             _write(options.csv, lambda file: write_table(
-                file, RESULT_COLUMNS, result_rows((r for _, r in chosen), options.utc)), "utf-8-sig")
+                file, RESULT_COLUMNS, result_rows((r for _, r in chosen), options.utc, why)), "utf-8-sig")
 
         def results() -> Iterator[RunResult]:
-            return (run_result(reader, number, record, warn) for number, record in chosen)
+            return (run_result(reader, number, record, warn)._replace(counts=why[record.identity].value)
+                    for number, record in chosen)
 
         if options.json:
             value = exported(list(results()), ranked, reader.path, as_of)
@@ -79,28 +82,28 @@ def export(options: argparse.Namespace) -> int:
             write_dataset(options.dataset, results(), dataset.Options(names, options.licence, options.title))
             print(f"the data set of {len(chosen)} runs is in {options.dataset}")
         if options.html:
-            _write_pages(options, options.html, "html", _write_html, results(), chosen, ranked, as_of)
+            _write_pages(options, options.html, "html", _write_html, results(), chosen, ranked, why, as_of)
         if options.pdf:
             with Printer() as printer:
-                _write_pages(options, options.pdf, "pdf", printer.print, results(), chosen, ranked, as_of)
+                _write_pages(options, options.pdf, "pdf", printer.print, results(), chosen, ranked, why, as_of)
     return 0
 
 
 def _write_pages(
     options, folder: str, suffix: str, write: Callable[[str, str], None], results: Iterable[RunResult], chosen,
-    ranked: List[Standing], as_of: float,
+    ranked: List[Standing], why: Mapping[str, Why], as_of: float,
 ) -> None:
-    rules, titles, competition = _rules(options), _titles(options), _competition(options)
+    of_rules, titles, competition = rules(options), _titles(options), _competition(options)
     sheets: Dict[str, str] = {}
     os.makedirs(folder, exist_ok=True)
     for result in results:
         record = result.record
         sheets[record.identity] = name = f"{file_name(result.number, record)}.{suffix}"
-        text = sheet_page(result, options.utc, rules.get(record.benchmark), titles.get(record.benchmark, ""),
+        text = sheet_page(result, options.utc, of_rules.get(record.benchmark), titles.get(record.benchmark, ""),
                           not options.no_appendix, competition)
         write(text, os.path.join(folder, name))
     index = f"index.{suffix}"
-    write(index_page(chosen, sheets, ranked, as_of, options.utc, competition), os.path.join(folder, index))
+    write(index_page(chosen, sheets, ranked, as_of, options.utc, competition, why), os.path.join(folder, index))
     print(f"{len(sheets)} score sheets and {index} are in {folder}")
 
 
@@ -145,17 +148,18 @@ def _resource(options: argparse.Namespace, name: str) -> str:
 
 def _journal_in(source: str) -> str:
     """Return the journal of a competition's folder, of a log_dir, or the journal itself."""
-    places = (source, os.path.join(source, FILE_NAME), os.path.join(source, LOG_FOLDER, FILE_NAME))
-    found = next((path for path in places if os.path.isfile(path)), None)
-    if found is None:
-        raise Usage(f"{source}: there is no journal: name the folder of a competition, a log_dir, or a journal")
-    return found
+    if os.path.isfile(source) or names_in(source):
+        return source
+    for path in (journal_in(source), journal_in(os.path.join(source, LOG_FOLDER))):
+        if os.path.exists(path):
+            return path
+    raise Usage(f"{source}: there is no journal: name the folder of a competition, a log_dir, or a journal")
 
 
 def _name_of(source: str) -> str:
     """Return the name of a competition: its folder's, also if the journal in it is given."""
     folder = os.path.abspath(source)
-    if os.path.isfile(folder):
+    if os.path.isfile(folder) or names_in(folder):
         folder = os.path.dirname(folder)
     if os.path.basename(folder) == LOG_FOLDER:
         folder = os.path.dirname(folder)
@@ -167,21 +171,21 @@ def _write_site(
 ) -> Site:
     """Write the pages of a competition."""
     options = argparse.Namespace(**{**vars(options), "journal": journal})
-    rules, titles, competition = _rules(options), _titles(options), _competition(options)
+    of_rules, titles, competition = rules(options), _titles(options), _competition(options)
     parts = None if options.no_replays else page_parts(_resource(options, "replay"))
     os.makedirs(os.path.join(folder, "runs"), exist_ok=True)
     sheets: Dict[str, str] = {}
     replays: Dict[str, str] = {}
     runs = []
     with open_journal(options) as reader:
-        known = records(reader, warn)
+        known = known_records(options, reader)
         ranked = _ranked(options, known)
         as_of = reader.as_of()
         period_s = link_period_s(known, as_of)
-        about = _AboutRuns(folder, rules, titles, competition, parts, options.utc, period_s)
-        # A box that writes to the journal would show another moment to each process.
-        processes = usable_processors() if reader.is_at_rest else 1
-        with shared_out(partial(_run_pages, reader, about), list(enumerate(known, 1)), processes) as all_written:
+        about = _AboutRuns(
+            folder, of_rules, titles, competition, parts, options.utc, period_s, why_of(options, known))
+        with shared_out(partial(_run_pages, reader, about), list(enumerate(known, 1)),
+                        usable_processors()) as all_written:
             for record, written in zip(known, all_written):
                 for text in written.warnings:
                     warn(text)
@@ -205,6 +209,7 @@ class _AboutRuns(NamedTuple):
     replay_parts: Optional[PageParts]  # None: without replays
     in_utc: bool
     link_period_s: int
+    why: Dict[str, Why]  # whether runs count, by their identities
 
 
 class _WrittenRun(NamedTuple):
@@ -219,13 +224,13 @@ class _WrittenRun(NamedTuple):
 @contextlib.contextmanager
 def _run_pages(reader: JournalReader, about: _AboutRuns) -> Iterator[Callable[[Tuple[int, RunRecord]], _WrittenRun]]:
     """Return a function that writes the pages of a run. Each process calls this."""
-    with JournalReader(reader.path, checks_all=False) if reader.is_at_rest else contextlib.nullcontext(reader) as own:
-        yield lambda item: _write_run(own, about, *item)
+    yield lambda item: _write_run(reader, about, *item)
 
 
 def _write_run(reader: JournalReader, about: _AboutRuns, number: int, record: RunRecord) -> _WrittenRun:
     warnings: List[str] = []
     result = run_result(reader, number, record, warnings.append, with_payloads=False)
+    result = result._replace(counts=about.why[record.identity].value)
     events = list(in_order(result, with_scores=True))
     shown = sections_of(events)
     warned = sum(event.bad for section in shown for event in section.events)
@@ -248,7 +253,7 @@ def _write_html(text: str, path: str) -> None:
 def standings(options: argparse.Namespace) -> int:
     """The command of this name."""
     with open_journal(options, checks_all=False) as reader:
-        ranked = _ranked(options, records(reader, warn))
+        ranked = _ranked(options, known_records(options, reader))
         path, as_of = reader.path, reader.as_of()
     codes = [standing.benchmark for standing in ranked]
     unknown = [code for code in options.benchmarks if code not in codes]
@@ -275,16 +280,16 @@ def blank(options: argparse.Namespace) -> int:
     """The command of this name."""
     if not (options.html or options.pdf):
         raise Usage("choose what to write: --html FILE, --pdf FILE, or both")
-    benchmarks, plans = config.load_schedule(_file(options, BENCHMARKS_FILE), _file(options, SCHEDULE_FILE))
-    unknown = [code for code in options.benchmarks if code not in benchmarks]
+    loaded, plans = config.load_schedule(file(options, BENCHMARKS_FILE), file(options, SCHEDULE_FILE))
+    unknown = [code for code in options.benchmarks if code not in loaded]
     if unknown:
-        raise Usage(f"there is no benchmark {', '.join(unknown)}; there are {', '.join(benchmarks)}")
+        raise Usage(f"there is no benchmark {', '.join(unknown)}; there are {', '.join(loaded)}")
     events = [(plan.name, event) for plan in plans for event in plan.events]
     events.sort(key=lambda line: line[1].scheduled)
     with_event = {event.benchmark.code for _, event in events}
     sheets = [blank_front(event.benchmark, zone, event, options.utc) for zone, event in events
               if not options.benchmarks or event.benchmark.code in options.benchmarks]
-    sheets += [blank_front(benchmark) for code, benchmark in benchmarks.items()
+    sheets += [blank_front(benchmark) for code, benchmark in loaded.items()
                if (code in options.benchmarks or not options.benchmarks) and code not in with_event]
     competition = _competition(options)
     _write_page(options, page("Score sheets", *(
@@ -295,9 +300,9 @@ def blank(options: argparse.Namespace) -> int:
 
 def checklist(options: argparse.Namespace) -> int:
     """The command of this name."""
-    _, plans = config.load_schedule(_file(options, BENCHMARKS_FILE), _file(options, SCHEDULE_FILE))
+    _, plans = config.load_schedule(file(options, BENCHMARKS_FILE), file(options, SCHEDULE_FILE))
     with open_journal(options) as reader:
-        lines = checklists.checklist(plans, records(reader, warn), options.utc)
+        lines = checklists.checklist(plans, ruled(options, known_records(options, reader)), options.utc)
     shown = [line for line in lines if not (options.missing and line.is_final)]
     for text in checklists.check_lines(shown, options.utc):
         print(text)
@@ -307,29 +312,8 @@ def checklist(options: argparse.Namespace) -> int:
 # -- shared -----------------------------------------------------------------------------------------
 
 
-def _rules(options: argparse.Namespace) -> Dict[str, Rules]:
-    return read_rules(options.rules or _beside(options, RULES_FILE) or os.path.join(options.config_dir, RULES_FILE))
-
-
-def _file(options: argparse.Namespace, name: str) -> str:
-    """The path of a file of the competition: the option's, or the one beside the log_dir, else the included one."""
-    given = getattr(options, name.replace(".yaml", "_file"))
-    return given or _beside(options, name) or os.path.join(options.config_dir, name)
-
-
-def _beside(options: argparse.Namespace, name: str) -> Optional[str]:
-    """The path of a file of the competition beside the log_dir; None if it does not exist."""
-    log_dir = os.path.dirname(options.journal) if options.journal else os.path.expanduser(options.log_dir)
-    beside = os.path.join(os.path.dirname(os.path.abspath(log_dir)), name)
-    return beside if os.path.exists(beside) else None
-
-
 def _titles(options: argparse.Namespace) -> Dict[str, str]:
-    return {code: benchmark.desc or benchmark.name for code, benchmark in _benchmarks(options).items()}
-
-
-def _benchmarks(options: argparse.Namespace) -> Dict[str, Benchmark]:
-    return config.load_benchmarks(_file(options, BENCHMARKS_FILE))
+    return {code: benchmark.desc or benchmark.name for code, benchmark in benchmarks(options).items()}
 
 
 def _competition(options: argparse.Namespace) -> Competition:
@@ -350,12 +334,7 @@ def _write_page(options: argparse.Namespace, text: str) -> None:
 
 
 def _ranked(options: argparse.Namespace, known: List[RunRecord]) -> List[Standing]:
-    identities = [record.identity for record in known]
-    without = tuple(identities[find(identities, word)] for word in options.without)
-    of_runs = OfRuns(options.of_runs) if options.of_runs else None
-    events = {code: benchmark.rules for code, benchmark in _benchmarks(options).items()}
-    choice = Choice(options.signed_off, without, of_runs, events)
-    return ranking.standings(known, _rules(options), choice, _titles(options))
+    return ranking.standings(known, rules(options), choice(options, known), _titles(options))
 
 
 def _write(path: str, write: Callable[[TextIO], object], encoding: str = "utf-8") -> None:

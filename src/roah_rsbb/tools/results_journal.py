@@ -5,8 +5,7 @@ import os
 import sys
 from typing import List
 
-from roah_rsbb.journal.file import FILE_NAME
-from roah_rsbb.journal.reader import JournalError, JournalReader
+from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
 from roah_rsbb.results.runs import RunResult, find_record, run_result
 from roah_rsbb.wording.texts import visible
 
@@ -20,7 +19,8 @@ class Usage(Exception):
 
 def open_journal(options: argparse.Namespace, checks_all: bool = True) -> JournalReader:
     """Open the journal. `checks_all`: check all of a large one for damage, which takes seconds."""
-    reader = JournalReader(options.journal or os.path.join(os.path.expanduser(options.log_dir), FILE_NAME), checks_all)
+    path = options.journal or journal_in(os.path.expanduser(options.log_dir))
+    reader = JournalReader(path, checks_all, lambda text: _warn_of_damage(reader, [text]))
     try:
         _warn_of_damage(reader, reader.damage)
         _warn_of_fork(reader)
@@ -39,8 +39,7 @@ def one_run(reader: JournalReader, word: str) -> RunResult:
 
 def _warn_of_damage(reader: JournalReader, damage: List[str]) -> None:
     for text in damage:
-        warn(f"{reader.path} is damaged: {text}. More may be recovered with: rosrun roah_rsbb results recover "
-              f"'{reader.path}' NEW_FILE")
+        warn(f"{reader.path} is damaged: {text}. A copy of the journal may have it (docs/backup.md)")
 
 
 def _warn_of_fork(reader: JournalReader) -> None:
@@ -51,7 +50,7 @@ def _warn_of_fork(reader: JournalReader) -> None:
     numbers = {identity: number for number, identity in enumerate(reader.identities(), 1)}
     runs = ", ".join(f"run {numbers.get(run, 0)} ({count} entries)" for run, count in reader.only_here())
     warn(f"{reader.path} forks: the box at {standing.by} took over. It continues without what this one recorded after "
-         f"entry {standing.cut}: {runs or 'no run'}")
+         f"record {standing.cut}: {runs or 'no run'}")
 
 
 def warn(text: str) -> None:

@@ -1,6 +1,7 @@
 """A second computer that has a copy of the box's journal, and takes over when the box is lost (docs/standby.md).
 
-    rosrun roah_rsbb standby follow 192.168.1.2 --code ABCD-EFGH
+    rosrun roah_rsbb standby code --log-dir ~/competition/log
+    rosrun roah_rsbb standby follow 192.168.1.2 --code
     rosrun roah_rsbb standby status
     rosrun roah_rsbb standby takeover
     rosrun roah_rsbb standby rejoin ~/competition/log
@@ -12,19 +13,27 @@ import datetime
 import fcntl
 import json
 import os
+import pwd
 import shutil
 import signal
 import socket
-import sqlite3
 import sys
+import tempfile
 import threading
 import time
 from typing import Any, Dict, Iterator, List, Optional, Sequence, TextIO, Tuple
 
+from roah_rsbb import durable
 from roah_rsbb.arguments import Parser, number, read_by
 from roah_rsbb.comm import sockets
+from roah_rsbb.copies.folder import drop_drafts
 from roah_rsbb.journal import epochs, in_force
+from roah_rsbb.journal.contents import open_journal
 from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log import NewerFormat, names_in
+from roah_rsbb.rulebook.benchmarks import Durable
+from roah_rsbb.rulebook.config import durable_in
+from roah_rsbb.standby import codes
 from roah_rsbb.standby.channel import Lost
 from roah_rsbb.standby.messages import NETWORK, PASSWORDS
 from roah_rsbb.standby.pairing import hashed
@@ -50,10 +59,12 @@ from roah_rsbb.tools.standby_request import Answer, Requests, request
 
 PROGRAM = "standby"
 DEFAULT_PORT = 8083
-LOG_DIR = "~/.ros/roah_rsbb_standby"
+LOG_DIR, LOG_DIR_OF_BOX = "~/.ros/roah_rsbb_standby", "~/.ros/roah_rsbb"
 # Arguments of roah_rsbb.launch, in the order of the files in configuration.json.
 FILE_ARGUMENTS = ("benchmarks_file", "schedule_file", "passwords_file", "standings_file")
 CONFIGURATION = "configuration"
+# Instead of a code: ask for it.
+ASK = "?"
 # Locked by the program that keeps the copy.
 LOCK = "standby_follow.lock"
 ALIVE_S = 2.0
@@ -65,6 +76,7 @@ END_S = 40.0
 _DESCRIPTION = """\
 A standby: a second computer that has a copy of the box's journal, and takes over when the box is lost.
 
+  code      on the box: show a code with which one standby can be paired, for some minutes
   follow    pair with the box, once, and keep the copy
   status    show what this computer is: the box or the standby, how old the copy is, and what is set
   takeover  start the box here, with the copy. Refused while the box is heard
@@ -72,8 +84,8 @@ A standby: a second computer that has a copy of the box's journal, and takes ove
   rehearse  show a takeover on this computer, with the times. Needs no second computer, and changes nothing
 """
 _EPILOG = """\
-Start the box with standby_port:=8083. Its log shows the code. Arguments NAME:=VALUE are passed to roah_rsbb.launch
-when the standby takes over; bind_host:=ADDRESS is also used to listen. docs/standby.md explains everything else.
+Start the box with standby_port:=8083. Arguments NAME:=VALUE are passed to roah_rsbb.launch when the standby takes over;
+bind_host:=ADDRESS is also used to listen. docs/standby.md explains everything else.
 """
 
 
@@ -84,33 +96,39 @@ class Refused(Exception):
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_sub_parser)
+    code = commands.add_parser("code", help="on the box: show a code with which one standby can be paired")
     follow = commands.add_parser("follow", help="pair with the box, once, and keep the copy")
     follow.add_argument("box", nargs="?", metavar="ADDRESS", help="the box's address; needed once")
     follow.add_argument("--port", type=read_by(_port), default=DEFAULT_PORT,
                         help="the box's standby_port (default: %(default)s)")
-    follow.add_argument("--code", help="the code in the box's log; needed once")
-    follow.add_argument("--automatic", type=number(0, 3600), default=0.0, metavar="SECONDS",
-                        help="take over without being asked when nothing is heard of the box for this long, at least "
-                             "2 s (default: 0, never)")
-    follow.add_argument("--witness", metavar="ADDRESS", default="",
-                        help="with --automatic: a third computer or access point that must answer a ping")
+    follow.add_argument("--code", nargs="?", const=ASK, default="",
+                        help="the code that 'standby code' shows on the box; needed once. Without CODE, the program "
+                             "asks for it, so that other users of this computer do not see it in the list of processes")
     status = commands.add_parser("status", help="show what this computer is: the box or the standby")
     takeover = commands.add_parser("takeover", help="start the box here, with the copy")
-    for command in (follow, takeover):
-        command.add_argument("--take-address", action="store_true",
-                             help="at a takeover, also take over the box's address, for robots that were given it. "
-                                  "Needs root")
     takeover.add_argument("--anyway", action="store_true", help="also while a box is heard: robots obey both")
     takeover.add_argument("--listen", type=number(0, 60), default=4.0, metavar="SECONDS",
                           help="time to listen for a box if 'standby follow' does not run; 0: do not listen (default: "
                                "%(default)s)")
     rejoin = commands.add_parser("rejoin", help="become the standby of the box that took over from this computer")
     rejoin.add_argument("old_log_dir", metavar="OLD_LOG_DIR", help="log_dir of the box on this computer")
+    for command in (follow, rejoin):
+        command.add_argument("--automatic", type=number(0, 3600), default=0.0, metavar="SECONDS",
+                             help="take over without being asked when nothing is heard of the box for this long, at "
+                                  "least 2 s (default: 0, never)")
+        command.add_argument("--witness", metavar="ADDRESS", default="",
+                             help="with --automatic: a third computer or access point that must answer a ping")
+    for command in (follow, takeover, rejoin):
+        command.add_argument("--take-address", action="store_true",
+                             help="at a takeover, also take over the box's address, for robots that were given it. "
+                                  "Needs root")
     commands.add_parser("rehearse", help="show a takeover on this computer, with the times")
     for command in (follow, status, takeover, rejoin):
         box = "; on the box: its log_dir" if command is status else ""
         command.add_argument("--log-dir", default=LOG_DIR, metavar="DIR",
                              help=f"folder of the copy (default: %(default)s){box}")
+    code.add_argument("--log-dir", default=LOG_DIR_OF_BOX, metavar="DIR",
+                      help="log_dir of the box (default: %(default)s)")
     return parser
 
 
@@ -124,34 +142,81 @@ def _sub_parser(prog: str, **options: Any) -> Parser:
     return Parser(prog, options.pop("description", ""), **options)
 
 
+# -- pairing --------------------------------------------------------------------------------------------
+
+
+def _code(_options: argparse.Namespace, folder: str) -> int:
+    own = os.path.join(folder, FOLDER)
+    if not os.path.isdir(own) or not _is_held(os.path.join(folder, f"{FILE_NAME}.lock")):
+        raise Refused(f"no box with a standby_port runs with the log_dir {folder}. Start it with standby_port:="
+                      f"{DEFAULT_PORT}, or give its log_dir: --log-dir")
+    standing = _standing(folder)
+    if standing.is_superseded:
+        raise Refused(f"this box is superseded: pair the standby with the box at {standing.by}")
+    _check_owner(own)
+    code, standby = codes.make_code(folder), read_standby(folder)
+    port = _network_of_box(own).get("standby_port", str(DEFAULT_PORT))
+    print(f"The code is {code}, for one standby and for {codes.VALID_S / 60:.0f} minutes. Enter on the second "
+          "computer, with the address of this one:\nrosrun roah_rsbb standby follow ADDRESS --code"
+          f"{'' if port == str(DEFAULT_PORT) else f' --port {port}'}", flush=True)
+    if standby is not None:
+        print(f"That computer replaces the present standby, which is {standby.described}", flush=True)
+    return 0
+
+
+def _check_owner(folder: str) -> None:
+    """Refuse to write what the user of the box could not read."""
+    owner = os.stat(folder).st_uid
+    if owner != os.geteuid():
+        try:
+            name = pwd.getpwuid(owner).pw_name
+        except KeyError:
+            name = str(owner)
+        raise Refused(f"the box runs as user {name}, who alone can make a code: enter this command as that user")
+
+
 # -- keeping the copy -----------------------------------------------------------------------------------
 
 
 def _follow(options: argparse.Namespace, folder: str) -> int:
-    if 0.0 < options.automatic < 2.0:
-        raise Refused("--automatic: give at least 2 s, as beacons come once a second; 0: never")
+    automatic = _automatic(options)
     _check_unused(folder)  # before the pair in it is replaced
     box = read_box(folder)
     host = _address(options.box) if options.box else ""
     if options.code:
         if not host:
             raise Refused("give the address of the box, too")
-        box = pair(folder, host, options.port, options.code)
+        box = pair(folder, host, options.port, _asked_code() if options.code == ASK else options.code)
         print(f"Paired with the box at {box.host}", flush=True)
     elif box is None:
-        raise Refused("this standby is not paired: give the box's address and --code with the code in the box's log")
+        raise Refused("this standby is not paired: enter 'standby code' on the box, and here give the box's address "
+                      "and --code")
     elif read_standby(folder) is not None and not _standing(folder).is_superseded:
         raise Refused("this computer took over, and is the box. To start it again: standby takeover. To make it the "
                       "standby of another box: give that box's address and a new --code")
     elif host and (host, options.port) != (box.host, box.port):
         box = box._replace(host=host, port=options.port)
         write_box(folder, box)
+    return _keep_copy(folder, box, options.arguments, automatic, options.take_address)
+
+
+def _automatic(options: argparse.Namespace) -> Optional[Automatic]:
+    """Return when to take over without being asked; None: never. Refuses what is not possible here, before anything is
+    changed."""
+    if 0.0 < options.automatic < 2.0:
+        raise Refused("--automatic: give at least 2 s, as beacons come once a second; 0: never")
     if options.take_address and os.geteuid():
         raise Refused("--take-address needs root")
     if options.witness and not shutil.which(PING):
         raise Refused("--witness needs the program ping: install iputils-ping")
-    automatic = Automatic(options.automatic, options.witness) if options.automatic else None
-    return _keep_copy(folder, box, options.arguments, automatic, options.take_address)
+    return Automatic(options.automatic, options.witness) if options.automatic else None
+
+
+def _asked_code() -> str:
+    try:
+        return input("The code that 'standby code' shows on the box: ")
+    except EOFError:
+        raise Refused("there is no terminal to ask for the code: give --code CODE") from None
 
 
 def _address(host: str) -> str:
@@ -163,6 +228,10 @@ def _address(host: str) -> str:
                       "192.168.1.2") from None
 
 
+def _has_journal(folder: str) -> bool:
+    return bool(names_in(os.path.join(folder, FILE_NAME)))
+
+
 def _standing(folder: str) -> epochs.Standing:
     return epochs.standing_in(os.path.join(folder, FILE_NAME))
 
@@ -171,13 +240,14 @@ def _rejoin(options: argparse.Namespace, folder: str) -> int:
     old = os.path.abspath(os.path.expanduser(options.old_log_dir))
     if old == folder:
         raise Refused("OLD_LOG_DIR must not be the folder of the new copy: give another --log-dir")
+    automatic = _automatic(options)
     _check_unused(old)
     _check_unused(folder)
     _give_back_address(old)
     box = rejoin(old, folder)
     print(f"This computer is the standby of the box at {box.host} now. {old} stays as it is: 'results' shows what only "
           "it has", flush=True)
-    return _keep_copy(folder, box, options.arguments, None, False)
+    return _keep_copy(folder, box, options.arguments, automatic, options.take_address)
 
 
 def _keep_copy(
@@ -198,11 +268,19 @@ def _keep_copy(
         is_prepared = given in ([], list(arguments)) and prepared.is_for(launch_command(folder, arguments))
         return Answer(reasons, is_prepared)
 
+    def on_hand_over() -> bool:
+        try:
+            launch_command(folder, arguments)
+        except (Refused, OSError) as error:
+            _show(f"the box hands over, but: {error}")
+            return False
+        return True
+
     prepared = Prepared(lambda: launch_command(folder, arguments), Refused, _show)
     ears = Ears(box, lambda: _network(folder, arguments) if _network_of_box(folder) else {},
                 lambda: _standing(folder).epoch, automatic,
                 lambda: take_over(f"Nothing was heard of the box for {automatic.silence_s:g} s: taking over"), _show)
-    end = StandbyEnd(folder, box, _show, ears.heard, _network(folder, arguments)["bind_host"])
+    end = StandbyEnd(folder, box, _show, ears.heard, _network(folder, arguments)["bind_host"], on_hand_over)
     for number_ in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number_, lambda *_: threading.Thread(target=end.end).start())
     with contextlib.ExitStack() as cleanup:
@@ -217,6 +295,9 @@ def _keep_copy(
             end.run()
         finally:
             ears.end()
+        if end.was_handed_over:
+            taking_over.append(
+                f"The core of the box at {box.host} does not answer, and its computer hands over: taking over")
         if not taking_over:
             return 0
         print(taking_over[0], flush=True)
@@ -267,14 +348,15 @@ def _locked(folder: str) -> Iterator[TextIO]:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise Refused(f"another program keeps the copy in {folder}: end it first") from None
-        file.truncate(0)
-        file.write(f"{os.getpid()}\n")
-        file.flush()
+        with contextlib.suppress(OSError):  # a standby whose disk is full is one, too
+            os.truncate(file.fileno(), 0)
+            os.write(file.fileno(), f"{os.getpid()}\n".encode("ascii"))
         yield file
 
 
 def _show(state: str) -> None:
-    print(f"{time.strftime('%H:%M:%S')} {state or 'The copy is kept'}", flush=True)
+    with contextlib.suppress(OSError):  # the output may be a file on a full disk
+        print(f"{time.strftime('%H:%M:%S')} {state or 'The copy is kept'}", flush=True)
 
 
 # -- status ---------------------------------------------------------------------------------------------
@@ -283,20 +365,29 @@ def _show(state: str) -> None:
 def status(folder: str) -> Iterator[str]:
     """Show what this computer is; yields sentences."""
     box, standby = read_box(folder), read_standby(folder)
-    if not os.path.exists(os.path.join(folder, FILE_NAME)) and box is None:
+    if not _has_journal(folder) and box is None:
         raise Refused(f"{folder} is neither the log_dir of a box nor the folder of a copy: give another --log-dir")
     standing = _standing(folder)
     if standby is not None or box is None:
         yield from _status_of_box(standby, standing)
-        network = os.path.join(folder, FOLDER) if box is None else folder
     else:
         yield from _status_of_standby(folder, box)
-        network = folder
     yield f"Epoch {standing.epoch}"
-    if _network_of_box(network).get("sync_standby") == "true":
-        yield "Scores and sign-offs are confirmed when the standby has them, too (sync_standby is on)"
-    else:
-        yield "Scores and sign-offs are confirmed without waiting for the standby (sync_standby is off)"
+    yield _durable_of(folder)
+
+
+def _durable_of(folder: str) -> str:
+    """Say what the schedule in force demands."""
+    kept = in_force.read_in_force(folder)
+    text = None if kept is None else kept.versions[kept.present].texts[1]
+    if text is None:
+        return "What 'durable' is set to is not known here"
+    with tempfile.NamedTemporaryFile("w", encoding="utf-8", suffix=".yaml") as file:
+        file.write(text)
+        file.flush()
+        if durable_in(file.name) is Durable.TWO:
+            return "Scores and sign-offs are confirmed when the standby has them, too (durable: two)"
+    return "Scores and sign-offs are confirmed without waiting for the standby (durable: one)"
 
 
 def _status_of_box(standby: Optional[PairedStandby], standing: epochs.Standing) -> Iterator[str]:
@@ -307,6 +398,9 @@ def _status_of_box(standby: Optional[PairedStandby], standing: epochs.Standing) 
     else:
         yield f"The standby of this box is {standby.name}" + (
             f", last connected from {standby.host}" if standby.host else ", which was never connected")
+        if standby.replaced:
+            paired = datetime.datetime.fromtimestamp(standby.paired_utc, datetime.timezone.utc)
+            yield f"It was paired on {paired:%Y-%m-%d at %H:%M:%S} UTC, and replaced {standby.replaced}"
 
 
 def _status_of_standby(folder: str, box: PairedBox) -> Iterator[str]:
@@ -314,7 +408,7 @@ def _status_of_standby(folder: str, box: PairedBox) -> Iterator[str]:
     yield f"This computer is the standby of the box at {box.host}, which {answer}"
     is_kept = _is_held(os.path.join(folder, LOCK))
     yield "The copy is kept" if is_kept else "The copy is not kept: start 'standby follow'"
-    if os.path.exists(os.path.join(folder, FILE_NAME)):
+    if _has_journal(folder):
         yield last_moment(folder)
 
 
@@ -384,16 +478,21 @@ def _not_heard(folder: str, box: PairedBox) -> str:
 def _become_box(folder: str, box: Optional[PairedBox], arguments: Sequence[str]) -> Tuple[List[str], List[str]]:
     """Make this computer the box, with a higher epoch than the box before. Returns the command that starts the box, and
     what was printed. A box that is prepared begins when this returns."""
+    if not durable.has_space(folder):
+        raise Refused(f"the disk is full: free space for {folder}, and take over again")
     command = launch_command(folder, arguments)
     lines = [last_moment(folder)]
+    if drop_drafts(folder):
+        lines.append("The disk of this computer failed to save a part of the copy, which was not written again yet: "
+                     "compare the results with the referees' notes")
     standing = _standing(folder)
     is_box = read_standby(folder) is not None  # this computer took over before, and starts again
     if not is_box or standing.is_superseded:
         standing = epochs.raise_epoch(os.path.join(folder, FILE_NAME), time.time(), socket.gethostname())
     if box is not None and not is_box:
         # The box before can become the standby of this one.
-        write_standby(folder, PairedStandby(f"the box before, at {box.host}", hashed(rejoin_key(hashed(box.key))),
-                                            box.host, box.port))
+        write_standby(folder, PairedStandby("the box before", hashed(rejoin_key(hashed(box.key))), box.host, box.port,
+                                            is_awaited=True))
     if set_aside_damaged_box(folder):
         lines.append("The key of the box before is damaged, so that box does not stop when it hears this one. Make "
                      "sure that it is off")
@@ -436,7 +535,7 @@ def why_not(folder: str, network: Dict[str, str], listen_s: float) -> List[str]:
 
 def launch_command(folder: str, arguments: Sequence[str]) -> List[str]:
     """Return the command that starts the box with the copy; writes its files. Raises `Refused` or OSError."""
-    if not os.path.exists(os.path.join(folder, FILE_NAME)):
+    if not _has_journal(folder):
         raise Refused(f"there is no copy in {folder}: 'standby follow' has not been connected to the box yet")
     given = {argument.partition(":=")[0] for argument in arguments}
     # A box that hears the one before must not give up: that one stops.
@@ -527,12 +626,8 @@ def _holder(path: str) -> int:
 
 def last_moment(folder: str) -> str:
     """Return what the newest entry of the copy is, as a sentence. A box without runs adds none."""
-    with contextlib.closing(sqlite3.connect(os.path.join(folder, FILE_NAME))) as connection:
-        (utc,) = connection.execute(
-            "SELECT max(utc) FROM (SELECT max(utc) AS utc FROM sessions UNION ALL"
-            " SELECT utc FROM (SELECT utc FROM entries ORDER BY id DESC LIMIT 1) UNION ALL"
-            " SELECT utc FROM (SELECT utc FROM links ORDER BY rowid DESC LIMIT 1))").fetchone()
-    if utc is None:
+    utc = open_journal(os.path.join(folder, FILE_NAME)).contents.utc
+    if not utc:
         return "The copy is empty"
     moment = datetime.datetime.fromtimestamp(utc, datetime.timezone.utc)
     return f"The newest entry of the copy is from {moment:%H:%M:%S} UTC, {max(0.0, time.time() - utc):.0f} s ago"
@@ -564,16 +659,17 @@ def _options(words: Sequence[str]) -> argparse.Namespace:
 
 def main() -> None:
     """Run the program."""
+    durable.close_to_others()
     options = _options(sys.argv[1:])
     if options.command == "rehearse":
         sys.exit(_rehearse())
     folder = os.path.abspath(os.path.expanduser(options.log_dir))
     try:
-        if options.command != "status":
-            os.makedirs(folder, mode=0o700, exist_ok=True)
-        act = {"follow": _follow, "status": _status, "takeover": _takeover, "rejoin": _rejoin}[options.command]
-        sys.exit(act(options, folder))
-    except (Refused, CannotPair, Lost, OSError, sqlite3.Error) as error:
+        if options.command not in ("status", "code"):
+            os.makedirs(folder, exist_ok=True)
+        acts = {"code": _code, "follow": _follow, "status": _status, "takeover": _takeover, "rejoin": _rejoin}
+        sys.exit(acts[options.command](options, folder))
+    except (Refused, CannotPair, Lost, OSError, NewerFormat) as error:
         for line in str(error).splitlines():
             print(f"{PROGRAM}: {line}", file=sys.stderr)
         sys.exit(1)

@@ -120,7 +120,9 @@ def _rehearse(folder: str, cleanup: contextlib.ExitStack, ports: Ports) -> Itera
 
     yield "The box starts, with a standby and a robot"
     first = box()
-    _, code = first.wait("with the code ([A-Z0-9-]+)")
+    for ready in ("For a code, enter", "Listening on UDP"):
+        first.wait(ready)
+    _, code = start("rosrun", "roah_rsbb", "standby", "code", "--log-dir", log_dir).wait("The code is ([A-Z0-9-]+)")
     follower = start("rosrun", "roah_rsbb", "standby", "follow", BOX, "--port", str(ports.standby), "--code", code,
                      "--log-dir", copy, f"bind_host:={STANDBY}", *_WITHOUT, master=ports.standby_master)
     follower.wait("The copy is kept")

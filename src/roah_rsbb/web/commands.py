@@ -8,11 +8,13 @@ MAX_TEXT = 500
 _MAX_WHOLE = 2**31 - 1
 
 # The commands of a run in progress, which the core knows by the same names.
-PLAIN = ("connect", "start", "previous", "next", "pause", "resume", "next_phase", "previous_phase", "open_sheet",
-         "no_show", "withdrawn", "confirm_switches")
+PLAIN = ("connect", "start", "previous", "next", "pause", "resume", "next_phase", "previous_phase", "confirm_switches")
+# Those that hit one team, which they name.
+OF_TEAM = ("open_sheet", "no_show", "withdrawn")
 # Each command, and the type of each of its fields.
 FIELDS: Dict[str, Dict[str, type]] = {
     **{name: {} for name in PLAIN},
+    **{name: {"team": str, "event": str} for name in OF_TEAM},
     "connect_robot": {"robot": str},
     "stop": {"identity": str},
     "leave": {"identity": str},
@@ -62,6 +64,7 @@ class Outcome(NamedTuple):
 
     reasons: Tuple[str, ...] = ()  # why it was refused; empty: it was carried out
     is_known: bool = True  # false: there was no answer, so it may have been carried out
+    is_confirmed: bool = True  # false: it was carried out, but the standby does not have it; `reasons` say why
     result: Optional[Dict[str, Any]] = None
 
 

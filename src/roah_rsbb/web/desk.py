@@ -3,6 +3,7 @@
 Documents are made only for zones and languages that a connected device shows.
 """
 
+import functools
 from typing import Any, Dict, Iterable, List, Optional, Set
 
 from roah_rsbb.web import documents, zone_documents
@@ -11,6 +12,9 @@ from roah_rsbb.web.store import Store
 from roah_rsbb.wording import team_page
 
 ZONE, CLOCK, ZONES = "page.zone", "page.clock", "page.zones"
+# What STOP needs, without a text: of a zone, or with "" of all zones.
+STOP = "page.stop"
+NO_STOP: Key = (STOP,)  # of devices that may stop nothing
 
 
 class Desk(Numbered):
@@ -28,6 +32,7 @@ class Desk(Numbered):
         self._runs: List[Any] = []
         self._judgings: List[Any] = []
         self._shown: Set[Key] = set()  # pairs of language and zone
+        self._put(NO_STOP, zone_documents.stop_page([], False))
 
     # -- from the core --------------------------------------------------------------------------------
 
@@ -48,7 +53,13 @@ class Desk(Numbered):
         self._clocks = clocks
 
     def on_details(self, details) -> None:
-        """Take CoreDetails."""
+        """Take CoreDetails. What STOP needs is made first. A device of a zone that is gone has nothing to stop."""
+        self._make_one((STOP, ""), lambda: zone_documents.stop_page(details.zones, True))
+        for zone in details.zones:
+            self._make_one((STOP, zone.zone), functools.partial(zone_documents.stop_page, [zone], False))
+        names = {zone.zone for zone in details.zones}
+        for key in [key for key in self._documents if key[0] == STOP and key[1:] and key[1] not in ("", *names)]:
+            self._make_one(key, lambda: zone_documents.stop_page([], False))
         self._details = details
 
     def on_gui(self, mono: float, gui) -> None:
@@ -108,19 +119,16 @@ class Desk(Numbered):
         details_of: Dict[str, Any] = {one.zone: one for one in details.zones}
         zone = next((one for one in gui.zones if one.zone == zone_name), None)
         with self._store.speaking(language):
-            self._put((ZONES, language), zone_documents.zones_page(gui.zones, details_of))
+            self._make_one((ZONES, language), lambda: zone_documents.zones_page(gui.zones, details_of))
+            if zone is None and zone_name not in details_of:  # it is gone
+                self._put((ZONE, language, zone_name), None)
+                self._put((CLOCK, language, zone_name), None)
             if zone is None or zone_name not in details_of:
                 return
-            clock = self._clock_of(zone_name, details_of[zone_name].identity)
-            page = zone_documents.zone_page(
-                zone, details_of[zone_name], details.warnings, clock, self._runs, self._judgings,
-                gui.clock.to_sec())
-            self._put((ZONE, language, zone_name), page)
-            if clock is not None:
+            of_zone = details_of[zone_name]
+            clock = next((one for one in (self._clocks.zones if self._clocks else ()) if one.zone == zone_name), None)
+            self._make_one((ZONE, language, zone_name), lambda: zone_documents.zone_page(
+                zone, of_zone, details.warnings, clock, self._runs, self._judgings, gui.clock.to_sec()))
+            if clock is not None and clock.identity == of_zone.identity:  # else that of this run has not come yet
                 passed_s = gui.clock.to_sec() - self._clocks.clock.to_sec()
-                self._put((CLOCK, language, zone_name), zone_documents.clock_page(clock, passed_s))
-
-    def _clock_of(self, zone: str, identity: str) -> Optional[Any]:
-        """Return the RunClock of a zone; None: that of this run has not come yet."""
-        clocks = () if self._clocks is None else self._clocks.zones
-        return next((one for one in clocks if one.zone == zone and one.identity == identity), None)
+                self._make_one((CLOCK, language, zone_name), lambda: zone_documents.clock_page(clock, passed_s))

@@ -30,6 +30,7 @@ class Reader(Guarded, websocket.WebSocketHandler):
     """The connection of a reader. Its kinds say who may open it, and what is sent."""
 
     session_id = ""  # of a paired device
+    key: Optional[Key] = None  # language and zone of what a paired device shows
 
     def initialize(self, server: Any) -> None:
         self._server = server

@@ -13,6 +13,10 @@ REQUESTS_AT_ONCE = 1000.0
 MAX_ADDRESSES = 4096
 # Pages and programs that watch at the same time.
 MAX_VIEWERS = 400
+# Connections that wait for a request, or for the end of one. A browser opens up to six.
+MAX_CONNECTIONS = 200
+# Addresses of paired devices.
+MAX_KNOWN = 256
 
 
 def own_names(further: Iterable[str] = ()) -> FrozenSet[str]:
@@ -81,6 +85,9 @@ class Places(Generic[T]):
     def __len__(self) -> int:
         return len(self._viewers)
 
+    def __contains__(self, viewer: object) -> bool:
+        return viewer in self._viewers
+
     def add(self, viewer: T, address: str) -> None:
         """Give a viewer a place."""
         self._viewers[viewer] = address
@@ -99,3 +106,35 @@ class Places(Generic[T]):
         addresses: List[str] = list(self._viewers.values())
         crowded = collections.Counter(addresses).most_common(1)[0][0]
         return next(viewer for viewer, address in self._viewers.items() if address == crowded)
+
+
+class Connections(Generic[T]):
+    """The places of connections. Those from addresses of paired devices have places of their own, so that no number of
+    other computers can keep a referee out."""
+
+    def __init__(self, close: Callable[[T], None]) -> None:
+        """`close` ends a connection that loses its place."""
+        self._places: Dict[bool, Places[T]] = {of_device: Places(close, MAX_CONNECTIONS) for of_device in (False, True)}
+        self._known: collections.OrderedDict[str, None] = collections.OrderedDict()  # oldest first
+
+    def __iter__(self):
+        return iter([*self._places[False], *self._places[True]])
+
+    def add(self, connection: T, address: str) -> None:
+        """Give a connection a place."""
+        self._places[address in self._known].add(connection, address)
+
+    def remove(self, connection: T) -> None:
+        """Free the place of a connection; has no effect if it has none."""
+        for places in self._places.values():
+            places.remove(connection)
+
+    def know(self, connection: Optional[T], address: str) -> None:
+        """Note that a paired device is at this address, and what it uses at the moment."""
+        self._known[address] = None
+        self._known.move_to_end(address)
+        if len(self._known) > MAX_KNOWN:
+            self._known.popitem(last=False)
+        if connection in self._places[False]:
+            self._places[False].remove(connection)
+            self._places[True].add(connection, address)

@@ -5,8 +5,9 @@ the one before and so notices changes that it missed. A document is always compl
 """
 
 import json
+import logging
 import uuid
-from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.box_clock import BoxClock
 
@@ -14,6 +15,19 @@ from roah_rsbb.box_clock import BoxClock
 Key = Tuple[str, ...]
 # Messages that were made at one moment. Readers of the same documents share them.
 Made = Dict[Tuple[Any, ...], str]
+
+
+_log = logging.getLogger("rosout")  # of the node
+_reported: Set[str] = set()
+MAX_REPORTED = 100
+
+
+def report_once(what: str, error: Exception) -> None:
+    """Log a fault that must not end what feeds the other readers. Each distinct one is logged once."""
+    text = f"{what} ({type(error).__name__}: {error})"
+    if text not in _reported and len(_reported) < MAX_REPORTED:
+        _reported.add(text)
+        _log.error("%s. STOP and all other readers continue. Please report it", text, exc_info=error)
 
 
 class Document(NamedTuple):
@@ -85,6 +99,14 @@ class Numbered:
         """Forget a document that nobody reads any more."""
         self._documents.pop(key, None)
         self._pieces.pop(key, None)
+
+    def _make_one(self, key: Key, make: Callable[[], Any]) -> None:
+        """Make a document. If this fails, it is null until the next update, and no other document misses anything."""
+        try:
+            self._put(key, make())
+        except Exception as error:  # whatever a message or a translation does
+            report_once(f"Document {' '.join(key)} of the web pages cannot be made", error)
+            self._put(key, None)
 
     def _put(self, key: Key, data: Any) -> None:
         text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))

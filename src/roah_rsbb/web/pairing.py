@@ -21,9 +21,10 @@ SIGNS = "ABCDEFGHJKMNPQRSTUVWXYZ23456789"
 CODE_LENGTH = 8
 MAX_CODES = 20
 
-# Guesses of an address, and of all addresses together.
+# Guesses of an address. All addresses together have no limit: with one, some computers could keep all referees from
+# pairing. A gateway answers some 1000 requests a second. Of a code that is valid for two minutes, they are a share of
+# 1 in 7 million.
 GUESSES_AT_ONCE, GUESSES_A_SECOND = 10.0, 0.1
-ALL_GUESSES_AT_ONCE, ALL_GUESSES_A_SECOND = 100.0, 2.0
 
 TOKEN_BYTES = 32
 # Longer than a competition.
@@ -69,23 +70,21 @@ class Session(NamedTuple):
 
 
 class Guesses:
-    """Limits guesses of codes."""
+    """Limits the guesses of codes of each address."""
 
     def __init__(self, message: str) -> None:
         """`message`: what somebody reads who guesses too often."""
         self._message = message
         self._of_address = Rates(GUESSES_A_SECOND, GUESSES_AT_ONCE)
-        self._of_all = Rates(ALL_GUESSES_A_SECOND, ALL_GUESSES_AT_ONCE)
 
     def check(self, mono: float, address: str) -> None:
         """Count a guess; raises `TooManyGuesses`."""
-        if not self._of_address.allows(mono, address) or not self._of_all.allows(mono, ""):
+        if not self._of_address.allows(mono, address):
             raise TooManyGuesses(tr(self._message))
 
     def was_right(self, address: str) -> None:
         """Do not count the last guess: many devices may be paired at once, behind one address."""
         self._of_address.give_back(address)
-        self._of_all.give_back("")
 
 
 class Codes:

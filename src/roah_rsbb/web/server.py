@@ -23,20 +23,20 @@ from roah_rsbb.web.documents import DATA
 from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.guarded import Guarded, policy
 from roah_rsbb.web.limits import Places, Rates
-from roah_rsbb.web.numbered import Made
+from roah_rsbb.web.numbered import Made, report_once
 from roah_rsbb.web.pairing import Codes, Guesses, Session, Sessions
 from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind, set_headers
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.teams.codes import TeamCodes
 from roah_rsbb.web.teams.requests import CODE, CodesHandler, TeamHandler
 from roah_rsbb.web.tls import EncryptedServer
-from roah_rsbb.web.writing import CommandHandler, DeviceEventsHandler, PairHandler, SessionHandler
+from roah_rsbb.web.writing import CommandHandler, DeviceEventsHandler, PairHandler, SessionHandler, StopEventsHandler
 from roah_rsbb.wording.device import TOO_MANY_TEAM_GUESSES
 
 PAGES = ("display", "overlay", "pair", "referee", "displays", "codes")
 # A device that scores makes some requests a second. A crowd behind the same address has other limits.
 REQUESTS_OF_DEVICE_A_SECOND, REQUESTS_OF_DEVICE_AT_ONCE = 20.0, 100.0
-MAX_DEVICES = 200
+MAX_DEVICES = 400  # connections: each has one for STOP alone
 # Why a WebSocket is closed.
 NOT_PAIRED = 4401
 # A team's page asks more often. The state of robots comes ten times a second: nobody else needs it here.
@@ -105,6 +105,7 @@ class WebServer:
                 (r"/api/v1/session", SessionHandler, shared),
                 (r"/api/v1/commands/([a-z_]+)", CommandHandler, shared),
                 (r"/api/v1/device", DeviceEventsHandler, shared),
+                (r"/api/v1/stop", StopEventsHandler, shared),
                 (r"/api/v1/displays", DisplaysHandler, shared),
                 (r"/api/v1/codes", CodesHandler, shared),
                 (r"/logos/([^/]+)", LogoHandler, shared),
@@ -145,10 +146,16 @@ class WebServer:
 
     def publish(self) -> None:
         """Send what has changed to all readers, first to those who act on it."""
-        now = self.now()
+        self._to_each(lambda viewer, made: viewer.send_next(self.now(), made))
+
+    def _to_each(self, send: Callable[[Reader, Made], None]) -> None:
+        """Send something to all readers. A fault of one costs it one message: it notices, and begins again."""
         made: Made = {}
         for viewer in (*self.devices, *self.viewers):
-            viewer.send_next(now, made)
+            try:
+                send(viewer, made)
+            except Exception as error:
+                report_once("A reader of the web pages misses a message", error)
 
     def now(self) -> float:
         """Return the monotonic time in seconds."""
@@ -174,7 +181,7 @@ class WebServer:
 
     def devices_changed(self) -> None:
         """Make documents only for what devices show."""
-        self.desk.show(device.key for device in self.devices)
+        self.desk.show(device.key for device in self.devices if device.key is not None)
         self._want_devices()
 
     def team_asked(self) -> None:
@@ -232,6 +239,10 @@ class WebServer:
         """Note that a connection became a reader, because readers have their own limit."""
         self._http.keep(stream)
 
+    def know(self, stream: Any, address: str) -> None:
+        """Note that a connection is that of a paired device."""
+        self._http.know(stream, address)
+
     def _look(self) -> None:
         """Send the clock each second, and at once when the core falls silent or is heard again."""
         self._timer = self._loop.call_later(LOOK_S, self._look)
@@ -243,9 +254,7 @@ class WebServer:
             return
         self._was_heard, self._beat_due_mono = is_heard, now + BEAT_S
         self._close_unpaired()
-        made: Made = {}
-        for viewer in (*self.devices, *self.viewers):
-            viewer.beat(now, made)
+        self._to_each(lambda viewer, made: viewer.beat(now, made))
 
 
 async def _no_answer(_command: Command) -> Outcome:

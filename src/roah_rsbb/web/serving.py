@@ -10,9 +10,9 @@ from typing import Any, Dict, List, Optional
 
 from tornado import httpserver, iostream, netutil, web
 
+from roah_rsbb.web.limits import Connections
+
 ANY_HOST = "0.0.0.0"
-# A browser opens up to six at once. Connections that were kept are not counted.
-MAX_CONNECTIONS = 200
 MAX_MESSAGE_BYTES = 1024
 # An objection of 300 characters, in any script, and who objects.
 _MAX_BODY_BYTES = 4 * 1024
@@ -28,7 +28,8 @@ class ServeError(OSError):
 
 
 class BoundedServer(httpserver.HTTPServer):
-    """Serves a limited number of connections. If there are too many, the oldest one that was not kept is closed.
+    """Serves a limited number of connections. If there are too many, the address with the most loses its oldest one
+    that was not kept.
 
     Otherwise slow connections would use up all file descriptors of the process, and no browser could connect.
     """
@@ -36,20 +37,24 @@ class BoundedServer(httpserver.HTTPServer):
     def initialize(self, *args: Any, **options: Any) -> None:
         super().initialize(*args, max_body_size=_MAX_BODY_BYTES, max_header_size=_MAX_HEADER_BYTES,
                            idle_connection_timeout=IDLE_S, body_timeout=IDLE_S, **options)
-        self._waiting: Dict[iostream.IOStream, None] = {}  # oldest first
+        self._waiting: Connections[iostream.IOStream] = Connections(lambda stream: stream.close())
 
     def handle_stream(self, stream: iostream.IOStream, address: Any) -> Any:
         """Accept a connection."""
-        self._waiting[stream] = None
-        if len(self._waiting) > MAX_CONNECTIONS:
-            next(iter(self._waiting)).close()
         # Tornado sets its own callback for connections that it serves.
-        self._waiting = {waiting: None for waiting in self._waiting if not waiting.closed()}
+        for waiting in self._waiting:
+            if waiting.closed():
+                self._waiting.remove(waiting)
+        self._waiting.add(stream, address[0])
         return super().handle_stream(stream, address)
 
     def keep(self, stream: Optional[iostream.IOStream]) -> None:
         """Stop counting a connection, such as one of a page that is open: pages have their own limit."""
-        self._waiting.pop(stream, None)
+        self._waiting.remove(stream)
+
+    def know(self, stream: Optional[iostream.IOStream], address: str) -> None:
+        """Note that a connection is that of a paired device. Connections from its address have reserved places."""
+        self._waiting.know(stream, address)
 
 
 def bind(host: str, port: int, what: str, name: str) -> List[socket.socket]:

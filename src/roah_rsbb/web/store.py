@@ -16,7 +16,7 @@ ENGLISH = "en"
 class Store(Numbered):
     """The documents of the gateway."""
 
-    SILENT_S = 2.0  # the core publishes for the public twice a second
+    SILENT_S = 1.5  # the core publishes for the public twice a second
 
     def __init__(self, languages: Dict[str, Translate], title: str = "", session: str = "",
                  logos: Optional[Dict[str, str]] = None) -> None:
@@ -139,7 +139,7 @@ class Store(Numbered):
         }
         for name in names:
             if name in makers:
-                self._put((name, ""), makers[name]())
+                self._make_one((name, ""), makers[name])
         for language in self._shown:
             self._make_texts(language, names)
 
@@ -160,7 +160,7 @@ class Store(Numbered):
         with self.speaking(language):
             for name in names:
                 if name in makers:
-                    self._put((name, language), makers[name]())
+                    self._make_one((name, language), makers[name])
 
 
 def _zones(details) -> Set[str]:

@@ -4,11 +4,12 @@ import asyncio
 import contextlib
 import socket
 import ssl
-from typing import Any, Dict
+from typing import Any, Dict, Optional
 
 from tornado import httpserver, iostream
 
-from roah_rsbb.web.serving import IDLE_S, MAX_CONNECTIONS, BoundedServer
+from roah_rsbb.web.limits import Connections
+from roah_rsbb.web.serving import IDLE_S, BoundedServer
 
 # The first byte of a connection with TLS: a handshake record.
 _HANDSHAKE = b"\x16"
@@ -22,7 +23,8 @@ class EncryptedServer(BoundedServer):
         super().initialize(*args, **options)
         self._context = context
         self._plain = plain
-        self._silent: Dict[socket.socket, asyncio.TimerHandle] = {}  # connections that sent nothing yet, oldest first
+        self._silent: Dict[socket.socket, asyncio.TimerHandle] = {}  # connections that sent nothing yet
+        self._silent_places: Connections[socket.socket] = Connections(self._drop)
 
     def stop(self) -> None:
         """Stop listening, and close the connections that sent nothing yet."""
@@ -35,8 +37,12 @@ class EncryptedServer(BoundedServer):
         loop = asyncio.get_event_loop()
         self._silent[connection] = loop.call_later(IDLE_S, self._drop, connection)
         loop.add_reader(connection, self._on_first_byte, connection, address)
-        if len(self._silent) > MAX_CONNECTIONS:
-            self._drop(next(iter(self._silent)))
+        self._silent_places.add(connection, address[0])
+
+    def know(self, stream: Optional[iostream.IOStream], address: str) -> None:
+        """As `BoundedServer.know`."""
+        super().know(stream, address)
+        self._silent_places.know(None, address)
 
     def _drop(self, connection: socket.socket) -> None:
         self._forget(connection)
@@ -44,6 +50,7 @@ class EncryptedServer(BoundedServer):
 
     def _forget(self, connection: socket.socket) -> None:
         self._silent.pop(connection).cancel()
+        self._silent_places.remove(connection)
         asyncio.get_event_loop().remove_reader(connection)
 
     def _on_first_byte(self, connection: socket.socket, address: Any) -> None:

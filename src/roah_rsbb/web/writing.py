@@ -13,6 +13,8 @@ from urllib.parse import urlsplit
 from tornado import web
 
 from roah_rsbb.web.commands import JUDGING, SHEET, BadCommand, Command, command_of, may
+from roah_rsbb.web.commands import STOP as STOP_COMMAND
+from roah_rsbb.web.desk import NO_STOP, STOP
 from roah_rsbb.web.events import Reader
 from roah_rsbb.web.guarded import TOO_MANY_REQUESTS, Guarded
 from roah_rsbb.web.pairing import JUDGE, ORGANISER, SESSION_VALID_S, Refused, Session, TooManyGuesses, plain
@@ -49,7 +51,10 @@ class OfDevice(Guarded):
     def session(self) -> Optional[Session]:
         """Return the session of the device; None: it is not paired."""
         token = self.get_cookie(self.cookie)
-        return None if not token else self._server.sessions.of(self._server.utc(), token, self.is_encrypted)
+        session = None if not token else self._server.sessions.of(self._server.utc(), token, self.is_encrypted)
+        if session is not None:
+            self._server.know(getattr(self.request.connection, "stream", None), self.request.remote_ip or "")
+        return session
 
     @property
     def is_encrypted(self) -> bool:
@@ -186,10 +191,15 @@ class SessionHandler(FromOwnPage):
 class CommandHandler(FromOwnPage):
     """Takes a command of a paired device."""
 
+    def is_allowed(self) -> bool:
+        """A STOP of a paired device is never one request too many: a frightened person presses often."""
+        return (self.path_args == [STOP_COMMAND] and self.session() is not None) or super().is_allowed()
+
     async def post(self, name: str) -> None:
         """Carry it out, and answer with the outcome.
 
-        200: it was carried out. 409: it was refused, and why. 504: there was no answer, so it may have been.
+        200: it was carried out. 202: so it was, but the standby does not have it yet, and why. 409: it was refused, and
+        why. 504: there was no answer, so it may have been.
         """
         session = self.needed_session()
         try:
@@ -208,7 +218,7 @@ class CommandHandler(FromOwnPage):
             if not outcome.is_known:
                 self.refuse(504, *reasons or [tr(device.NO_ANSWER)])
             elif reasons:
-                self.refuse(409, *reasons)
+                self.refuse(409 if outcome.is_confirmed else 202, *reasons)
             else:
                 self.finish(_shown(command, outcome.result or {}))
 
@@ -254,6 +264,17 @@ class DeviceEventsHandler(OfDevice, Reader):
     def on_close(self) -> None:
         """Free the place."""
         super().on_close()
+        self._server.devices_changed()
+
+
+class StopEventsHandler(DeviceEventsHandler):
+    """A second connection of a paired device, for what its STOP needs: no other document can disturb it."""
+
+    def open(self, *_args: str, **_kwargs: str) -> None:
+        """Send the snapshot."""
+        grant = self.needed_session().grant
+        key = NO_STOP if grant.role == JUDGE else (STOP, grant.zone)
+        self.start(Viewer(self._server.desk, [key]))
         self._server.devices_changed()
 
 

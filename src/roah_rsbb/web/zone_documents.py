@@ -6,8 +6,9 @@ The functions work on anything with the fields of the messages. Texts are in the
 from typing import Any, Dict, Iterable, List, Optional
 
 from roah_rsbb.web.documents import Data
-from roah_rsbb.wording import judging, sheets, todo
+from roah_rsbb.wording import judging, sheets, stop, todo
 from roah_rsbb.wording.clock import Figure, clock_of
+from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.sent import tr_sent
 from roah_rsbb.wording.times import Moments
 
@@ -28,13 +29,16 @@ def zone_page(
 ) -> Data:
     """Return everything about a zone but its running times.
 
-    `zone`: ZoneState; `details`: ZoneDetails; `clock`: RunClock of the same run, or None; `runs`: RunSummary of all;
+    `zone`: ZoneState; `details`: ZoneDetails; `clock`: RunClock of the zone, or None; `runs`: RunSummary of all;
     `judgings`: Judging of all.
     """
     unsigned = _unsigned(runs, judgings, zone.zone)
     task = todo.todo(zone, details)
     reasons = [*details.connect_off, *details.start_off]  # the page shows them beside the commands
     lines = [line for line in zone.state.split("\n") if line and line not in reasons]
+    # Those of the zone first: a robot may be moving. The one that says what to do now is not repeated.
+    warnings = [tr_sent(text) for text in (
+        *(line[len(todo.WARNING):] for line in lines if line.startswith(todo.WARNING)), *box_warnings)]
     mark = _MARKS.get(details.phase, "–")
     moments = Moments(False)
     return {
@@ -44,14 +48,15 @@ def zone_page(
         "phase_text": f"{mark} {sheets.phase(details.phase, details.end_reason)}",
         "title": f"{zone.code}  {zone.desc}",
         "team": zone.team,
+        "event_id": details.event,
         "event": f"{zone.schedule.to_sec():.0f}/{zone.team}/{zone.round}/{zone.run}",
         "facts": f"{sheets.turn(zone.round, zone.run)} · {moments.scheduled(zone.schedule.to_sec(), utc_s)}",
         "robot": details.robot,
         "by_hand": details.by_hand,
         "todo": task.text,
         "is_urgent": bool(task.urgency >= todo.Urgency.LOOK),
-        "warnings": [tr_sent(text) for text in box_warnings] + [
-            tr_sent(line[len(todo.WARNING):]) for line in lines if line.startswith(todo.WARNING)],
+        "leaving": stop.leaving(details),
+        "warnings": [text for text in warnings if text != task.text],
         "state": [tr_sent(line) for line in lines if not line.startswith(todo.WARNING)],
         "off": {name: [tr_sent(reason) for reason in getattr(details, field)] for name, field in OFF_FIELDS.items()},
         "has_pause": bool(details.pause_allowed),
@@ -80,9 +85,19 @@ def clock_page(message, passed_s: float) -> Data:
 
 
 def zones_page(zones: Iterable[Any], details: Dict[str, Any]) -> List[Data]:
-    """Return all zones with their phases."""
-    return [{"zone": zone.zone, "team": zone.team, "phase": sheets.phase(details[zone.zone].phase)}
-            for zone in zones if zone.zone in details]
+    """Return all zones with their phases, and what each needs of its referee."""
+    known = [(zone, details[zone.zone]) for zone in zones if zone.zone in details]
+    return [{"zone": zone.zone, "team": zone.team, "phase": sheets.phase(of_zone.phase), "todo": task.text,
+             "is_urgent": bool(task.urgency >= todo.Urgency.LOOK)}
+            for zone, of_zone in known for task in [todo.todo(zone, of_zone)]]
+
+
+def stop_page(zones: Iterable[Any], has_all: bool) -> Data:
+    """Return what STOP of a device needs, without a text. `zones`: ZoneDetails of those that it may stop; `has_all`:
+    these are all zones."""
+    return {"all": has_all, "zones": [
+        {"zone": zone.zone, "identity": zone.identity, "running": len(zone.stop_off) == 0,
+         "by_hand": bool(zone.by_hand), "not_stopped": len(zone.not_stopped) > 0} for zone in zones]}
 
 
 def _figure(figure: Figure) -> Data:
@@ -118,7 +133,9 @@ def _run(run, moments: Moments, utc_s: float) -> Data:
     name = sheets.run_name(run.code, run.team, run.round, run.run)
     when = moments.scheduled(run.opened.to_sec(), utc_s)
     return {"identity": run.identity, "revision": run.revision, "title": f"{when}  {name}",
-            "end": sheets.run_state(run.started.to_sec(), run.closed.to_sec(), run.end_reason), "score": run.score}
+            "end": with_counting(
+                sheets.run_state(run.started.to_sec(), run.closed.to_sec(), run.end_reason), run.counts),
+            "score": run.score}
 
 
 # -- several judges ---------------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 from typing import Dict
 
-from roah_rsbb.wording import judging
+from roah_rsbb.wording import judging, stop
 from roah_rsbb.wording.language import tr, tr_later
 
 # The roles of devices, by the names in the ROS interface.
@@ -80,20 +80,31 @@ def page_words() -> Dict[str, str]:
         "show_standings": tr("the standings"), "show_schedule": tr("the schedule"), "show_results": tr("the results"),
         "not_paired": tr("This device is not paired"),
         "zone": tr("Zone"),
-        "offline": tr("NO LINK TO THE BOX since {time}. This is its last known state", time="{time}"),
-        "offline_now": tr("NO LINK TO THE BOX"),
+        "offline": tr("NO LINK TO THE BOX since {time}. STOP is sent until the box answers", time="{time}"),
+        "not_current": tr("This is the last known state. STOP works"),
+        "zone_gone": tr("{zone} is not in the schedule. This page shows {other} now", zone="{zone}", other="{other}"),
+        "own_zone_gone": tr("{zone} is not in the schedule. To use this device in another zone, pair it again",
+                            zone="{zone}"),
+        "no_data": tr("The web gateway cannot show this zone now: see its log. STOP works"),
+        "failed": tr("A part of this page has failed: {part}. STOP works. Reload the page", part="{part}"),
+        "locked": tr("Locked, because nobody has touched this page for a while. STOP works"),
+        "unlock": tr("Slide to unlock"),
+        "others_quiet": tr("No other zone needs its referee"),
         "close": tr("Close"),
-        "really": tr("{command}: press again to confirm", command="{command}"),
+        "really": tr("Press again: {command}", command="{command}"),
         "state": tr("State"), "commands": tr("Commands"), "more": tr("More commands"),
-        "sheet": tr("Score sheet"), "warnings": tr("Warnings"), "time": tr("Time"),
+        "sheet": tr("Score sheet"), "time": tr("Time"),
         "connect": tr("Connect"), "connect_robot": tr("Connect {robot}", robot="{robot}"), "start": tr("▶ START"),
-        "stop": tr("■ STOP"), "hold_to_stop": tr("Hold to stop"), "leave": tr("Disconnect"),
+        "continue": tr("▶ Continue the run"),
+        "may_continue": tr("Stopped by mistake? The rules allow a restart: it continues this run."),
+        "stop": tr("■ STOP"), "stop_all": tr("■ STOP ALL"), "hold": tr("hold"), "leave": tr("Disconnect"),
         "previous": tr("◀ Previous"), "next": tr("Next ▶"), "pause": tr("‖ Pause"), "resume": tr("▶ Resume clock"),
         "next_phase": tr("Next phase ▶"), "previous_phase": tr("◀ Phase"),
         "open_sheet": tr("Score without a robot"), "no_show": tr("No-show"), "withdrawn": tr("Team withdrew"),
-        "stopping": tr("STOPPING … try {number}. The box has not confirmed it yet", number="{n}"),
-        "stopped": tr("STOP was confirmed by the box"),
+        "stop_way": {way.value: tr(text, zone="{zone}") for way, text in stop.TEXTS.items()},
+        "nothing_to_stop": tr("No run is in progress, so there is nothing to stop"),
         "not_stopped": tr("STOP was refused: {reasons}", reasons="{reasons}"),
+        "given_up": tr("{zone}: STOP WAS NOT DELIVERED. Stop the robot by hand, or press STOP again", zone="{zone}"),
         "operation": tr("Manual operation"), "answer": tr("Answer"), "done": tr("Done"),
         "switches": tr("Switches that the robot changed"), "damaged": tr("Damaged switches"),
         "confirm": tr("Confirm"), "is_on": tr("on"), "is_off": tr("off"),
@@ -103,8 +114,9 @@ def page_words() -> Dict[str, str]:
         "subtract": tr("{item}: one less", item="{item}"), "options": tr("More for {item}", item="{item}"),
         "sending": tr("sending {mark}", mark="{mark}"),
         "not_confirmed": tr("NOT CONFIRMED: {mark}. It is sent again until the box answers", mark="{mark}"),
+        "not_on_standby": tr("NOT CONFIRMED: {mark}. The box has it, but its standby does not", mark="{mark}"),
         "refused": tr("Refused: {what}: {reasons}", what="{what}", reasons="{reasons}"),
-        "undo": tr("Undo: {mark}", mark="{mark}"),
+        "undo": tr("Undo: {mark}", mark="{mark}"), "nothing_to_undo": tr("Undo"),
         "stop_reason": tr("Reason for the stop"), "save": tr("Save"), "saved": tr("Saved"),
         "unsigned": tr("Score sheets to sign off"), "sign_off": tr("Sign off"), "correct": tr("Correct"),
         "ratings_of": tr("Ratings of {judge}", judge="{judge}"),

@@ -5,12 +5,15 @@ several languages. All other programs, and everything that is sent or written to
 """
 
 import contextlib
-from typing import Any, Callable, Iterator, Optional
+import logging
+from typing import Any, Callable, Iterator, Mapping, Optional, Set
 
 # Returns a text in another language; the number is the count in it, or -1 if there is none.
 Translate = Callable[[str, int], str]
 _translate: Optional[Translate] = None
 NO_COUNT = -1
+_log = logging.getLogger(__name__)
+_reported: Set[str] = set()
 
 
 def set_translation(translate: Optional[Translate]) -> None:
@@ -35,14 +38,36 @@ def is_english() -> bool:
     return _translate is None
 
 
-def tr(text: str, **values: Any) -> str:
+def tr(text: str, /, **values: Any) -> str:
     """Return a text in the language of this process, with the values in its places, such as ``{zone}``.
 
-    The value `n` is a count: a language may have other words for one than for several.
+    `text` is positional only, because a text may have a place of this name. The value `n` is a count: a language may
+    have other words for one than for several. It never raises: a text that
+    cannot be translated is in English, and its places stay if even this fails. Each such text is logged once.
     """
-    if _translate is not None:
-        text = _translate(text, values.get("n", NO_COUNT))
-    return text.format(**values) if values else text
+    if _translate is None:
+        return _filled(text, values)
+    try:
+        translated = _translate(text, values.get("n", NO_COUNT))
+        return translated.format(**values) if values else translated
+    except Exception as error:  # whatever a catalogue does: STOP waits for no text
+        _report(text, error)
+        return _filled(text, values)
+
+
+def _filled(text: str, values: Mapping[str, Any]) -> str:
+    try:
+        return text.format(**values) if values else text
+    except Exception as error:
+        _report(text, error)
+        return text
+
+
+def _report(text: str, error: Exception) -> None:
+    if text not in _reported:
+        _reported.add(text)
+        kind = type(error).__name__
+        _log.error("This text cannot be translated, so it is in English: %r (%s: %s)", text, kind, error)
 
 
 def tr_later(text: str) -> str:

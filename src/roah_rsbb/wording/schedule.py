@@ -7,6 +7,7 @@ import enum
 from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence
 
 from roah_rsbb.wording import sheets, times
+from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.language import tr, tr_later
 
 MINUTE_S, DAY_S = 60, 86400
@@ -34,11 +35,12 @@ class Event(NamedTuple):
     begins_utc_s: float  # when it began, or the estimated time
     state: str
     current: bool
-    identity: str  # of the last run that is over; empty: none
+    identity: str  # of the run that counts; if none does, of the last one that is over; empty: none
     end_reason: str
     score: str
     signed_utc_s: Optional[float]  # None: not signed off
     signed_by: str
+    counts: str = ""  # whether that run counts, see `wording.counting`
 
     @property
     def late_s(self) -> float:
@@ -47,7 +49,7 @@ class Event(NamedTuple):
 
     @property
     def unsigned(self) -> bool:
-        """Whether one of its runs is over and not signed off."""
+        """Whether a run is over, and one that counts is not signed off."""
         return self.state == "ended" or (bool(self.identity) and self.signed_utc_s is None)
 
 
@@ -61,6 +63,7 @@ def events_of(schedule) -> List[Event]:
             numbers[line.zone], line.zone, line.code, line.benchmark, line.team, line.round, line.run,
             line.schedule.to_sec(), line.begins.to_sec(), line.state, line.current, line.identity, line.end_reason,
             line.score, line.signed.to_sec() or None, line.signed_by,
+            line.counts,
         ))
     return found
 
@@ -70,16 +73,17 @@ def events_of(schedule) -> List[Event]:
 
 def state_text(event: Event) -> str:
     """Return the state of an event."""
+    end = with_counting(sheets.end_reason(event.end_reason), event.counts, only_unusual=True)
     if event.state == "done":
-        return tr("✓ done: {end}", end=sheets.end_reason(event.end_reason))
+        return tr("✓ done: {end}", end=end)
     text = tr(_STATES.get(event.state, event.state))
     if event.identity and event.state in ("next", "later"):
-        return tr("{state} (before: {end})", state=text, end=sheets.end_reason(event.end_reason))
+        return tr("{state} (before: {end})", state=text, end=end)
     return text
 
 
 def sheet_text(event: Event) -> str:
-    """Return whether the score sheet of an event's last run is signed off; empty: no run is over."""
+    """Return whether the score sheets of an event's runs that count are signed off; empty: no run is over."""
     if event.unsigned:
         return tr(sheets.NOT_SIGNED_OFF)
     return tr(sheets.SIGNED_OFF) if event.identity else ""

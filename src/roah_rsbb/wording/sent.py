@@ -58,6 +58,7 @@ SENTENCES: Tuple[str, ...] = (
     tr_later("No run is connected, so there is nothing to stop"),
     tr_later("The run is not started: disconnect to leave it"),
     tr_later("The run is over: disconnect to leave it"),
+    tr_later("The run is over, but the robot did not answer STOP: stop it by hand"),
     tr_later("The run ended by timeout: disconnect, and connect for a new run"),
     tr_later("The run's time is up (the clock kept running after the stop): disconnect, and connect for a new run"),
     tr_later("The rules of this benchmark do not allow a restart: disconnect, and connect for a new run"),
@@ -73,20 +74,72 @@ SENTENCES: Tuple[str, ...] = (
     tr_later("No robot is active: no beacon arrives on UDP port {port}"),
     tr_later("Robot {robot} is in a run in zone {zone}"),
     tr_later("The box is still listening for another box, for {time} s"),
+    tr_later("Name the team: the zone may have gone to the event of another one"),
+    tr_later("The current event of zone '{zone}' is of team {team}, not of team {named}: choose the event first"),
+    tr_later("Zone '{zone}' is at another event of team {team} now: choose the event first"),
+    tr_later("The event is of team {team} now: choose it again"),
     # Warnings.
     tr_later("Listening for another box before transmitting: {time} s"),
     tr_later("The setup time of {time} is over"),
     tr_later("The {time} of {phase} are over"),
     tr_later("Robot has not answered on the private channel yet"),
     tr_later("Robot has not stopped yet: it reports {state}"),
+    tr_later("The robot did not answer STOP: stop it by hand. The box repeats STOP until the disconnect"),
     tr_later("No message from the robot for {time} s"),
+    tr_later("No message from the robot for {time} s, but its beacons arrive: its program was restarted, or a firewall "
+             "blocks the private channel. Check whether it moves"),
+    tr_later("The robot has disappeared: no message for {time} s, and no beacon from its address. It may still be "
+             "moving, and STOP may not reach it: check it"),
     tr_later("Clock skew of {robot} is {skew}, but must be below {limit} s: synchronise the robot's clock"),
+    tr_later("The core was restarted at {time}, {down} s after its last record"),
     tr_later("Benchmarking module not connected: the run is paused until it is back"),
     tr_later("This is a replay of {run}: nothing here is live, and commands have no effect"),
-    tr_later("ANOTHER RSBB is transmitting from {address}: stop it, robots obey both"),
+    tr_later("NOT CONFIRMED: the standby does not have the last entries: {why}. To continue with one computer, delete "
+             "'durable: two' in {place} and reload"),
+    tr_later("not confirmed: {why}. To continue with one computer, delete 'durable: two' in {place} and reload. It "
+             "counts, and is saved on this computer: do not enter it again. It is confirmed as soon as the standby has "
+             "it"),
+    tr_later("not confirmed: the box at {address} has taken over, and may not have this entry. Look there, and enter "
+             "it there if it is missing"),
+    tr_later("The standby is {standby} now, instead of {other}. If none of you paired it, a stranger has all results "
+             "and passwords: pair your standby again, and give the teams new passwords"),
+    # Why the standby does not have an entry.
+    tr_later("it did not answer within {time} s"),
+    tr_later("node roah_rsbb_backup does not report. Check that it runs"),
+    tr_later("the copy is being written. If this lasts, its disk or its connection is too slow"),
+    tr_later("the journal of this core is not copied yet. If this lasts, start the node roah_rsbb_backup with the "
+             "log_dir of the core"),
+    tr_later("no standby is paired yet. Enter on the box: {command}"),
+    tr_later("no standby is connected since this computer took over. Enter 'standby rejoin' on the computer that was "
+             "the box, or pair another computer"),
+    tr_later("the standby is not connected. It connects by itself: check that it runs, and its cable"),
+    tr_later("the standby reports: {why}"),
+    tr_later("the disk is full. Free space for {folder}"),
+    tr_later("its disk failed to save what was written. It is written again, and what was there before stays until "
+             "that is complete. If this happens again, replace the disk"),
+    tr_later("ANOTHER RSBB is transmitting from {address}, and robots obey both: stop it, or take that computer off "
+             "the network"),
+    tr_later("ANOTHER RSBB was heard at {address}, so this box sends nothing until you press connect. Stop the other "
+             "box first, or take that computer off the network if it is none of yours"),
+    tr_later("Two robots call themselves {robot}: {address} (confirmed by its password) and {others}. Connect and "
+             "start use the one that knows the password. Give the other one another robot_name, or take it off the "
+             "network"),
+    tr_later("Two robots call themselves {robot}: {address} (confirmed by its password) and {others}. Connect and "
+             "start use the one that knows the password. Give the other one another robot_name, or take it off the "
+             "network. Their clocks differ: {skew} and {other}"),
+    tr_later("Two robots call themselves {robot}: {address} and {others}. Connect and start use the one that knows the "
+             "password. Give the other one another robot_name, or take it off the network"),
+    tr_later("Two robots call themselves {robot}: {address} and {others}. Connect and start use the one that knows the "
+             "password. Give the other one another robot_name, or take it off the network. Their clocks differ: "
+             "{skew} and {other}"),
+    tr_later("Beacons of {robot} from {address} show two clocks: somebody forges this address, or two programs there "
+             "use the name. Start uses the clock of the one that knows the password. Find the other one and take it "
+             "off the network"),
 )
 
 _PLACE = re.compile(r"{(\w+)}")
+# The place of another sentence of the list.
+_NESTED = "why"
 
 
 def tr_sent(text: str) -> str:
@@ -94,7 +147,9 @@ def tr_sent(text: str) -> str:
     if language.is_english():
         return text
     found = _found(text)
-    return text if found is None else tr(found[0], **found[1])
+    if found is None:
+        return text
+    return tr(found[0], **{name: tr_sent(value) if name == _NESTED else value for name, value in found[1].items()})
 
 
 # Panels are redrawn ten times a second.

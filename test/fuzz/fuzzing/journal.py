@@ -2,8 +2,8 @@
 
 import atexit
 import contextlib
+import copy
 import functools
-import json
 import os
 import pathlib
 import shutil
@@ -17,18 +17,20 @@ from helpers.box_driver import BoxDriver, beacon_bytes
 from helpers.competition import competition, event
 from helpers.journaled import JournaledDriver
 from helpers.module_player import FakeModules
+from helpers.old_journals import TABLES, write_old
+from roah_rsbb.box.journal import competition as competition_of
+from roah_rsbb.box.journal import saved_state
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.batch import Batch
-from roah_rsbb.journal.file import COMPANIONS, FILE_NAME, CoreSession, Resume
+from roah_rsbb.journal.contents import open_journal
+from roah_rsbb.journal.file import FILE_NAME, CoreSession, DamagedJournal, Resume
+from roah_rsbb.journal.old import OLD_FILE_NAME
 from roah_rsbb.journal.ports import FILE_NAME as PORTS_FILE
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.reader import JournalError, JournalReader
-from roah_rsbb.journal.recover import recover
 from roah_rsbb.journal.store import Journal
-from roah_rsbb.nodes.core.journal import competition as competition_json
-from roah_rsbb.nodes.core.journal import saved_state
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.run_logs.names import log_name
 
@@ -65,8 +67,8 @@ _FOLDERS = _Folders()
 
 
 @functools.lru_cache(maxsize=None)
-def _good() -> bytes:
-    """A journal as a box leaves it that is ended in the middle of things."""
+def _good() -> Dict[str, bytes]:
+    """The segments of a journal as a box leaves it that is ended in the middle of things."""
     folder = _FOLDERS.fresh()
     driver = JournaledDriver(folder, _CONFIG)
     driver.executing("catering")
@@ -83,53 +85,72 @@ def _good() -> bytes:
     driver.command("start", "switches")
     modules.asks(RequestKind.GOAL, "switches", initial_state=(True, False), switches=(2,))
     driver.score("Achievements", "detects the door", 1, "catering")
+    driver.kill()
+    driver.run(1.0)
     driver.journal.close()
-    return (folder / "0" / FILE_NAME).read_bytes()
+    return {path.name: path.read_bytes() for path in (folder / "1" / FILE_NAME).glob("*.log")}
+
+
+@functools.lru_cache(maxsize=None)
+def _old() -> bytes:
+    """The same in the format of version 1, whose rows had no checksums."""
+    folder = _FOLDERS.fresh()
+    _put(folder / FILE_NAME, _good())
+    write_old(str(folder / FILE_NAME), str(folder / OLD_FILE_NAME), 1)
+    return (folder / OLD_FILE_NAME).read_bytes()
+
+
+def _put(path: pathlib.Path, segments: Dict[str, bytes]) -> None:
+    path.mkdir()
+    for name, content in segments.items():
+        (path / name).write_bytes(content)
 
 
 # -- ways in which a journal is not as it was ------------------------------------------------------------
 
 
-def _written(path: pathlib.Path, data: bytes) -> None:
-    """Damage the good journal in one of several ways that the input selects."""
+def _written(folder: pathlib.Path, data: bytes) -> pathlib.Path:
+    """Write a journal that is damaged in one of several ways that the input selects; returns its path."""
     reader = Reader(data)
-    way = reader.choice((_whole, _bytes, _torn, _rows, _rows, _schema, _state, _state, _log))
-    way(path, reader)
+    way = reader.choice((_whole, _bytes, _torn, _rows, _rows, _schema, _state, _state, _bytes))
+    old = folder / OLD_FILE_NAME
+    if way in (_rows, _schema):
+        old.write_bytes(_old())
+        with contextlib.closing(sqlite3.connect(str(old), isolation_level=None)) as connection:
+            way(connection, reader)
+        return old
+    if way is not _state and reader.byte() > 200:
+        old.write_bytes(way(_old(), reader))
+        return old
+    segments = dict(_good())
+    if way is not _state:
+        name = reader.choice(sorted(segments))
+        segments[name] = way(segments[name], reader)
+    _put(folder / FILE_NAME, segments)
+    if way is _state:
+        _state(folder, reader)
+    return folder / FILE_NAME
 
 
-def _whole(path: pathlib.Path, reader: Reader) -> None:
+def _whole(_good: bytes, reader: Reader) -> bytes:
     """Any file."""
-    path.write_bytes(reader.rest()[:_LARGEST])
+    return reader.rest()[:_LARGEST]
 
 
-def _bytes(path: pathlib.Path, reader: Reader) -> None:
+def _bytes(good: bytes, reader: Reader) -> bytes:
     """Some bytes are wrong."""
-    spoilt = bytearray(_good())
+    spoilt = bytearray(good)
     while reader:
         at = int.from_bytes(reader.take(3), "big") % len(spoilt)
         piece = reader.take(1 + reader.byte() % 16)
         spoilt[at:at + len(piece)] = piece
-    path.write_bytes(spoilt[:_LARGEST])
+    return bytes(spoilt[:_LARGEST])
 
 
-def _torn(path: pathlib.Path, reader: Reader) -> None:
+def _torn(good: bytes, reader: Reader) -> bytes:
     """Its end is missing, or is nothing."""
-    good = _good()
     size = int.from_bytes(reader.take(3), "big") % len(good)
-    path.write_bytes(good[:size] + (bytes(len(good) - size) if reader.flag() else b""))
-
-
-def _log(path: pathlib.Path, reader: Reader) -> None:
-    """Add a write-ahead log with arbitrary content."""
-    path.write_bytes(_good())
-    path.with_name(path.name + reader.choice(COMPANIONS[1:])).write_bytes(reader.rest()[:_LARGEST])
-
-
-@contextlib.contextmanager
-def _database(path: pathlib.Path) -> Iterator[sqlite3.Connection]:
-    path.write_bytes(_good())
-    with contextlib.closing(sqlite3.connect(str(path), isolation_level=None)) as connection:
-        yield connection
+    return good[:size] + (bytes(len(good) - size) if reader.flag() else b"")
 
 
 def _try(connection: sqlite3.Connection, statement: str, *values: object) -> None:
@@ -138,39 +159,36 @@ def _try(connection: sqlite3.Connection, statement: str, *values: object) -> Non
         connection.execute(statement, values)
 
 
-def _rows(path: pathlib.Path, reader: Reader) -> None:
+def _rows(connection: sqlite3.Connection, reader: Reader) -> None:
     """Values in the tables are others, of other types."""
-    with _database(path) as connection:
-        while reader:
-            table = reader.choice(_TABLES)
-            columns = [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
-            column, value = reader.choice(columns), reader.choice(_VALUES)
-            _try(connection, f"UPDATE OR REPLACE {table} SET {column} = ?", value)
+    while reader:
+        table = reader.choice(_TABLES)
+        columns = [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
+        column, value = reader.choice(columns), reader.choice(_VALUES)
+        _try(connection, f"UPDATE OR REPLACE {table} SET {column} = ?", value)
 
 
-def _schema(path: pathlib.Path, reader: Reader) -> None:
+def _schema(connection: sqlite3.Connection, reader: Reader) -> None:
     """Tables are missing, or others; the numbers in the file's header are others."""
-    with _database(path) as connection:
-        while reader:
-            table, number = reader.choice(_TABLES), reader.integer(size=4)
-            _try(connection, reader.choice((
-                f"DROP TABLE {table}", f"DELETE FROM {table}", f"ALTER TABLE {table} ADD COLUMN more{number % 9} TEXT",
-                f"ALTER TABLE {table} RENAME TO other", f"PRAGMA user_version = {number}",
-                f"PRAGMA application_id = {number}", f"CREATE VIEW view{number % 9} AS SELECT * FROM {table}",
-                f"CREATE TRIGGER t{number % 9} BEFORE INSERT ON {table} BEGIN SELECT RAISE(ABORT, 'no'); END",
-            )))
+    while reader:
+        table, number = reader.choice(_TABLES), reader.integer(size=4)
+        _try(connection, reader.choice((
+            f"DROP TABLE {table}", f"DELETE FROM {table}", f"ALTER TABLE {table} ADD COLUMN more{number % 9} TEXT",
+            f"ALTER TABLE {table} RENAME TO other", f"PRAGMA user_version = {number}",
+            f"PRAGMA application_id = {number}", f"CREATE VIEW view{number % 9} AS SELECT * FROM {table}",
+            f"CREATE TRIGGER t{number % 9} BEFORE INSERT ON {table} BEGIN SELECT RAISE(ABORT, 'no'); END",
+        )))
 
 
-def _state(path: pathlib.Path, reader: Reader) -> None:
+def _state(folder: pathlib.Path, reader: Reader) -> None:
     """Replace a saved state by other JSON."""
-    with _database(path) as connection:
-        states: Dict[str, str] = dict(connection.execute("SELECT name, state FROM states"))
-        while reader:
-            name = reader.choice(sorted(states))
-            value = json.loads(states[name])
-            _change(value, reader)
-            states[name] = json.dumps(value)
-            _try(connection, "UPDATE states SET state = ? WHERE name = ?", states[name], name)
+    journal = _opened(folder, [])
+    states = copy.deepcopy(journal.previous.states)
+    while reader:
+        name = reader.choice(sorted(states))
+        _change(states[name], reader)
+        journal.write(Batch(states={name: copy.deepcopy(states[name])}))
+    journal.close()
 
 
 def _change(value: Any, reader: Reader) -> None:
@@ -193,44 +211,43 @@ def _change(value: Any, reader: Reader) -> None:
 def start_steps(data: bytes) -> Iterator[Step]:
     """A core starts with this journal, continues it or sets it aside, and writes."""
     folder = _FOLDERS.fresh()
-    path = folder / FILE_NAME
-    _written(path, data)
+    _written(folder, data)
     yield lambda: _start(folder)
+
+
+def _opened(folder: pathlib.Path, troubles: List[str]) -> Journal:
+    driver = BoxDriver(_CONFIG)
+    session = CoreSession(driver.now.utc, driver.now.mono, "boot 1", 1, "uuid", "")
+    return Journal(str(folder), session, competition_of(_CONFIG), Resume.ALWAYS, troubles.append)
 
 
 def _start(folder: pathlib.Path) -> None:
     driver = BoxDriver(_CONFIG)
     troubles: List[str] = []
-    session = CoreSession(driver.now.utc, driver.now.mono, "boot 1", 1, "uuid", "")
-    journal = Journal(str(folder), session, competition_json(_CONFIG), Resume.ALWAYS, troubles.append)
+    try:
+        journal = _opened(folder, troubles)
+    except DamagedJournal:  # the core does not begin an empty journal beside one of which nothing is left
+        return
     try:
         driver.box = Box(_CONFIG, Settings(), beacon_bytes, journal.previous.last_port)
         driver._rules.restart()
         saved, _ = saved_state(journal.previous, driver.now, "boot 1")
         driver.event(driver.box.resume, saved)
         driver.run(5.0)
-        journal.write(Batch(states={"box": "{}"}))
+        journal.write(Batch(states={"box": {"n": 1}}))
         assert not troubles, troubles
-        assert dict(journal._connection.execute("SELECT name, state FROM states"))["box"] == "{}"
     finally:
         journal.close()
+    assert open_journal(str(folder / FILE_NAME)).contents.states["box"].state == {"n": 1}
 
 
 def read_steps(data: bytes) -> Iterator[Step]:
-    """Read this journal, or its readable part."""
+    """Read this journal."""
     folder = _FOLDERS.fresh()
-    path = folder / FILE_NAME
-    _written(path, data)
+    path = _written(folder, data)
+    before = {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()}
     yield lambda: _read(str(path))
-    before = path.read_bytes()
-
-    def repair() -> None:
-        with contextlib.suppress(JournalError):
-            recover(str(path), str(folder / "new.sqlite3"))
-            _read(str(folder / "new.sqlite3"))
-
-    yield repair
-    assert path.read_bytes() == before
+    assert {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()} == before
 
 
 def _read(path: str) -> None:
@@ -281,24 +298,26 @@ def name_steps(data: bytes) -> Iterator[Step]:
 
 def journal_seeds() -> List[bytes]:
     """Each way of damage, a few times."""
-    with _database(_FOLDERS.fresh() / FILE_NAME) as connection:
-        columns = {table: len(list(connection.execute(f"PRAGMA table_info({table})"))) for table in _TABLES}
     each_value = [
         bytes([3, table, column, value])
-        for table, name in enumerate(_TABLES) for column in range(columns[name]) for value in range(len(_VALUES))
+        for table, name in enumerate(_TABLES) for column in range(TABLES[name].count(",") + 1)
+        for value in range(len(_VALUES))
     ]
+    first = next(iter(_good().values()))
     return [
-        b"\x00", b"\x00SQLite format 3\0", b"\x00" + _good()[:100], b"\x00" + bytes(5000), b"\x00not a database" * 20,
-        b"\x01\0\0\x12\1\xff\xff", b"\x01\0\x10\x00\x0fxxxxxxxxxxxxxxxx", b"\x01\0\0\x64\x0f" + b"\xff" * 16,
-        *(b"\x02" + size.to_bytes(3, "big") + bytes([zero]) for size in (0, 1, 99, 4096, 20_000) for zero in (0, 1)),
+        b"\x00\x00", b"\x00\xff\x00SQLite format 3\0", b"\x00\x00\x00" + first[:100], b"\x00\x00\x00" + bytes(5000),
+        b"\x00\xff\x00not a database" * 20,
+        b"\x01\0\0\0\0\x12\1\xff\xff", b"\x01\0\1\0\x10\x00\x0fxxxxxxxxxxxxxxxx",
+        b"\x01\xff\0\0\x64\x0f" + b"\xff" * 16,
+        *(b"\x02" + bytes([old, 1]) + size.to_bytes(3, "big") + bytes([zero])
+          for size in (0, 1, 99, 4096, 20_000) for zero in (0, 1) for old in (0, 255)),
         *(bytes([5, table, 0, act]) for table in range(len(_TABLES)) for act in range(8)),
-        b"\x05\0\x05\4", b"\x05\0\xc0\xff\xff\xff\xff\4", b"\x05\0\x01\5", b"\x05\0\0\5",
-        b"\x08\0" + b"\x37\x7f\x06\x82" * 100, b"\x08\1" + bytes(32768), b"\x08\0",
+        b"\x05\0\x05\4", b"\x05\0\xc0\xff\xff\xff\xff\4", b"\x05\0\x01\5", b"\x05\0\0\5", b"\x06\1\2\3\4",
     ] + each_value[::29]
 
 
 def read_seeds() -> List[bytes]:
-    """Fewer inputs, because each is read, repaired and read again."""
+    """Fewer inputs."""
     return journal_seeds()[::4]
 
 
@@ -310,7 +329,7 @@ def name_seeds() -> List[bytes]:
     ]
 
 
-_TOKENS = tuple(bytes([way]) for way in range(9)) + (b"SQLite format 3\0", b"RSBB")
+_TOKENS = tuple(bytes([way]) for way in range(9)) + (b"SQLite format 3\0", b"RSBBlog\n", b"RsbR", b"RsbS")
 
 START = Target("start", start_steps, journal_seeds, _TOKENS, is_timed=False)
 READ = Target("read", read_steps, read_seeds, _TOKENS, is_timed=False)

@@ -28,7 +28,7 @@ def error_of(capsys, *arguments):
 @pytest.mark.parametrize("arguments, said", [
     (["--password", "P"], "--team is missing: give the team's name"),
     (["--team", "T"], "the password is missing: use --password-file or the environment variable ROAH_RSBB_KEY"),
-    (["--team", "T", "--password-file", "/nowhere/key"], "cannot read --password-file /nowhere/key"),
+    (["--team", "T", "--password-file", "/nowhere/key"], "cannot read the password file /nowhere/key"),
     ([*USUAL, "--benchmarks", "HNF,HVW"], "no benchmark 'HVW': did you mean 'HWV'?"),
     ([*USUAL, "--benchmarks", ","], "no benchmark is given: choose from HGTKMH"),
     ([*USUAL, "--only", "stop-executin"], "no scenario 'stop-executin': did you mean 'stop-executing'?"),

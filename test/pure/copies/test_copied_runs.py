@@ -14,9 +14,7 @@ from helpers.journaled import NO_LISTENING, JournaledDriver, box
 from helpers.random_events import apply_event, random_competition, random_events
 from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.copies.follower import Follower
-from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.records import EndReason, Phase
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.journal.ports import PortRecord
 
 
@@ -46,19 +44,6 @@ def test_the_copy_has_everything_after_each_event(sequence):
             assert contents(stick) == contents(follower.log_dir)
 
 
-def test_the_record_of_a_no_show_is_copied_at_once(tmp_path):
-    driver = JournaledDriver(tmp_path, random_competition(), NO_LISTENING)
-    stick = tmp_path / "stick"
-    stick.mkdir()
-    with followed(driver, stick) as follower:
-        for name in ("connect", "no_show"):
-            apply_event(driver, "command", ("a", name))
-            follower.step()
-        assert len(contents(stick)["runs"]) == 1
-        assert contents(stick) == contents(follower.log_dir)
-    driver.journal.close()
-
-
 def test_a_core_with_the_copy_continues_the_run(tmp_path):
     driver = box(tmp_path)
     stick = tmp_path / "stick"
@@ -86,25 +71,4 @@ def test_a_core_with_the_copy_continues_the_run(tmp_path):
     robot.says(notifications=("at the bed", "at the door"))
     robot.completes()
     assert run.end_reason is EndReason.COMPLETED
-    driver.journal.close()
-
-
-def test_the_copy_has_each_correction_of_finished_runs(tmp_path):
-    driver = box(tmp_path)
-    stick = tmp_path / "stick"
-    stick.mkdir()
-    with followed(driver, stick) as follower:
-        for _ in range(2):
-            driver.executing("tbm").completes()
-            driver.command("disconnect", "tbm")
-        follower.step()
-        scores = driver.box.scores
-        for record in driver.box.finished.records():
-            name = RunName(record.zone, record.identity)
-            for method, *arguments in ((scores.mark, Mark(DOOR.group, DOOR.desc, 1)), (scores.withdraw, 1),
-                                       (scores.sign_off, "Anna")):
-                driver.event(method, name, *arguments)
-                assert contents(stick)["runs"] != contents(follower.log_dir)["runs"]
-                follower.step()
-                assert contents(stick) == contents(follower.log_dir)
     driver.journal.close()

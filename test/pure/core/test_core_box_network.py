@@ -5,7 +5,7 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition
 from roah_rsbb.core import effects, run_log
-from roah_rsbb.core.effects import GiveUp, Level
+from roah_rsbb.core.effects import AnotherBox, Level
 from roah_rsbb.core.robots import MAX_STRANGERS
 from roah_rsbb.core.runs.online_data import StringsBudget
 from roah_rsbb.core.settings import Settings
@@ -13,14 +13,59 @@ from roah_rsbb.core.views import views
 from roah_rsbb.protocol import RobotState
 
 
+def hears_another(driver, seconds=1, host="10.0.0.99"):
+    """Another box, or somebody who forges its beacons, is heard each second."""
+    for _ in range(seconds):
+        driver.event(driver.box.on_foreign_box, host)
+        driver.run(1)
+
+
+HELD = ("ANOTHER RSBB was heard at 10.0.0.99, so this box sends nothing until you press connect. Stop the other box "
+        "first, or take that computer off the network if it is none of yours")
+
+
 @pytest.mark.parametrize("after", [0.0, 2.5, 4.999])
-def test_a_box_that_hears_another_one_at_first_gives_up_and_names_it(after):
+def test_a_box_that_hears_another_one_at_first_names_it_and_waits_for_a_referee(after):
     driver = BoxDriver(listening=True)
     driver.run(after)
     driver.taken()
-    driver.event(driver.box.on_foreign_box, "10.0.0.99")
-    give_up, = driver.taken(GiveUp)
-    assert give_up.reason.startswith("Another RSBB is running at 10.0.0.99: stop that one")
+    hears_another(driver, 10)
+    taken = driver.taken()
+    assert [effect.text for effect in taken if isinstance(effect, effects.Notice)] == [HELD]
+    assert {effect.host for effect in taken if isinstance(effect, AnotherBox)} == {"10.0.0.99"}
+    assert driver.box.is_held
+    assert views.box_status(driver.box, driver.now) == HELD
+    driver.run(1000)
+    assert driver.box.is_held, "a pause of the network must not make two boxes transmit"
+    assert views.box_status(driver.box, driver.now) == HELD
+
+
+def test_a_forged_beacon_of_a_box_prevents_no_run():
+    driver = BoxDriver(competition(tbm=["HGTKMH", "HGTKMH"]), listening=True)
+    hears_another(driver, 6)
+    robot = driver.robot()
+    robot.beacon()
+    assert driver.off("connect") == []
+    driver.command("connect")
+    assert not driver.box.is_held
+    robot.port = driver.run_in().port
+    hears_another(driver, 2)
+    assert not driver.box.is_held
+    assert views.box_status(driver.box, driver.now) == (
+        "ANOTHER RSBB is transmitting from 10.0.0.99, and robots obey both: stop it, or take that computer off the "
+        "network")
+    robot.says(RobotState.STOP)
+    driver.command("start")
+    robot.executes()
+    robot.completes()
+
+
+def test_the_address_of_the_latest_box_is_shown():
+    driver = BoxDriver(listening=True)
+    hears_another(driver)
+    hears_another(driver, host="10.0.0.98")
+    assert "heard at 10.0.0.98" in views.box_status(driver.box, driver.now)
+    assert len(driver.notices(Level.ERROR)) == 2
 
 
 @pytest.mark.parametrize("after", [5.0, 1000.0])
@@ -32,11 +77,12 @@ def test_a_box_that_hears_another_one_later_warns_every_referee_and_continues(af
     for _ in range(5):
         driver.event(driver.box.on_foreign_box, "10.0.0.99")
         driver.run(1)
-    taken = driver.taken(GiveUp, effects.Notice)
-    assert not any(isinstance(effect, GiveUp) for effect in taken)
+    taken = driver.taken(AnotherBox, effects.Notice)
+    assert not any(isinstance(effect, AnotherBox) for effect in taken)
     errors = [e for e in taken if isinstance(e, effects.Notice) and e.level is Level.ERROR]
     assert [(e.text, e.zone) for e in errors] == [
-        ("ANOTHER RSBB is transmitting from 10.0.0.99: stop it, robots obey both", "")
+        ("ANOTHER RSBB is transmitting from 10.0.0.99, and robots obey both: stop it, or take that computer off the "
+         "network", "")
     ]
     assert "ANOTHER RSBB" in views.box_status(driver.box, driver.now)
     robot.completes()
@@ -49,17 +95,11 @@ def test_a_box_with_take_over_starts_beside_another_one():
     for _ in range(10):
         driver.event(driver.box.on_foreign_box, "10.0.0.99")
         driver.run(1)
-    assert driver.taken(GiveUp) == []
+    assert driver.taken(AnotherBox) == []
+    assert not driver.box.is_held
     driver.robot().beacon()
     assert driver.off("connect") == []
     assert "ANOTHER RSBB is transmitting from 10.0.0.99" in views.box_status(driver.box, driver.now)
-
-
-def test_a_box_that_gives_up_says_how_to_start_beside_a_forged_one():
-    driver = BoxDriver(listening=True)
-    driver.event(driver.box.on_foreign_box, "10.0.0.99")
-    give_up, = driver.taken(GiveUp)
-    assert "start with take_over:=true" in give_up.reason
 
 
 def test_a_host_with_too_many_robots_is_reported_and_another_teams_robot_is_connected():
@@ -104,8 +144,9 @@ def test_two_hosts_with_one_name_are_reported_to_every_referee():
         driver.run(1)
         one.beacon()
         two.beacon()
-    text = ("Two robots call themselves r1 of team Alpha: 10.0.0.2 and 10.0.0.3. Give one another robot_name. Their "
-            "clocks differ: +0.000 s and +5.000 s")
+    text = ("Two robots call themselves r1 of team Alpha: 10.0.0.2 and 10.0.0.3. Connect and start use the one that "
+            "knows the password. Give the other one another robot_name, or take it off the network. Their clocks "
+            "differ: +0.000 s and +5.000 s")
     assert driver.notices(Level.WARNING) == [text]
     assert text in views.box_status(driver.box, driver.now)
     assert driver.off("connect") == []  # the first one's clock is right

@@ -7,9 +7,11 @@ from helpers.competition import competition, event
 from roah_rsbb.core import effects
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.runs.run import IGNORES_STOP
 from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.zones import key_of
 from roah_rsbb.protocol import BoxState, RobotState
 
 
@@ -146,7 +148,7 @@ def test_the_command_itself_checks_the_skew_not_what_the_button_showed():
     robot.beacon(3)
     assert driver.off("connect") == []
     robot.skew = 0.5
-    robot.beacon()
+    robot.beacon(4)
     assert "Clock skew" in _refused(driver, "connect")[0]
 
 
@@ -192,7 +194,8 @@ def test_every_reason_against_a_start_is_listed():
     driver.run(60)
     over, silent, skew, state = _refused(driver, "start")
     assert over.startswith("The run's time is up (the clock kept running after the stop)")
-    assert silent == "No message from the robot for 60 s"
+    assert silent == ("The robot has disappeared: no message for 60 s, and no beacon from its address. It may "
+                      "still be moving, and STOP may not reach it: check it")
     assert skew.startswith("Clock skew of the robot is -200")
     assert state == "Robot has not stopped yet: it reports EXECUTING"
 
@@ -218,6 +221,34 @@ def test_the_first_stop_ends_the_run_and_the_second_changes_nothing():
     assert driver.run_in() is run
     assert len(run.record(driver.now).stops) == 1
     assert driver.off("stop") == ["The run is over: disconnect to leave it"]
+
+
+def test_a_robot_that_does_not_answer_stop_is_the_first_warning_and_the_reason_why_stop_is_off():
+    driver = BoxDriver(competition(tbm=["HGTKMH", "HWV"]))
+    robot = driver.executing()
+    driver.command("stop")
+    driver.run(0.9)
+    assert (driver.view().warnings, driver.view().not_stopped) == ((), ("r1 of team Alpha",))
+    driver.run(0.2)
+    assert driver.view().warnings == (IGNORES_STOP,)
+    assert driver.off("stop") == ["The run is over, but the robot did not answer STOP: stop it by hand"]
+    driver.run(30.0)
+    assert driver.view().warnings[0] == IGNORES_STOP
+    assert driver.view().warnings[1].startswith("The robot has disappeared")
+    with pytest.raises(Refused, match=f"{IGNORES_STOP}; The run of HGTKMH"):
+        driver.event(driver.box.choose_event, "tbm", key_of(driver.box.zones["tbm"].events[1]))
+    robot.says(RobotState.STOP)
+    assert driver.view().warnings == ()
+    assert driver.off("stop") == ["The run is over: disconnect to leave it"]
+
+
+@pytest.mark.parametrize("begin", ["connected", "executing"])
+def test_a_robot_need_not_report_stop_before_the_end_of_the_run(begin):
+    driver = BoxDriver()
+    robot = getattr(driver, begin)()
+    robot.says(RobotState.EXECUTING)
+    driver.run(2.0)
+    assert IGNORES_STOP not in driver.view().warnings
 
 
 def test_a_run_by_its_name_is_stopped_and_never_left():

@@ -1,11 +1,17 @@
 """Warnings about copies of the journal that are behind."""
 
+import math
+from dataclasses import replace
+
 import pytest
 
 from helpers.box_driver import BoxDriver
+from helpers.competition import competition
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.copies import LATE_S, SILENT_S, STANDBY, Copies, CopyReport
 from roah_rsbb.core.effects import Level
+from roah_rsbb.rulebook.benchmarks import Durable
+from roah_rsbb.rulebook.errors import Place
 
 STICK = "/media/stick"
 
@@ -33,10 +39,11 @@ def test_a_complete_copy_is_no_warning(copies):
 
 def test_a_missing_stick_is_logged_once_and_shown_until_it_is_complete_again(copies):
     copies.report(at(1), report())
-    logged = [copies.report(at(1 + s), report(behind=s, missing=7 * s, trouble="no stick")) for s in range(1, 10)]
+    logged = [copies.report(at(1 + s), report(behind=s, missing=7000 * s - 1, trouble="no stick"))
+              for s in range(1, 10)]
     assert [text for text in logged if text is not None] == [
-        f"The copy of the journal ({STICK}) is 3 s, 21 entries behind: no stick"]
-    assert copies.warnings(at(11)) == [f"The copy of the journal ({STICK}) is 10 s, 63 entries behind: no stick"]
+        f"The copy of the journal ({STICK}) is 3 s, 21 kB behind: no stick"]
+    assert copies.warnings(at(11)) == [f"The copy of the journal ({STICK}) is 10 s, 63 kB behind: no stick"]
     assert copies.report(at(12), report()) == ""
     assert not copies.warnings(at(12))
 
@@ -57,15 +64,26 @@ def test_reports_that_end(copies):
     assert "does not report" in copies.warnings(at(1 + SILENT_S))[0]
 
 
-def test_the_copy_of_another_core(copies):
+def test_a_journal_that_is_not_copied(copies):
+    """The node that copies may have started just now: it does not follow that there is another core."""
     for second in range(1, 5):
         copies.report(at(second), report(is_of_this_box=False))
-    assert "the journal of another core" in copies.warnings(at(5))[0]
+    assert copies.warnings(at(5))[0].endswith(
+        "the journal of this core is not copied yet. If this lasts, start the node roah_rsbb_backup with the log_dir "
+        "of the core")
+
+
+def test_a_node_that_started_again_and_has_copied_nothing_yet(copies):
+    """The copy was complete before, and is not because the node runs."""
+    copies.report(at(1), report())
+    assert copies.report(at(6), report(behind=math.inf, trouble="no stick")).endswith("is 5 s behind: no stick")
+    assert copies.report(at(7), report(behind=math.inf, missing=7)).endswith(
+        "is 6 s, 1 kB behind: the copy is being written. If this lasts, its disk or its connection is too slow")
 
 
 def test_a_slow_stick(copies):
-    copies.report(at(10), report(behind=9.0, missing=400))
-    assert "9 s, 400 entries behind: it is being written" in copies.warnings(at(10))[0]
+    copies.report(at(10), report(behind=9.0, missing=400_000))
+    assert "9 s, 400 kB behind: the copy is being written" in copies.warnings(at(10))[0]
 
 
 def test_a_copy_that_nobody_expects_is_forgotten_when_it_is_silent():
@@ -93,18 +111,39 @@ def test_referees_see_it_and_the_log_has_it():
     assert driver.notices(Level.INFO)[-1] == f"The copy of the journal ({STICK}) is complete again"
 
 
-# -- answers that wait for the standby ------------------------------------------------------------------
+@pytest.mark.parametrize("trouble, warnings", [("", 1), ("not connected", 2)])
+def test_every_referee_reads_that_the_standby_was_replaced(trouble, warnings):
+    """Whatever else is wrong, and also when one copy is enough. It ends with the reports that say so."""
+    driver = BoxDriver()
+    driver.box.copies.expect(driver.now, STANDBY)
+    notice = "The standby is stranger at 10.0.0.66 now, instead of second at 10.0.0.3"
+    said = CopyReport(STANDBY, True, 50.0 if trouble else 0.1, 0, trouble, notice)
+    driver.event(driver.box.on_copy_report, said)
+    driver.run(LATE_S)
+    driver.event(driver.box.on_copy_report, said)
+    found = driver.box.warnings(driver.now)
+    assert len(found) == warnings and found[-1] == notice
+    driver.event(driver.box.on_copy_report, said._replace(notice=""))
+    assert notice not in driver.box.warnings(driver.now)
+
+
+# -- two copies -----------------------------------------------------------------------------------------
+
+TWO = replace(competition(tbm=["HWV"]), durable=Durable.TWO, durable_at=Place("schedule.yaml", 7, 1))
+WHAT_TO_DO = "To continue with one computer, delete 'durable: two' in schedule.yaml:7 and reload"
+FULL = "the standby reports: the disk is full. Free space for /far"
 
 
 @pytest.fixture
 def standby():
     made = Copies()
     made.expect(at(0), STANDBY)
+    made.use(TWO)
     return made
 
 
-def of_standby(trouble="", is_of_this_box=True):
-    return CopyReport(STANDBY, is_of_this_box, 0.05, 0, trouble)
+def of_standby(trouble="", is_of_this_box=True, behind=0.05):
+    return CopyReport(STANDBY, is_of_this_box, behind, 0, trouble)
 
 
 @pytest.mark.parametrize("reported, is_worth", [
@@ -119,49 +158,79 @@ def test_only_a_connected_standby_is_waited_for(standby, reported, is_worth):
 
 def test_a_standby_that_does_not_answer_is_waited_for_once(standby):
     standby.report(at(1), of_standby())
-    first, second = standby.ask(), standby.ask()
-    assert standby.give_up(at(2), first) == standby.warnings(at(2))[0]
-    assert "did not answer within 0.5 s" in standby.warnings(at(2))[0]
-    assert standby.give_up(at(2), second) is None  # logged already
+    standby.ask(12)
+    assert standby.give_up(at(2), 11) == standby.warnings(at(2))[0]
+    assert standby.warnings(at(2)) == [
+        f"NOT CONFIRMED: the standby does not have the last entries: it did not answer within 2 s. {WHAT_TO_DO}"]
+    assert standby.give_up(at(2), 12) is None  # logged already
     assert not standby.is_worth_waiting(at(2))
-    assert standby.answer(first) is False
+    assert standby.answer(11) is False
     assert standby.warnings(at(2))
-    assert standby.answer(second) is True
+    assert standby.answer(12) is True
     assert not standby.warnings(at(2))
     assert standby.is_worth_waiting(at(2))
+    assert standby.answered == 12
 
 
 def test_a_standby_that_answers_is_connected(standby):
     """Reports come once a second only."""
     standby.report(at(1), of_standby("not connected"))
-    number = standby.ask()
-    standby.give_up(at(1), number)
+    standby.ask(1)
+    standby.give_up(at(1), 1)
     assert not standby.is_worth_waiting(at(1))
-    standby.answer(number)
+    standby.answer(1)
     assert standby.is_worth_waiting(at(1))
 
 
 def test_late_and_doubled_answers_are_no_news(standby):
     standby.report(at(1), of_standby())
-    first, second = standby.ask(), standby.ask()
-    assert standby.answer(second) is False
-    assert standby.answer(first) is False
-    assert standby.give_up(at(1), second) is None
+    standby.ask(2)
+    assert standby.answer(2) is False
+    assert standby.answer(1) is False
+    assert standby.give_up(at(1), 2) is None
     assert not standby.warnings(at(1))
 
 
 def test_answers_that_nobody_asked_for_do_not_count(standby):
     """A node may still have questions for the core before its restart."""
     standby.answer(1000)
-    standby.give_up(at(1), standby.ask())
+    standby.ask(1)
+    standby.give_up(at(1), 1)
     assert standby.warnings(at(1))
 
 
-def test_a_missing_standby_is_one_warning(standby):
-    standby.report(at(1), of_standby("not connected"))
-    standby.give_up(at(1), standby.ask())
-    (warning,) = standby.warnings(at(1))
-    assert "last entries" in warning
-    assert "not connected" in warning
-    (warning,) = standby.warnings(at(1 + LATE_S))
-    assert warning == f"The copy of the journal (standby) is {LATE_S:.0f} s behind: not connected"
+@pytest.mark.parametrize("why", [
+    FULL, "the standby is not connected. It connects by itself: check that it runs, and its cable",
+    "no standby is paired yet. Enter on the box: rosrun roah_rsbb standby code --log-dir /log"])
+def test_each_reason_is_one_line_with_what_to_do(standby, why):
+    """Also before anything is entered, so that a referee knows it."""
+    line = f"NOT CONFIRMED: the standby does not have the last entries: {why}. {WHAT_TO_DO}"
+    assert standby.report(at(4), of_standby(why, behind=4.0)) == line
+    assert standby.warnings(at(4)) == [line]
+    standby.ask(1)
+    standby.give_up(at(5), 1)
+    assert standby.warnings(at(5)) == [line]
+    assert standby.report(at(6), of_standby()) == ""
+    standby.answer(1)
+    assert not standby.warnings(at(6))
+
+
+def test_a_reload_ends_it(standby):
+    standby.report(at(4), of_standby(FULL, behind=4.0))
+    standby.ask(1)
+    standby.give_up(at(4), 1)
+    standby.use(replace(TWO, durable=Durable.ONE))
+    assert not standby.are_two
+    assert standby.warnings(at(4)) == [f"The copy of the journal (standby) is 4 s behind: {FULL}"]
+
+
+def test_two_copies_need_a_standby():
+    driver = BoxDriver(competition(tbm=["HWV"]))
+    assert driver.box.reload_off(TWO) == [
+        "schedule.yaml:7: 'durable: two' needs a standby: start the box with standby_port:=8083, or delete this line"]
+    driver.box.copies.expect(driver.now, STANDBY)
+    assert driver.box.reload_off(TWO) == []
+    driver.event(driver.box.reload, TWO, 1, ["durable: one, now two"], "Olga")
+    assert driver.box.copies.are_two
+    driver.event(driver.box.reload, replace(TWO, durable=Durable.ONE), 2, ["durable: two, now one"], "Olga")
+    assert not driver.box.copies.are_two

@@ -154,11 +154,59 @@ def test_a_robot_that_falls_silent_is_reported_once_and_its_run_continues():
     robot = driver.executing()
     driver.taken()
     driver.run(30)
-    assert driver.notices(Level.WARNING) == ["No message from the robot for 3 s"]
-    assert "WARNING: No message from the robot for 30 s" in driver.view().state
+    assert driver.notices(Level.WARNING) == [
+        "No message from the robot for 3 s",
+        "The robot has disappeared: no message for 10 s, and no beacon from its address. It may still be moving, "
+        "and STOP may not reach it: check it",
+    ]
+    assert "WARNING: The robot has disappeared: no message for 30 s" in driver.view().state
     assert driver.run_in().phase is Phase.RUNNING
     robot.says()
-    assert "No message" not in driver.view().state
+    assert "No message" not in driver.view().state and "disappeared" not in driver.view().state
+
+
+BEACONS_ONLY = (", but its beacons arrive: its program was restarted, or a firewall blocks the private channel. Check "
+                "whether it moves")
+
+
+def test_a_robot_that_sends_beacons_only_has_not_disappeared():
+    driver = _minute()
+    robot = driver.executing()
+    driver.taken()
+    driver.run(2)
+    robot.beacon(19)
+    assert driver.view().warnings == (f"No message from the robot for 20 s{BEACONS_ONLY}",)
+    notices = driver.notices(Level.WARNING)
+    assert [text.endswith(BEACONS_ONLY) for text in notices] == [True], notices
+    driver.run(5)
+    assert driver.view().warnings == ("No message from the robot for 25 s",), "the beacons may only be late"
+    driver.run(5)
+    assert driver.view().warnings[0].startswith(
+        "The robot has disappeared: no message for 30 s, and no beacon from its address.")
+    robot.beacon()
+    assert driver.view().warnings == (f"No message from the robot for 30 s{BEACONS_ONLY}",)
+    driver.run(30)
+    later = driver.notices(Level.WARNING)
+    assert [text[:46] for text in later] == ["The robot has disappeared: no message for 30 s"], "once in a silence"
+    robot.says()
+    assert driver.view().warnings == ()
+
+
+def test_a_beacon_of_before_the_run_says_nothing_about_its_silence():
+    driver = _minute()
+    robot = driver.connected()
+    driver.run(5)
+    assert driver.view().warnings == ("No message from the robot for 5 s",)
+    assert robot.port is not None
+
+
+def test_a_robot_whose_messages_are_old_has_not_disappeared():
+    driver = _minute()
+    robot = driver.executing()
+    for _ in range(30):
+        driver.run(1.0)
+        robot.send(robot.last)
+    assert driver.view().warnings[0].startswith("No message from the robot for 30 s but old ones: check whether")
 
 
 def test_a_robot_that_never_answers_is_reported():

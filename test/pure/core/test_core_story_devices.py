@@ -4,7 +4,7 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
-from roah_rsbb.core import effects
+from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.effects import Level, SendBeacon, SetDevice
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, TabletState
 from roah_rsbb.core.settings import Settings
@@ -103,6 +103,19 @@ def test_the_beacon_shows_the_tablets_view_at_once():
     robot.says(display_map=False)
     assert driver.box.beacon().tablet.display_map is False
     assert driver.taken(SendBeacon) == [SendBeacon()]
+
+
+def test_a_view_that_a_robot_repeats_is_logged_only_when_it_changes():
+    """Original clients send "call button" with every message."""
+    driver, robot = _catering()
+    driver.taken()
+    robot.says(display_map=False)
+    assert (driver.notices(), driver.logged(robot.port, run_log.DISPLAY_MAP)) == ([], [0]), "the run's log has all"
+    for view in (True, True, False, False):
+        robot.says(display_map=view)
+    assert driver.notices() == ["Robot switches the tablet to the map", "Robot switches the tablet to the call button"]
+    assert driver.view().log.count("switches the tablet") == 2
+    assert driver.logged(robot.port, run_log.DISPLAY_MAP) == [0, 1, 0]
 
 
 def test_a_tablet_says_where_it_was_touched_but_not_which_view_it_shows():

@@ -2,6 +2,7 @@
 
 import pytest
 
+from helpers.box_driver import wire
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.robots import ActiveRobot, RobotId, Squatter
 from roah_rsbb.core.watches import (
@@ -33,19 +34,20 @@ def test_the_box_listens_for_a_while_from_its_first_moment_on():
     assert [watches.listening_left(at(t)) for t in (100, 102, 105, 200)] == [5.0, 3.0, 0.0, 0.0]
 
 
-def rivals(team, name):
+def rivals(team, name, now):
     """A robot whose name another host uses, too."""
-    robot = ActiveRobot(RobotId(team, name), "h1", at(0))
-    robot.hear(at(0), "h1", (1_000_000_000, 0), certain=False)
-    robot.hear(at(0), "h2", (1_000_003_600, 0), certain=False)
+    robot = ActiveRobot(RobotId(team, name), "h1", now, 0.1)
+    robot.hear(now, "h1", wire(now.utc), certain=False)
+    robot.hear(now, "h2", wire(now.utc + 3600), certain=False)
     return robot
 
 
 CASES = [
     (lambda w, now: w.foreign_box(now, "10.0.0.9"), "ANOTHER RSBB is transmitting from 10.0.0.9", REMEMBER_S),
-    (lambda w, now: w.rivals(now, rivals("A", "r")),
-     "Two robots call themselves r of team A: h1 and h2. Give one another robot_name. Their clocks differ: +0.000 s "
-     "and +3.6e+03 s", REMEMBER_S),
+    (lambda w, now: w.rivals(now, rivals("A", "r", now)),
+     "Two robots call themselves r of team A: h1 and h2. Connect and start use the one that knows the password. Give "
+     "the other one another robot_name, or take it off the network. Their clocks differ: +0.000 s and +3.6e+03 s",
+     REMEMBER_S),
     (lambda w, now: w.squatter(now, Squatter("10.0.0.9", "A", 25)), "10.0.0.9 announces at least 25 robots",
      REMEMBER_S),
     (lambda w, now: w.squatter(now, Squatter("10.0.0.9", "A", 1)), "Many addresses, such as 10.0.0.9", REMEMBER_S),
@@ -80,7 +82,7 @@ def test_the_last_complaint_stays_a_while(watches):
 
 
 @pytest.mark.parametrize("flood", [
-    lambda w, i: w.rivals(at(10), rivals("A", f"r{i}")),
+    lambda w, i: w.rivals(at(10), rivals("A", f"r{i}", at(10))),
     lambda w, i: w.foreign_box(at(10), f"10.0.{i // 256}.{i % 256}"),
     lambda w, i: w.trouble(at(10), f"trouble {i}"),
 ])

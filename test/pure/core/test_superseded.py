@@ -6,6 +6,7 @@ from helpers.box_driver import BoxDriver
 from roah_rsbb.core import effects
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views import views
 
@@ -78,6 +79,17 @@ def test_the_runs_do_not_continue(driver):
     driver.event(driver.box.tick)
     assert driver.box_state() == state
     assert driver.effects == []
+
+
+@pytest.mark.parametrize("by, where", [("", ""), (HOST, f" on the box at {HOST}")])
+def test_after_a_restart_it_says_where_its_runs_continue(by, where):
+    first, second = BoxDriver(), BoxDriver()
+    first.executing()
+    if by:
+        second.box.stay_superseded(by)
+    second.event(second.box.resume, Saved(
+        second.now.utc, first.box.saved(), {name: zone.saved() for name, zone in first.box.zones.items()}))
+    assert second.run_in().state.log.endswith(f": the run continues{where}\n")
 
 
 def test_after_a_restart_it_is_not_recorded_again():

@@ -131,6 +131,33 @@ def test_values_set_while_the_controller_is_away_are_sent_when_it_is_back():
     scripted(script)
 
 
+def test_a_controller_that_starts_with_the_client_is_no_fault(monkeypatch):
+    monkeypatch.setattr(client_module, "STARTS_S", LIMIT_S)
+    connect, tries = asyncio.open_connection, []
+
+    async def count(*where):
+        tries.append(where)
+        return await connect(*where)
+
+    monkeypatch.setattr(asyncio, "open_connection", count)
+
+    async def run():
+        world = World()
+        await world.open()
+        world.stop()
+        world.start()
+        while len(tries) < 2:
+            await asyncio.sleep(0.01)
+        await world.open(world.port)
+        try:
+            await world.until_connected(1)
+            await world.until(lambda: world.statuses, "it is connected")
+            assert [connected for connected, _ in world.statuses] == [True]
+        finally:
+            await world.close()
+    asyncio.run(run())
+
+
 def test_rings_come_one_by_one_merged_and_in_fragments():
     async def script(world):
         other = encode(Changed("11", 1, 0)) + encode(DeviceEvent("E", "11", "1")) + encode(DeviceEvent("E", "47", "0"))

@@ -5,6 +5,7 @@ from helpers.effect_rules import EffectRules
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
+from roah_rsbb.core.commands import OF_TEAM, OfTeam
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.records import Phase
@@ -89,8 +90,9 @@ class BoxDriver:
                 todo = self._take_effects()
 
     def command(self, command, zone="tbm"):
-        """The referee presses a button; raises `Refused`."""
-        self.event(self.box.command, zone, command)
+        """The referee presses a button; raises `Refused`. Those that hit a team name the one that is shown."""
+        of = OfTeam(self.box.zones[zone].event.team) if command in OF_TEAM and zone in self.box.zones else None
+        self.event(self.box.command, zone, command, "", "", of)
 
     def score(self, group, desc, value, zone="tbm"):
         """The referee marks a scoring item; raises `Refused`."""

@@ -1,23 +1,28 @@
 """A journal and its copy in another folder."""
 
-import contextlib
 import pathlib
-import sqlite3
 
 from helpers.journals import Writer
 from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
-from roah_rsbb.copies.rows import COLUMNS
+from roah_rsbb.copies.segments import JournalSegments
+from roah_rsbb.journal import log
 from roah_rsbb.journal.file import FILE_NAME
+
+COMPETITION = [["tbm", "HCFGAC", "Alpha", 1, 1, 0.0]]
 
 
 def contents(folder):
-    """All rows of the journal in a folder, with their checksums, by table."""
-    uri = f"{(pathlib.Path(folder) / FILE_NAME).resolve().as_uri()}?mode=ro"
-    with contextlib.closing(sqlite3.connect(uri, uri=True)) as connection:
-        return {table: connection.execute(
-            f"SELECT {', '.join(columns)} FROM {table} ORDER BY {columns[0]}").fetchall()
-            for table, columns in COLUMNS.items()}
+    """The segments of the journal in a folder, by name: what of them is copied."""
+    folder = pathlib.Path(folder, FILE_NAME)
+    return {name: (folder / name).read_bytes()[:size] for name, size in JournalSegments(str(folder)).sizes().items()}
+
+
+def numbers(folder):
+    """The numbers of the intact records in the journal in a folder, in order."""
+    found = {frame.number for segment, scan in log.scans(log.read_chain(str(pathlib.Path(folder, FILE_NAME))).segments)
+             for frame in scan.records}
+    return sorted(found)
 
 
 class Copied:
@@ -27,8 +32,12 @@ class Copied:
         self.log_dir, self.stick = folder / "log", folder / "stick"
         self.stick.mkdir()
         self.mono = 100.0
-        self.writer = Writer(self.log_dir)
+        self.writer = self.new_writer()
         self.follower = self.new_follower()
+
+    def new_writer(self):
+        """A box that continues the journal, or begins it."""
+        return Writer(self.log_dir, COMPETITION)
 
     def new_follower(self):
         """A follower as a restarted process has it."""
@@ -43,6 +52,16 @@ class Copied:
         """Copy; return whether the copy has all of the journal."""
         self.follower.step()
         return not self.trouble and contents(self.stick) == contents(self.log_dir)
+
+    def save(self):
+        """Wait until the disk of the box has everything."""
+        journal = self.writer.journal
+        assert not journal.why_not_saved(journal.committed)
+
+    def restart_box(self):
+        """End the box, and start it again."""
+        self.writer.close()
+        self.writer = self.new_writer()
 
     def close(self):
         """End both."""

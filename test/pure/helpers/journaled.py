@@ -4,12 +4,12 @@ import shutil
 
 from helpers.box_driver import BoxDriver, beacon_bytes
 from helpers.competition import competition, event
+from roah_rsbb.box import journal
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
-from roah_rsbb.nodes.core import journal
 
 CATERING = event("HCFGAC", timeout=300.0)
 NAVIGATION = event("HNF", team="Beta", timeout=60.0, total_timeout=300.0)
@@ -61,9 +61,7 @@ class JournaledDriver(BoxDriver):
 
     def copy(self, directory):
         """The journal's files as a process that is killed now leaves them."""
-        directory.mkdir()
-        for path in self._directory.iterdir():
-            shutil.copy(path, directory / path.name)
+        shutil.copytree(self._directory, directory, ignore=shutil.ignore_patterns("*.new"))
 
     @property
     def _directory(self):

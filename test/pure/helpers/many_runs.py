@@ -8,16 +8,15 @@ import os
 import random
 
 from helpers.config_files import SHIPPED
+from roah_rsbb.box import journal as core_journal
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.journal.batch import Batch
 from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
-from roah_rsbb.nodes.core import journal as core_journal
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio.radio import beacon_size
 from roah_rsbb.rulebook import config
@@ -35,25 +34,6 @@ def write_journal(log_dir, runs, zones=20, seconds=20):
     """Write a journal with about so many runs, each with so many seconds of execution; returns its path."""
     zones = min(zones, runs)
     return _Competition(str(log_dir), zones, runs // zones, seconds).play()
-
-
-class _RoundsJournal:
-    """Takes what the core writes, and commits each round at once: a commit for each event would only take longer."""
-
-    def __init__(self, journal):
-        self._journal = journal
-        self._batch = Batch()
-
-    def write(self, batch, checkpoint=False):
-        self._batch.add(batch)
-        return 0
-
-    def look(self):
-        pass
-
-    def commit(self):
-        batch, self._batch = self._batch, Batch()
-        self._journal.write(batch)
 
 
 class _Competition:
@@ -75,15 +55,13 @@ class _Competition:
         self._troubles = []
         self._journal = Journal(log_dir, session, core_journal.competition(config_), Resume.ALWAYS,
                                 self._troubles.append)
-        self._rounds_journal = _RoundsJournal(self._journal)
-        self._core_journal = core_journal.CoreJournal(self._box, self._rounds_journal)
+        self._core_journal = core_journal.CoreJournal(self._box, self._journal)
 
     def play(self):
         """Conduct all runs; returns the journal's path."""
         self._event(self._box.tick)
         for number in range(self._rounds):
             self._round(number)
-            self._rounds_journal.commit()
         path = self._journal.path
         self._journal.close()
         assert not any(self._troubles), self._troubles

@@ -19,6 +19,8 @@ PERCENT = st.none() | st.integers(0, 2**32 - 1)
 FLAG = st.none() | st.booleans()
 PORTS = st.integers(6666, 6672)
 HOSTS = st.sampled_from(["10.0.0.2", "10.0.0.3"])
+# Seconds for which a datagram waited until the box read it; below 0: a clock was set meanwhile.
+WAITED = st.sampled_from([0.0] * 4 + [0.01, 1.0, 10.0, 1e6, -3.0])
 
 
 def _reports(times):
@@ -51,10 +53,11 @@ def random_events(draw):
     if kind == "command":
         return "command", (zone, draw(st.sampled_from(sorted(COMMANDS))))
     if kind == "report":
-        return "on_robot_report", (draw(PORTS), draw(HOSTS), draw(_reports(st.none() | st.tuples(INT64, INT64))))
+        return "on_robot_report", (
+            draw(PORTS), draw(HOSTS), draw(_reports(st.none() | st.tuples(INT64, INT64))), draw(WAITED))
     if kind == "beacon":
         team, robot = draw(NAMES), draw(st.sampled_from(["r1", "r2"]))
-        return "on_robot_beacon", (draw(HOSTS), team, robot, draw(st.none() | st.tuples(INT64, INT64)))
+        return "on_robot_beacon", (draw(HOSTS), team, robot, draw(st.none() | st.tuples(INT64, INT64)), draw(WAITED))
     if kind == "score":
         return draw(_scores(zone))
     if kind == "pass":
@@ -90,13 +93,17 @@ def apply_event(driver, name, arguments):
         return
     now = driver.robot().time()
     if name == "on_robot_report":
-        port, host, report = arguments
-        arguments = (port, host, report._replace(time=now if report.time is None else report.time))
+        port, host, report, waited = arguments
+        report = report._replace(time=now if report.time is None else report.time)
+        arguments = (port, host, report, driver.now.utc - waited)
     elif name == "on_robot_beacon":
-        arguments = (*arguments[:3], now if arguments[3] is None else arguments[3])
+        arguments = (*arguments[:3], now if arguments[3] is None else arguments[3], driver.now.utc - arguments[4])
     elif name.startswith("scores."):
         arguments = (_meant(driver, arguments[0]), *arguments[1:])
     try:
+        if name == "command":
+            driver.command(arguments[1], arguments[0])
+            return
         driver.event(operator.attrgetter(name)(driver.box), *arguments)
     except Refused as refused:
         assert refused.reasons and all(refused.reasons)

@@ -84,6 +84,7 @@ class _Peer:
     def __init__(self, air, rsbb_host, port, on_datagram, bind_host, max_datagram, shared):
         self.rsbb_host, self.port, self.bind_host = rsbb_host, port, bind_host
         self.on_datagram = on_datagram
+        self.received_utc = None
         self._air, self._max_datagram, self._shared = air, max_datagram, shared
 
     @property

@@ -18,7 +18,8 @@ class SmallDisk:
     `path` leads there from outside; but not SQLite, which follows symbolic links by itself. What a command does with
     `inside` before it happens there, too.
 
-    One that `breaks` is an ext4 in a file beside it, at least 2 MB; else it is a tmpfs. Raises `CannotMount`.
+    One that `breaks` is an ext4 in a file beside it, at least 2 MB, with blocks of 1 kB; else it is a tmpfs. Raises
+    `CannotMount`.
     """
 
     def __init__(self, directory, kilobytes, breaks=False):
@@ -26,7 +27,7 @@ class SmallDisk:
         os.makedirs(self.mount_point, exist_ok=True)
         mount = f'mount -t tmpfs -o size={kilobytes}k tmpfs "$1"'
         if breaks:
-            mount = (f'truncate -s {kilobytes}k "$2" && mkfs.ext4 -q -F -m 0 "$2" && '
+            mount = (f'truncate -s {kilobytes}k "$2" && mkfs.ext4 -q -F -b 1024 -m 0 "$2" && '
                      'mount -o loop,errors=remount-ro "$2" "$1"')
         self._holder = subprocess.Popen(
             ["unshare", "--mount", "--propagation", "private", "sh", "-c",

@@ -4,7 +4,8 @@ import ast
 import functools
 import pathlib
 import re
-from typing import Dict, Iterator, List, NamedTuple, Optional, Set
+import string
+from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Set
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 PACKAGE = ROOT / "src" / "roah_rsbb"
@@ -200,3 +201,79 @@ class _Visitor(ast.NodeVisitor):
         has_words = isinstance(node, ast.JoinedStr) or _SENTENCE.search(text)
         if is_shown or (has_words and not _NAME.search(plain)):
             self._add(self.forgotten, text, node)
+
+
+# -- the values that texts get -------------------------------------------------------------------------
+
+
+class Call(NamedTuple):
+    """A call of `tr`."""
+
+    place: str  # file in the package
+    line: int
+    texts: FrozenSet[str]  # those that it may show; empty: they come from another place, such as a parameter
+    values: FrozenSet[str]  # the names of the values that it gives
+
+
+def fields(text: str) -> FrozenSet[str]:
+    """Return the names of the places in a text, without their formats."""
+    return frozenset(name for _, name, _, _ in string.Formatter().parse(text) if name is not None)
+
+
+@functools.lru_cache(maxsize=None)
+def calls() -> List[Call]:
+    """Return all calls of `tr` in the package. Constants are followed to the texts in them."""
+    trees = {path.relative_to(PACKAGE).as_posix(): ast.parse(path.read_text(encoding="utf-8"))
+             for path in sorted(PACKAGE.rglob("*.py"))}
+    constants = {place: _constants(tree) for place, tree in trees.items()}
+    found = []
+    for place, tree in trees.items():
+        known = dict(constants[place])
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom):
+                module = (node.module or "").replace("roah_rsbb.", "").replace(".", "/")
+                for alias in node.names:
+                    name = alias.asname or alias.name
+                    known.update({name: constants[f"{module}.py"].get(alias.name, frozenset())}
+                                 if f"{module}.py" in constants else {})
+                    for inner, texts in constants.get(f"{module}/{alias.name}.py", {}).items():
+                        known[f"{name}.{inner}"] = texts
+        found += [
+            Call(place, node.lineno, _texts_of(node.args[0], known), frozenset(k.arg or "**" for k in node.keywords))
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Call) and _name(node.func) == "tr" and node.args
+        ]
+    return found
+
+
+def _constants(tree: ast.Module) -> Dict[str, FrozenSet[str]]:
+    """Return the marked texts in each constant of a module or class."""
+    found: Dict[str, FrozenSet[str]] = {}
+    for node in ast.walk(tree):
+        if not isinstance(node, (ast.Assign, ast.AnnAssign)) or node.value is None:
+            continue
+        inner = [one for one in ast.walk(node.value) if isinstance(one, ast.Call)]
+        later = [call.args[0] for call in inner if _name(call.func) == "tr_later"]
+        for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+            if isinstance(target, ast.Name) and later:
+                texts = frozenset(one.value for one in later if isinstance(one, ast.Constant))
+                found[target.id] = found.get(target.id, frozenset()) | texts
+    return found
+
+
+def _texts_of(node: ast.AST, known: Dict[str, FrozenSet[str]]) -> FrozenSet[str]:
+    if isinstance(node, ast.Constant):
+        return frozenset([node.value])
+    if isinstance(node, (ast.IfExp, ast.BoolOp)):
+        parts = (node.body, node.orelse) if isinstance(node, ast.IfExp) else node.values
+        return frozenset().union(*(_texts_of(part, known) for part in parts))
+    if isinstance(node, ast.Subscript):
+        return _texts_of(node.value, known)
+    if isinstance(node, ast.Call) and _name(node.func) == "get" and isinstance(node.func, ast.Attribute):
+        return _texts_of(node.func.value, known)
+    if isinstance(node, ast.Name):
+        return known.get(node.id, frozenset())
+    if isinstance(node, ast.Attribute):
+        base = getattr(node.value, "id", "")
+        return known.get(node.attr if base == "self" else f"{base}.{node.attr}", frozenset())
+    return frozenset()

@@ -1,68 +1,126 @@
 """Epochs in the journal: who is the box, after takeovers in any order."""
 
+import pathlib
+
 import pytest
 
 from helpers.competition import run_record
-from helpers.journals import UTC0, Writer
-from roah_rsbb.journal import epochs, kinds
-from roah_rsbb.journal.epochs import Standing, raise_epoch, standing_in, superseded_value
+from helpers.journals import UTC0, Writer, spoil
+from roah_rsbb.journal import kinds
+from roah_rsbb.journal.contents import open_journal
+from roah_rsbb.journal.epochs import Standing, hand_over, raise_epoch, standing_in, superseded_value
 from roah_rsbb.journal.previous_session import read_previous_session
+from roah_rsbb.journal.reader import JournalReader
+
+
+class Box:
+    """A box that ends before another program changes its journal."""
+
+    def __init__(self, log_dir):
+        self._log_dir, self._utc = log_dir, UTC0
+        self.path = self.writes(lambda writer: (writer.run(run_record()), writer.entry("/notification", "now")))
+
+    def writes(self, write):
+        writer = Writer(self._log_dir)
+        writer.utc = self._utc
+        write(writer)
+        writer.close()
+        self._utc = writer.utc
+        return writer.path
+
+    def superseded(self, epoch, cut):
+        value = superseded_value(epoch, cut, "10.0.0.3")
+        self.writes(lambda writer: writer.entry(kinds.EPOCH, value, port=None))
+
+    @property
+    def last(self):
+        """The number of the newest record."""
+        return open_journal(self.path).newest.last
+
+    def only_here(self):
+        with JournalReader(self.path) as reader:
+            return reader.only_here()
 
 
 @pytest.fixture
-def writer(tmp_path):
-    made = Writer(tmp_path)
-    made.run(run_record())
-    made.entry("/notification", "now")
-    yield made
-    made.journal.close()
+def box(tmp_path):
+    return Box(tmp_path)
 
 
-def supersede(writer, epoch, cut):
-    writer.entry(kinds.EPOCH, superseded_value(epoch, cut, "10.0.0.3"), port=None)
-
-
-def test_a_journal_of_which_nobody_took_over(writer, tmp_path):
-    assert standing_in(writer.path) == Standing(1)
+def test_a_journal_of_which_nobody_took_over(box, tmp_path):
+    assert standing_in(box.path) == Standing(1)
     assert standing_in(str(tmp_path / "missing")) == Standing(1)
-    (tmp_path / "nonsense").write_bytes(b"nonsense" * 1000)
+    (tmp_path / "nonsense").mkdir()
+    (tmp_path / "nonsense" / "journal-000001-00000001.log").write_bytes(b"nonsense" * 1000)
     assert standing_in(str(tmp_path / "nonsense")) == Standing(1)
 
 
-def test_a_takeover_raises_the_epoch(writer):
-    assert raise_epoch(writer.path, UTC0 + 100.0, "second") == Standing(2, cut=1)
-    writer.entry("/notification", "later")
-    assert raise_epoch(writer.path, UTC0 + 200.0, "third") == Standing(3, cut=3) == standing_in(writer.path)
+def test_a_takeover_raises_the_epoch(box):
+    first = box.last
+    assert raise_epoch(box.path, UTC0 + 100.0, "second") == Standing(2, cut=first) == standing_in(box.path)
+    assert open_journal(box.path).segments[-1].head.epoch == 2
+    box.writes(lambda writer: writer.entry("/notification", "later"))
+    second = box.last
+    assert raise_epoch(box.path, UTC0 + 200.0, "third") == Standing(3, cut=second) == standing_in(box.path)
 
 
-def test_a_takeover_does_not_change_when_the_core_ended(writer):
+def test_the_epoch_of_a_segment_counts_even_if_its_entry_is_damaged(box):
+    cut = box.last
+    raise_epoch(box.path, UTC0 + 100.0, "second")
+    spoil(box.path, b'{"epoch"')
+    assert open_journal(box.path).contents.standing == Standing(2, cut=cut)
+
+
+def test_a_standing_that_changes_while_it_is_looked_at(box):
+    """It is read once a second; what was read before is not read again."""
+    writer = Writer(box._log_dir)
+    for _ in range(3):
+        writer.entry("/notification", "x" * 1000)
+        assert not standing_in(box.path).is_superseded
+    writer.entry(kinds.EPOCH, superseded_value(2, 1, "10.0.0.3"), port=None)
+    assert standing_in(box.path) == Standing(1, 2, 1, "10.0.0.3")
+    writer.close()
+    assert standing_in(box.path) == Standing(1, 2, 1, "10.0.0.3")
+    segment = max(pathlib.Path(box.path).glob("*.log"))
+    content = segment.read_bytes()
+    segment.write_bytes(content[:content.index(b'{"superseded_by"')])  # an earlier copy in its place
+    assert standing_in(box.path) == Standing(1)
+
+
+def test_a_takeover_does_not_change_when_the_core_ended(box):
     """The runs continue by the clock of the core before."""
-    connection = writer.journal._connection
-    before = read_previous_session(connection).last
-    raise_epoch(writer.path, UTC0 + 5000.0, "second")
-    assert read_previous_session(connection).last == before
+    before = read_previous_session(open_journal(box.path))[0].last
+    raise_epoch(box.path, UTC0 + 5000.0, "second")
+    assert read_previous_session(open_journal(box.path))[0].last == before
 
 
-def test_a_superseded_box(writer):
-    supersede(writer, 2, cut=1)
-    writer.entry("/notification", "only here", identity=run_record().identity)
-    standing = standing_in(writer.path)
-    assert standing == Standing(1, 2, 1, "10.0.0.3") and standing.is_superseded
-    assert epochs.only_here(writer.journal._connection, standing) == [(run_record().identity, 1)]
+def test_a_superseded_box(box):
+    cut = box.last
+    box.superseded(2, cut)
+    box.writes(lambda writer: writer.entry("/notification", "only here", identity=run_record().identity))
+    standing = standing_in(box.path)
+    assert standing == Standing(1, 2, cut, "10.0.0.3") and standing.is_superseded
+    assert box.only_here() == [(run_record().identity, 1)]
 
 
-def test_a_superseded_box_takes_over_again(writer):
-    supersede(writer, 2, cut=1)
-    assert raise_epoch(writer.path, UTC0, "first") == Standing(3, cut=2)
-    assert epochs.only_here(writer.journal._connection, standing_in(writer.path)) == []
-    supersede(writer, 2, cut=1)  # late
-    assert not standing_in(writer.path).is_superseded
-    supersede(writer, 4, cut=2)
-    assert standing_in(writer.path).superseded_by == 4
+def test_a_box_that_hands_over(box):
+    cut = box.last
+    assert hand_over(box.path, UTC0, "10.0.0.3") == Standing(1, 2, cut, "10.0.0.3") == standing_in(box.path)
+
+
+def test_a_superseded_box_takes_over_again(box):
+    box.superseded(2, cut=1)
+    cut = box.last
+    assert raise_epoch(box.path, UTC0, "first") == Standing(3, cut=cut)
+    assert box.only_here() == []
+    box.superseded(2, cut=1)  # late
+    assert not standing_in(box.path).is_superseded
+    box.superseded(4, cut=2)
+    assert standing_in(box.path).superseded_by == 4
 
 
 @pytest.mark.parametrize("value", ["no object", [], {"epoch": "no number"}, {"superseded_by": None}, 5, None])
-def test_entries_that_say_nothing(writer, value):
-    raise_epoch(writer.path, UTC0, "second")
-    writer.entry(kinds.EPOCH, value, port=None)
-    assert standing_in(writer.path).epoch == 2 and not standing_in(writer.path).is_superseded
+def test_entries_that_say_nothing(box, value):
+    raise_epoch(box.path, UTC0, "second")
+    box.writes(lambda writer: writer.entry(kinds.EPOCH, value, port=None))
+    assert standing_in(box.path).epoch == 2 and not standing_in(box.path).is_superseded

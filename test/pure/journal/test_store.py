@@ -1,12 +1,12 @@
-"""The journal's writer: written data can be read, other data waits, and foreign files are set aside."""
+"""The journal's writer: written data can be read, other data waits, and other journals are set aside."""
 
 import contextlib
 import dataclasses
 import json
 import os
 import pathlib
+import random
 import shutil
-import sqlite3
 import subprocess
 import sys
 import threading
@@ -14,24 +14,30 @@ import time
 
 import pytest
 
-from helpers.journals import make_old
 from helpers.small_disk import CannotMount, SmallDisk
-from roah_rsbb.journal import disk as disks
 from roah_rsbb.journal import file as files
-from roah_rsbb.journal import schema
+from roah_rsbb.journal import log
 from roah_rsbb.journal import store as stores
 from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
-from roah_rsbb.journal.damage import find_damage
-from roah_rsbb.journal.file import FILE_NAME, CoreSession, Resume, same_competition
+from roah_rsbb.journal.file import (
+    FILE_NAME,
+    CoreSession,
+    DamagedJournal,
+    JournalInUse,
+    Resume,
+    same_competition,
+)
+from roah_rsbb.journal.log import read_chain, scans
 from roah_rsbb.journal.previous_session import NOTHING
+from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.store import REPAIRED, Journal
 
-COMPETITION = json.dumps([["Home", "HNF", "Alpha", 1, 1, 0.0], ["Home", "HWV", "Beta", 1, 1, 900.0]])
-ENTRY = NewEntry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "command", '{"command":"start"}')
+COMPETITION = [["Home", "HNF", "Alpha", 1, 1, 0.0], ["Home", "HWV", "Beta", 1, 1, 900.0]]
+ENTRY = NewEntry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "command", {"command": "start"})
 BATCH = Batch(
     entries=[ENTRY], runs=[RunRow("HNF-6667-1", "Home", "HNF", "Alpha", 1, 1, 0.0, 1e9)],
     members=[Member(6667, "HNF-6667-1", "Alpha", "r1")], log_files={6667: "/logs/run.bag"},
-    outcomes={"HNF-6667-1": OutcomeRow(None, '{"n":1}')}, states={"zone:Home": '{"n":1}'},
+    outcomes={"HNF-6667-1": OutcomeRow(None, {"n": 1})}, states={"zone:Home": {"n": 1}},
 )
 
 
@@ -43,9 +49,10 @@ def session(launch="", boot="boot", mono=1.0):
 def journals(tmp_path):
     opened = []
 
-    def open_one(competition=COMPETITION, resume=Resume.ALWAYS, **of_session):
+    def open_one(competition=COMPETITION, resume=Resume.ALWAYS, file_operations=None, **of_session):
         troubles = []
-        journal = Journal(str(tmp_path / "log"), session(**of_session), competition, resume, troubles.append)
+        journal = Journal(str(tmp_path / "log"), session(**of_session), competition, resume, troubles.append,
+                          file_operations=file_operations)
         journal.troubles = troubles
         opened.append(journal)
         return journal
@@ -55,27 +62,33 @@ def journals(tmp_path):
         journal.close()
 
 
-def rows(journal, what="*", table="entries"):
-    with sqlite3.connect(f"file:{journal.path}?mode=ro", uri=True) as connection:
-        return connection.execute(f"SELECT {what} FROM {table}").fetchall()
+def records_of(journal):
+    """The records in the folder, with that of each start, as another process reads them."""
+    return [frame.payload for _, found in scans(read_chain(journal.path).segments) for frame in found.records]
+
+
+def entries(journal):
+    with JournalReader(journal.path) as reader:
+        return [(entry.number, *entry[2:]) for entry in reader.entries("HNF-6667-1")]
 
 
 def test_data_is_written_before_write_returns(journals):
     journal = journals()
     assert journal.previous == NOTHING
     journal.write(BATCH)
-    assert rows(journal, "utc, mono, zone, identity, port, who, kind, value") == [tuple(ENTRY)]
-    assert rows(journal, "port, log_file", "members") == [(6667, "/logs/run.bag")]
+    assert entries(journal) == [(1, *ENTRY)]
+    with JournalReader(journal.path) as reader:
+        assert [(member.port, member.log_file) for member in reader.all_members()] == [(6667, "/logs/run.bag")]
 
 
 def test_the_state_from_which_the_next_start_continues(journals):
     journal = journals()
     journal.write(BATCH)
-    journal.write(Batch(states={"zone:Home": '{"n":2}'}, outcomes={"HNF-6667-1": OutcomeRow(1e9 + 9, '{"n":2}')}))
+    journal.write(Batch(states={"zone:Home": {"n": 2}}, outcomes={"HNF-6667-1": OutcomeRow(1e9 + 9, {"n": 2})}))
     journal.close()
     before = journals(mono=9.0).previous
-    assert before.states == {"zone:Home": '{"n":2}'}
-    assert before.outcomes == ('{"n":2}',)
+    assert before.states == {"zone:Home": {"n": 2}}
+    assert before.outcomes == ({"n": 2},)
     assert (before.log_files, before.last_port) == ({6667: "/logs/run.bag"}, 6667)
     assert before.last == session(mono=5.0), "with the times of the last record"
 
@@ -83,7 +96,7 @@ def test_the_state_from_which_the_next_start_continues(journals):
 def test_the_last_record_may_be_one_of_a_link(journals):
     journal = journals()
     journal.write(BATCH)
-    journal.write(Batch(links=[LinkRow(6667, 1e9 + 7, 12.0, "{}")]))
+    journal.write(Batch(links=[LinkRow(6667, 1e9 + 7, 12.0, {})]))
     journal.close()
     last = journals().previous.last
     assert (last.utc, last.mono) == (1e9 + 7, 12.0)
@@ -93,33 +106,52 @@ def test_the_record_of_a_run_that_is_still_connected_is_there_too(journals):
     journal = journals()
     journal.write(BATCH)
     journal.close()
-    assert journals().previous.outcomes == ('{"n":1}',)
+    assert journals().previous.outcomes == ({"n": 1},)
 
 
-def test_all_of_a_batch_or_nothing(journals):
+def test_states_survive_many_differences_and_starts(journals, monkeypatch):
+    monkeypatch.setattr(log, "FULL_BYTES", 3000)
+    chance, state = random.Random(1), {}
+    for _ in range(4):
+        journal = journals()
+        assert journal.previous.states.get("zone:Home", {}) == state
+        for _ in range(300):
+            state = {**state, f"key {chance.randrange(5)}": [chance.random() for _ in range(chance.randrange(4))]}
+            journal.write(Batch(states={"zone:Home": state}))
+        if chance.random() < 0.5:
+            journal.why_not_saved(journal.committed)
+        journal.close()
+
+
+def test_what_is_not_json_is_refused_and_costs_nothing_else(journals):
     journal = journals()
-    bad = dataclasses.replace(BATCH, links=[("not", "a", "row")])
-    journal.write(bad)
-    assert rows(journal) == []
-    assert "cannot be written" in journal.troubles[-1]
+    with pytest.raises(TypeError):
+        journal.write(dataclasses.replace(BATCH, links=[LinkRow(6667, 1.0, 2.0, object())]))
+    ticket = journal.write(BATCH)
+    assert journal.committed == ticket == 2
+    assert entries(journal) == [(1, *ENTRY)]
+    assert journal.why_not_saved(ticket) == ""
 
 
 def test_saved_data_was_synced(journals, monkeypatch):
     synced = []
     journal = journals()
-    real = stores.os.fsync
+    real = os.fsync
     monkeypatch.setattr("os.fsync", lambda fd: (synced.append(os.readlink(f"/proc/self/fd/{fd}")), real(fd)))
     ticket = journal.write(BATCH)
     assert journal.why_not_saved(ticket) == ""
     assert journal.saved >= ticket
-    assert f"{journal.path}-wal" in synced
+    assert str(segments(journal)[-1]) in synced
+
+
+def segments(journal):
+    return sorted(pathlib.Path(journal.path).glob("*.log"))
 
 
 def test_a_disk_that_fails_is_reported_and_a_later_sync_proves_nothing(journals, monkeypatch):
     """Linux forgets pages that it could not write: the next fsync succeeds without them."""
     journal = journals()
-    assert journal.why_not_saved(journal.write(Batch(states={"box": "{}"}))) == ""
-    database = pathlib.Path(journal.path)
+    assert journal.why_not_saved(journal.write(Batch(states={"box": {}}))) == ""
 
     def fail(_fd):
         raise OSError(5, "Input/output error")
@@ -131,15 +163,15 @@ def test_a_disk_that_fails_is_reported_and_a_later_sync_proves_nothing(journals,
         assert "Input/output error" in journal.why_not_saved(ticket)
         assert journal.saved < ticket
         assert "Input/output error" in journal.troubles[-1]
-        assert ENTRY.value.encode() not in database.read_bytes()
     assert journal.why_not_saved(ticket) == ""
-    assert ENTRY.value.encode() in database.read_bytes(), "it was written again, to the database"
-    assert journal.troubles[-1] == REPAIRED
+    assert len(segments(journal)) == 2
+    assert ENTRY.value["command"].encode() in segments(journal)[-1].read_bytes(), "it is written again"
+    wait_until(lambda: journal.troubles[-1] == REPAIRED)
 
 
 def test_a_slow_disk_is_reported(journals, monkeypatch):
     journal, disk_is_back = journals(), threading.Event()
-    real = stores.os.fsync
+    real = os.fsync
     monkeypatch.setattr("os.fsync", lambda fd: (disk_is_back.wait(30.0), real(fd)))
     monkeypatch.setattr(stores, "SYNC_TIMEOUT_S", 0.1)
     monkeypatch.setattr(stores, "SLOW_S", 0.1)
@@ -155,29 +187,16 @@ def test_a_slow_disk_is_reported(journals, monkeypatch):
     assert journal.troubles[-1] == REPAIRED
 
 
-def test_a_sign_off_is_moved_into_the_database(journals):
+def test_a_full_segment_is_followed_by_the_next_while_the_box_runs(journals, monkeypatch):
+    monkeypatch.setattr(log, "FULL_BYTES", 5000)
     journal = journals()
-    journal.why_not_saved(journal.write(BATCH, checkpoint=True))
-    database = pathlib.Path(journal.path)
-    wait_until(lambda: ENTRY.value.encode() in database.read_bytes())
-
-
-def test_the_write_ahead_log_shrinks_while_the_box_runs(journals, monkeypatch):
-    monkeypatch.setattr(disks, "CHECKPOINT_PAUSE_S", 0.0)
-    monkeypatch.setattr(disks, "CHECKPOINT_BYTES", 1_000_000_000)  # on a busy machine, a sync comes between the writes
-    journal = journals()
-    log = pathlib.Path(f"{journal.path}-wal")
-    for _ in range(100):
-        ticket = journal.write(Batch(states={"box": "x" * 5000}))
-    assert log.stat().st_size > 200_000
-    monkeypatch.setattr(disks, "CHECKPOINT_BYTES", 200_000)
-
-    def is_small():
-        journal.why_not_saved(journal.write(Batch(states={"box": "y"})))
-        return log.stat().st_size < 100_000
-
+    for number in range(100):
+        ticket = journal.write(dataclasses.replace(BATCH, states={"box": f"{number}" * 500}))
+        if number % 9 == 0:
+            assert journal.why_not_saved(ticket) == ""
     assert journal.why_not_saved(ticket) == ""
-    wait_until(is_small)
+    assert len(segments(journal)) > 5
+    assert len(records_of(journal)) == 101
 
 
 def wait_until(condition):
@@ -188,43 +207,53 @@ def wait_until(condition):
         time.sleep(0.01)
 
 
+class FailingFiles(log.Files):
+    """A disk that cannot be written for a while."""
+
+    is_full = False
+
+    def write(self, fd, content, at):
+        if self.is_full:
+            os.pwrite(fd, content[:len(content) // 2], at)
+            raise OSError(28, "No space left on device")
+        super().write(fd, content, at)
+
+
 def test_unwritten_entries_wait_in_their_order(journals, monkeypatch):
-    journal = journals()
-    blocked = sqlite3.connect(journal.path, isolation_level=None)
-    blocked.execute("BEGIN IMMEDIATE")
-    journal._connection.execute("PRAGMA busy_timeout = 10")
+    files = FailingFiles()
+    journal = journals(file_operations=files)
+    journal.write(BATCH)
+    files.is_full = True
     for number in range(3):
-        ticket = journal.write(
-            Batch(entries=[ENTRY._replace(value=str(number))], states={"zone:Home": str(number)}))
-    assert "cannot be written" in journal.troubles[-1]
-    assert [entry.value for entry in journal.entries_of(6667)] == ["0", "1", "2"]
-    assert "locked" in journal.why_not_saved(ticket)
-    blocked.execute("ROLLBACK")
-    blocked.close()
+        ticket = journal.write(Batch(entries=[ENTRY._replace(value=number)], states={"zone:Home": number}))
+    assert "the disk is full" in journal.troubles[-1]
+    assert [entry.value for entry in journal.entries_of(6667)] == [ENTRY.value, 0, 1, 2]
+    monkeypatch.setattr(stores, "SYNC_TIMEOUT_S", 1e6)
+    assert "the disk is full" in journal.why_not_saved(ticket), "at once"
+    assert len(entries(journal)) == 1
+    files.is_full = False
     journal.look()
     assert journal.troubles[-1] == REPAIRED
-    assert rows(journal, "value") == [("0",), ("1",), ("2",)]
-    assert rows(journal, "name, state", "states") == [("zone:Home", "2")]
+    assert [entry[-1] for entry in entries(journal)] == [ENTRY.value, 0, 1, 2]
+    assert journal.why_not_saved(ticket) == ""
 
 
-def test_entries_are_not_given_in_part(journals, monkeypatch):
+def test_a_disk_that_is_full_at_the_start(journals):
     before = journals()
     before.write(BATCH)
     before.close()
-    real, failures = files.prepare, ["attempt to write a readonly database"]
-
-    def prepare(connection, competition):
-        if failures:
-            raise sqlite3.OperationalError(failures.pop())
-        real(connection, competition)
-
-    monkeypatch.setattr(files, "prepare", prepare)
-    again = journals()
+    files = FailingFiles()
+    files.is_full = True
+    again = journals(file_operations=files)
     again.write(Batch(entries=[ENTRY]))
-    assert again.previous is not NOTHING
-    assert again.entries_of(6667) is None  # the disk can be written again, but the file is not open yet
-    again.look()
+    assert again.previous.states == {"zone:Home": {"n": 1}}
+    assert (again.committed, again.saved) == (0, 0) and "the disk is full" in again.troubles[-1]
     assert len(again.entries_of(6667)) == 2
+    files.is_full = False
+    again.look()
+    assert again.committed == 1
+    assert len(entries(again)) == 2
+    assert again.troubles[-1] == REPAIRED
 
 
 def test_a_removed_folder_is_written_again(journals, tmp_path):
@@ -233,10 +262,47 @@ def test_a_removed_folder_is_written_again(journals, tmp_path):
     shutil.rmtree(tmp_path / "log")
     journal.write(Batch(entries=[ENTRY]))
     journal.look()
-    assert len(rows(journal)) == 2
+    assert len(entries(journal)) == 2
     ticket = journal.write(Batch(entries=[ENTRY]))
-    assert len(rows(journal)) == 3
+    assert len(entries(journal)) == 3
     assert journal.why_not_saved(ticket) == ""
+
+
+def test_all_segments_of_a_removed_folder_are_written_again(journals, tmp_path):
+    for number in range(3):
+        journal = journals()
+        journal.write(dataclasses.replace(BATCH, entries=[ENTRY._replace(value=number)]))
+        if number < 2:
+            journal.close()
+    shutil.rmtree(tmp_path / "log" / FILE_NAME)
+    journal.look()
+    with JournalReader(journal.path) as reader:
+        assert reader.damage == []
+    assert [entry[-1] for entry in entries(journal)] == [0, 1, 2]
+
+
+def test_a_folder_that_was_renamed_is_written_again(journals, tmp_path):
+    journal = journals()
+    journal.write(BATCH)
+    (tmp_path / "log").rename(tmp_path / "moved")
+    journal.write(Batch(entries=[ENTRY]))
+    assert len(entries(journal)) == 2
+    assert (tmp_path / "log" / f"{FILE_NAME}.lock").exists()
+
+
+def test_another_journal_in_its_place_is_set_aside(journals, tmp_path):
+    _closed(journals, tmp_path)
+    (tmp_path / "log" / FILE_NAME).rename(tmp_path / "other")
+    (tmp_path / "log" / (FILE_NAME + log.NEWEST)).unlink()
+    before = contents(tmp_path / "other")
+    journal = journals()
+    journal.write(BATCH)
+    shutil.rmtree(tmp_path / "log" / FILE_NAME)
+    (tmp_path / "other").rename(tmp_path / "log" / FILE_NAME)
+    journal.write(Batch(entries=[ENTRY]))
+    assert len(entries(journal)) == 2
+    kept, = (one for one in (tmp_path / "log").glob("*_aside_*") if one.is_dir())
+    assert contents(kept) == before
 
 
 def test_a_directory_that_was_removed_and_cannot_be_made_again_is_reported_until_it_can(journals, tmp_path):
@@ -253,7 +319,7 @@ def test_a_directory_that_was_removed_and_cannot_be_made_again_is_reported_until
     (tmp_path / "log").unlink()
     journal.look()
     assert journal.troubles[-1] == REPAIRED
-    assert len(rows(journal)) == 4
+    assert len(entries(journal)) == 4
 
 
 def test_a_directory_that_cannot_be_made_until_later(tmp_path):
@@ -264,79 +330,163 @@ def test_a_directory_that_cannot_be_made_until_later(tmp_path):
     assert "log_dir" in troubles[-1]
     (tmp_path / "log").unlink()
     journal.look()
-    assert len(rows(journal)) == 1
+    assert len(entries(journal)) == 1
     assert troubles[-1] == REPAIRED
     journal.close()
 
 
-def test_two_cores_with_one_log_dir_keep_journals_of_their_own(journals):
-    first, second = journals(), journals()
-    assert first.path != second.path
-    assert first.warnings == ()
-    warning, = second.warnings
-    assert f"process {os.getpid()})" in warning and first.path in warning and "end_other_core" in warning
+def test_a_journal_belongs_to_one_core(journals):
+    first = journals()
+    with pytest.raises(JournalInUse, match=f"in use by process {os.getpid()}, since 20.*kill -9 {os.getpid()}"):
+        files.lock(os.path.dirname(first.path))
+    second = journals()
+    assert "in use by process" in second.troubles[-1]
     first.write(BATCH)
-    assert rows(second) == []
+    second.write(BATCH)
+    assert len(entries(first)) == 1
+    assert not list(pathlib.Path(first.path).parent.glob("*_2*")), "no other journal is begun"
 
 
-@pytest.mark.parametrize("spoil, why", [
-    (lambda path: path.write_bytes(b"no database" * 1000), "damaged, or not a journal"),
-    (lambda path: _execute(path, "PRAGMA application_id = 7"), "another program"),
-    (lambda path: _execute(path, f"PRAGMA user_version = {schema.VERSION + 1}"), "newer version"),
-    (lambda path: _damage(path), "damaged"),
-])
-def test_a_journal_that_cannot_be_continued_is_set_aside(journals, tmp_path, spoil, why):
-    journal = journals()
+def _changed(path, change):
+    """Change the newest segment of a closed journal; returns the contents of its files."""
+    segment = max(path.glob("*.log"))
+    segment.write_bytes(change(segment.read_bytes()))
+    return contents(path)
+
+
+def contents(path):
+    return {file.name: file.read_bytes() for file in path.iterdir()}
+
+
+def _closed(journals, tmp_path, **how):
+    journal = journals(**how)
     for _ in range(50):
         journal.write(BATCH)
     journal.close()
-    path = tmp_path / "log" / FILE_NAME
-    spoil(path)
-    spoiled = path.read_bytes()
+    return tmp_path / "log" / FILE_NAME
+
+
+@pytest.mark.parametrize("spoil, what", [
+    (lambda path: (path / "journal-000009-12345678.log").mkdir(), "cannot be read: .*000009.*Is a directory.*chown"),
+    (lambda path: (shutil.rmtree(path), path.write_text("a file")), "cannot be read: .*Not a directory"),
+    (shutil.rmtree, "all segments are missing, and the newest one was journal-000001.*resume:=never"),
+    (lambda path: [each.unlink() for each in path.iterdir()], "all segments are missing.*resume:=never"),
+])
+def test_no_core_begins_without_the_runs_that_it_cannot_read(journals, tmp_path, spoil, what):
+    spoil(_closed(journals, tmp_path))
+    with pytest.raises(DamagedJournal, match=what):
+        journals()
+
+
+def test_without_its_segments_a_journal_begins_only_on_purpose(journals, tmp_path):
+    shutil.rmtree(_closed(journals, tmp_path))
+    assert "all segments are missing" in " ".join(journals(resume=Resume.NEVER).warnings)
+
+
+def test_parts_of_two_copies_in_one_folder_are_named(journals, tmp_path):
+    path = _closed(journals, tmp_path)
+    shutil.copytree(path, tmp_path / "earlier")
+    _closed(journals, tmp_path, mono=2.0)
+    later = next(each for each in path.iterdir() if each.name.startswith("journal-000002"))
+    other = later.read_bytes()
+    shutil.rmtree(path)
+    shutil.copytree(tmp_path / "earlier", path)
+    (tmp_path / "log" / (FILE_NAME + log.NEWEST)).unlink()
+    for _ in range(2):
+        _closed(journals, tmp_path)
+    assert read_chain(str(path)).problems == []
+    (path / later.name).write_bytes(other)
+    warning, = journals().warnings
+    assert f"{later.name} does not belong to the newest segments, and 1 of its records does not count" in warning
+    with JournalReader(str(path)) as reader:
+        assert any("Parts of two copies are in one folder" in damage for damage in reader.damage)
+
+
+def test_a_journal_of_another_competition_is_set_aside(journals, tmp_path):
+    path = _closed(journals, tmp_path, competition=[["Hall", "HNF", "Alpha", 1, 1, 0.0]])
+    before = contents(path)
     again = journals()
     assert again.previous == NOTHING
-    assert why in again.warnings[0]
-    kept = list(path.parent.glob("*_aside_*.sqlite3"))
-    assert [file.read_bytes() for file in kept] == [spoiled]
-    assert str(kept[0]) in again.warnings[0]
+    kept, = (one for one in path.parent.glob("*_aside_*") if one.is_dir())
+    assert contents(kept) == before
+    assert "another competition" in again.warnings[0] and str(kept) in again.warnings[0]
+    assert (path.parent / f"{kept.name}{log.NEWEST}").exists()
     again.write(BATCH)
-    assert len(rows(again)) == 1
+    assert len(records_of(again)) == 2
 
 
-def _execute(path, statement):
-    with sqlite3.connect(str(path)) as connection:
-        connection.execute(statement)
+def test_the_journal_of_a_newer_version_is_set_aside(journals, tmp_path, monkeypatch):
+    with monkeypatch.context() as newer:
+        newer.setattr(log, "VERSION", log.VERSION + 1)
+        path = _closed(journals, tmp_path)
+    again = journals()
+    assert again.previous == NOTHING and "newer version" in again.warnings[0]
+    assert [one.name for one in path.parent.glob("*_aside_*")] != []
 
 
-def _damage(path):
-    content = bytearray(path.read_bytes())
-    content[4096:12288] = bytes(8192)
-    path.write_bytes(content)
-
-
-def test_an_older_version_is_brought_up_to_date(journals, monkeypatch):
+def test_a_changed_schedule_is_that_of_the_next_start(journals):
+    other = [["Hall", "HNF", "Alpha", 1, 1, 0.0]]
     journal = journals()
     journal.write(BATCH)
+    journal.set_competition(other)
     journal.close()
-    monkeypatch.setattr(schema, "VERSION", schema.VERSION + 1)
-    monkeypatch.setattr(schema, "MIGRATIONS", {schema.VERSION - 1: ("ALTER TABLE runs ADD COLUMN room TEXT",)})
+    again = journals(competition=other)
+    assert (again.warnings, again.previous.states) == ((), {"zone:Home": {"n": 1}})
+
+
+def test_damage_is_reported_and_everything_else_continues(journals, tmp_path):
+    path = _closed(journals, tmp_path)
+    before = _changed(path, lambda content: content.replace(b'"/referee"', b'"/refer??"', 1))
     again = journals()
-    assert again.warnings == ()
-    assert again.previous.states == {"zone:Home": '{"n":1}'}
-    assert rows(again, "room", "runs") == [(None,)]
+    assert again.previous.states == {"zone:Home": {"n": 1}}
+    assert "is damaged: record 2 damaged or missing, between" in again.warnings[0]
+    again.write(BATCH)
+    again.close()
+    assert before.items() <= contents(path).items(), "what was there is untouched"
+    assert journals().warnings == (), "it is reported once"
 
 
-def test_a_journal_of_version_1_is_brought_up_to_date(journals):
+def test_a_state_that_depends_on_a_damaged_record_is_not_used(journals, tmp_path):
+    state = {"a": "x" * 10, "b": ["y"], "n": 0}
     journal = journals()
-    journal.write(BATCH)
+    for number in range(5):
+        journal.why_not_saved(journal.write(Batch(states={"zone:Home": {**state, "n": number}, "box": {"n": 5}})))
     journal.close()
-    make_old(journal.path)
+    segment = max((tmp_path / "log" / FILE_NAME).glob("*.log"))
+    content = segment.read_bytes()
+    content = content.replace(b'"change":{"n":[2]}', b'"change":{"n":[9]}')
+    segment.write_bytes(content[:content.rindex(b"RsbS")])  # without the summary at the end
     again = journals()
-    assert again.warnings == ()
-    assert again.previous.states == {"zone:Home": '{"n":1}'}
-    again.write(dataclasses.replace(BATCH, runs=[], members=[]))
-    assert len(rows(again)) == 2
-    assert find_damage(again._connection) == []
+    assert again.previous.states == {"box": {"n": 5}}
+    assert "the state of zone:Home is damaged" in "".join(again.warnings)
+
+
+@pytest.mark.parametrize("change", [lambda content: b"no journal" * 1000, lambda content: content[:40]])
+def test_no_empty_journal_is_begun_beside_a_damaged_one(journals, tmp_path, change):
+    path = _closed(journals, tmp_path)
+    spoiled = _changed(path, change)
+    for _ in range(2):
+        with pytest.raises(DamagedJournal, match="Put the newest copy .* resume:=never"):
+            journals()
+        assert contents(path) == spoiled
+    begun = journals(resume=Resume.NEVER)  # the organiser's word
+    assert begun.previous == NOTHING
+    kept, = (one for one in path.parent.glob("*_aside_*") if one.is_dir())
+    assert contents(kept) == spoiled and str(kept) in begun.warnings[0]
+
+
+def test_a_lost_segment_is_reported(journals, tmp_path):
+    path = _closed(journals, tmp_path)
+    _closed(journals, tmp_path)
+    min(path.glob("*.log")).unlink()
+    assert "the segment before journal-000002-" in journals().warnings[0]
+
+
+def test_a_lost_newest_segment_is_reported(journals, tmp_path):
+    path = _closed(journals, tmp_path)
+    _closed(journals, tmp_path)
+    max(path.glob("*.log")).unlink()
+    assert "the newest segment journal-000002-" in journals().warnings[0]
 
 
 def test_a_core_that_hangs_is_named(journals):
@@ -350,18 +500,18 @@ def test_a_core_that_hangs_is_named(journals):
     try:
         hung.stdout.readline()
         os.waitpid(hung.pid, os.WUNTRACED)  # it is stopped
-        warning, = journals().warnings
-        assert f"process {hung.pid}, which is stopped" in warning
+        with pytest.raises(JournalInUse, match=f"process {hung.pid}, which is stopped.*kill -9 {hung.pid}"):
+            files.lock(os.path.dirname(journal.path))
     finally:
         hung.kill()
         hung.communicate()
 
 
 def test_a_competition_is_known_by_its_events_not_by_their_times():
-    moved = json.dumps([["Home", "HNF", "Alpha", 1, 1, 77.0], ["Room", "STB", "Beta", 1, 1, 0.0]])
-    other = json.dumps([["Home", "HNF", "Alpha", 1, 2, 0.0]])
+    moved = [["Home", "HNF", "Alpha", 1, 1, 77.0], ["Room", "STB", "Beta", 1, 1, 0.0]]
     assert same_competition(COMPETITION, moved)
-    assert not same_competition(COMPETITION, other)
+    assert not same_competition(COMPETITION, [["Home", "HNF", "Alpha", 1, 2, 0.0]])
+    assert same_competition(None, moved) and same_competition([1], moved), "unknown"
 
 
 def test_syncs_are_grouped(journals, monkeypatch):
@@ -374,6 +524,49 @@ def test_syncs_are_grouped(journals, monkeypatch):
     assert 0 < len(synced) < 10
 
 
+class SimulatedSyncer:
+    """Syncs when the simulated time has come, without a thread."""
+
+    def __init__(self, work):
+        self.work, self.is_wanted = work, False
+
+    def wake(self):
+        self.is_wanted = True
+
+    def wait(self, is_done, timeout):
+        self.pass_time()
+        return is_done()
+
+    def pass_time(self):
+        if self.is_wanted:
+            self.is_wanted = not self.work()
+
+    def end(self):
+        self.pass_time()
+
+
+def test_in_simulated_time_nothing_depends_on_threads_or_chance(tmp_path):
+    contents = []
+    for name in ("first", "second"):
+        chance, now, syncers = random.Random(5), [100.0], []
+
+        class SimulatedFiles(log.Files):
+            unique = staticmethod(lambda count, chance=chance: bytes(chance.randrange(256) for _ in range(count)))
+
+        journal = Journal(str(tmp_path / name), session(), COMPETITION, Resume.ALWAYS, [].append, None,
+                          SimulatedFiles(), lambda now=now: now[0],
+                          lambda work, syncers=syncers: syncers.append(SimulatedSyncer(work)) or syncers[0])
+        ticket = journal.write(BATCH)
+        assert (journal.committed, journal.saved) == (1, 0)
+        now[0] += stores.SLOW_S
+        journal.look()
+        assert journal._is_slow
+        assert journal.why_not_saved(ticket) == ""
+        journal.close()
+        contents.append({path.name: path.read_bytes() for path in sorted((tmp_path / name / FILE_NAME).iterdir())})
+    assert contents[0] == contents[1]
+
+
 ON_A_DISK = """
 import json, sys
 sys.path[:0] = json.loads(sys.argv[2])
@@ -381,10 +574,11 @@ from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
 troubles = []
 session = CoreSession(1e9, 1.0, "boot", 1, "uuid", "")
-journal = Journal(sys.argv[1], session, sys.argv[3], Resume.ALWAYS, troubles.append)
+journal = Journal(sys.argv[1], session, json.loads(sys.argv[3]), Resume.ALWAYS, troubles.append)
 for line in sys.stdin:
     exec(line)
-    print(json.dumps([journal.previous.states, (troubles or [""])[-1], journal._session_id]), flush=True)
+    number = journal._is_begun and len(journal._writer.contents.sessions)
+    print(json.dumps([journal.previous.states, (troubles or [""])[-1], number]), flush=True)
 """
 
 
@@ -394,7 +588,7 @@ class OnADisk:
     def __init__(self, disk):
         self._process = subprocess.Popen(
             [*disk.inside, sys.executable, "-c", ON_A_DISK, f"{disk.mount_point}/log", json.dumps(sys.path),
-             COMPETITION], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+             json.dumps(COMPETITION)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
         )
 
     def do(self, line="pass"):
@@ -409,7 +603,7 @@ class OnADisk:
         self._process.communicate()
 
 
-WRITES = 'from roah_rsbb.journal.batch import Batch; journal.write(Batch(states={"zone:Home": "{}"}))'
+WRITES = 'from roah_rsbb.journal.batch import Batch; journal.write(Batch(states={"zone:Home": {"n": 1}}))'
 
 
 @pytest.mark.long
@@ -432,9 +626,8 @@ def test_what_was_before_is_read_on_a_disk_that_cannot_be_written(tmp_path, kill
             disk.make_read_only()
         journal = OnADisk(disk)
         before, trouble, number = journal.do()
-        assert before == {"zone:Home": "{}"}
-        # Where SQLite has room of its own left a full disk is noticed later.
-        assert (bool(trouble), number) == (True, 0) or how == "full"
+        assert before == {"zone:Home": {"n": 1}}
+        assert (bool(trouble), number) == (True, False)
         if how == "full":
             disk.free()
         else:

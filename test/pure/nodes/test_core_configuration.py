@@ -9,6 +9,7 @@ from helpers.config_files import SHIPPED
 from roah_rsbb.journal.in_force import FILE_NAME, read_in_force
 from roah_rsbb.nodes.core.configuration import EDITED, Configuration
 from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.rulebook.event_ids import key_of
 
 NAMES = ("benchmarks.yaml", "schedule.yaml", "passwords.yaml", "standings.yaml")
 
@@ -73,10 +74,103 @@ def test_the_errors_of_all_files_at_once(competition):
         "benchmarks.yaml", "schedule.yaml", "standings.yaml"}
 
 
-def test_other_standings_are_a_change(competition):
+@pytest.mark.parametrize(("old", "new"), [
+    ("runs: best", "runs: mean"), ("HGTKMH:", "overall: [{name: Final, of: [{benchmark: HWV}]}]\nHGTKMH:")])
+def test_other_standings_are_a_change(competition, old, new):
     core = competition.core()
-    competition.edit("standings.yaml", "runs: best", "runs: mean")
+    competition.edit("standings.yaml", old, new)
     assert core.changes(core.read()) == ["standings: other rules"]
+    core.content = core.read()
+    assert core.changes(core.read()) == []
+
+
+# -- ids of events ----------------------------------------------------------------------------------
+
+SCHEDULED = "run: 1, scheduled_time: 2015-12-31 09:00:00"
+
+
+def put_into_force(core):
+    """What the service does with changed files; returns what it warns of."""
+    content = core.read_next()
+    with_ids = core.with_ids(content)
+    core.keep(with_ids, ())
+    core.content = with_ids
+    return core.write_ids(content, with_ids)
+
+
+def ids(content):
+    return {(e.benchmark.code, e.team, e.scheduled): e.id for zone in content.config.zones for e in zone.events}
+
+
+def test_a_reload_writes_the_ids_that_are_missing(competition):
+    core = competition.core()
+    before, mode = ids(core.content), 0o640
+    path = competition.folder / "schedule.yaml"
+    os.chmod(path, mode)
+    competition.edit("schedule.yaml", SCHEDULED, SCHEDULED.replace("09:00", "09:40"))
+    assert put_into_force(core) == ""
+    assert sorted(before.values()) == sorted(ids(core.content).values())
+    assert (path.stat().st_mode & 0o777, path.read_text("utf-8").count("{ id: ")) == (mode, len(before))
+    # Later, an event may change in every way.
+    later = "run: 9, scheduled_time: 2016-01-02 10:00:00"
+    competition.edit("schedule.yaml", SCHEDULED.replace("09:00", "09:40"), later)
+    assert sorted(ids(core.read_next()).values()) == sorted(before.values())
+    # What a core that was killed reads is what is in the file, so nobody edited it.
+    assert put_into_force(core) == ""
+    again = competition.core()
+    assert (again.notices, ids(again.content)) == ([], ids(core.content))
+
+
+def test_what_becomes_of_runs_is_said_before_a_reload(competition):
+    core = competition.core()
+    put_into_force(core)
+    old = core.content.config.zones[0].events[0]
+    ran = [key_of(old)]
+    line = next(line for line in (competition.folder / "schedule.yaml").read_text("utf-8").splitlines(keepends=True)
+                if f"id: {old.id}, " in line)
+    competition.edit("schedule.yaml", line, line.replace("benchmark: HGTKMH,", "benchmark: HWV,"))
+    content = core.read_next(ran)
+    assert [text for text in core.warnings_of(content, ran) if f"delete its id ({old.id})" in text]
+    assert core.warnings_of(content, ()) == list(content.warnings)
+    assert len(core.changes(content, ran)) == 1
+    # It is removed, and later written again without an id.
+    competition.edit("schedule.yaml", line.replace("benchmark: HGTKMH,", "benchmark: HWV,"), "")
+    content = core.read_next(ran)
+    assert core.changes(content, ran)[0].endswith("removed. Its run stays in the results")
+    put_into_force(core)
+    first = (competition.folder / "schedule.yaml").read_text("utf-8").index("    - {")
+    text = (competition.folder / "schedule.yaml").read_text("utf-8")
+    again = line.replace(f"id: {old.id}, ", "")
+    (competition.folder / "schedule.yaml").write_text(f"{text[:first]}{again}{text[first:]}", "utf-8")
+    content = core.read_next(ran)
+    assert core.changes(content, ran)[0].endswith("added. Its run before belongs to it")
+    assert content.config.zones[0].events[0].id == old.id
+
+
+def test_an_event_that_moves_past_midnight_stays_the_same(competition):
+    competition.edit("schedule.yaml", SCHEDULED, SCHEDULED.replace("09:00", "23:50"))
+    core = competition.core()
+    before = ids(core.content)
+    competition.edit("schedule.yaml", "2015-12-31 23:50:00", "2016-01-01 00:30:00")
+    assert ids(core.read()) != before
+    assert sorted(ids(core.read_next()).values()) == sorted(before.values())
+
+
+def test_a_file_that_cannot_take_ids_stays_and_is_reported(competition, monkeypatch):
+    core = competition.core()
+    content = core.read_next()
+    with_ids = core.with_ids(content)
+    before = (competition.folder / "schedule.yaml").read_text("utf-8")
+    competition.edit("schedule.yaml", SCHEDULED, SCHEDULED.replace("09:00", "09:40"))
+    assert "the file was changed just now" in core.write_ids(content, with_ids)
+    (competition.folder / "schedule.yaml").write_text(before, "utf-8")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("roah_rsbb.durable.write_file", full)
+    assert "cannot be written (No space left on device)" in core.write_ids(content, with_ids)
+    assert (competition.folder / "schedule.yaml").read_text("utf-8") == before
 
 
 @pytest.mark.parametrize("text", ["timeout: 480", "timeout: soon"])

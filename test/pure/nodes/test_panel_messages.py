@@ -72,3 +72,17 @@ def test_all_that_changes_in_a_run_is_in_the_messages():
         act()
         made.append(compared.check(log_files))
     assert sum(one != other for one, other in zip(made, made[1:])) > 20
+
+
+def test_details_come_at_once_for_whoever_waits_for_newer_ones():
+    """A terminal learns from them whether a robot has stopped, and this may have been published before it asked."""
+    driver = BoxDriver(competition())
+    messages = PanelMessages(driver.box, "uuid", "10.0.0.255")
+
+    def publishes():
+        messages.to_gui(driver.now, {})
+        return messages.details(driver.now) is not None
+
+    assert [publishes(), publishes()] == [True, False]
+    messages.renew()
+    assert [publishes(), publishes()] == [True, False]

@@ -481,3 +481,101 @@ def test_it_goes_to_an_event_of_a_team(link, monkeypatch):
     assert outcome.status is Exit.USAGE
     assert "no event HWV of team Beta in zone 'Home A': there are" in outcome.text
     assert "HGTKMH/1/3 of team Beta" in outcome.text
+
+
+# -- STOP at the same terminal ------------------------------------------------------------------------
+
+
+class Keys:
+    """A keyboard on which STOP was typed, or not yet."""
+
+    is_stopped = False
+    is_terminal = True
+
+
+def _typed(link, when):
+    """The outcome of a run in whose terminal STOP is typed at this time: the core obeys it at once."""
+    keys = Keys()
+
+    def stop():
+        keys.is_stopped = True
+        link.stop_run("Home A", link.zone.identity)
+
+    link.at(when, stop)
+    return RunScript(link, ScriptPlan("Home A", 20.0), lambda change: None, keys).run()
+
+
+def test_a_run_that_was_stopped_here_stays_connected(link):
+    outcome = _typed(link, 5)
+    assert (outcome.status, outcome.text) == (Exit.NOT_COMPLETED, "stopped, and left connected")
+    assert link.zone.phase == "ended"
+
+
+@pytest.mark.parametrize("command", ["connect", "start"])
+def test_a_stop_before_the_start_ends_the_script(link, command):
+    link.block(command, "not ready")
+    outcome = _typed(link, 3)
+    assert (outcome.status, outcome.text) == (Exit.NOT_COMPLETED, "stopped before the run began")
+    assert "start" not in link.commands
+    assert link.zone.phase == "idle"
+
+
+def test_a_start_that_overtakes_the_stop_is_stopped(link):
+    keys = Keys()
+    start = link.change
+
+    def change(**fields):
+        keys.is_stopped = keys.is_stopped or fields.get("phase") == "running"
+        start(**fields)
+
+    link.change = change
+    outcome = RunScript(link, ScriptPlan("Home A", 20.0), lambda change: None, keys).run()
+    assert (outcome.text, link.commands) == ("stopped, and left connected", ["connect", "start", "stop_run"])
+
+
+def test_an_interrupted_run_is_left_when_its_robot_has_stopped(link):
+    link.at(5, lambda: link.change(not_stopped=("mbot",)))
+    link.at(5, _interrupt)
+    link.at(5.9, lambda: link.change(not_stopped=()))
+    outcome, _ = _run(link)
+    assert (outcome.status, outcome.text) == (Exit.INTERRUPTED, "interrupted, the run was stopped")
+    assert link.commands[-2:] == ["stop_run", "leave_run"]
+
+
+def test_an_interrupted_run_whose_robot_does_not_stop_stays_connected(link):
+    """After a disconnect the box would no longer repeat STOP."""
+    link.at(5, lambda: link.change(not_stopped=("mbot",)))
+    link.at(5, _interrupt)
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.INTERRUPTED
+    assert outcome.text.split("\n") == [
+        "interrupted, the run was stopped; left connected",
+        "STOP Home A: NO ANSWER FROM THE ROBOT. Stop it by hand. Trying again …", "mbot"]
+    assert link.commands[-1] == "stop_run"
+
+
+@pytest.mark.parametrize("reason, text, status", [
+    ("completed", "the run is completed", Exit.NO_CORE),
+    ("timeout", "the run did not complete: timeout", Exit.NOT_COMPLETED),
+])
+def test_a_run_that_ended_by_itself_and_whose_robot_does_not_stop_stays_connected(link, reason, text, status):
+    link.at(5, lambda: link.change(phase="ended", end_reason=reason, not_stopped=("mbot",)))
+    outcome, _ = _run(link)
+    assert outcome.text.split("\n") == [
+        f"{text}; left connected",
+        "STOP Home A: NO ANSWER FROM THE ROBOT. Stop it by hand. Trying again …", "mbot"]
+    assert (outcome.status, link.commands[-1]) == (status, "start")
+
+
+def test_a_run_that_ended_by_itself_is_left_when_its_robot_has_stopped(link):
+    link.at(5, lambda: link.change(phase="ended", end_reason="completed", not_stopped=("mbot",)))
+    link.at(5.8, lambda: link.change(not_stopped=()))
+    outcome, _ = _run(link)
+    assert (outcome.status, outcome.text, link.commands[-1]) == (Exit.OK, "the run is completed", "leave_run")
+
+
+def test_a_core_that_falls_silent_while_its_robot_stops_does_not_end_the_script_with_a_fault(link):
+    link.at(5, lambda: link.change(phase="ended", end_reason="timeout", not_stopped=("mbot",)))
+    link.at(5.1, link.die)
+    outcome, _ = _run(link)
+    assert (outcome.status, link.commands[-1]) == (Exit.NOT_COMPLETED, "start")

@@ -56,7 +56,7 @@ def _details(**fields):
         "operation_choices": [], "operation_asks_text": False, "held": False, "module_status": "", "module_scores": [],
         "robots_preparing": 0, "robots_executing": 0, "robots_stopped": 0, "robots": [],
         "items": ITEMS, "points": SimpleNamespace(total="", groups=[]),
-        "by_hand": False, "attempt": 0, "attempts": 0, "robots_to_choose": [],
+        "by_hand": False, "attempt": 0, "attempts": 0, "robots_to_choose": [], "not_stopped": [],
         **{field: [f"why no {field}"] for field in referee_state.COMMANDS.values()},
     }
     return SimpleNamespace(box_uuid="u", warnings=["box"], zones=[SimpleNamespace(**{**default, **fields})])
@@ -205,9 +205,11 @@ def test_the_documentation_names_every_field():
 def test_phases_setup_time_and_attempts_are_in_the_snapshot():
     clocks = _clocks(phases=3, phase_number=2, phase_name="Serve", phase_limit=Seconds(60), phase_elapsed=Seconds(10),
                      goal=0)
-    details = _details(by_hand=True, attempt=1, attempts=2, robots_to_choose=["a", "b"])
+    details = _details(by_hand=True, attempt=1, attempts=2, robots_to_choose=["a", "b"],
+                       not_stopped=["a of team T"])
     zone, = box_of(_gui(_zone_state()), details, clocks).zones
     assert (zone.by_hand, zone.attempt, zone.attempts, zone.robots_to_choose) == (True, 1, 2, ("a", "b"))
+    assert zone.not_stopped == ("a of team T",)
     assert (zone.times.phase, zone.times.phase_name, zone.times.phase_limit_s) == (2, "Serve", 60.0)
     assert zone.times.phase_elapsed_s == 10.5  # half a second after the message
     assert "Phase 2 of 3, Serve: time left 0:50" in zone.times.text

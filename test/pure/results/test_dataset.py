@@ -195,8 +195,7 @@ def test_a_person_has_one_pseudonym_for_all_programs(tmp_path):
 def test_pseudonyms_depend_on_the_journal_and_on_what_is_not_published(tmp_path):
     names = []
     for number, boot in enumerate(("boot 1", "boot 2", "boot 1")):
-        writer = Writer(tmp_path / str(number))
-        writer.journal._connection.execute("UPDATE sessions SET boot_id = ?", (boot,))
+        writer = Writer(tmp_path / str(number), boot=boot)
         writer.run(task_record("Alpha", 1))
         writer.close()
         names.append(written(writer.path, tmp_path / f"set {number}", anonymous=True)[0]["runs"][0]["team"])

@@ -12,6 +12,7 @@ from helpers.random_sheets import TIME_LIMIT_S, random_form, random_mark
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.scoring.book import RunBook
+from roah_rsbb.core.scoring.counting import exact
 from roah_rsbb.core.scoring.records import By, RunRecord, SignOff
 from roah_rsbb.results.export import exported, result_rows, safe
 from roah_rsbb.results.paper import blank_front, front_of
@@ -99,5 +100,5 @@ def test_a_sheet_to_be_filled_in_by_hand_names_the_points(seed):
         for choice in item.choices:
             assert f"☐ {choice.name}" in line.what
         if item.points is not None:
-            assert f"({number_text(float(item.points))})" in line.what
+            assert f"({number_text(exact(item.points))})" in line.what
         assert all(judge in line.value for judge in item.judges)

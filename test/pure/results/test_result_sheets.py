@@ -10,11 +10,14 @@ from helpers.results_of import EVIL, full_record, task_record, write_full_run
 from helpers.time_zones import local_time
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.scoring.records import ItemRecord, PhaseTime
+from roah_rsbb.journal.batch import Batch, OutcomeRow
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.events import box_states, robot_states, sections
+from roah_rsbb.results.export import result_rows
 from roah_rsbb.results.page import tag
+from roah_rsbb.results.paper import front_of
 from roah_rsbb.results.run_list import list_lines
-from roah_rsbb.results.runs import NoSuchRun, find, records, run_result, run_state_text
+from roah_rsbb.results.runs import NoSuchRun, RunResult, find, records, run_result, run_state_text
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
 from roah_rsbb.wording import texts, times
 
@@ -107,8 +110,8 @@ def test_a_run_is_found_by_number_identity_or_its_beginning():
 def test_a_record_that_cannot_be_read_costs_only_itself(writer):
     writer.run(task_record("Alpha", 1))
     writer.run(task_record("Beta", 2), ())
-    writer.journal._connection.execute("UPDATE runs SET outcome = '{\"team\": 3}' WHERE team = 'Alpha'")
-    writer.journal._connection.execute("UPDATE runs SET outcome = NULL WHERE team = 'Beta'")
+    for record, value in ((task_record("Alpha", 1), {"team": 3}), (task_record("Beta", 2), None)):
+        writer.journal.write(Batch(outcomes={record.identity: OutcomeRow(record.closed_utc, value)}))
     warnings = []
     with JournalReader(writer.path) as reader:
         found = records(reader, warnings.append)
@@ -194,6 +197,17 @@ def test_the_list(lisbon):
         "1 2025-11-21 14:00:00 +01:00 tbm HGTKMH Beta 1 2 10:00.5 not signed off completed"
     )
     assert rows[2].endswith("never started")
+
+
+def test_the_time_of_a_run_in_progress_is_not_shown():
+    """The journal has that of its last entry: 6:32 for a run whose box shows 7:49."""
+    running = task_record("Alpha", 1, end_reason="", closed_utc=0.0, elapsed_s=392.0)
+    _, row = list_lines([running], True)
+    assert " ".join(row.split()).endswith("HGTKMH Alpha 1 1 – open running")
+    lines = [" ".join(text.split()) for text in sheet_lines(RunResult(1, running, (), ()), True, False)]
+    assert "Time: –" in lines
+    assert ("End", "running") in front_of(running, None, "", True).facts
+    assert {cells["elapsed_s"] for cells in result_rows([running], True)} == {None}
 
 
 @pytest.mark.parametrize(("fields", "state"), [

@@ -1,5 +1,7 @@
 """What is only in the journal of a box from which a standby took over is named, and never merged."""
 
+import pathlib
+
 from helpers.competition import run_record
 from helpers.journals import Writer
 from roah_rsbb.journal import kinds
@@ -10,7 +12,7 @@ from roah_rsbb.tools import results
 def warnings_of(writer, capsys, monkeypatch):
     monkeypatch.setattr("sys.argv", ["results", "--journal", writer.path, "list"])
     try:
-        results.main("")
+        results.main(str(pathlib.Path(__file__).resolve().parents[3] / "config"))
     except SystemExit as end:
         assert not end.code
     return capsys.readouterr().err
@@ -22,8 +24,9 @@ def test_the_runs_that_only_the_old_box_has(tmp_path, capsys, monkeypatch):
     writer.run(run_record(identity="second"), robots=((6668, "r1"),))
     writer.entry("/notification", "in both")
     assert warnings_of(writer, capsys, monkeypatch) == ""
+    both = writer.journal.number_of(writer.journal.committed)
     writer.entry("/notification", "only here", identity="second")
-    writer.entry(kinds.EPOCH, superseded_value(2, 1, "10.0.0.3"), port=None)
+    writer.entry(kinds.EPOCH, superseded_value(2, both, "10.0.0.3"), port=None)
     writer.close()
     warning = warnings_of(writer, capsys, monkeypatch)
-    assert "the box at 10.0.0.3 took over" in warning and "after entry 1: run 2 (1 entries)" in warning
+    assert "the box at 10.0.0.3 took over" in warning and f"after record {both}: run 2 (1 entries)" in warning

@@ -17,9 +17,9 @@ from roah_rsbb.results import paper, printing
 from roah_rsbb.results.page import LONGEST_WORD, Competition, breakable, page, tag
 from roah_rsbb.results.paper import blank_front, cut, front_markup, front_of, layout_of, wrapped_lines
 from roah_rsbb.results.printing import CannotPrint, Printer, print_pdf
-from roah_rsbb.results.standing_rules import Criterion, OfRuns, Rules, Term, read_rules
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 from roah_rsbb.rulebook.config import load_benchmarks
+from roah_rsbb.rulebook.standing_rules import Criterion, OfRuns, Rules, Term, read_rules
 
 CONFIG = pathlib.Path(__file__).resolve().parents[3] / "config"
 BENCHMARKS = load_benchmarks(str(CONFIG / "benchmarks.yaml"))

@@ -1,30 +1,30 @@
 """The program: its commands, the files that it writes, and its errors."""
 
 import base64
-import contextlib
 import csv
 import io
 import json
 import os
 import pathlib
 import shutil
-import sqlite3
 import subprocess
 import sys
 import types
 
 import pytest
 
-from helpers.journals import UTC0, Writer
+from helpers.journals import UTC0, Writer, spoil
 from helpers.results_of import EVIL, full_record, task_record, write_competition
 from roah_rsbb.core.link.record import LinkSample
+from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.core.scoring.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry, ScoreValue
+from roah_rsbb.journal.batch import Batch, OutcomeRow
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results import export
 from roah_rsbb.results.run_list import list_lines
 from roah_rsbb.results.runs import find_record, heads, records
-from roah_rsbb.results.standing_rules import OfRuns
+from roah_rsbb.rulebook.standing_rules import OfRuns
 from roah_rsbb.tools import results as program
 from roah_rsbb.tools import results_files
 
@@ -74,27 +74,68 @@ def test_the_list_of_heads_is_that_of_the_records(journal):
             assert find_record(reader, str(number), print) == (number, record)
 
 
-@pytest.mark.parametrize("change", ("'$.elapsed_s', 'long'", "'$.started_utc', json('[1]')"))
+@pytest.mark.parametrize("change", ({"elapsed_s": "long"}, {"started_utc": [1]}))
 def test_a_head_that_cannot_be_read_costs_only_itself(run, tmp_path, change):
-    path = _journal(tmp_path)
-    with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as connection:
-        connection.execute(f"UPDATE runs SET outcome = json_set(outcome, {change}) WHERE team = 'A'")
-    status, out, err = run("list", source=("--journal", path))
+    writer = Writer(tmp_path)
+    record = task_record("A", 1)
+    writer.run(record)
+    outcome = OutcomeRow(record.closed_utc, {**freeze(record), **change})
+    writer.journal.write(Batch(outcomes={record.identity: outcome}))
+    writer.close()
+    status, out, err = run("list", source=("--journal", writer.path))
     assert (status, len(out.splitlines())) == (0, 2)
     assert "cannot be read" in err
 
 
-def test_what_damage_made_of_a_name_may_not_command_the_terminal(run, tmp_path):
-    path = _journal(tmp_path)
-    with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as connection:
-        connection.execute("UPDATE runs SET identity = char(27) || '[2J' WHERE team = 'A'")
-    _, _, err = run("list", source=("--journal", path))
-    assert "1 damaged: \\x1b[2J" in err
-    assert "\x1b" not in err
+def test_a_name_may_not_command_the_terminal(run, tmp_path):
+    path = _journal(tmp_path, identity="\x1b[2J")
+    spoil(path, b'"items"')
+    _, out, err = run("list", source=("--journal", path))
+    assert "damaged" in err
+    assert "\x1b" not in err + out + run("dump", source=("--journal", path))[1]
 
 
 def test_the_ways_to_count_runs_are_those_of_the_rules():
     assert tuple(of.value for of in OfRuns) == program.OF_RUNS
+
+
+def test_every_command_says_whether_a_run_counts(run, tmp_path):
+    """The best attempt counts here, which is the first one. The files are beside the log_dir."""
+    text = (ROOT / "config" / "benchmarks.yaml").read_text("utf-8")
+    (tmp_path / "benchmarks.yaml").write_text(
+        text.replace("code: HGTKMH\n", "code: HGTKMH\n  attempt_counts: best\n", 1), "utf-8")
+    (tmp_path / "schedule.yaml").write_text(
+        "- zone: tbm\n  schedule:\n    - { benchmark: HGTKMH, team: Alpha, round: 1, run: 1, "
+        "scheduled_time: 2026-11-28 09:00:00, id: mine }\n", "utf-8")
+    writer = Writer(tmp_path / "log")
+    best = task_record("Alpha", 1, objects=5, event="mine")
+    again = task_record("Alpha", 1, objects=1)._replace(
+        identity="again", opened_utc=best.opened_utc + 900.0, scheduled=best.scheduled + 2400.0, event="mine")
+    for port, record in ((6667, best), (6668, again)):
+        writer.run(record, ((port, "r1"),))
+    writer.close()
+    source = ("--log-dir", tmp_path / "log")
+    words = ["counts", "does not count: a better attempt counts"]
+    assert [line.split(", ")[-1] for line in run("list", source=source)[1].splitlines()[1:]] == words
+    for number, word in enumerate(words, 1):
+        assert f"Counting:     {word}\n" in run("show", number, source=source)[1]
+    status, out, _ = run("checklist", source=source)
+    assert (status, out.splitlines()[1].split()[-5:-3], len(out.splitlines())) == (1, ["completed,", "counts"], 3)
+    run("export", "--csv", tmp_path / "r.csv", "--json", tmp_path / "r.json", "--html", tmp_path / "html", "--dataset",
+        tmp_path / "data", source=source)
+    codes = {best.identity: "counts", "again": "not_best"}
+    assert {row["run_id"]: row["counts"] for row in rows_of((tmp_path / "r.csv").read_text("utf-8-sig"))} == codes
+    assert {row["run_id"]: row["counts"] for row in rows_of((tmp_path / "data" / "runs.csv").read_text())} == codes
+    value = json.loads((tmp_path / "r.json").read_text("utf-8"))
+    assert {each["identity"]: each["counts"] for each in value["runs"]} == codes
+    assert [line["numbers"] for standing in value["standings"] for line in standing["teams"]] == [[5.0, 0.0]]
+    pages = "".join(path.read_text("utf-8") for path in sorted((tmp_path / "html").iterdir()))
+    assert all(pages.count(f"<td>{word}</td>") == 2 for word in words)
+    # A file with an error does not hide the list.
+    (tmp_path / "benchmarks.yaml").write_text("- name: 7\n", "utf-8")
+    status, out, err = run("list", source=source)
+    assert (status, out.count("completed\n")) == (0, 2)
+    assert "whether runs count is not known, because a file of the competition is invalid" in err
 
 
 def test_the_list_does_not_load_what_writes_files():
@@ -111,7 +152,7 @@ def test_the_journal_is_found_in_the_log_dir(run, journal, monkeypatch, tmp_path
     monkeypatch.setenv("HOME", str(tmp_path))
     status, _, err = run("list", source=())
     assert status == 1
-    assert f"{tmp_path}/.ros/roah_rsbb/roah_rsbb_journal.sqlite3" in err
+    assert f"{tmp_path}/.ros/roah_rsbb/roah_rsbb_journal: " in err
 
 
 def test_a_journal_without_runs(run, tmp_path):
@@ -131,7 +172,7 @@ def test_a_journal_without_runs(run, tmp_path):
     (("standings", "--rules", "/nowhere/rules"), 1, "a file of the competition is invalid:\n/nowhere/rules"),
     (("standings", "--runs", "worst"), 2, "best"),
     ((), 2, "COMMAND"),
-    (("--journal", "/nowhere/j", "list"), 1, "the file is missing"),
+    (("--journal", "/nowhere/j", "list"), 1, "the journal is missing"),
 ])
 def test_an_impossible_request_is_reported(run, arguments, status, reported):
     found, out, err = run(*arguments)
@@ -141,8 +182,8 @@ def test_an_impossible_request_is_reported(run, arguments, status, reported):
 
 
 def test_every_command_has_help(run):
-    for command in ((), ("list",), ("show",), ("export",), ("standings",), ("recover",), ("bag",),
-                    ("journals",)):
+    for command in ((), ("list",), ("show",), ("export",), ("standings",), ("bag",), ("journals",),
+                    ("verify",), ("dump",)):
         status, out, _ = run(*command, "--help")
         assert status == 0
         assert "--journal" in out
@@ -169,12 +210,18 @@ def test_a_terminal_that_knows_only_ascii(journal):
     assert "\\u2013" in shown, "the dash of a run that was never started"
 
 
-def test_recover(run, journal, tmp_path):
-    status, out, _ = run("recover", journal, tmp_path / "new", source=())
-    assert status == 0
-    assert "5 of runs" in out
-    assert run("list", source=("--journal", tmp_path / "new"))[0] == 0
-    assert run("recover", journal, tmp_path / "new", source=())[0] == 1
+def test_verify_and_dump(run, tmp_path):
+    path = _journal(tmp_path)
+    status, out, err = run("verify", source=("--journal", path))
+    assert (status, err) == (0, "")
+    assert "in 1 segments are intact" in out
+    everything, of_run = (run("dump", *which, source=("--journal", path))[1] for which in ((), ("1",)))
+    assert "  start: [" in everything and "  start: [" not in of_run
+    assert '  runs: [["HGTKMH-6667-' in of_run
+    spoil(path, b'"items"')
+    status, out, err = run("verify", source=("--journal", path))
+    assert (status, out) == (1, "")
+    assert "damaged or missing, between 2025-11-21" in err
 
 
 def test_the_bags_of_all_runs(run, tmp_path):
@@ -204,14 +251,15 @@ def test_a_data_set(run, journal, tmp_path):
 
 def test_the_journals_of_a_log_dir(run, journal, tmp_path):
     Writer(tmp_path).close()
-    shutil.copy(journal, tmp_path / "roah_rsbb_journal_aside_2025-11-22_10-00-00.sqlite3")
-    (tmp_path / "roah_rsbb_journal_2.sqlite3").write_text("no journal " * 1000)
+    shutil.copytree(journal, tmp_path / "roah_rsbb_journal_aside_2025-11-22_10-00-00")
+    (tmp_path / "roah_rsbb_journal.sqlite3").write_text("no journal " * 1000)
     status, out, _ = run("journals", "--utc", "--log-dir", tmp_path, source=())
     assert status == 0
-    first, second, aside = out.splitlines()
-    assert "or not a journal" in second
+    first, segment, old, aside, *_ = out.splitlines()
+    assert "or not a journal" in old
     assert aside.endswith("started 2025-11-21 11:00:00Z, 5 runs, last connected 2025-11-21 16:00:00Z")
-    assert first.endswith("roah_rsbb_journal.sqlite3: started 2025-11-21 11:00:00Z, 0 runs")
+    assert first.endswith("roah_rsbb_journal: started 2025-11-21 11:00:00Z, 0 runs")
+    assert "journal-000001-" in segment and segment.endswith("1 records, from 2025-11-21 11:00:00Z")
     assert "there are no journals in" in run("journals", "--log-dir", tmp_path / "none", source=())[2]
 
 
@@ -373,9 +421,9 @@ def test_a_file_is_written_whole_or_not_at_all(run, tmp_path, monkeypatch):
     assert not (tmp_path / "results.csv.draft").exists()
 
 
-def _journal(tmp_path):
+def _journal(tmp_path, **fields):
     writer = Writer(tmp_path / "log")
-    writer.run(task_record("A", 1))
+    writer.run(task_record("A", 1)._replace(**fields))
     writer.close()
     return writer.path
 
@@ -421,14 +469,10 @@ def test_all_of_it_while_the_box_writes(run, tmp_path):
 
 def test_a_damaged_journal(run, tmp_path):
     path = _journal(tmp_path)
-    with sqlite3.connect(path) as connection:
-        connection.execute("UPDATE entries SET value = '{'")
-        connection.execute("INSERT INTO entries (session, utc, mono, zone, identity, port, who, kind, value)"
-                           f" VALUES (1, 0, 0, '', '{task_record('A', 1).identity}', 1, '', 'x', '{{')")
-    connection.close()
-    status, _, err = run("show", "1", source=("--journal", path))
-    assert status == 1
-    assert "results recover" in err
+    spoil(path, b'"items"')
+    status, out, err = run("show", "1", source=("--journal", path))
+    assert status == 0
+    assert "A copy of the journal may have it" in err
 
 
 # -- paper and the checklist ------------------------------------------------------------------------

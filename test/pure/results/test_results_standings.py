@@ -2,6 +2,7 @@
 
 import pathlib
 from decimal import Decimal
+from fractions import Fraction
 
 import pytest
 
@@ -16,7 +17,20 @@ from helpers.results_of import (
     task_record,
 )
 from roah_rsbb.core.scoring.records import GroupPoints, ScoreValue, SheetPoints, SignOff
-from roah_rsbb.results.standing_rules import (
+from roah_rsbb.results.standings import (
+    WITHOUT_RULES,
+    Choice,
+    number_text,
+    overall_standing,
+    run_text,
+    standing,
+    standing_lines,
+    standing_markup,
+    standings,
+)
+from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow
+from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.rulebook.standing_rules import (
     BY_POINTS,
     DEFAULT,
     Criterion,
@@ -28,18 +42,6 @@ from roah_rsbb.results.standing_rules import (
     Term,
     read_rules,
 )
-from roah_rsbb.results.standings import (
-    WITHOUT_RULES,
-    Choice,
-    overall_standing,
-    run_text,
-    standing,
-    standing_lines,
-    standing_markup,
-    standings,
-)
-from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow
-from roah_rsbb.rulebook.errors import ConfigErrors
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "config" / "standings.yaml"
 ACHIEVEMENTS = Criterion("Achievements", True, (Term(group=ACHIEVED),))
@@ -85,7 +87,7 @@ def test_sums_that_differ_only_by_rounding_tie():
     weighed = Rules(OfRuns.BEST, (), (Criterion("Points", True, (Term(item=DOOR, weight=0.3),
                                                                 Term(item=OBJECTS, weight=0.1))),))
     found = ranks([task_record("A", 1, objects=3), task_record("B", 2, door=1)], weighed)
-    assert [(rank, numbers) for rank, _, numbers in found] == [(1, (0.3,)), (1, (0.3,))]
+    assert [(rank, numbers) for rank, _, numbers in found] == [(1, (Fraction(3, 10),))] * 2
 
 
 def test_disqualified_teams_rank_last():
@@ -341,14 +343,16 @@ TASK_PART = Part("HGTKMH", weight=Decimal(2))
 
 def test_an_overall_standing_relative_to_the_best_team():
     assert overall(TASK_PART, Part("HWV")) == [
-        (1, False, "B", (2.667, 2.0, 0.667)), (2, False, "A", (2.6, 1.6, 1.0)), (3, False, "C", (0.0, 0.0, 0.0)),
+        (1, False, "B", (Fraction(8, 3), 2, Fraction(2, 3))), (2, False, "A", (Fraction(13, 5), Fraction(8, 5), 1)),
+        (3, False, "C", (0, 0, 0)),
     ]
 
 
 def test_an_overall_standing_relative_to_a_maximum():
     parts = TASK_PART._replace(maximum=Decimal(100)), Part("HWV", maximum=Decimal(12))
     assert overall(*parts, normalised=Normalised.MAXIMUM) == [
-        (1, False, "A", (1.55, 0.8, 0.75)), (2, False, "B", (1.5, 1.0, 0.5)), (3, False, "C", (0.0, 0.0, 0.0)),
+        (1, False, "A", (Fraction(31, 20), Fraction(4, 5), Fraction(3, 4))), (2, False, "B", (1.5, 1.0, 0.5)),
+        (3, False, "C", (0.0, 0.0, 0.0)),
     ]
 
 
@@ -364,6 +368,43 @@ def test_ties_of_an_overall_standing():
     assert [line[2] for line in overall(*parts, ties=("HGTKMH",))] == ["B", "A", "C"]
     assert [line[:3] for line in overall(*parts, ties=("HWV", "HGTKMH"))] == [
         (1, False, "A"), (2, False, "B"), (3, False, "C")]
+
+
+def test_equal_sums_tie_whatever_their_parts_are():
+    """Rounded, 235/7 is 33.571, and 100/7 + 135/7 is 33.572."""
+    days = [f"1970-01-0{day}" for day in (1, 2)]
+    records = [pointed("A", 1, "235", scheduled=0.0), pointed("A", 2, "0", scheduled=DAY),
+               pointed("B", 3, "100", scheduled=0.0), pointed("B", 4, "135", scheduled=DAY)]
+    parts = tuple(Part("HGTKMH", day=day, maximum=Decimal(7)) for day in days)
+    table = overall_standing(Overall("Final", parts, Normalised.MAXIMUM), records, {}, ALL)
+    assert [(line.rank, line.tied, line.team) for line in table.lines] == [(1, True, "A"), (1, True, "B")]
+    lines = list(standing_lines(table))
+    assert [line.split()[:3] for line in lines[2:]] == [["1=", "A", "33.571"], ["1=", "B", "33.571"]]
+
+
+def test_a_mean_is_exact():
+    """As floats, the mean of 0.1, 0.1 and 0.1 is not 0.1."""
+    rules = Rules(OfRuns.MEAN, (), (Criterion("x", True, (Term(score="x"),)),))
+    records = [module_record("A", 1, x=0.1), module_record("A", 2, x=0.1), module_record("A", 3, x=0.1),
+               module_record("B", 4, x=0.1)]
+    assert [(rank, numbers) for rank, _, numbers in ranks(records, rules, code="HNF")] == [(1, (Fraction(1, 10),))] * 2
+
+
+@pytest.mark.parametrize(("number", "text"), [
+    (Fraction(1, 3), "0.333"), (Fraction(1, 2000), "0.001"), (Fraction(-1, 2000), "-0.001"), (Fraction(-1, 9999), "0"),
+    (Fraction(10 ** 12), "1000000000000"), (Fraction(5, 2), "2.5"), (None, "–"),
+])
+def test_a_number_is_rounded_for_the_eye(number, text):
+    assert number_text(number) == text
+
+
+def test_an_overall_standing_names_the_runs_that_count_and_every_team():
+    records = [*TWO_DAYS, attempt(9, "D", "withdrawn")._replace(started_utc=0.0)]
+    table = overall_standing(Overall("All", (TASK_PART, Part("HWV"))), records, {"HGTKMH": HITS_OUT}, ALL)
+    assert [(line.team, [run.record.identity[:-15] for run in line.runs]) for line in table.lines] == [
+        ("B", ["HGTKMH-6668", "HWV-6671"]), ("A", ["HGTKMH-6667", "HWV-6672"]), ("C", ["HGTKMH-6669"]), ("D", [])]
+    assert [line.split()[-1] for line in list(standing_lines(table))[2:6]] == ["2", "2", "1", "0"]
+    assert "team D gets 0 for HGTKMH: none of its runs counts" in table.remarks
 
 
 def test_a_benchmark_without_positive_numbers_counts_nothing():

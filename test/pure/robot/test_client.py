@@ -1,6 +1,7 @@
 """A robot client on real loopback sockets, against a small box."""
 
 import asyncio
+import gc
 import socket
 
 import pytest
@@ -315,6 +316,23 @@ def test_another_robot_of_this_name_is_reported():
     asyncio.run(body())
     assert [report.problem for report in behaviour.reports] == [fx.Problem.SAME_NAME]
     assert "127.0.0.3" in behaviour.reports[0].text
+
+
+def test_nobody_needs_to_keep_its_task():
+    """A loop does not: the robots of a whole competition were collected as garbage."""
+    async def body():
+        async with SmallBox() as box:
+            client = RobotClient(TEAM, PASSWORD, Recorder(), NAME, BROADCAST, box.port, ROBOT)
+            ended = []
+            asyncio.get_event_loop().create_task(client.run()).add_done_callback(ended.append)
+            await box.until(lambda: box.received)
+            del client
+            gc.collect()
+            before = len(box.received)
+            await box.until(lambda: len(box.received) > before or ended)
+            assert not ended
+
+    asyncio.run(body())
 
 
 @pytest.mark.parametrize("settings, error, found", [

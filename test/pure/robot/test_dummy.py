@@ -163,7 +163,7 @@ def no_password(monkeypatch):
     (["--team", "T", "--password", ""], "password is empty"),
     (["--team", "", "--password", "p"], "must not be empty"),
     (["--team", "T", "--password", "p", "--password-file", "f"], "not allowed with"),
-    (["--team", "T", "--password-file", "/no/such/file"], "cannot read --password-file /no/such/file"),
+    (["--team", "T", "--password-file", "/no/such/file"], "cannot read the password file /no/such/file"),
     (["--team", "T", "--password", "p", "--loss", "1.5"], "'1.5' is not a number from 0 to 1"),
     (["--team", "T", "--password", "p", "--loss", "nan"], "not a number"),
     (["--team", "T", "--password", "p", "--skew", "fast"], "'fast' is not a number"),

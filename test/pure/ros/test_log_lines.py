@@ -9,15 +9,15 @@ from roah_rsbb.ros.log_lines import LogLines
 
 
 class Slow(logging.Handler):
-    """As rospy's handler while the ROS master does not answer."""
+    """As the handler of a terminal that takes no lines."""
 
     def __init__(self):
         super().__init__()
-        self.answers = threading.Event()
+        self.takes = threading.Event()
         self.lines = []
 
     def emit(self, record):
-        assert self.answers.wait(10.0)
+        assert self.takes.wait(10.0)
         self.lines.append((threading.current_thread(), record.levelname, record.getMessage()))
 
 
@@ -31,12 +31,12 @@ def slow():
     logger.removeHandler(handler)
 
 
-def test_lines_wait_for_the_master_and_their_thread_does_not(slow):
+def test_lines_wait_for_the_terminal_and_their_thread_does_not(slow):
     lines = LogLines("slow")
     for number in range(3):
         logging.getLogger("slow").warning("line %d", number)
     assert slow.lines == []
-    slow.answers.set()
+    slow.takes.set()
     lines.close()
     logging.getLogger("slow").error("the last one")
     threads, *rest = zip(*slow.lines)
@@ -47,7 +47,7 @@ def test_lines_wait_for_the_master_and_their_thread_does_not(slow):
 def test_lines_before_a_crash_are_shown(slow):
     LogLines("slow")
     logging.getLogger("slow").error("crashing")
-    slow.answers.set()
+    slow.takes.set()
     for handler in logging.getLogger("slow").handlers:  # as `logging.shutdown`
         handler.flush()
     assert [text for _, _, text in slow.lines] == ["crashing"]

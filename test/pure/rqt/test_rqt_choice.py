@@ -39,34 +39,54 @@ def test_rqt_starts_with_a_clear_settings_file_of_its_own():
     assert "--clear-config" in gui.RQT
 
 
-INTERRUPTED_WHILE_LOADING = """
-import os, signal, sys
-from roah_rsbb.rqt.app.application import for_rqt
-from roah_rsbb.rqt.qt import QApplication, QTimer
-app = for_rqt(QApplication, sys.argv[:1])
-state = "loading"
-def end(*_):
-    print(state, flush=True)
-    os._exit(0)
-signal.signal(signal.SIGINT, end)
-os.kill(os.getpid(), signal.SIGINT)
-timer = QTimer()  # Python handles signals only while it runs
-timer.timeout.connect(lambda: None)
-timer.start(10)
-state = "loaded"
-app.exec_()
+# Like rqt_gui's Main, up to the moment in which something happens to it. A destructor would print a line.
+RQT = """
+import signal, sys, time
+from roah_rsbb.rqt.app.application import run_rqt
+from roah_rsbb.rqt.qt import QApplication, QMainWindow, QTimer, Signal
+
+class Window(QMainWindow):
+    save_settings_before_close_signal = Signal(object, object)
+
+    def closeEvent(self, event):
+        self.save_settings_before_close_signal.emit(None, None)
+        print("qt_gui closes the window")
+
+class Main:
+    def create_application(self, argv):
+        return QApplication(argv)
+
+    def _add_plugin_providers(self):
+        pass
+
+    def main(self):
+        app = self.create_application(sys.argv[:1])
+        self.window = Window()
+        signal.signal(signal.SIGINT, lambda *_: self.window.close())
+        self._add_plugin_providers()
+        HAPPENS
+        print("rqt has ended by itself")
+        return 3
+
+run_rqt(Main())
 """
 
 
-def test_rqt_is_not_interrupted_while_it_loads_panels():
-    """Else qt_gui closes its window in the middle of it, and crashes or hangs."""
+@pytest.mark.parametrize(("happens", "printed", "status"), [
+    ("signal.raise_signal(signal.SIGINT); time.sleep(600)", "", 0),  # while it loads its panels
+    ("signal.raise_signal(signal.SIGTERM); time.sleep(600)", "", 0),
+    ("QTimer.singleShot(0, self.window.close); self.window.show(); app.exec_()", "", 0),
+    ("", "rqt has ended by itself\n", 3),  # as for --help
+])
+def test_rqt_ends_at_once_without_closing_its_window(happens, printed, status):
+    """Else qt_gui crashes or hangs sometimes."""
     pytest.importorskip("PyQt5.QtWidgets")
     pytest.importorskip("rospy")
-    assert "for_rqt(create, argv)" in gui.RQT[2]
+    assert "run_rqt(Main(" in gui.RQT[2]
     environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen", "PYTHONPATH": os.pathsep.join(sys.path)}
-    program = [sys.executable, "-c", INTERRUPTED_WHILE_LOADING]
-    ended = subprocess.run(program, stdout=subprocess.PIPE, text=True, check=True, env=environment)
-    assert ended.stdout == "loaded\n"
+    program = [sys.executable, "-c", RQT.replace("HAPPENS", happens)]
+    ended = subprocess.run(program, stdout=subprocess.PIPE, text=True, check=False, env=environment, timeout=300)
+    assert (ended.stdout, ended.returncode) == (printed, status)
 
 
 def test_rqt_that_is_not_there_is_named_with_its_remedy():
@@ -103,3 +123,22 @@ def test_a_window_is_opened_again_but_not_for_ever(keep, tmp_path, code, reopen,
 def test_the_end_of_the_launch_is_the_windows_end(keep):
     asks_parent_to_end = "import os, signal, time; os.kill(os.getppid(), signal.SIGTERM); time.sleep(60)"
     assert keep(asks_parent_to_end, True) == 0
+
+
+def test_a_signal_before_the_window_is_started_ends_the_window(keep, monkeypatch):
+    start = subprocess.Popen
+
+    def interrupted(command):
+        monkeypatch.setattr(subprocess, "Popen", start)
+        os.kill(os.getpid(), signal.SIGINT)
+        return start(command)
+
+    monkeypatch.setattr(subprocess, "Popen", interrupted)
+    assert keep("import time; time.sleep(600)", True) == 0
+
+
+def test_a_window_that_does_not_end_is_killed(keep, monkeypatch):
+    monkeypatch.setattr(gui, "KILL_S", 0.1)
+    deaf = ("import os, signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); "
+            "os.kill(os.getppid(), signal.SIGINT); time.sleep(600)")
+    assert keep(deaf, True) == 0

@@ -85,7 +85,9 @@ def test_each_plugin_is_also_a_program_of_its_own():
         name = "roah_rsbb_" + element.findtext("qtgui/label").lower().replace(" ", "_")
         program = ROOT / "scripts" / name
         assert os.access(program, os.X_OK), name
-        assert f"main({element.get('name').partition('/')[2]}Panel)" in program.read_text(encoding="utf-8")
+        text = program.read_text(encoding="utf-8")
+        assert f"main({element.get('name').partition('/')[2]}Panel)" in text
+        assert "import" not in text.partition("import roah_rsbb.rqt.interruptible")[0]
         assert f"scripts/{name}\n" in installed
 
 

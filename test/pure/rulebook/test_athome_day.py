@@ -6,9 +6,9 @@ import pytest
 
 from helpers.simulated_day import Behaviour, Day, make_competition
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.results.standings import Choice, standings
 from roah_rsbb.rulebook.config import load_benchmarks
+from roah_rsbb.rulebook.standing_rules import read_rules
 
 pytestmark = pytest.mark.long
 

@@ -17,9 +17,9 @@ from roah_rsbb.bmbox.framework import ground_truth_config
 from roah_rsbb.bmbox.framework.own_rules import load_rules
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.registry import modules
-from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.errors import ConfigErrors, Report
+from roah_rsbb.rulebook.standing_rules import read_rules
 from roah_rsbb.tools.competition.rulebooks import read_rulebook
 
 FILES = sorted(path.relative_to(SHIPPED) for path in [

@@ -5,11 +5,13 @@ import calendar
 import pytest
 
 from helpers.config_files import TEXTS, changed, line_of
+from roah_rsbb.rulebook.benchmarks import Durable
 
 EVENT = "{ benchmark: HWV,    team: TestingTeam, round: 1, run: 1, scheduled_time: 2015-12-31 00:01:00 }"
 LINE = line_of(TEXTS["schedule"], EVENT)
 UTC = "expected a date and time in UTC such as 2015-12-31 14:30:00"
 EXIST = "expected an existing day and time of day"
+LINES = len(TEXTS["schedule"].splitlines())
 WHOLE = "expected a whole number from 1 to 255"
 
 
@@ -140,7 +142,7 @@ def test_zone_names(files, old, new, parts):
     text = changed("schedule", old, new)
     _, line, message = files.error(schedule=text)
     # Of two zones of one name the second is the error.
-    assert line == (46 if "second zone" in parts[0] else line_of(text, new))
+    assert line == (51 if "second zone" in parts[0] else line_of(text, new))
     assert [part for part in parts if part not in message] == [], message
 
 
@@ -158,6 +160,40 @@ def test_a_zone_without_events(files, zone, part):
     _, line, message = files.error(schedule=text)
     assert line in (line_of(text, "zone: New"), line_of(text, "zone: New") + 1)
     assert part in message
+
+
+@pytest.mark.parametrize("before, after, wish, line", [
+    ("", "", Durable.ONE, None), ("", "\n- durable: one\n", Durable.ONE, LINES + 2),
+    ("", "\n- durable: two\n", Durable.TWO, LINES + 2), ("- { durable: two }\n", "", Durable.TWO, 1)])
+def test_how_many_computers_must_have_an_entry(files, before, after, wish, line):
+    loaded, _ = files.load(schedule=before + TEXTS["schedule"] + after)
+    assert loaded.durable is wish
+    assert len(loaded.zones) == len(files.load()[0].zones)
+    assert (loaded.durable_at.line if line else loaded.durable_at) == line
+
+
+@pytest.mark.parametrize("setting, parts", [
+    ("durable: 2", ["the number '2' as durable", "one or two", "'one', 'two'"]),
+    ("durable: tow", ["the text 'tow' as durable", "did you mean 'two'?"]),
+    ("durable:", ["nothing as durable"]),
+    ("durabel: two", ["the unknown key 'durabel' in a setting", "did you mean 'durable'?"]),
+    ("{ durable: two, zone: Home }", ["the unknown key 'zone' in a setting"]),
+])
+def test_a_wrong_setting(files, setting, parts):
+    text = f"{TEXTS['schedule']}\n- {setting}\n"
+    _, line, message = files.error(schedule=text)
+    assert line == LINES + 2
+    assert [part for part in parts if part not in message] == [], message
+
+
+def test_a_setting_twice(files):
+    _, line, message = files.error(schedule=TEXTS["schedule"] + "\n- durable: two\n- durable: one\n")
+    assert line == LINES + 3
+    assert message.startswith("found the setting 'durable' again; expected each setting once: it is already in line")
+
+
+def test_settings_without_a_zone(files):
+    assert "no zone" in files.error(schedule="- durable: two\n")[2]
 
 
 def test_the_same_event_in_two_zones_is_a_warning(files):

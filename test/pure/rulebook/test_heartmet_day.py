@@ -2,13 +2,14 @@
 
 import json
 import re
+from fractions import Fraction
 
 import pytest
 
 from helpers.simulated_day import Behaviour, Day, make_competition
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.results.standings import Choice, standings
+from roah_rsbb.rulebook.standing_rules import read_rules
 
 pytestmark = pytest.mark.long
 
@@ -127,7 +128,7 @@ def test_the_standings(competition, played):
     overall, *found = found
     assert [(line.rank, line.team) for line in overall.lines] == [(1, "Ada"), (2, "Bea"), (3, "Dot"), (4, "Cyd")]
     # Shares of the best. Bea: 0.7 + 10/15 + 4/8 + 5/5. Dot: 0.8 + 12/15 + 0 + 3/5. Cyd: 0.7 + 10/15 + 4/8 + 0.
-    assert [line.numbers[0] for line in overall.lines] == pytest.approx([4.0, 2.867, 2.2, 1.867])
+    assert [line.numbers[0] for line in overall.lines] == [4, Fraction(43, 15), Fraction(11, 5), Fraction(28, 15)]
     assert {standing.benchmark for standing in found} == set(EXPECTED)
     for standing in found:
         lines = [(line.rank, line.team, line.numbers) for line in standing.lines]

@@ -3,8 +3,10 @@
 import dataclasses
 
 from helpers.competition import BUMPS, DOOR, UTC0, competition, event
-from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Config
-from roah_rsbb.rulebook.changes import changes
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Config, Durable
+from roah_rsbb.rulebook.changes import changes, warnings
+from roah_rsbb.rulebook.errors import Place
+from roah_rsbb.rulebook.event_ids import key_of
 from roah_rsbb.rulebook.registry import PROFILES
 
 
@@ -45,10 +47,23 @@ def test_teams_without_their_passwords():
     assert "secret" not in " ".join(found)
 
 
+def test_how_many_computers_must_have_an_entry():
+    before = competition(a=["HNF"])
+    after = dataclasses.replace(before, durable=Durable.TWO, durable_at=Place("schedule.yaml", 3, 1))
+    assert changes(before, after) == ["durable: one, now two"]
+    assert changes(after, before) == ["durable: two, now one"]
+    assert changes(after, dataclasses.replace(after, durable_at=Place("schedule.yaml", 4, 1))) == []
+
+
+def with_id(own, code="HNF", **of_event):
+    """An event that is known by this id."""
+    return dataclasses.replace(event(code, **of_event), id=own)
+
+
 def test_the_schedule():
-    before = competition(a=[event("HNF"), event("HWV"), event("STB")], gone=["HNF", "HWV"])
+    before = competition(a=[with_id("m"), with_id("n", "HWV"), event("STB")], gone=["HNF", "HWV"])
     after = competition(
-        new=["HNF"], a=[event("HNF", scheduled=UTC0 + 60.0), event("HWV", team="Beta"), event("STB")])
+        new=["HNF"], a=[with_id("m", scheduled=UTC0 + 60.0), with_id("o", "HWV", team="Beta"), event("STB")])
     assert changes(before, after) == [
         "zone 'a': HNF of Alpha, round 1, run 1: moved from 2027-01-15 08:00:00 UTC to 2027-01-15 08:01:00 UTC",
         "zone 'a': HWV of Alpha, round 1, run 1, 2027-01-15 08:00:00 UTC: removed",
@@ -56,6 +71,62 @@ def test_the_schedule():
         "zone 'gone': removed, with 2 events",
         "zone 'new': added, with 1 event",
     ]
+
+
+def test_an_event_that_moves_is_one_line_and_its_runs_are_named():
+    before = competition(a=[with_id("m"), with_id("n", "HWV"), with_id("o", "STB")], b=["HOPF"])
+    later = with_id("n", "HWV", scheduled=UTC0 + 60.0)
+    after = competition(a=[with_id("o", "STB", round=2)], b=["HOPF", with_id("m"), later])
+    ran = [*2 * [key_of(with_id("m"))], key_of(with_id("n", "HWV")), key_of(with_id("o", "STB"))]
+    utc = "2027-01-15 08:00:00 UTC"
+    assert changes(before, after, ran) == [
+        f"zone 'a': HNF of Alpha, round 1, run 1: moved from {utc} to zone 'b', {utc}. Its 2 runs stay with it",
+        f"zone 'a': HWV of Alpha, round 1, run 1: moved from {utc} to zone 'b', 2027-01-15 08:01:00 UTC. Its run stays "
+        "with it",
+        f"zone 'a': STB of Alpha, round 1, run 1, {utc}: now STB of Alpha, round 2, run 1. Its run stays with it",
+    ]
+    assert warnings(before, after, ran) == []
+
+
+def test_runs_of_events_that_are_removed_and_written_again():
+    before = competition(a=["STB", with_id("m")])
+    after = dataclasses.replace(competition(a=["STB"]), benchmarks=before.benchmarks)
+    ran, place = [key_of(with_id("m"))], "zone 'a': HNF of Alpha, round 1, run 1, 2027-01-15 08:00:00 UTC"
+    assert changes(before, after, ran) == [f"{place}: removed. Its run stays in the results"]
+    assert changes(after, before, 3 * ran) == [f"{place}: added. Its 3 runs before belong to it"]
+
+
+def test_a_zone_with_another_name():
+    before = competition(a=[with_id("m"), with_id("n", "HWV"), with_id("o", "STB")], b=["HOPF"])
+    after = competition(c=[with_id("m"), with_id("n", "HWV", scheduled=UTC0 + 60.0)], b=["HOPF"])
+    ran = [key_of(with_id("m")), *2 * [key_of(with_id("o", "STB"))]]
+    after = dataclasses.replace(after, benchmarks=before.benchmarks)
+    assert changes(before, after, ran) == [
+        "zone 'a': HWV of Alpha, round 1, run 1: moved from 2027-01-15 08:00:00 UTC to zone 'c', 2027-01-15 08:01:00 "
+        "UTC",
+        "zone 'a': removed, with 3 events: 2 move to zone 'c'. 2 runs stay in the results",
+        "zone 'c': added, with 2 events",
+    ]
+
+
+def test_runs_of_an_event_that_has_another_benchmark_or_team_now():
+    before, after = competition(a=[with_id("m"), with_id("n", "HWV")]), competition(
+        a=[with_id("m", "HWV"), with_id("n", "HWV", team="Beta")])
+    after = dataclasses.replace(after, benchmarks=before.benchmarks)
+    utc = "2027-01-15 08:00:00 UTC"
+    ran = [key_of(with_id("m")), *2 * [key_of(with_id("n", "HWV"))]]
+    assert changes(before, after, ran) == [
+        f"zone 'a': HNF of Alpha, round 1, run 1, {utc}: now HWV of Alpha, round 1, run 1",
+        f"zone 'a': HWV of Alpha, round 1, run 1, {utc}: now HWV of Beta, round 1, run 1",
+    ]
+    assert warnings(before, after, ran) == [
+        "zone 'a': HNF of Alpha, round 1, run 1 is HWV of Alpha, round 1, run 1 now. Its run before stays a result of "
+        "HNF of Alpha, and is no attempt at this event. If it is another event, delete its id (m) in the schedule file",
+        "zone 'a': HWV of Alpha, round 1, run 1 is HWV of Beta, round 1, run 1 now. Its 2 runs before stay results of "
+        "HWV of Alpha, and are no attempts at this event. If it is another event, delete its id (n) in the schedule "
+        "file",
+    ]
+    assert warnings(before, after, ()) == []
 
 
 def test_another_order_of_zones():

@@ -7,6 +7,7 @@ test of many seconds takes little time, and always happens in the same way: the 
 import heapq
 import itertools
 import random
+from dataclasses import replace
 
 import pytest
 
@@ -14,6 +15,8 @@ from helpers.box_driver import beacon_bytes
 from helpers.competition import competition, event
 from helpers.examples import ALL
 from helpers.journaled import NO_LISTENING, JournaledDriver
+from roah_rsbb.box import journal as core_journal
+from roah_rsbb.box.standby_answers import StandbyAnswers
 from roah_rsbb.copies.copy import CannotWriteCopy
 from roah_rsbb.copies.follower import PERIOD_S, RETRY_S, Follower
 from roah_rsbb.core import effects
@@ -24,17 +27,16 @@ from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME, CoreSession, Resume
 from roah_rsbb.journal.store import Journal
-from roah_rsbb.nodes.core import journal as core_journal
-from roah_rsbb.nodes.core.standby_answers import StandbyAnswers
+from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.rulebook.scoring import ScoreKind
 from roah_rsbb.standby.channel import TIMEOUT_S
 from roah_rsbb.standby.messages import decode, encode
 from roah_rsbb.standby.pair import Claim, Side, State
 from roah_rsbb.standby.remote import Receiver, RemoteCopy
 
-# Half of them with `sync_standby`. `make test` makes four.
+# Half of them with `durable: two`. `make test` makes four.
 CUTS = 200
-# What a cut may cost without `sync_standby`.
+# What a cut may cost without it.
 LOST_S = 0.2
 # Two boxes that send to one robot.
 BOTH_S = 1.0
@@ -48,12 +50,13 @@ class BoxLost(Exception):
 
 
 class World:
-    """Two computers, their link, a robot and a referee. `is_sync`: answers wait for the standby."""
+    """Two computers, their link, a robot and a referee. `are_two`: the standby must have what is confirmed."""
 
-    def __init__(self, folder, seed, is_sync):
+    def __init__(self, folder, seed, are_two):
         self.random = random.Random(seed)
-        self.is_sync = is_sync
-        self.config = competition(tbm=[event("HCFGAC", timeout=300.0)])
+        self.are_two = are_two
+        self.config = replace(competition(tbm=[event("HCFGAC", timeout=300.0)]),
+                              durable=Durable.TWO if are_two else Durable.ONE)
         self.driver = JournaledDriver(folder / "box", self.config, NO_LISTENING)
         self.far = folder / "far"
         self.far.mkdir()
@@ -61,8 +64,9 @@ class World:
         self.follower = Follower(str(folder / "box" / "0"), self.open_copy, now=lambda: self.mono,
                                  on_answer=lambda number: self.later(self.ros_s(), self.answers.on_answer, number))
         self.box.copies.expect(self.driver.now, STANDBY)
-        self.answers = StandbyAnswers(self, self.box, lambda: self.driver.now, self.driver.event, lambda number:
-                                      self.later(self.ros_s(), self.ask_follower, number, is_of_core=False))
+        self.answers = StandbyAnswers(self, self.box, lambda: self.driver.now, self.driver.event, lambda ticket:
+                                      self.later(self.ros_s(), self.ask_follower, ticket, is_of_core=False),
+                                      lambda: self.driver.journal.committed)
         self.robot = self.driver.executing(ZONE)
         self.run = RunName(ZONE, self.driver.run_in(ZONE).identity)
         self.item = next(item for item in self.driver.run_in(ZONE).event.benchmark.scoring
@@ -76,7 +80,7 @@ class World:
         self.entered, self.confirmed, self.warned = {}, set(), set()  # marks, which are numbers from 1
         self.claims = {Side.BOX: Claim(epochs.FIRST, 0, {}), Side.STANDBY: None}
         self.claims[Side.BOX].use({PAIR: Side.BOX})
-        self.lost_in_a_row, self.both_since = 0, None
+        self.lost_in_a_row, self.both_since = dict.fromkeys(Side, 0), None
         for step in (self.report, self.look):
             self.later(0.0, step)
         self.later(0.0, self.copy, 0, is_of_core=False)
@@ -130,8 +134,7 @@ class World:
 
     def open_copy(self):
         self.check_link()
-        sent = []
-        return RemoteCopy(sent.append, lambda: self.exchange(sent.pop(0)), lambda: self.mono)
+        return RemoteCopy(self.exchange, lambda: self.mono)
 
     def check_link(self):
         if self.is_cut or self.has_taken_over:
@@ -168,7 +171,8 @@ class World:
         progress = self.follower.progress
         behind_s = 0.0 if progress.complete_mono is None else self.mono - progress.complete_mono
         self.driver.event(self.box.on_copy_report, CopyReport(
-            STANDBY, True, behind_s, progress.missing_entries, progress.trouble))
+            STANDBY, True, behind_s, progress.missing_bytes, progress.trouble))
+        self.answers.look()
         self.robot.saved += 1
         self.robot.send(self.robot.report())
         self.later(1.0, self.report)
@@ -189,13 +193,14 @@ class World:
         if self.burns_after_mark:
             self.burns_after_mark = False
             self.burns_at = self.mono + self.random.uniform(0.0, 0.1)
-        if self.is_sync:
-            self.answers.ask().add_done_callback(lambda answer: self.answered(number, answer.result()))
+        answer = self.answers.ask(self.driver.core_journal.ticket())
+        if answer is not None:
+            answer.add_done_callback(lambda answer: self.answered(number, answer.result()))
 
-    def answered(self, number, has_standby):
+    def answered(self, number, why):
         if not self.is_hanging and self.mono < self.hangs_until:
             assert self.mono - self.entered[number] <= SYNC_S + 1e-6
-        if has_standby:
+        if not why:
             self.confirmed.add(number)
         else:
             assert any("standby" in text for text in self.box.warnings(self.driver.now)), "nobody was warned"
@@ -238,8 +243,8 @@ class World:
             assert self.mono - self.both_since <= BOTH_S, "two boxes"
 
     def say(self, word):
-        is_lost = self.random.random() < 0.3 and self.lost_in_a_row < 2
-        self.lost_in_a_row = self.lost_in_a_row + 1 if is_lost else 0
+        is_lost = self.random.random() < 0.3 and self.lost_in_a_row[word.side] < 2
+        self.lost_in_a_row[word.side] = self.lost_in_a_row[word.side] + 1 if is_lost else 0
         if not is_lost and not self.is_cut:
             hearer = Side.STANDBY if word.side is Side.BOX else Side.BOX
             self.later(self.random.uniform(0.0, 0.2), self.hear, hearer, word, is_of_core=hearer is Side.BOX)
@@ -256,7 +261,7 @@ class World:
 def pass_with_interruptions(world, seconds):
     """Let time pass, in which the cable of the standby may be pulled out for a while."""
     end = world.mono + seconds
-    while world.is_sync and world.random.random() < 0.4 and end - world.mono > 1.0:
+    while world.are_two and world.random.random() < 0.4 and end - world.mono > 1.0:
         world.pass_time(world.random.uniform(0.0, 0.4 * (end - world.mono)))
         world.is_cut = world.was_interrupted = True
         world.pass_time(world.random.uniform(0.0, 0.6 * (end - world.mono)))
@@ -284,10 +289,10 @@ def lose_box(world, how):
 
 
 @pytest.mark.random
-@pytest.mark.parametrize("is_sync", [True, False], ids=("sync", "not_sync"))
+@pytest.mark.parametrize("are_two", [True, False], ids=("two", "one"))
 @pytest.mark.parametrize("seed", range(CUTS // 2 if ALL else 2))
-def test_a_cut_at_a_random_moment(tmp_path, seed, is_sync):
-    world = World(tmp_path, seed, is_sync)
+def test_a_cut_at_a_random_moment(tmp_path, seed, are_two):
+    world = World(tmp_path, seed, are_two)
     how = world.random.choice(("burns", "burns", "is cut off", "hangs"))
     cut_s = world.random.uniform(1.5, 7.0)
     try:
@@ -305,8 +310,8 @@ def test_a_cut_at_a_random_moment(tmp_path, seed, is_sync):
     print(f"seed {seed}: the box {how} after {len(world.entered)} marks, {len(world.confirmed)} of them confirmed")
     lost = {number: mono for number, mono in world.entered.items() if number > value}
     assert world.confirmed.isdisjoint(lost)
-    if not is_sync:
+    if not are_two:
         assert all(mono >= cut_mono - LOST_S for mono in lost.values())
     else:
         assert world.confirmed or world.was_interrupted
-    assert not world.driver.taken(effects.GiveUp)
+    assert not world.driver.taken(effects.AnotherBox)

@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from helpers.examples import examples
-from roah_rsbb.standby.pair import ASK_S, Claim, Side, Silence, State, Word
+from roah_rsbb.standby.pair import ASK_AGAIN_S, ASK_S, AWAY_S, SAY_S, Claim, Side, Silence, State, Word
 
 STEP_S = 0.05
 # Two boxes that hear each other are active at the same time for at most this long.
 BOTH_S = 1.0
-# The links lose at most two words in a row, and delay them by at most this.
+# Each end loses at most two words in a row, and they are delayed by at most this.
 DELAY_S = 0.2
 PAIR = "pair"
 
@@ -25,8 +25,11 @@ class Computer:
         self.side = side
         self.epoch, self.is_superseded = 1, False
         self.claim = None
+        self.hung_since = None
+        self.waiting = []  # words that came while it hung
 
     def start(self):
+        self.hung_since, self.waiting = None, []
         self.claim = Claim(self.epoch, 0, {PAIR: self.side}, self.is_superseded)
 
     def take_over(self, known):
@@ -36,7 +39,13 @@ class Computer:
 
     @property
     def is_active(self):
-        return self.claim is not None and self.claim.state is State.ACTIVE
+        return self.claim is not None and self.claim.state is State.ACTIVE and self.hung_since is None
+
+    def resume(self, now):
+        """The first thing that a process does after it was stopped (`Fence.check`)."""
+        if self.hung_since is not None and now - self.hung_since >= AWAY_S and self.claim is not None:
+            self.claim.ask_again()
+        self.hung_since = None
 
     @property
     def is_silent_for_good(self):
@@ -54,7 +63,7 @@ class World:
         self.box, self.standby = Computer(Side.BOX), Computer(Side.STANDBY)
         self.is_cut = {Side.BOX: False, Side.STANDBY: False}  # by the side that says
         self.fates = iter(fates)
-        self.lost_in_a_row = 0
+        self.lost_in_a_row = dict.fromkeys(Side, 0)
         self.on_the_way = []
         self.numbers = itertools.count()
         self.both_since = None
@@ -67,10 +76,10 @@ class World:
         if self.is_cut[word.side]:
             return
         fate = next(self.fates, "")
-        if fate == "lost" and self.lost_in_a_row < 2:
-            self.lost_in_a_row += 1
+        if fate == "lost" and self.lost_in_a_row[word.side] < 2:
+            self.lost_in_a_row[word.side] += 1
             return
-        self.lost_in_a_row = 0
+        self.lost_in_a_row[word.side] = 0
         for delay in {"late": (DELAY_S,), "doubled": (0.0, DELAY_S)}.get(fate, (0.0,)):
             heapq.heappush(self.on_the_way, (self.now + delay, next(self.numbers), word))
 
@@ -79,12 +88,15 @@ class World:
             self.now += STEP_S
             while self.on_the_way and self.on_the_way[0][0] <= self.now:
                 word = heapq.heappop(self.on_the_way)[2]
-                hearer = self.other(word.side)
-                answer = hearer.claim.hear(PAIR, word) if hearer.claim is not None else None
-                if answer is not None:
-                    self.say(answer)
+                self.other(word.side).waiting.append(word)
             for computer in (self.box, self.standby):
-                if computer.claim is not None:
+                if computer.hung_since is None:
+                    heard, computer.waiting = computer.waiting, []
+                    for word in heard:
+                        answer = computer.claim.hear(PAIR, word) if computer.claim is not None else None
+                        if answer is not None:
+                            self.say(answer)
+                if computer.claim is not None and computer.hung_since is None:
                     for _, word in computer.claim.tick(self.now):
                         self.say(word)
                     computer.note()
@@ -111,6 +123,10 @@ class World:
             self.standby.start()
         elif what == "box off":
             self.box.claim = None
+        elif what == "box hangs" and self.box.hung_since is None:
+            self.box.hung_since = self.now
+        elif what == "box continues":
+            self.box.resume(self.now)
         elif what == "split":
             self.is_cut = dict.fromkeys(self.is_cut, True)
         elif what == "box is not heard":
@@ -122,7 +138,8 @@ class World:
 
 
 EVENTS = st.sampled_from(["takeover", "box again", "box restarts", "standby restarts", "box off", "split", "heal",
-                          "heal", "box is not heard", "standby is not heard"])
+                          "heal", "box hangs", "box hangs", "box continues", "box is not heard",
+                          "standby is not heard"])
 FATES = st.sampled_from(["", "", "lost", "late", "doubled"])
 
 
@@ -135,7 +152,8 @@ def test_two_boxes_that_hear_each_other_are_never_active_for_long(story, fates):
         world.happen(what)
         world.run(seconds)
     world.happen("heal")
-    world.run(2 * BOTH_S)
+    world.happen("box continues")
+    world.run(ASK_AGAIN_S + 2 * BOTH_S)
     active = [computer for computer in (world.box, world.standby) if computer.is_active]
     assert len(active) == 1 or world.box.claim is None
 
@@ -189,6 +207,43 @@ def test_a_box_that_starts_again_asks_before_it_sends():
     assert world.box.is_silent_for_good
 
 
+@pytest.mark.parametrize("until_takeover_s", [2.0, 6.0])
+@pytest.mark.parametrize("starts_s", [0.0, 1.0])
+def test_a_box_that_hung_is_not_active_for_a_moment_after_a_takeover(until_takeover_s, starts_s):
+    """Also if it continues while the standby is still starting."""
+    world = World()
+    world.run(1.0)
+    world.happen("box hangs")
+    world.run(until_takeover_s)
+    if starts_s:
+        world.happen("box continues")
+        for _ in range(round(starts_s / STEP_S)):
+            world.run(STEP_S)
+            assert not world.box.is_active
+    world.happen("takeover")
+    world.run(1.0)
+    world.happen("box continues")
+    for _ in range(40):
+        world.run(STEP_S)
+        assert not world.box.is_active
+    assert world.box.is_silent_for_good and world.standby.is_active
+
+
+@pytest.mark.parametrize("hung_s, silent_s", [(1.0, 0.0), (2.0, ASK_AGAIN_S)])
+def test_a_box_that_hung_continues_if_nobody_took_over(hung_s, silent_s):
+    world = World()
+    world.happen("split")
+    world.run(1.0)
+    world.happen("box hangs")
+    world.run(hung_s)
+    world.happen("box continues")
+    if silent_s:
+        world.run(silent_s - STEP_S)
+        assert not world.box.is_active
+    world.run(3 * STEP_S)
+    assert world.box.is_active
+
+
 def test_a_box_whose_standby_is_off_waits_for_a_moment_only():
     world = World()
     world.happen("split")
@@ -231,6 +286,20 @@ def test_words_of_no_pair_do_not_stop_a_box():
     claim = Claim(1, 0, {PAIR: Side.BOX})
     claim.hear("another", Word(Side.STANDBY, 9, claims=True))
     assert claim.state is State.ASKING
+
+
+def test_words_keep_their_period_when_ticks_are_a_little_late():
+    """Each tick is some milliseconds late, and some more than the next one."""
+    claim = Claim(1, 0, {PAIR: Side.BOX})
+    said = [number for number in range(40) if claim.tick(number * SAY_S + 0.001 * (number % 3))]
+    assert said == list(range(40))
+
+
+def test_words_that_were_not_said_in_time_are_not_said_together_later():
+    claim = Claim(1, 0, {PAIR: Side.BOX})
+    claim.tick(0.0)
+    said = [step for step in range(20) if claim.tick(60.0 + step * SAY_S / 5)]
+    assert len(said) <= 5 and said[0] == 0
 
 
 def test_another_pair():

@@ -16,7 +16,7 @@ from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages
 from roah_rsbb.tablet.server import MAX_MESSAGES_A_SECOND, MAX_PAGES, TabletServer
 from roah_rsbb.tablet.state import NEVER, BoxPart, TabletState
-from roah_rsbb.web import serving
+from roah_rsbb.web import limits
 from roah_rsbb.web.limits import Rates
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "tablet")
@@ -276,9 +276,14 @@ def test_a_page_that_is_refused_touches_nothing(served):
     assert len(served.touches) == 1
 
 
+@pytest.fixture
+def few_connections(monkeypatch):
+    """Before `served`: its server has fewer places."""
+    monkeypatch.setattr(limits, "MAX_CONNECTIONS", 20)
+
+
 @pytest.mark.long
-def test_too_many_slow_connections_do_not_keep_others_out(served, monkeypatch):
-    monkeypatch.setattr(serving, "MAX_CONNECTIONS", 20)
+def test_too_many_slow_connections_do_not_keep_others_out(few_connections, served):
     page = served.page()
     assert served.read(page)
     slow = [socket.create_connection((HOST, served.port)) for _ in range(60)]

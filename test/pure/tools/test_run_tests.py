@@ -55,8 +55,8 @@ def tree(tmp_path):
 def test_all_parts_pass(tree):
     done = tree.run(test_ros="echo of ros")
     assert done.returncode == 0
-    assert sum(line.startswith("ok") for line in done.stdout.splitlines()) == 10
-    assert "10 of 10 parts passed in " in done.stdout
+    assert sum(line.startswith("ok") for line in done.stdout.splitlines()) == 11
+    assert "11 of 11 parts passed in " in done.stdout
     assert "of ros" in (tree.path / "build" / "test" / "ros.log").read_text()
     assert "of ros" in (tree.path / "build" / "test" / "all.log").read_text()
 
@@ -69,7 +69,7 @@ def test_a_part_that_fails_stops_no_other_and_its_output_ends_the_report(tree):
     assert end.splitlines()[:2] == [
         "--- install: make test-install  (output: build/test/install.log)", "  it is not installed",
     ]
-    assert "9 of 10 parts passed in " in end
+    assert "10 of 11 parts passed in " in end
     assert "; failed: install" in end
 
 

@@ -3,16 +3,20 @@
 import contextlib
 import json
 import os
+import re
 import subprocess
 import sys
 
 import pytest
 
-from helpers.copied import Copied
+from helpers.copied import Copied, contents
+from roah_rsbb import durable
 from roah_rsbb.copies.folder import CopyFolder
-from roah_rsbb.journal import epochs
+from roah_rsbb.journal import epochs, log
+from roah_rsbb.journal.contents import open_journal
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
+from roah_rsbb.standby import codes
 from roah_rsbb.standby.partners import PairedBox, PairedStandby, is_standby, read_box, write_box, write_standby
 from roah_rsbb.tools import standby
 from roah_rsbb.tools.preflight_checks import Finding, Severity
@@ -125,6 +129,30 @@ def test_a_witness_needs_the_program_ping(copied, monkeypatch):
         standby._follow(options, str(copied.stick))
 
 
+def test_the_old_box_becomes_a_standby_with_the_same_options(copied, monkeypatch, tmp_path):
+    folder, kept = str(copied.stick), []
+    monkeypatch.setattr(standby, "rejoin", lambda *_: PairedBox("10.0.0.3", 8083, "ff", "key"))
+    monkeypatch.setattr(standby, "_keep_copy", lambda *given: kept.append(given) or 0)
+    monkeypatch.setattr(standby.shutil, "which", lambda name: f"/bin/{name}")
+    monkeypatch.setattr(standby.os, "geteuid", lambda: 0)
+    options = standby._options(["rejoin", str(tmp_path / "old"), "--automatic", "5", "--witness", "203.0.113.1",
+                                "--take-address"])
+    assert standby._rejoin(options, folder) == 0
+    assert kept[0][3:] == (Automatic(5.0, "203.0.113.1"), True)
+
+
+@pytest.mark.parametrize("wrong", [["--automatic", "1"], ["--take-address"], ["--witness", "203.0.113.1"]])
+@pytest.mark.parametrize("words", [["follow", "10.0.0.2", "--code", "AAAA-AAAA"], ["rejoin", "/old"]])
+def test_options_that_are_not_possible_change_nothing(copied, monkeypatch, words, wrong):
+    for name in ("pair", "rejoin", "_keep_copy"):
+        monkeypatch.setattr(standby, name, lambda *_: pytest.fail("something was changed"))
+    monkeypatch.setattr(standby.shutil, "which", lambda name: None)
+    monkeypatch.setattr(standby.os, "geteuid", lambda: 1000)
+    options = standby._options([*words, *wrong])
+    with pytest.raises(standby.Refused, match=wrong[0] if wrong[0] != "--witness" else "ping"):
+        getattr(standby, f"_{words[0]}")(options, str(copied.stick))
+
+
 def test_the_program_that_keeps_the_copy_is_ended(copied, tmp_path):
     program = tmp_path / "standby"
     program.write_text("import sys\nfrom roah_rsbb.copies.folder import CopyFolder\n"
@@ -154,22 +182,84 @@ def test_arguments_of_the_launch_file_may_stand_anywhere():
     assert (options.box, options.code, options.arguments) == ("10.1.0.2", "AAAA", ["gui:=none", "web:=false"])
 
 
+# -- the code -------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def box(copied):
+    """The log_dir of a box that runs with a port for a standby."""
+    own = copied.log_dir / "standby"
+    own.mkdir()
+    (own / "network.json").write_text(json.dumps({"rsbb_host": "10.1.255.255", "standby_port": 8083}))
+    return copied.log_dir
+
+
+def shown_code(folder, capsys):
+    """What `standby code` shows: the code, and all of its text."""
+    assert standby._code(standby._options(["code"]), str(folder)) == 0
+    text = capsys.readouterr().out
+    return re.search("The code is ([A-Z2-9]{4}-[A-Z2-9]{4}), for one standby and for 10 minutes", text).group(1), text
+
+
+def test_a_code_is_made_when_it_is_asked_for(box, capsys):
+    assert codes.Codes(str(box)).valid() == ""
+    first, _ = shown_code(box, capsys)
+    second, text = shown_code(box, capsys)
+    assert first != second and codes.Codes(str(box)).valid() == second
+    assert text.endswith("rosrun roah_rsbb standby follow ADDRESS --code\n")
+    assert (box / "standby" / "code.json").stat().st_mode & 0o777 == 0o600
+
+
+def test_a_code_is_shown_with_all_that_the_second_computer_needs(box, capsys):
+    (box / "standby" / "network.json").write_text(json.dumps({"standby_port": 9000}))
+    write_standby(str(box), PairedStandby("laptop", "00", "10.0.0.3", 8083))
+    _, text = shown_code(box, capsys)
+    assert "rosrun roah_rsbb standby follow ADDRESS --code --port 9000\n" in text
+    assert text.endswith("That computer replaces the present standby, which is laptop at 10.0.0.3\n")
+
+
+def test_no_box_runs_for_which_a_code_could_be(box, copied):
+    copied.writer.close()
+    with pytest.raises(standby.Refused, match="no box with a standby_port runs with the log_dir"):
+        standby._code(standby._options(["code"]), str(box))
+    assert not (box / "standby" / "code.json").exists()
+
+
+def test_a_box_without_a_port_for_a_standby_has_no_code(copied):
+    with pytest.raises(standby.Refused, match="no box with a standby_port runs with the log_dir"):
+        standby._code(standby._options(["code"]), str(copied.log_dir))
+
+
+def test_a_superseded_box_has_no_code(box, monkeypatch):
+    monkeypatch.setattr(standby.epochs, "standing_in", lambda _: epochs.Standing(2, superseded_by=3, by="10.0.0.3"))
+    with pytest.raises(standby.Refused, match="pair the standby with the box at 10.0.0.3"):
+        standby._code(standby._options(["code"]), str(box))
+
+
+def test_only_the_user_of_the_box_makes_a_code(box, monkeypatch):
+    """The box could not read that of another one."""
+    monkeypatch.setattr(standby.os, "geteuid", lambda: os.getuid() + 1)
+    with pytest.raises(standby.Refused, match="enter this command as that user"):
+        standby._code(standby._options(["code"]), str(box))
+
+
 # -- the program that keeps the copy, and the box that it prepared ------------------------------------
 
 
 class Keeping:
     """`standby follow`, whose end is to take over at once, or to be ended. Notes what happens."""
 
-    def __init__(self, folder, monkeypatch, takes_over):
+    def __init__(self, folder, monkeypatch, takes_over=False, is_handed_over=False):
         self.folder, self.happened = folder, []
         keeping = self
 
         class End:
             run = staticmethod(lambda: keeping.take_over() if takes_over else None)
             end = staticmethod(lambda: None)
+            was_handed_over = is_handed_over
 
-            def __init__(self, *_):
-                pass
+            def __init__(self, *given):
+                keeping.on_hand_over = given[-1]
 
         class Ears:
             wait_silent = heard = start = end = staticmethod(lambda *_: None)
@@ -211,6 +301,21 @@ def test_a_box_that_was_prepared_in_another_way_ends_before_the_takeover(copied,
     assert keeping.happened[-1] == ("box started", False, False)
 
 
+def test_a_box_that_hands_over_is_replaced(copied, monkeypatch, capsys):
+    keeping = Keeping(str(copied.stick), monkeypatch, is_handed_over=True)
+    keeping.keep()
+    assert "its computer hands over: taking over" in capsys.readouterr().out
+    assert keeping.happened[-1] == ("box started", False, False) and keeping.on_hand_over()
+
+
+def test_a_standby_without_a_configuration_is_handed_nothing(copied, monkeypatch, capsys):
+    keeping = Keeping(str(copied.stick), monkeypatch)
+    keeping.keep()
+    monkeypatch.setattr(standby.in_force, "read_in_force", lambda folder: None)
+    assert not keeping.on_hand_over()
+    assert "the box hands over, but: the copy in" in capsys.readouterr().out
+
+
 def test_the_program_that_keeps_the_copy_has_ended_with_the_box_that_it_prepared(copied, monkeypatch):
     """The next box would use its ROS master."""
     keeping = Keeping(str(copied.stick), monkeypatch, takes_over=False)
@@ -247,6 +352,29 @@ def test_the_new_box_is_not_made_a_standby_by_habit(copied, words, said):
     with pytest.raises(standby.Refused, match=said):
         standby._follow(standby._options(words), folder)
     assert not is_standby(folder)
+
+
+@pytest.mark.parametrize("words, used", [
+    (["10.0.0.2", "--code", "AAAA-AAAA"], "AAAA-AAAA"), (["10.0.0.2", "--code"], "typed"),
+    (["--code", "--port", "9000", "10.0.0.2"], "typed"), (["10.0.0.2", "--code", ""], None)])
+def test_a_code_can_be_typed(copied, monkeypatch, words, used):
+    """Other users see what is in a command line. A launch file without a code gives an empty one."""
+    pairs = []
+    write_box(str(copied.stick), PairedBox("10.0.0.2", 8083, "ff", "key"))
+    monkeypatch.setattr(standby, "pair", lambda *given: pairs.append(given[3]) or PairedBox("10.0.0.2", 8083, "", ""))
+    monkeypatch.setattr(standby, "_keep_copy", lambda *_: 0)
+    monkeypatch.setattr("builtins.input", lambda _: "typed")
+    standby._follow(standby._options(["follow", *words]), str(copied.stick))
+    assert pairs == ([used] if used else [])
+
+
+def test_there_may_be_nobody_to_type_a_code(copied, monkeypatch):
+    def end(_):
+        raise EOFError
+
+    monkeypatch.setattr("builtins.input", end)
+    with pytest.raises(standby.Refused, match="give --code CODE"):
+        standby._follow(standby._options(["follow", "10.0.0.2", "--code"]), str(copied.stick))
 
 
 def test_a_superseded_box_can_be_a_standby_again(copied, monkeypatch):
@@ -305,6 +433,58 @@ def test_the_copy_is_kept_if_the_address_cannot_be_taken(copied, monkeypatch):
         standby._takeover(options, str(copied.stick))
 
 
+def demand_two(folder):
+    write_in_force(str(folder), InForce("launch", 4, {
+        4: Texts(("/x/b.yaml", "/x/s.yaml", "/x/p.yaml"), ("benchmarks", "- durable: two", None))}))
+
+
+def test_a_copy_is_used_while_a_part_of_it_is_written_again(copied, capsys):
+    before = contents(copied.stick)
+    draft = copied.stick / FILE_NAME / f"{list(before)[-1]}{log.DRAFT}"
+    draft.write_bytes(b"the beginning")
+    standby._become_box(str(copied.stick), PairedBox("127.0.0.1", 8083, "ff", "key"), [])
+    assert "compare the results with the referees' notes" in capsys.readouterr().out
+    after = contents(copied.stick)
+    assert len(after) == len(before) + 1 and before.items() <= after.items(), "the takeover is a segment"
+    assert not draft.exists(), "nothing may replace a segment of a box"
+
+
+def test_the_torn_end_of_a_copy_is_no_damage(copied, capsys):
+    """After a power failure, a standby that took over continues from what is before the first gap."""
+    saved = (copied.stick / FILE_NAME / list(contents(copied.stick))[-1]).stat().st_size
+    copied.follower = copied.new_follower()
+    for number in range(2):
+        copied.writer.entry("/notification", number)
+        copied.save()
+    assert copied.step()
+    copied.follower.close()
+    path = copied.stick / FILE_NAME / list(contents(copied.stick))[-1]
+    content = bytearray(path.read_bytes())
+    content[saved:saved + 32] = bytes(32)
+    path.write_bytes(content)
+    standby._become_box(str(copied.stick), None, [])
+    assert "11:00:01 UTC" in capsys.readouterr().out
+    found = open_journal(str(copied.stick / FILE_NAME))
+    assert not found.problems and found.contents.entry == 2, "and the entry of the takeover"
+
+
+def test_a_full_disk_is_no_place_for_a_takeover(copied, monkeypatch):
+    monkeypatch.setattr(durable, "has_space", lambda folder: False)
+    with pytest.raises(standby.Refused, match="the disk is full: free space for"):
+        standby._become_box(str(copied.stick), None, [])
+
+
+def test_a_full_disk_does_not_end_the_program(copied, monkeypatch):
+    """Neither its output nor its own number must be on the disk."""
+    def fail(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("builtins.print", fail)
+    monkeypatch.setattr(standby.os, "write", fail)
+    with standby._locked(str(copied.stick)):
+        standby._show("")
+
+
 def test_the_status_of_a_standby(copied, monkeypatch):
     write_box(str(copied.stick), PairedBox("10.0.0.2", 8083, "00", "key"))
     monkeypatch.setattr(standby, "is_alive", lambda box, timeout: True)
@@ -313,22 +493,24 @@ def test_the_status_of_a_standby(copied, monkeypatch):
                          "The copy is not kept: start 'standby follow'"]
     assert lines[2].startswith("The newest entry of the copy is from 11:00:01 UTC")
     assert lines[3] == "Epoch 1"
-    assert "sync_standby is off" in lines[4]
-    (copied.stick / "network.json").write_text('{"sync_standby": "true"}')
+    assert lines[4].endswith("(durable: one)")
+    demand_two(copied.stick)
     with standby._locked(str(copied.stick)):
         lines = list(standby.status(str(copied.stick)))
     assert lines[1] == "The copy is kept"
-    assert "sync_standby is on" in lines[4]
-    assert arguments(standby.launch_command(str(copied.stick), []))["sync_standby"] == "true"
+    assert lines[4].endswith("(durable: two)")
 
 
 def test_the_status_of_a_box(copied):
     folder = str(copied.log_dir)
     assert next(iter(standby.status(folder))) == "No standby is paired with this box"
     write_standby(folder, PairedStandby("laptop", "00", "10.0.0.3", 8083))
-    (copied.log_dir / "standby" / "network.json").write_text('{"sync_standby": "true"}')
+    demand_two(copied.log_dir)
     found = list(standby.status(folder))
     assert found[0] == "The standby of this box is laptop, last connected from 10.0.0.3"
-    assert "sync_standby is on" in found[-1]
+    assert found[-1] == "Scores and sign-offs are confirmed when the standby has them, too (durable: two)"
+    write_standby(folder, PairedStandby("stranger", "00", "10.0.0.66", 8083, False, 1e9, "laptop at 10.0.0.3"))
+    assert list(standby.status(folder))[1] == (
+        "It was paired on 2001-09-09 at 01:46:40 UTC, and replaced laptop at 10.0.0.3")
     with pytest.raises(standby.Refused, match="--log-dir"):
         list(standby.status(str(copied.log_dir / "standby")))

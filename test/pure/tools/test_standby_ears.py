@@ -7,6 +7,7 @@ import threading
 
 import pytest
 
+from helpers.small_box import free_ports
 from roah_rsbb.standby.pair import Side, Word
 from roah_rsbb.standby.pairing import hashed
 from roah_rsbb.standby.partners import PairedBox
@@ -23,9 +24,7 @@ class Heard:
     """A standby on the loopback, what it reports, and a socket of its box."""
 
     def __init__(self, cleanup, automatic):
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as found:
-            found.bind((STANDBY, 0))
-            self.port = found.getsockname()[1]
+        self.port = free_ports()
         self.reports = queue.Queue()
         self.ears = Ears(
             PairedBox(BOX, self.port, "ff", "key"),

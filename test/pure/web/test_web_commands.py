@@ -119,7 +119,8 @@ def test_who_acts_is_sent_changes_before_spectators(served, monkeypatch):
 
 
 @pytest.mark.parametrize("outcome, code", [
-    (Outcome(), 200), (Outcome(("No run is running",)), 409), (Outcome(is_known=False), 504),
+    (Outcome(), 200), (Outcome(("No run is running",)), 409),
+    (Outcome(("not confirmed: no standby",), is_confirmed=False), 202), (Outcome(is_known=False), 504),
     (Outcome(("unable to connect",), is_known=False), 504),
 ])
 def test_the_answer_says_whether_it_was_done(served, outcome, code):
@@ -173,8 +174,9 @@ def test_a_crowd_behind_the_same_address_does_not_keep_a_referee_out(served):
 def test_a_device_has_a_limit_of_its_own(served):
     first, second = served.token(), served.token()
     served.server.device_rates = Rates(a_second=1e-9, at_once=3.0)
-    assert [served.send("stop", {"zone": "Home"}, first).code for _ in range(4)] == [200, 200, 200, 429]
-    assert served.send("stop", {"zone": "Home"}, second).code == 200
+    assert [served.send("connect", {"zone": "Home"}, first).code for _ in range(4)] == [200, 200, 200, 429]
+    assert served.send("connect", {"zone": "Home"}, second).code == 200
+    assert served.send("stop", {"zone": "Home"}, first).code == 200, "a STOP is never one too many"
 
 
 # -- what devices are shown -------------------------------------------------------------------------

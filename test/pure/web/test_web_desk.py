@@ -6,7 +6,8 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.public_messages import NOW, Time
-from roah_rsbb.web.desk import Desk
+from roah_rsbb.web import zone_documents
+from roah_rsbb.web.desk import NO_STOP, STOP, Desk
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.zone_documents import OFF_FIELDS
 
@@ -26,9 +27,10 @@ def gui(clock=NOW, **of_zone):
 
 
 def details(**of_zone):
-    zone = dict(zone="Home", phase="running", end_reason="", identity="run 1", robot="R", by_hand=False, held=False,
-                module_status="", pause_allowed=False, robots_to_choose=[], operation=0, operation_choices=[],
-                operation_asks_text=False, items=[], points=SimpleNamespace(total="", groups=[]),
+    zone = dict(zone="Home", phase="running", end_reason="", identity="run 1", event="kx2", robot="R", by_hand=False,
+                held=False, module_status="", pause_allowed=False, robots_to_choose=[], operation=0,
+                operation_choices=[], operation_asks_text=False, not_stopped=["R"], items=[],
+                points=SimpleNamespace(total="", groups=[]),
                 **{field: [] for field in OFF_FIELDS.values()})
     zone["start_off"] = ["Already started"]
     return SimpleNamespace(warnings=[], zones=[SimpleNamespace(**{**zone, **of_zone})])
@@ -52,7 +54,7 @@ def judging(identity, **fields):
 def closed_run(identity, zone="Home", closed=NOW, signed=0.0):
     return SimpleNamespace(identity=identity, zone=zone, code="HWV", team="Alpha", round=1, run=1, opened=Time(NOW),
                            started=Time(NOW), closed=Time(closed), signed=Time(signed), end_reason="stopped", score="2",
-                           revision=7)
+                           revision=7, counts="not_last")
 
 
 @pytest.fixture
@@ -73,7 +75,7 @@ def test_a_zone_is_shown_with_the_reason_of_each_command(desk):
     shown = data(desk)
     assert (shown["team"], shown["phase_text"], shown["identity"]) == ("Alpha", "▶ RUNNING", "run 1")
     assert shown["off"]["start"] == ["Already started"] and shown["off"]["stop"] == []
-    assert shown["warnings"] == ["No message from the robot for 3 s"] and shown["state"] == ["All OK for start"]
+    assert (shown["warnings"], shown["state"]) == ([], ["All OK for start"]), "what to do now is not repeated"
     assert shown["is_urgent"] and shown["todo"] == "No message from the robot for 3 s"
 
 
@@ -81,6 +83,22 @@ def test_a_reason_of_a_command_is_no_state_of_the_run_as_well(desk):
     desk.on_details(details(start_off=["All OK for start"]))
     desk.on_gui(MONO + 0.1, gui(NOW + 0.1))
     assert data(desk)["off"]["start"] == ["All OK for start"] and data(desk)["state"] == []
+
+
+def test_a_robot_that_may_be_moving_comes_before_the_warnings_of_the_box(desk):
+    state = "WARNING: The robot has disappeared\nWARNING: Two robots\nAll OK"
+    warned = details(phase="ended")
+    warned.warnings = ["The core was restarted"]
+    desk.on_details(warned)
+    desk.on_gui(MONO + 0.1, gui(NOW + 0.1, state=state))
+    shown = data(desk)
+    assert (shown["todo"], shown["warnings"]) == ("The robot has disappeared", ["Two robots", "The core was restarted"])
+    assert shown["leaving"].startswith("R did not answer STOP")
+    desk.on_details(details(phase="ended", not_stopped=[]))
+    desk.on_gui(MONO + 0.2, gui(NOW + 0.2, state=state, manual_operation="Move it"))
+    shown = data(desk)
+    assert (shown["todo"], shown["warnings"]) == ("Move it", ["The robot has disappeared", "Two robots"])
+    assert shown["leaving"] == ""
 
 
 def test_the_clock_is_a_document_of_its_own(desk):
@@ -157,6 +175,78 @@ def test_a_message_names_each_document_once(desk):
     keys = desk.keys("en", "Home")
     message = json.loads(desk.message("snapshot", keys, MONO, {}))
     assert set(message["documents"]) == {"page.words", "page.device_words", "page.zones", "page.zone", "page.clock"}
-    assert message["documents"]["page.zones"]["data"] == [{"zone": "Home", "team": "Alpha", "phase": "RUNNING"}]
+    assert message["documents"]["page.zones"]["data"] == [{
+        "zone": "Home", "team": "Alpha", "phase": "RUNNING", "todo": "No message from the robot for 3 s",
+        "is_urgent": True}]
     assert set(json.loads(desk.beat(keys, MONO, {}))["numbers"]) == set(message["documents"])
     assert message["documents"]["page.device_words"]["data"]["stop"] == "■ STOP"
+
+
+def test_stop_needs_three_values_and_no_text(desk):
+    assert data(desk, (STOP, "Home")) == {"all": False, "zones": [
+        {"zone": "Home", "identity": "run 1", "running": True, "by_hand": False, "not_stopped": True}]}
+    assert data(desk, (STOP, ""))["all"] and data(desk, NO_STOP) == {"all": False, "zones": []}
+    desk.on_details(details(stop_off=["The run is over"], not_stopped=[]))
+    assert (data(desk, (STOP, ""))["zones"][0]["running"], data(desk, (STOP, "Home"))["zones"][0]["not_stopped"]) == (
+        False, False)
+
+
+def test_a_zone_that_is_gone_is_shown_no_more(desk):
+    desk.show([("en", "Home"), ("en", "Hall")])
+    hall = data(desk, (STOP, "Hall"))
+    assert data(desk, ("page.zone", "en", "Hall")) is None and hall is None
+    desk.on_details(details(zone="Hall"))
+    assert data(desk, (STOP, "Home")) == {"all": False, "zones": []}
+    assert [one["zone"] for one in data(desk, (STOP, ""))["zones"]] == ["Hall"]
+    desk.on_gui(MONO + 0.1, gui(NOW + 0.1, zone="Hall"))
+    assert data(desk) is None and data(desk, CLOCK) is None
+    assert data(desk, ("page.zone", "en", "Hall"))["zone"] == "Hall"
+    assert [one["zone"] for one in data(desk, ("page.zones", "en"))] == ["Hall"]
+    desk.on_details(details())
+    desk.on_gui(MONO + 0.2, gui(NOW + 0.2))
+    assert data(desk)["zone"] == "Home" and data(desk, (STOP, "Home"))["zones"][0]["running"], "it is there again"
+
+
+@pytest.mark.parametrize(
+    "name, key", [("zone_page", "page.zone"), ("zones_page", "page.zones"), ("clock_page", "page.clock")])
+def test_a_document_that_cannot_be_made_costs_no_other_phone_anything(desk, monkeypatch, caplog, name, key):
+    """In a language whose texts raise, as the German ones of a manual operation once did."""
+    real = getattr(zone_documents, name)
+
+    def make(*what):
+        if zone_documents.sheets.phase("idle") != "NOT CONNECTED":
+            raise TypeError(f"{name}: tr() got multiple values for argument 'text'")
+        return real(*what)
+
+    desk.show([("de", "Home"), ("en", "Home")])
+    monkeypatch.setattr(zone_documents, name, make)
+    for n in range(1, 4):
+        desk.on_details(details(identity=f"run {n}"))
+        desk.on_clocks(clocks(f"run {n}", elapsed=10.0 * n))
+        desk.on_gui(MONO + n, gui(NOW + n, team=f"Team {n}"))
+    documents = {one: data(desk, (one, "de", "Home") if one != "page.zones" else (one, "de"))
+                 for one in ("page.zone", "page.zones", "page.clock")}
+    assert documents.pop(key) is None and None not in documents.values()
+    assert (data(desk)["team"], data(desk, CLOCK)["main"]["text"]) == ("Team 3", "9:27")
+    assert data(desk, (STOP, "Home"))["zones"][0]["identity"] == "run 3"
+    assert len(caplog.records) == 1, "it is logged once"
+    monkeypatch.setattr(zone_documents, name, real)
+    desk.on_gui(MONO + 9.0, gui(NOW + 9.0))
+    assert data(desk, (key, "de", "Home") if key != "page.zones" else (key, "de")) is not None
+
+
+def test_a_stop_document_that_cannot_be_made_costs_nothing_else(desk, monkeypatch):
+    monkeypatch.setattr(zone_documents, "stop_page", lambda zones, has_all: 1 / 0)
+    desk.on_details(details(identity="run 2"))
+    desk.on_gui(MONO + 1.0, gui(NOW + 1.0))
+    assert data(desk, (STOP, "")) is None and data(desk)["identity"] == "run 2"
+
+
+def test_a_language_whose_translation_raises_is_english(desk):
+    def translate(text, n):
+        raise TypeError("tr() got multiple values for argument 'text'")
+
+    desk._store._languages["bad"] = translate
+    desk.show([("bad", "Home"), ("en", "Home")])
+    desk.on_gui(MONO + 1.0, gui(NOW + 1.0, team="Beta", manual_operation="Move the robot"))
+    assert data(desk, ("page.zone", "bad", "Home")) == data(desk)

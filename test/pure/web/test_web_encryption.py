@@ -17,7 +17,7 @@ from helpers.public_messages import NOW, details, event, run
 from roah_rsbb import durable
 from roah_rsbb.rulebook.errors import Place, Report
 from roah_rsbb.tools.competition import certificate as maker
-from roah_rsbb.web import tls
+from roah_rsbb.web import limits
 from roah_rsbb.web.certificate import Certificate, CertificateError, Files
 from roah_rsbb.web.pairing import Grant, Sessions
 from roah_rsbb.web.server import WebServer
@@ -118,9 +118,14 @@ def test_requests_without_encryption_are_sent_to_the_encrypted_page(served):
     assert served.post("/api/v1/pair", {"code": code, "person": "Anna"}).code == 200, "it used no code up"
 
 
+@pytest.fixture
+def few_connections(monkeypatch):
+    """Before `served`: its server has fewer places."""
+    monkeypatch.setattr(limits, "MAX_CONNECTIONS", 10)
+
+
 @pytest.mark.parametrize("data", [b"", b"\x16", b"\x16\x03\x01\x02\x00garbage" * 50, b"GET / HT", b"\xff\xff\xff"])
-def test_connections_that_are_no_browser_s_do_not_delay_others(served, data, monkeypatch):
-    monkeypatch.setattr(tls, "MAX_CONNECTIONS", 10)
+def test_connections_that_are_no_browser_s_do_not_delay_others(few_connections, served, data):
     idle = [socket.create_connection((HOST, served.port)) for _ in range(30)]
     for connection in idle:
         connection.sendall(data)

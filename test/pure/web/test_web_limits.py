@@ -3,7 +3,7 @@
 import pytest
 
 from roah_rsbb.web import limits
-from roah_rsbb.web.limits import MAX_ADDRESSES, Places, Rates, is_own_host
+from roah_rsbb.web.limits import MAX_ADDRESSES, MAX_CONNECTIONS, MAX_KNOWN, Connections, Places, Rates, is_own_host
 
 NAMES = frozenset({"localhost", "box", "box.local", "box.example.org"})
 
@@ -61,3 +61,36 @@ def test_the_address_with_most_viewers_loses_its_oldest():
     places.remove("one")
     places.add("four", "10.0.0.5")
     assert len(places) == 4 and closed == ["greedy 0", "greedy 1"]
+
+
+def test_one_address_that_takes_all_places_loses_its_own():
+    closed = []
+    connections = Connections(closed.append)
+    for n in range(MAX_CONNECTIONS):
+        connections.add(f"attacker {n}", "10.0.0.1")
+    for n in range(6):
+        connections.add(f"browser {n}", "10.0.0.2")
+    assert closed == [f"attacker {n}" for n in range(6)]
+
+
+def test_no_number_of_addresses_takes_the_places_of_paired_devices():
+    closed = []
+    connections = Connections(closed.append)
+    connections.add("first", "10.0.0.1")
+    connections.know("first", "10.0.0.1")
+    for n in range(5 * MAX_CONNECTIONS):
+        connections.add(f"attacker {n}", f"10.1.{n // 250}.{n % 250}")
+        if n == MAX_CONNECTIONS:
+            connections.add("second", "10.0.0.1")
+    assert {"first", "second"} <= set(connections)
+    assert len(closed) == 4 * MAX_CONNECTIONS and len(set(connections)) == MAX_CONNECTIONS + 2
+    connections.remove("second")
+    assert "second" not in set(connections)
+
+
+def test_the_list_of_paired_devices_addresses_is_limited():
+    connections = Connections(lambda connection: None)
+    for n in range(2 * MAX_KNOWN):
+        connections.know(None, str(n))
+        connections.know(None, "10.0.0.1")
+    assert len(connections._known) == MAX_KNOWN and "10.0.0.1" in connections._known

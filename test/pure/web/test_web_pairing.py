@@ -80,8 +80,13 @@ def test_right_codes_are_no_guesses():
     assert guesses(codes, 0.0, ["192.0.2.1"] * 100) == pairing.GUESSES_AT_ONCE
 
 
-def test_guesses_of_all_addresses_are_limited():
-    assert guesses(Codes(), 0.0, [f"192.0.2.{n}" for n in range(200)]) == pairing.ALL_GUESSES_AT_ONCE
+def test_a_code_is_taken_while_a_hundred_addresses_guess():
+    codes = Codes()
+    code = codes.make(0.0, GRANT)
+    for number in range(100):
+        assert guesses(codes, 0.0, [f"192.0.2.{number}"] * 100) == pairing.GUESSES_AT_ONCE
+    codes.check_guess(0.0, "192.0.2.101")
+    assert codes.take(0.0, code) == GRANT
 
 
 # -- sessions ---------------------------------------------------------------------------------------

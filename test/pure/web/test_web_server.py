@@ -12,7 +12,7 @@ from tornado import httpclient, websocket
 
 from helpers.http_clients import BROKEN_REQUESTS, HOST, HttpClients
 from helpers.public_messages import NOW, board, details, event, result, run
-from roah_rsbb.web import events, serving
+from roah_rsbb.web import events, limits, serving
 from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
@@ -283,8 +283,13 @@ def test_one_address_cannot_take_all_places(served):
     assert all(served.read(other, "change") for other in others)
 
 
-def test_silent_connections_do_not_keep_others_out(served, monkeypatch):
-    monkeypatch.setattr(serving, "MAX_CONNECTIONS", 20)
+@pytest.fixture
+def few_connections(monkeypatch):
+    """Before `served`: its server has fewer places."""
+    monkeypatch.setattr(limits, "MAX_CONNECTIONS", 20)
+
+
+def test_silent_connections_do_not_keep_others_out(few_connections, served):
     viewer = served.viewer("?documents=state")
     served.read(viewer)
     idle = [socket.create_connection((HOST, served.port)) for _ in range(100)]
@@ -292,7 +297,7 @@ def test_silent_connections_do_not_keep_others_out(served, monkeypatch):
         connection.setblocking(False)
         connection.send([b"x", b"GET / HT", b"POST / HTTP/1.1\r\nContent-Length: 9\r\n\r\n"][number % 3])
     assert served.get("/").code == 200
-    assert len(served.server._http._waiting) <= 20, "all 100 were accepted before this one"
+    assert len(list(served.server._http._waiting)) <= 20, "all 100 were accepted before this one"
     served.change()
     assert served.read(viewer, "change"), "a reader stays"
     for connection in idle:
@@ -338,3 +343,25 @@ def test_a_port_in_use_is_reported_with_its_remedy(served):
     served.running.turn()
     assert second.open(HOST, served.port) == served.port, "it may be tried again"
     second.close()
+
+
+def test_a_reader_that_fails_misses_a_message_and_the_others_do_not(served, monkeypatch, caplog):
+    first, second = served.viewer("?documents=state"), served.viewer("?documents=state")
+    for viewer in (first, second):
+        served.read(viewer, "snapshot")
+    real, failing = Viewer.next, next(iter(served.server.viewers))._viewer
+
+    def fails(self, mono, made=None):
+        if self is failing:
+            raise TypeError("a text that cannot be rendered")
+        return real(self, mono, made)
+
+    monkeypatch.setattr(Viewer, "next", fails)
+    for _ in range(3):
+        served.change()
+    assert served.read(second, "change")["documents"]["state"]["data"]["runs"]
+    assert served.read(second, "clock"), "the clock comes, too"
+    assert len([one for one in caplog.records if "misses a message" in one.message]) == 1
+    monkeypatch.setattr(Viewer, "next", real)
+    served.change()
+    assert served.read(first, "change")["documents"]["state"]["number"] == served.store.document(("state", "")).number

@@ -2,12 +2,14 @@
 
 import json
 import pathlib
+import socket
 
 import pytest
 
 from helpers.http_clients import HOST, HttpClients
 from helpers.public_messages import NOW, details, event, run
-from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant, Sessions
+from roah_rsbb.web import limits
+from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant, Sessions, TooManyGuesses
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.writing import COOKIE, is_own_origin
@@ -100,6 +102,61 @@ def test_guesses_are_limited_also_of_a_right_code(served):
     codes = [served.send("/api/v1/pair", {"code": "x", "person": "Eve"}).code for _ in range(int(GUESSES_AT_ONCE))]
     assert set(codes) == {403}
     assert served.send("/api/v1/pair", {"code": code, "person": "Eve"}).code == 429
+
+
+def test_a_phone_can_be_paired_while_a_hundred_addresses_guess(served):
+    for n in range(100):
+        for _ in range(int(GUESSES_AT_ONCE) + 1):
+            try:
+                served.server.codes.check_guess(served.server.now(), f"10.0.0.{n}")
+            except TooManyGuesses:
+                break
+    assert served.pair().code == 200
+
+
+@pytest.fixture
+def few_connections(monkeypatch):
+    """Before `served`: its server has fewer places."""
+    monkeypatch.setattr(limits, "MAX_CONNECTIONS", 5)
+
+
+def test_a_paired_phone_stays_connected_and_connects_beside_many_hostile_addresses(few_connections, served):
+    token = served.token()
+    ask = (f"GET /api/v1/session HTTP/1.1\r\nHost: {HOST}\r\nCookie: {COOKIE}={token}\r\n\r\n").encode()
+    hostile = []
+
+    def asked(sock):
+        sock.sendall(ask)
+        sock.setblocking(False)
+        received = []
+
+        def is_answered():
+            try:
+                received.append(sock.recv(65536))
+            except BlockingIOError:
+                return False
+            return True
+
+        served.running.until(is_answered)
+        return b" 200 OK" in received[0]
+
+    phone = socket.create_connection((HOST, served.port))
+    assert asked(phone)
+    for n in range(20):
+        hostile += [socket.create_connection((HOST, served.port), source_address=(address, 0))
+                    for address in ("127.0.9.9", f"127.0.9.{10 + n}")]
+        served.running.turn_once()
+    served.running.turn()
+    assert len(list(served.server._http._waiting)) <= 10
+    assert asked(phone), "its connection stayed open"
+    again = socket.create_connection((HOST, served.port))
+    for n in range(20):
+        hostile.append(socket.create_connection((HOST, served.port), source_address=(f"127.0.8.{10 + n}", 0)))
+        served.running.turn_once()
+    served.running.turn()
+    assert asked(again), "its new connection stayed open, too"
+    for sock in (phone, again, *hostile):
+        sock.close()
 
 
 def test_many_phones_behind_one_address_are_paired_at_once(served):

@@ -23,7 +23,7 @@ def line(zone="A", state="later", identity="", signed=0.0, **fields):
     values = {
         "code": "HNF", "benchmark": "Navigation", "team": "Beta", "round": 1, "run": 1, "schedule": Stamp(DAY0),
         "begins": Stamp(DAY0), "current": state in ("next", "running", "connected", "ended"), "end_reason": "",
-        "score": "", "signed_by": "", **fields,
+        "score": "", "signed_by": "", "counts": "", **fields,
     }
     return types.SimpleNamespace(zone=zone, state=state, identity=identity, signed=Stamp(signed), **values)
 

@@ -10,9 +10,9 @@ from typing import ClassVar
 
 import rospkg
 from support.box_case import BoxCase
-from support.dummy_launch import COMM_IS_READY, comm_node
+from support.dummy_launch import COMM_IS_READY, comm_node, key_file
 from support.programs import Program
-from support.robots import BROADCAST, PASSWORDS, RSBB_PORT, host_of
+from support.robots import BROADCAST, RSBB_PORT, host_of
 
 ROS_TESTS = pathlib.Path(__file__).resolve().parents[1]
 ROOT = ROS_TESTS.parents[1]
@@ -77,7 +77,7 @@ class TestGenerations(BoxCase):
         """The same, by the launch file of the original name."""
         return self._leaving(Program(
             "roslaunch", "roah_rsbb_comm_ros", "test.launch", f"team_name:={TEAM}", "robot_name:=Dummy",
-            f"rsbb_key:={PASSWORDS[TEAM]}", f"rsbb_host:={BROADCAST}", f"rsbb_port:={RSBB_PORT}",
+            f"rsbb_key_file:={key_file(TEAM)}", f"rsbb_host:={BROADCAST}", f"rsbb_port:={RSBB_PORT}",
             f"bind_host:={host_of(TEAM)}", f"generation:={generation}"))
 
     def completes(self, generation: str, comm: Program) -> None:

@@ -3,27 +3,37 @@
 import os
 import pathlib
 import re
+import socket
 import tempfile
+import time
 from typing import Any, Dict, List, Optional
 
 import rospy
+from rosgraph_msgs.msg import Log
 from support.box_case import LISTENER
 from support.box_client import BoxClient, Refusal
-from support.own_core import OTHER, OTHER_CORE, PARAMS, OwnCoreCase
+from support.own_core import OTHER, OTHER_CORE, PARAMS, Core, OwnCoreCase
 from support.programs import Program, own, run
+from support.referee_program import called
 from support.robots import BOX, BROADCAST, RSBB_PORT
 from support.waiting import LIMIT_S, wait_until
 
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError
-from roah_rsbb.msg import CopyState, CoreToPublic, PublicDetails, Superseded
+from roah_rsbb.msg import CopyState, CoreToPublic, PublicDetails, Superseded, Unsaved
 
 ZONE = "Home"
 PORT = RSBB_PORT + 94
 STANDBY = "127.0.0.7"
 DOOR = ("Achievements", "Detects the door whose state has changed")
 COPY = "The copy of the journal"
+NOT_CONFIRMED = "NOT CONFIRMED"
+
+
+def mode_of(path: pathlib.Path) -> int:
+    """Who may do what with a file or folder."""
+    return path.stat().st_mode & 0o777
 
 
 class TestBackup(OwnCoreCase):
@@ -35,15 +45,24 @@ class TestBackup(OwnCoreCase):
         self.log_dir, self.stick = self.folder / "logs", self.folder / "stick"
         self.stick.mkdir()
 
-    def start_with(self, **params: Any) -> None:
-        """Start the core and the node that copies, both with these parameters."""
+    def start_with(self, durable: str = "", **params: Any) -> None:
+        """Start the core and the node that copies, both with these parameters. `durable`: what the schedule says."""
+        self.schedule = self.folder / "schedule.yaml"
+        text = PARAMS["schedule_file"].read_text("utf-8")
+        self.schedule.write_text(text + (f"- durable: {durable}\n" if durable else ""), "utf-8")
         # Parameters stay on the master after a test.
-        params = {"backup_dir": "none", "standby_port": 0, "sync_standby": False, **params}
-        self.start_core(self.log_dir, **params)
+        params = {"backup_dir": "none", "standby_port": 0, **params}
+        self.start_core(self.log_dir, schedule_file=self.schedule, **params)
+        self.start_backup(**params)
+
+    def start_backup(self, **params: Any) -> None:
+        """Start the node that copies."""
         params = {"log_dir": self.log_dir, "bind_host": BOX, "passwords_file": PARAMS["passwords_file"],
                   "rsbb_host": BROADCAST, "rsbb_port": RSBB_PORT, **params}
         self.backup = self._leaving(Program(
             own("roah_rsbb_backup"), *(f"_{name}:={value}" for name, value in params.items())))
+        if params["standby_port"]:
+            self.backup.wait_printed("can be paired on TCP port")
 
     def wait_copied(self, text: str, folder: Optional[pathlib.Path] = None) -> None:
         """Wait until the copy in a folder, the stick if none is given, has an entry."""
@@ -89,18 +108,14 @@ class TestBackup(OwnCoreCase):
 
     def test_a_standby_takes_over(self) -> None:
         far = self.folder / "far"
-        self.start_with(standby_port=PORT, sync_standby=True)
-        self.backup.wait_printed("with the code")
-        code = re.search("with the code ([A-Z0-9-]+)", self.backup.text).group(1)
-        follower = self._leaving(Program(
-            "env", own("standby"), "follow", BOX, "--port", str(PORT), "--code", code, "--log-dir", str(far)))
+        self.start_with("two", standby_port=PORT)
+        follower = self.start_standby(far)
         robot = self.robot("Alpha")
         port = self.box.connect(ZONE)
         self.box.start(ZONE)
         robot.wait_did("execute HGTKMH")
-        self.box.set_score(ZONE, *DOOR, 1)
-        self.wait_copied(DOOR[1], far)
         self.assert_confirmed_with_copy(far)
+        self.wait_copied(DOOR[1], far)
         refused = run(own("standby"), "takeover", "--log-dir", str(far), "bind_host:=127.0.0.99")
         self.assertEqual(refused.returncode, 1)
         self.assertIn(f"The box at {BOX} is heard", refused.stderr)
@@ -116,21 +131,28 @@ class TestBackup(OwnCoreCase):
         self.assertEqual((details.phase, details.port), ("running", port))
         other.wait_scored(ZONE, (*DOOR, 0, 1))
 
-        # When the box continues, it hears its successor, and stops.
-        self.core.proceed()
-        self.assert_superseded()
-        self.assert_not_live()
+        # When the box continues, it asks before it does anything, hears its successor, and ends.
         listener = self.participant(LISTENER)
-        with self.assertRaisesRegex(Refusal, "has taken over"):
-            self.box.set_score(ZONE, *DOOR, 2)
+        wait_until(lambda: STANDBY in {host for _, host in listener.heard}, "the other box sends")
+        listener.heard.clear()
+        clocks, entries = (self.box.gui.clock, self.box.details.clock), self.entries(self.log_dir)
+        self.core.proceed()
+        self.assertEqual(self.core.wait_ended(), 1)
+        self.assertRegex(self.core.text, "was not running for .* The box at .* has taken over meanwhile")
+        self.network.read_all()
+        self.assertNotIn(BOX, {host for _, host in listener.heard}, "it sends nothing to robots")
+        self.assertEqual((self.box.gui.clock, self.box.details.clock), clocks, "and nothing to panels")
+        self.assertEqual(self.entries(self.log_dir), entries, "and records nothing")
         robot.wait_did("execute HGTKMH", 2)  # after 5 s without its first box
         robot.let("execute")
         other.wait_text(ZONE, "Benchmark completed by the robot")
 
         # When it starts again, it does not send anything either.
-        self.core.kill()
         self.start_core(self.log_dir, standby_port=PORT)
         self.assert_superseded()
+        self.assert_not_live()
+        with self.assertRaisesRegex(Refusal, "has taken over"):
+            self.box.set_score(ZONE, *DOOR, 2)
         # A beacon of the other box that is later than that shows that the listener hears boxes.
         clock = other.gui.clock
         heard = len(listener.heard)
@@ -138,18 +160,129 @@ class TestBackup(OwnCoreCase):
                    "the other box is heard")
         self.assertNotIn(BOX, {host for _, host in listener.heard})
 
-    def assert_confirmed_with_copy(self, far: pathlib.Path) -> None:
-        """The standby has each entry when its call returns. On a busy machine, a warning is logged instead."""
-        warning, again = "The standby does not have the referees' last entries yet", "The standby has all entries again"
-        for value in (0, 1, 0, 1):
-            # While an earlier entry is missing, no other warning is logged.
-            wait_until(lambda: self.core.text.count(again) >= self.core.text.count(warning), again)
-            before = self.core.text.count(warning)
+    def start_standby(self, far: pathlib.Path) -> Program:
+        """Pair a standby that keeps its copy in this folder."""
+        return self._leaving(Program(
+            "env", own("standby"), "follow", BOX, "--port", str(PORT), "--code", self.code(), "--log-dir", str(far)))
+
+    def code(self) -> str:
+        """Make a code to pair a standby with, as the organiser does."""
+        shown = run(own("standby"), "code", "--log-dir", str(self.log_dir))
+        self.assertEqual(shown.returncode, 0, shown.stderr)
+        return re.search("The code is ([A-Z0-9-]+)", shown.stdout).group(1)
+
+    def enter(self, value: int) -> str:
+        """Enter a score; returns why it is not confirmed; empty: it is."""
+        try:
             self.box.set_score(ZONE, *DOOR, value)
-            there, here = self.marks(far), self.marks(self.log_dir)
-            self.assertEqual(there, here[:len(there)])
-            if there != here:
-                self.core.wait_printed(warning, before + 1)
+        except Refusal as refused:
+            self.assertIn("not confirmed: ", str(refused))
+            return str(refused)
+        return ""
+
+    def assert_confirmed_with_copy(self, far: pathlib.Path) -> None:
+        """The standby has each entry that was confirmed. A busy machine may not confirm some of them in time."""
+        for value in (0, 1, 0, 1):
+            wait_until(lambda value=value: not self.enter(value), "an entry is confirmed")
+            there = self.marks(far)
+            self.assertTrue(there)
+            self.assertEqual(there, self.marks(self.log_dir))
+
+    def test_two_copies_are_demanded(self) -> None:
+        far, unsaved = self.folder / "far", []
+        self.addCleanup(rospy.Subscriber("/core/unsaved", Unsaved, unsaved.append).unregister)
+        self.start_with("two", standby_port=PORT)
+        line = len(self.schedule.read_text("utf-8").splitlines())
+        robot = self.robot("Alpha")
+        self.box.connect(ZONE)
+        self.box.start(ZONE)
+        robot.wait_did("execute HGTKMH")
+
+        # Without a standby, the mark counts, but is not confirmed. Nothing else waits.
+        self.assertIn(NOT_CONFIRMED, self.wait_warned("no standby is paired yet"))
+        why = self.enter(1)
+        self.assertIn(f"Enter on the box: rosrun roah_rsbb standby code --log-dir {self.log_dir}", why)
+        self.assertIn(f"delete 'durable: two' in {self.schedule}:{line} and reload", why)
+        self.assertIn("It counts, and is saved on this computer: do not enter it again", why)
+        self.box.wait_scored(ZONE, (*DOOR, 0, 1))
+        wait_until(lambda: unsaved and any(run.entries for run in unsaved[-1].runs), "panels mark it")
+
+        # As soon as there is one, all of it is confirmed.
+        follower = self.start_standby(far)
+        self.wait_no_warning(NOT_CONFIRMED)
+        wait_until(lambda: not unsaved[-1].runs, "panels mark nothing any more")
+        self.assertEqual(len(self.marks(far)), 1)
+        self.assert_confirmed_with_copy(far)
+
+        # When it is lost, STOP and the end of the run are as always.
+        follower.close()
+        self.backup.wait_printed("the standby is not connected")
+        wait_until(lambda: self.enter(0), "the loss was seen")
+        self.assertIn("the standby is not connected. It connects by itself: check that it runs", self.enter(1))
+        self.box.command("stop", ZONE)
+        robot.wait_did("stop")
+        self.assertIn("is not connected", self.wait_warned(NOT_CONFIRMED))
+
+        # The organiser continues with one computer.
+        self.schedule.write_text(self.schedule.read_text("utf-8").replace("- durable: two\n", ""), "utf-8")
+        listed = called("reload", "--check")
+        self.assertIn("durable: two, now one", listed.stdout)
+        self.assertEqual(called("reload", "--yes", "--by", "Olga").returncode, 0)
+        self.assertEqual(self.enter(0), "")
+        self.wait_no_warning(NOT_CONFIRMED)
+        wait_until(lambda: not unsaved[-1].runs, "panels mark nothing any more")
+
+    def test_a_standby_is_replaced(self) -> None:
+        """Whoever reads the log or a topic cannot do that, and every referee hears of it."""
+        logged: List[str] = []
+        self.addCleanup(rospy.Subscriber("/rosout", Log, lambda line: logged.append(line.msg)).unregister)
+        self.start_with(standby_port=PORT)
+        first = self.start_standby(self.folder / "far")
+        first.wait_printed("The copy is kept")
+        code = self.code()
+        stranger = self._leaving(Program("env", own("standby"), "follow", BOX, "--port", str(PORT), "--code", code,
+                                         "--log-dir", str(self.folder / "stranger"), f"bind_host:={STANDBY}"))
+        stranger.wait_printed("The copy is kept")
+        self.assertEqual(first.wait_ended(), 1)
+        self.assertIn("this standby is not paired with the box: another one was paired", first.text)
+        name = socket.gethostname()
+        warning = self.wait_warned(f"instead of {name} at {BOX}")
+        self.assertIn(f"The standby is {name} at ", warning)
+        wait_until(lambda: any("instead of" in line for line in logged), "the log has it, too")
+        heard = rospy.wait_for_message("/copies/state", CopyState, LIMIT_S)
+        unused = self.code()
+        self.backup.close()
+        self.start_backup(standby_port=PORT)
+        for text in (*logged, str(heard), self.backup.text, self.core.text):
+            self.assertNotIn(code, text)
+            self.assertNotIn(unused, text)
+
+    def test_others_may_read_neither_journal_nor_copies(self) -> None:
+        """Also if the node that copies is the first one that needs log_dir."""
+        far = self.folder / "far"
+        settings = {"backup_dir": self.stick, "standby_port": PORT}
+        self.start_backup(**settings)
+        self.assertEqual(mode_of(self.log_dir), 0o750)
+        self.start_core(self.log_dir, **settings)
+        self.start_standby(far).wait_printed("The copy is kept")
+        self.wait_no_warning(COPY)
+        self.assertEqual(mode_of(far), 0o750)
+        for folder in (self.log_dir, self.stick, far):
+            journal = folder / FILE_NAME
+            wait_until(lambda journal=journal: journal.is_dir() and list(journal.glob("*.log")), f"{journal} is there")
+            self.assertEqual(mode_of(journal), 0o750)
+            self.assertEqual({mode_of(path) for path in journal.iterdir()}, {0o640})
+            for path in folder.rglob("*"):
+                self.assertFalse(mode_of(path) & 0o007, path)
+
+    def test_two_copies_need_a_standby(self) -> None:
+        self.schedule = self.folder / "schedule.yaml"
+        text = "- durable: two\n" + PARAMS["schedule_file"].read_text("utf-8")
+        self.schedule.write_text(text, "utf-8")
+        core = self._leaving(Core({"schedule_file": self.schedule, "log_dir": self.log_dir, "standby_port": 0}))
+        core.wait_ended()
+        self.assertIn(f"{self.schedule}:1: 'durable: two' needs a standby: start the box with standby_port:=8083, or "
+                      "delete this line", core.text)
 
     def marks(self, folder: pathlib.Path) -> List[Any]:
         """Return the referee's marks in a journal."""
@@ -157,18 +290,63 @@ class TestBackup(OwnCoreCase):
         return [entry.value for run in journal.runs() for entry in journal.entries(run.identity)
                 if entry.kind == kinds.COMMAND and DOOR[1] in str(entry.value)]
 
-    def take_over(self, far: pathlib.Path) -> Dict[str, str]:
-        """Take over with the copy in a folder; returns the arguments with which roslaunch would start the box."""
+    def entries(self, folder: pathlib.Path) -> List[Any]:
+        """Return all entries of runs in a journal."""
+        journal = self.journal(folder)
+        return [entry for run in journal.runs() for entry in journal.entries(run.identity)]
+
+    def test_a_hung_core_is_handed_over(self) -> None:
+        """Nobody starts another core on its computer. The copy is completed before."""
+        far = self.folder / "far"
+        self.start_with(standby_port=PORT)
+        follower = self._leaving(Program(
+            "env", own("standby"), "follow", BOX, "--port", str(PORT), "--code", self.code(), "--log-dir", str(far),
+            f"bind_host:={STANDBY}", PATH=self.path_of_a_roslaunch_that_prints()))
+        robot = self.robot("Alpha")
+        port = self.box.connect(ZONE)
+        self.box.start(ZONE)
+        robot.wait_did("execute HGTKMH")
+        self.box.set_score(ZONE, *DOOR, 1)
+        self.wait_copied(DOOR[1], far)
+        self.box.set_score(ZONE, *DOOR, 0)
+        self.core.stop()
+        stopped, mono = self.core, time.monotonic()
+        follower.wait_printed(f"the core of the box at {BOX} does not answer")
+        follower.wait_printed("its computer hands over: taking over")
+        follower.wait_ended()
+        print(f"handed over after {time.monotonic() - mono:.1f} s")
+        self.assertEqual(stopped.wait_ended(), -9, "it can do nothing any more")
+        other = self.start_other_core(self.arguments_in(follower.text))
+        details = wait_until(lambda: other.zone_details(ZONE), "the other core has the zone")
+        self.assertEqual((details.phase, details.port), ("running", port))
+        other.wait_scored(ZONE, (*DOOR, 0, 0))
+        # This one learns from the journal that it was superseded. It shows the run, but has no channel to its robot.
+        self.start_core(self.log_dir, standby_port=PORT)
+        self.assert_superseded()
+        self.assertEqual(self.box.zone_details(ZONE).port, port)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as channel:
+            channel.bind((BOX, port))
+
+    def path_of_a_roslaunch_that_prints(self) -> str:
+        """Return a PATH with a roslaunch that only prints its arguments."""
         programs = self.folder / "bin"
         programs.mkdir()
         (programs / "roslaunch").write_text("#!/bin/sh\nprintf '%s\\n' \"$@\"\n")
         (programs / "roslaunch").chmod(0o755)
+        return f"{programs}:{os.environ['PATH']}"
+
+    def arguments_in(self, text: str) -> Dict[str, str]:
+        """Return the arguments with which roslaunch would start the box that took over."""
+        self.assertIn("Epoch 2", text)
+        words = text.splitlines()
+        return dict(word.split(":=") for word in words[words.index("roah_rsbb.launch") + 1:] if ":=" in word)
+
+    def take_over(self, far: pathlib.Path) -> Dict[str, str]:
+        """Take over with the copy in a folder; returns the arguments with which roslaunch would start the box."""
         done = run(own("standby"), "takeover", "--anyway", "--log-dir", str(far), f"bind_host:={STANDBY}",
-                   PATH=f"{programs}:{os.environ['PATH']}")
+                   PATH=self.path_of_a_roslaunch_that_prints())
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("Epoch 2", done.stdout)
-        words = done.stdout.splitlines()
-        return dict(word.split(":=") for word in words[words.index("roah_rsbb.launch") + 1:])
+        return self.arguments_in(done.stdout)
 
     def start_other_core(self, params: Dict[str, str]) -> BoxClient:
         """Start the core of another computer."""

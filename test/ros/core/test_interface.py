@@ -53,9 +53,12 @@ SERVICES = {
 ZONE_COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next", "manual_operation_complete",
                  "omf_switches/complete")
 # Those of this package, for rules that the original does not know.
-OWN_COMMANDS = ("pause", "resume", "next_phase", "previous_phase", "open_sheet", "no_show", "withdrawn")
+OWN_COMMANDS = ("pause", "resume", "next_phase", "previous_phase")
+# … and that hit one team, which they name.
+TEAM_COMMANDS = ("open_sheet", "no_show", "withdrawn")
 CORE_SERVICES = {
     **{f"/core/{command}": "roah_rsbb/Zone" for command in (*ZONE_COMMANDS, *OWN_COMMANDS)},
+    **{f"/core/{command}": "roah_rsbb/ZoneOfTeam" for command in TEAM_COMMANDS},
     "/core/set_score": "roah_rsbb/ZoneScore",
     "/core/omf_switches/damaged": "roah_rsbb/ZoneUInt8",
     "/core/omf_switches/button": "roah_rsbb/ZoneUInt8",
@@ -121,6 +124,18 @@ class TestTopics(BoxCase):
         self.assertLess(intervals[len(intervals) // 4], 0.2)
         self.assertGreater(len(clocks), 2 * len(publics))
 
+    def test_details_follow_the_clock_that_somebody_asked_for(self) -> None:
+        """They are of the next tick, as the panels' message is; otherwise they would come with every tenth one."""
+        clocks = {CoreToGui: [], CoreDetails: []}
+        for topic, kind in (("/core/to_gui", CoreToGui), ("/core/details", CoreDetails)):
+            hear = rospy.Subscriber(topic, kind, lambda m, kind=kind: (clocks[kind].append(m.clock), happened()))
+            self.addCleanup(hear.unregister)
+        for _ in range(5):
+            asked = self.box.call("clock", srv.GetClock).clock
+            wait_until(lambda asked=asked: all(seen and seen[-1] > asked for seen in clocks.values()), "both come")
+            gui, details = (min(one for one in seen if one > asked) for seen in clocks.values())
+            self.assertLessEqual(details, gui)
+
 
 class TestSchedule(BoxCase):
     ZONE = "Functionality Benchmarks"
@@ -137,7 +152,7 @@ class TestSchedule(BoxCase):
 
     def choose(self, event: msg.ScheduleEvent, **other: object) -> None:
         fields = {name: getattr(event, name) for name in ("zone", "code", "team", "round", "run", "schedule")}
-        self.box.call("choose_event", srv.ChooseEvent, *{**fields, **other}.values(), False)
+        self.box.call("choose_event", srv.ChooseEvent, *{**fields, **other}.values(), False, "")
 
     def test_an_event_is_chosen(self) -> None:
         schedule = self.heard[-1]
@@ -185,8 +200,9 @@ class TestServices(BoxCase):
 
     def test_an_unknown_zone_is_named_with_the_nearest_known(self) -> None:
         for name, kind in CORE_SERVICES.items():
-            kind = {"roah_rsbb/Zone": srv.Zone, "roah_rsbb/ZoneScore": srv.ZoneScore}.get(kind, srv.ZoneUInt8)
-            rest = {srv.Zone: (), srv.ZoneScore: (Score("g", "d", 1),), srv.ZoneUInt8: (1,)}[kind]
+            kind = getattr(srv, kind.split("/")[1])
+            rest = {srv.Zone: (), srv.ZoneScore: (Score("g", "d", 1),), srv.ZoneUInt8: (1,),
+                    srv.ZoneOfTeam: ("TestingTeam", "")}[kind]
             for zone, why in (("Task Benchmark", "no zone 'Task Benchmark': did you mean 'Task Benchmarks'?"),
                               ("", "no zone '': there is 'Testing TestingTeam', 'Task Benchmarks', "
                                    "'Functionality Benchmarks'")):

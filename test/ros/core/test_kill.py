@@ -5,18 +5,18 @@ import itertools
 import os
 import pathlib
 import random
-import sys
 import tempfile
 import threading
 import unittest
 from typing import List
 
 import rospy
-from std_srvs.srv import Empty
 from support.box_client import BoxClient, Refusal
-from support.own_core import OwnCoreCase
+from support.own_core import Core, OwnCoreCase
 from support.robots import CONFIG, Robot
 from support.waiting import wait_until
+
+from roah_rsbb.journal.file import FILE_NAME
 
 GROUP, OBJECTS = ITEM = ("Achievements", "Objects")
 STATES = ["STOP", "PREPARE", "WAITING_RESULT", "STOP"]
@@ -88,7 +88,7 @@ class TestKilledOnce(KillCase):
         self.assertEqual([box.zone_details(zone).port for zone in ("Home", "Kitchen")], ports[:2])
         for zone, end in zip(("Home", "Kitchen"), ends):
             box.wait_phase(zone, "running")
-            box.wait_details(zone, lambda d: any("was restarted" in text for text in d.warnings), "it is marked")
+            box.wait_zone(zone, lambda z: ": the run continues" in z.log, "it is marked")
             self.assertLess(abs(self.ends(zone) - end), 1.0)
         box.wait_details("Door", lambda d: (d.phase, d.end_reason) == ("ended", "timeout"), "HWV ended by timeout")
         gamma.wait_did("stop")
@@ -111,23 +111,25 @@ class TestKilledOnce(KillCase):
         self.assertEqual(box.timeouts, 1)
 
     def test_a_core_that_hangs(self) -> None:
-        self.start(sys.executable)  # not forked: a core is recognised by its command line
+        """The next one waits for its end, says how to end it, and continues its run."""
+        self.start()
         alpha = self.robot("Alpha")
         port = self.begin("Home", alpha, "HGTKMH")
-        hung = self.core
+        hung, before = self.core, self.box.details.box_uuid
         self.addCleanup(hung.kill)
         hung.stop()
-        self.start()
-        self.assertIn("which is stopped", self.wait_warned("Another core (process "))
-        self.assertEqual(self.box.zone_details("Home").phase, "idle", "it does not know the run")
-        # On a busy machine, the core may end before its answer is sent.
-        with contextlib.suppress(rospy.ServiceException):
-            rospy.ServiceProxy("/core/end_other_core", Empty)()
-        hung.wait_ended()
-        self.core.wait_ended()
-        self.start()
+        waiting = self._leaving(Core({**BENCHMARKS, "schedule_file": CONFIG / "kill.yaml", "log_dir": self.log_dir}))
+        wait_until(lambda: f"in use by process {hung.pid}, which is stopped" in waiting.text
+                   and f"kill -9 {hung.pid}" in waiting.text, lambda: f"it waits; it printed\n{waiting.text}")
+        self.assertEqual(self.box.details.box_uuid, before, "it does not speak yet")
+        hung.kill()
+        self.box.wait_other_core(before, lambda: f"a core is heard; it printed\n{waiting.text}")
+        self.box.wait_phase("Home", "running")
         self.assertEqual(self.box.zone_details("Home").port, port, "the run continues")
-        self.wait_no_warning("Another core")
+        folders = [path.name for path in self.log_dir.iterdir() if path.is_dir()]
+        self.assertEqual(folders, [FILE_NAME], "in the same journal")
+        alpha.let("execute")
+        self.box.wait_text("Home", "Benchmark completed by the robot")
 
     def lines(self, zone: str) -> List[str]:
         """A zone's online data."""

@@ -77,6 +77,8 @@ class TestReload(OwnCoreCase):
         done = called("reload", "--yes", "--by", "Olga")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(done.stdout.splitlines()[-1], "The changes are in force")
+        schedule = self.text("schedule")
+        self.assertEqual(schedule.count("{ id: "), schedule.count("scheduled_time: "), "each event has an id now")
         self.assertIn("The files contain what is in force", called("reload").stdout)
 
         # The late team takes part. The run in progress keeps its time.
@@ -86,6 +88,15 @@ class TestReload(OwnCoreCase):
         self.box.start("Door")
         late.wait_did("execute HWV")
         self.box.command("stop", "Door")
+
+        # Another benchmark at an event that had a run: the organiser is warned before it is applied.
+        self.edit("schedule", "benchmark: HWV,    team: Gamma", "benchmark: HGTKMH, team: Gamma")
+        listed = called("reload", "--check").stdout.splitlines()
+        self.assertIn("zone 'Door': HWV of Gamma, round 1, run 1, 2015-12-31 09:00:00 UTC: now HGTKMH of Gamma, "
+                      "round 1, run 1", listed)
+        warning, = (line for line in listed if "is no attempt at this event" in line)
+        self.assertTrue(warning.startswith("warning: zone 'Door': HWV of Gamma, round 1, run 1 is HGTKMH"), warning)
+        self.edit("schedule", "benchmark: HGTKMH, team: Gamma", "benchmark: HWV,    team: Gamma")
         self.assertGreater(self.box.zone("Home").timer.to_sec(), 400.0)
 
         # A core that is killed continues with all of it, although an editor has left a file with errors.

@@ -28,7 +28,7 @@ class TestRestart(BoxCase):
         listener.heard.clear()
 
         self.box.wait_text("Home", "no explicit goal")
-        self.box.wait_text("Home", "The core was restarted")
+        self.box.wait_zone("Home", lambda z: ": the run continues" in z.log, "it is marked")
         details = self.box.zone_details("Home")
         self.assertEqual((details.phase, details.port), ("running", port))
         self.box.wait_scored("Home", (*DOOR, 0, 1))

@@ -231,7 +231,7 @@ class TestPasswords(BoxCase):
         places.update(_files(pathlib.Path(os.environ["ROS_LOG_DIR"])))
         places.update(_processes())
         self.assertTrue(any(b"roah_rsbb_core" in data for place, data in places.items() if "process" in place))
-        self.assertTrue(any(b"all is well" in data for place, data in places.items() if ".sqlite3" in place))
+        self.assertTrue(any(b"all is well" in data for place, data in places.items() if "/journal-" in place))
         for password in PASSWORDS.values():
             for place, data in places.items():
                 self.assertNotIn(password.encode(), data, place)

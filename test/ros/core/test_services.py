@@ -5,6 +5,7 @@ import unittest
 import rospy
 
 from roah_rsbb.core.clock import Now
+from roah_rsbb.core.copies import unconfirmed
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.desk import MarkOutcome
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord
@@ -45,6 +46,8 @@ class _Part:
         def event(*arguments):
             if self._box.refuses:
                 raise Refused(["no such run"] if method == "record_of" else ["first reason", "second reason"])
+            if method == "why":
+                return None
             if method == "outcome":
                 return MarkOutcome(4, ItemRecord("G", "d", "decimal", 2, text="2.5"))
             self._box.happened.append((self._name + method, *arguments))
@@ -65,39 +68,48 @@ class _Box:
         self.modules = _Part(self, "modules.")
 
 
-class _Loop:
-    """Like RosLoop, but runs everything in the calling thread."""
+class _Services:
+    """Like LoopServices, but carries everything out in the threads of rospy."""
 
     def __init__(self) -> None:
         self.inside = False
 
-    def call(self, function):
-        self.inside = True
-        try:
-            return function()
-        finally:
-            self.inside = False
+    def add(self, name, kind, handle, wait=None, is_urgent=False):
+        def answer(request):
+            self.inside = True
+            try:
+                result = handle(request)
+            finally:
+                self.inside = False
+            return wait(result) if wait else result
+
+        rospy.Service(name, kind, answer)
 
 
 class TestServices(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
-        cls.box, cls.loop = _Box(), _Loop()
+        cls.box, cls.services = _Box(), _Services()
 
         def why_not_saved(ticket):
             assert ticket == TICKET
-            cls.box.happened.append("blocks the loop" if cls.loop.inside else "on disk")
+            cls.box.happened.append("blocks the loop" if cls.services.inside else "on disk")
             return cls.disk_trouble
 
         class Answer:
             """A question to the standby."""
 
             def result(self, _limit_s):
-                cls.box.happened.append("blocks the loop" if cls.loop.inside else "on the standby")
+                cls.box.happened.append("blocks the loop" if cls.services.inside else "on the standby")
+                return cls.standby_trouble
 
-        cls.disk_trouble, cls.waits = "", False
-        CoreServices(cls.box, cls.loop, lambda method, *arguments: method(NOW, *arguments), lambda: TICKET,
-                     why_not_saved, lambda: Answer() if cls.waits else None)
+        def ask_standby(ticket):
+            assert ticket == TICKET
+            return Answer() if cls.waits else None
+
+        cls.disk_trouble, cls.standby_trouble, cls.waits = "", "", False
+        CoreServices(cls.box, cls.services, lambda method, *arguments: method(NOW, *arguments), lambda: TICKET,
+                     why_not_saved, ask_standby, lambda: cls.box.happened.append("renewed"))
 
     def setUp(self) -> None:
         self.node = rospy.get_name()
@@ -199,9 +211,20 @@ class TestServices(unittest.TestCase):
         with self.assertRaisesRegex(rospy.ServiceException, "not saved: the disk is full. It counts"):
             self.call("sign_off", SignOff, *RUN, "Anna")
 
+    def test_a_score_that_the_standby_does_not_have_is_not_confirmed(self) -> None:
+        type(self).standby_trouble, type(self).waits = unconfirmed("no standby"), True
+        self.addCleanup(setattr, type(self), "standby_trouble", "")
+        self.addCleanup(setattr, type(self), "waits", False)
+        with self.assertRaisesRegex(rospy.ServiceException, "not confirmed: no standby. It counts, and is saved on"):
+            self.call("sign_off", SignOff, *RUN, "Anna")
+        self.box.happened = []
+        self.call("stop", Zone, "Home")
+        self.assertEqual(len(self.box.happened), 1)
+
     def test_the_clock_is_that_of_the_loop(self) -> None:
         rospy.wait_for_service("/core/clock", 30)
         self.assertEqual(rospy.ServiceProxy("/core/clock", GetClock)().clock.to_sec(), NOW.utc)
+        self.assertEqual(self.box.happened, ["renewed"], "whoever asks waits for newer messages")
 
     def test_the_sheet_of_a_run(self) -> None:
         rospy.wait_for_service("/core/run_sheet", 30)

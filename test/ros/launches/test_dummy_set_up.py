@@ -128,8 +128,9 @@ class TestThatCannotBe(NetworkCase):
         node.wait_printed("A dummy robot of team", times=teams)
 
     def test_wrong_parameters(self) -> None:
-        self.assert_ended(self.node(60, robots=0, passwords_file=""),
+        self.assert_ended(self.node(60, robots=0, execute_duration=-1, passwords_file=""),
                           "parameter /dummies_60/robots: found 0, expected a whole number from 1 to 200",
+                          "parameter /dummies_60/execute_duration: found -1",
                           "parameter /dummies_60/passwords_file: found nothing, expected a path")
 
     def test_files_with_errors(self) -> None:

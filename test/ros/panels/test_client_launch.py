@@ -7,7 +7,7 @@ import sys
 import tempfile
 import unittest
 import xmlrpc.client
-from typing import List
+from typing import List, Tuple
 
 import rosgraph
 import rosnode
@@ -16,6 +16,8 @@ from std_srvs.srv import Empty
 from support.fakes.core import FakeCore
 from support.gui_testing import wait_until
 from support.programs import Program, own
+from support.real_input import close_all_windows
+from support.robots import RSBB_PORT
 from support.waiting import LIMIT_S
 
 from roah_rsbb.rqt.app import standalone
@@ -122,3 +124,69 @@ class TestPrograms(unittest.TestCase):
         self.assertEqual(gui.wait_ended(), 0)
         self.assertEqual(len(gui.lines), 1, gui.text)
         self.assertIn("No display", gui.text)
+
+
+class TestEnds(unittest.TestCase):
+    """Our window, alone and as a launch file starts it, ends whatever its master does."""
+
+    WINDOW, CLIENT = ("roah_rsbb_window",), ("roah_rsbb_gui", "--gui", "window")
+
+    def setUp(self) -> None:
+        port = str(RSBB_PORT + 50)
+        self.uri = f"http://{os.environ.get('ROS_IP', '127.0.0.1')}:{port}"
+        self.master = Program("rosmaster", "--core", "-p", port, ROS_MASTER_URI=self.uri)
+        self.addCleanup(self.master.close)
+        self.addCleanup(self.master.kill)  # it may be stopped
+        wait_until(lambda: rosgraph.is_master_online(self.uri), "the master answers")
+
+    def listeners(self) -> List[str]:
+        """The nodes at that master that listen to the core."""
+        return dict(rosgraph.Master("/t", self.uri).getSystemState()[1]).get("/core/to_gui", [])
+
+    def open(self, *programs: Tuple[str, ...]) -> List[Program]:
+        opened = []
+        for program, *arguments in programs:
+            opened.append(Program(own(program), *arguments, ROS_MASTER_URI=self.uri))
+            self.addCleanup(opened[-1].close)
+        wait_until(lambda: len(self.listeners()) == len(opened), lambda: f"{programs} listen to the core")
+        return opened
+
+    def assert_ends(self, program: Program) -> None:
+        self.assertEqual(program.wait_ended(), 0, program.text)
+        self.assertNotIn("Traceback", program.text)
+
+    def close_and_assert_end(self, program: Program) -> None:
+        """Close the only window that is open, once it is."""
+        wait_until(lambda: close_all_windows() or program.ended_mono, lambda: f"it is closed: {program.text}")
+        self.assert_ends(program)
+
+    def test_it_leaves_a_master_that_answers(self) -> None:
+        terminated, interrupted, closed = self.open(self.WINDOW, self.CLIENT, self.WINDOW)
+        terminated.signal(signal.SIGTERM)
+        interrupted.signal(signal.SIGINT)
+        self.assert_ends(terminated)
+        self.assert_ends(interrupted)
+        self.close_and_assert_end(closed)
+        self.assertEqual(self.listeners(), [])
+
+    def test_it_does_not_wait_for_a_master_that_hangs(self) -> None:
+        terminated, interrupted, closed = self.open(self.CLIENT, self.WINDOW, self.WINDOW)
+        starting = Program(own("roah_rsbb_window"), "__name:=starting", ROS_MASTER_URI=self.uri)
+        self.addCleanup(starting.close)
+        self.master.signal(signal.SIGSTOP)
+        terminated.signal(signal.SIGTERM)
+        interrupted.signal(signal.SIGINT)
+        self.assert_ends(terminated)
+        self.assert_ends(interrupted)
+        self.close_and_assert_end(closed)
+        starting.signal(signal.SIGTERM)
+        starting.wait_ended()
+
+    def test_it_does_not_wait_for_a_master_that_is_gone(self) -> None:
+        terminated, interrupted, closed = self.open(self.CLIENT, self.WINDOW, self.WINDOW)
+        self.master.kill()
+        terminated.signal(signal.SIGTERM)
+        interrupted.signal(signal.SIGINT)
+        self.assert_ends(terminated)
+        self.assert_ends(interrupted)
+        self.close_and_assert_end(closed)

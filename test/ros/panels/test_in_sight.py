@@ -78,9 +78,9 @@ class TestInSight(_AtAllSizes):
         parts.update({f"buttons of {name}": row.menu_button for name, row in parts.items()})
         parts.update({f"undo {number}": button for number, button in enumerate(self.scoring.undo.buttons)})
         parts.update({f"command {name}": button for name, button in self.control.buttons.items()})
-        overview = self.panel("OverviewPanel")
+        overview, strip = self.panel("OverviewPanel"), self.window.strip
         self.assert_in_sight(
-            size, stop_all=overview.stop, running=overview.head, phase=self.control._phase,
+            size, stop=strip.stop, stop_all=strip.stop_all, running=overview.head, phase=self.control._phase,
             run_time=self.control.times.main, goal_time=self.control.times.goal, reason=self.control.reason,
             zone=self.control._zones, referee=self.scoring.referee, answer=self.scoring._answer,
             history=self.scoring.history, **parts)
@@ -94,7 +94,7 @@ class TestInSight(_AtAllSizes):
     def disqualifying_items_do_not_scroll_away(self) -> None:
         click(self.panel("OverviewPanel").toggle)
         wait_until(lambda: not self.panel("OverviewPanel").is_collapsed, "the overview is back")
-        self.window.resize(1366 // SCALE, 700 // SCALE)
+        self.window.resize(1366, 700)
         self.wait_quiet()
         area = self.scoring.sheet.findChild(QScrollArea)
         bar = area.verticalScrollBar()
@@ -151,9 +151,9 @@ class TestFunctionalityInSight(_AtAllSizes):
             parts = {f"item {row.text.text()}": row for row in self.scoring.rows.values()}
             parts.update({f"buttons of {name}": row.menu_button for name, row in parts.items()})
             parts.update({f"command {name}": button for name, button in self.control.buttons.items()})
-            overview = self.panel("OverviewPanel")
+            overview, strip = self.panel("OverviewPanel"), self.window.strip
             self.assert_in_sight(
-                size, stop_all=overview.stop, running=overview.head, phase=self.control._phase,
+                size, stop=strip.stop, stop_all=strip.stop_all, running=overview.head, phase=self.control._phase,
                 run_time=self.control.times.main, goal_time=self.control.times.goal, reason=self.control.reason,
                 history=self.scoring.history, scores=scores.verticalScrollBar(), **parts)
             self.assertEqual(len(self.scoring.rows), 3)
@@ -162,7 +162,8 @@ class TestFunctionalityInSight(_AtAllSizes):
             self.assertGreaterEqual(between, basic.em(), "the two times are not read as one")
             self.assertEqual(scores.verticalScrollBar().value(), 0)
             wait_until(lambda: scores.viewport().height() >= self.height_of_the_whole_run(scores),
-                       lambda size=size: f"at {size}, the values of the whole run are in sight")
+                       lambda size=size: f"at {size}, the values of the whole run are in sight: "
+                       f"{scores.viewport().height()} of {self.height_of_the_whole_run(scores)}")
 
     @staticmethod
     def height_of_the_whole_run(scores) -> int:

@@ -413,7 +413,7 @@ class TestScreens(DisplayCase):
     def setUp(self) -> None:
         super().setUp()
         self.choice = ScreenChoice(self.display, 0)
-        self.addCleanup(self.choice.close)
+        self.addCleanup(self.choice._service.shutdown, "the test is over")
         self.service = rospy.ServiceProxy(f"{rospy.get_namespace()}screen", UInt8)
 
     def wait_on(self, number: int, size: tuple) -> None:

@@ -164,7 +164,7 @@ class TestStopReason(WordsCase):
         line, identity = self.panel.reason, self.zone.identity
         wait_until(lambda: "RUNNING" in self.panel._phase.text(), "the run is shown")
         self.assertFalse(line.isEnabled())
-        click(self.panel.buttons["stop"])
+        click(self.strip.stop)
         wait_until(line.isEnabled, "a reason may be typed")
         QTest.keyClicks(line, "fire alarm")
         QTest.keyClick(line, Qt.Key_Return)
@@ -257,7 +257,7 @@ class TestResults(WordsCase):
         wait_until(lambda: len(self.panel.runs.texts()) == 2, "both runs of the zone are shown")
         now, over = self.panel.runs.texts()
         self.assertEqual((*now[:4], now[5]), ("now", "AnotherTeam", "HWV, round 1, run 2", "connected", "open"))
-        self.assertEqual(over[1:], ("TestingTeam", "HGTKMH, round 1, run 1", "stopped",
+        self.assertEqual(over[1:], ("TestingTeam", "HGTKMH, round 1, run 1", "stopped, counts",
                                     "Achievements 1 · Penalized behaviours 0 · Disqualifying behaviours 0",
                                     "not signed off"))
         self.assertEqual(self.panel.runs.chosen, self.identity, "the choice stays with its run")

@@ -15,7 +15,10 @@ STOP_HOME_A = ("stop_run", "Home A")
 
 class TestStop(WindowCase):
     def click_stop(self) -> None:
-        click_on(self.control.buttons["stop"])
+        click_on(self.window.strip.stop)
+
+    def wait_stopped(self) -> None:
+        wait_until(lambda: "Home A: the robot has stopped" in self.window.strip.way.whole, "the robot has stopped")
 
     def test_the_mouse_reaches_stop_while_a_question_is_open(self) -> None:
         self.run_zone()
@@ -35,7 +38,7 @@ class TestStop(WindowCase):
         self.assertEqual(self.core.calls, [])
         press_key("Escape")
         self.wait_call(*STOP_HOME_A)
-        self.wait_prompt("Stop Home A: done")
+        self.wait_stopped()
 
     def test_esc_twice_stops_with_a_menu_open(self) -> None:
         self.run_zone()
@@ -82,10 +85,10 @@ class TestStop(WindowCase):
             press_key("Escape")
         self.wait_call(*STOP_HOME_A)
         wait_until(lambda: self.client.model.running_zones() == [], "the run has ended")
-        self.wait_prompt("Stop Home A: done")
+        self.wait_stopped()
         for _ in range(4):
             press_key("Escape")
-        self.wait_prompt("Nothing is running in Home A")
+        self.wait_prompt("No zone is running")
         self.assertEqual(self.core.calls, [STOP_HOME_A])
         self.assertEqual(self.zone.phase, "ended")
 

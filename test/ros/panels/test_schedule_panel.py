@@ -94,10 +94,12 @@ class TestSchedule(PanelCase):
         self.click_row("Home A", 1)
         wait_until(lambda: "Stop it first" in self.panel.choose.toolTip(), "a running run stays")
         self.assertFalse(self.panel.choose.isEnabled())
+        self.zone.not_stopped = ["mbot"]
         self.zone.command("stop")
         self.choose()
         box = question()
         self.assertIn(f"Leave {EVENTS[0][0]}", box.text())
+        self.assertTrue(box.informativeText().startswith("mbot did not answer STOP. After the disconnect"))
         self.answer(box, QMessageBox.RejectRole)
         self.assertEqual(self.calls(), [])
         self.choose()

@@ -88,23 +88,46 @@ class TestCommands(WithCore):
         self.assertEqual(json.loads(self.called("status", "home b", "--json").stdout)["zone"], "Home B")
 
     def test_each_command_reaches_its_zone(self) -> None:
-        for command, phase in (("connect", "CONNECTED"), ("start", "RUNNING"), ("stop", "ENDED: stopped"),
+        for command, phase in (("connect", "CONNECTED"), ("start", "RUNNING"), ("stop", "the robot has stopped"),
                                ("disconnect", "NOT CONNECTED"), ("next", "HWV"), ("previous", "HGTKMH")):
             done = self.called(command, "home a")
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             self.assertIn(phase, done.stdout)
-        self.assertEqual(self.core.calls, [(command, "Home A") for command in
-                                           ("connect", "start", "stop", "disconnect", "next", "previous")])
+        calls = [call for call in self.core.calls if call != ("stop_run", "home a")]  # tried before the zones are known
+        self.assertEqual(calls, [(command, "Home A") for command in
+                                 ("connect", "start", "stop_run", "disconnect", "next", "previous")])
+
+    def test_a_run_whose_robot_does_not_stop_is_left_only_on_purpose(self) -> None:
+        zone = self.core.zones["Home A"]
+        for leave in (("disconnect", "home a"), ("choose", "home a", "2", "--unsigned"),
+                      ("withdrawn", "home a", "TestingTeam")):
+            with self.subTest(leave=leave):
+                zone.command("connect", "start")
+                self.core.deaf = True
+                zone.command("stop")
+                done = self.called(*leave)
+                self.assertEqual((done.returncode, zone.phase), (1, "ended"))
+                self.assertIn("mbot of team TestingTeam did not answer STOP. After the disconnect the box does not "
+                              "repeat it: stop by hand first. Then give --yes", done.stderr)
+                self.assertEqual(self.called(*leave, "--yes").returncode, 0)
+                self.assertEqual(zone.phase, "idle")
+                self.core.deaf = False
+                self.core.box.zones["Home A"].move(-zone.index)
 
     def test_a_run_without_a_robot_and_a_team_that_does_not_appear(self) -> None:
-        for command, shown in (("open-sheet", "Without a robot"), ("start", "RUNNING"), ("stop", "ENDED: stopped"),
-                               ("withdrawn", "NOT CONNECTED"), ("no-show", "NOT CONNECTED")):
-            done = self.called(command, "home a")
+        for command, shown in (("open-sheet", "Without a robot"), ("start", "RUNNING"),
+                               ("stop", "the clock is stopped"), ("withdrawn", "NOT CONNECTED"),
+                               ("no-show", "NOT CONNECTED")):
+            teams = [self.core.box.zones["Home A"].event.team] if command in ("withdrawn", "no-show") else []
+            done = self.called(command, "home a", *teams)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             self.assertIn(shown, done.stdout)
         ends = [record.end_reason for record in self.core.box.finished.records()]
         self.assertEqual(ends, ["no_show", "withdrawn"])
-        self.assertIn("no-show", self.called("runs", "home a").stdout)
+        self.assertIn("no-show, no score", self.called("runs", "home a").stdout)
+        refused = referee("withdrawn", "home a", "Nobody")
+        self.assertEqual((refused.returncode, refused.stderr.count("not of team Nobody: choose the event")), (1, 1))
+        self.assertEqual(self.called("withdrawn", "home a").returncode, 2)
         refused = referee("pause", "home a")
         self.assertEqual((refused.returncode, refused.stderr), (
             1, "referee: pause was refused:\n  The rules of this benchmark do not allow a pause\n"))

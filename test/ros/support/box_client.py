@@ -7,9 +7,10 @@ from typing import Any, Callable, ClassVar, List, Optional, TypeVar
 import rospy
 from std_msgs.msg import Empty
 
+from roah_rsbb.core.commands import OF_TEAM
 from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, Score, ZoneDetails, ZoneState
 from roah_rsbb.ros import refusals
-from roah_rsbb.srv import Zone, ZoneScore
+from roah_rsbb.srv import Zone, ZoneOfTeam, ZoneScore
 from support.connections import wait_sends
 from support.waiting import LIMIT_S, happened, wait_until
 
@@ -19,11 +20,16 @@ CORE = "/roah_rsbb_core"
 
 # Reasons that pass by themselves. Robots and modules of a test fall silent, or their datagrams are late, when its
 # process stops for a few seconds.
-PASSING = re.compile("No message from the robot|Clock skew of|is active: none of its beacons|module not connected")
+PASSING = re.compile("No message from the robot|The robot has disappeared|Clock skew of|is active: none of its beacons"
+                     "|module not connected")
 
 
 class Refusal(Exception):
     """A service call failed; the text is the core's own."""
+
+
+class NoAnswer(AssertionError):
+    """The core was killed during a call, or hangs."""
 
 
 class BoxClient:
@@ -133,20 +139,25 @@ class BoxClient:
     # -- commands -----------------------------------------------------------------------------------
 
     def call(self, service: str, kind: type, *request: object) -> Any:
-        """Call /core/SERVICE and return its answer; raises `Refusal`."""
+        """Call /core/SERVICE and return its answer; raises `Refusal` or `NoAnswer`."""
         name = f"{self._prefix}/core/{service}"
         rospy.wait_for_service(name, LIMIT_S)
         try:
             return rospy.ServiceProxy(name, kind)(*request)
         except rospy.ServiceException as error:
-            assert refusals.was_answered(str(error)), f"{name} did not answer: {error}"
+            if not refusals.was_answered(str(error)):
+                raise NoAnswer(f"{name} did not answer: {error}") from None
             raise Refusal(refusals.reason(str(error))) from None
         finally:
             BoxClient._commanded = time.time()
 
     def command(self, command: str, zone: str) -> None:
-        """Give a command to a zone; raises `Refusal`."""
-        self.call(command, Zone, zone)
+        """Give a command to a zone; raises `Refusal`. Those that hit a team name the one that is shown."""
+        if command in OF_TEAM:
+            self.wait_current()
+            self.call(command, ZoneOfTeam, zone, self.last_zone(zone).team, self.last_details(zone).event)
+        else:
+            self.call(command, Zone, zone)
 
     def set_score(self, zone: str, group: str, desc: str, value: int) -> None:
         """Mark a scoring item; raises `Refusal`."""

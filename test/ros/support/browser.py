@@ -29,14 +29,15 @@ IS_ALL = os.environ.get("ROAH_TEST_ALL") == "yes"
 _AXE = pathlib.Path(__file__).resolve().parents[2] / "data" / "axe" / "axe.min.js"
 _MAX_ANSWER_BYTES = 64 * 1024 * 1024
 # Sets window.tapped when the next touch ends: whether an element was clicked. Nothing else is: the page may move the
-# element away between the look at its place and the touch.
+# element away between the look at its place and the touch, or change its meaning, and then it ignores the touch.
 _NOTE_TAP = """element => {
   window.tapped = null;
   window.taps?.abort();
   window.taps = new AbortController();
   for (const kind of ["pointerup", "pointercancel", "click"]) {
     window.addEventListener(kind, event => {
-      const isHit = kind !== "pointercancel" && element.contains(event.target) && !element.matches(":disabled");
+      const isHit = kind !== "pointercancel" && element.contains(event.target)
+        && !element.matches(":disabled, [data-changed]");
       if (window.tapped !== true && !isHit) {
         event.preventDefault();
         event.stopImmediatePropagation();
@@ -120,7 +121,7 @@ class Browser:
             page.command(f"{domain}.enable")
         page.command("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
         page.resize(width, height, scale)
-        self._do(self._load(session, url))
+        page.open(url)
         return page
 
     def command(self, method: str, session: Optional[str] = None, **parameters: Any) -> Dict[str, Any]:
@@ -144,6 +145,10 @@ class Browser:
         return await websocket.websocket_connect(
             f"ws://127.0.0.1:{port}{path}", on_message_callback=self._receive, max_message_size=_MAX_ANSWER_BYTES
         )
+
+    def load(self, session: str, url: str) -> None:
+        """Open an address in a page, and wait until it is loaded."""
+        self._do(self._load(session, url))
 
     async def _load(self, session: str, url: str) -> None:
         loaded = self._loads[session] = self._loop.create_future()
@@ -194,6 +199,10 @@ class Page:
     def commands(self, method: str, *parameters: Dict[str, Any]) -> None:
         """Send several DevTools commands without waiting for the answers between them."""
         self._browser.all_of(method, self._session, parameters)
+
+    def open(self, url: str) -> None:
+        """Open another address, and wait until it is loaded."""
+        self._browser.load(self._session, url)
 
     def close(self) -> None:
         """Close the page."""

@@ -1,8 +1,10 @@
 """A comm node, and a dummy that uses its topics and services: as two programs, or as dummy_robot.launch."""
 
 import json
+import os
 from typing import Dict, List
 
+from roah_rsbb import durable
 from support.box_case import PACKAGE
 from support.programs import Program, own
 from support.robots import BROADCAST, PASSWORDS, RSBB_PORT, host_of
@@ -13,8 +15,15 @@ COMM_IS_READY = "looks for the RSBB"
 
 
 def _comm(team: str) -> Dict[str, object]:
-    return {"team_name": team, "robot_name": "Dummy", "rsbb_key": PASSWORDS[team], "rsbb_host": BROADCAST,
+    return {"team_name": team, "robot_name": "Dummy", "rsbb_key_file": key_file(team), "rsbb_host": BROADCAST,
             "rsbb_port": RSBB_PORT, "bind_host": host_of(team), "clock_offset": 0.0, "loss": 0.0}
+
+
+def key_file(team: str) -> str:
+    """A file with the team's password, which only this user can read; returns its path."""
+    path = os.path.join(os.environ["ROS_HOME"], f"{team}_key.txt")
+    durable.write_file(path, PASSWORDS[team].encode("utf-8"))
+    return path
 
 
 def _dummy() -> Dict[str, object]:

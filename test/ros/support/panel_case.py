@@ -8,8 +8,9 @@ import rospy
 from roah_rsbb.rqt.model import model, zone_parameter
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.benchmark_control import BenchmarkControlPanel
+from roah_rsbb.rqt.widgets.stop_strip import StopStrip
 from support.fakes.core import FakeCore
-from support.gui_testing import limit, show, wait_until, without_hurry
+from support.gui_testing import QApplication, limit, show, wait_until, without_hurry
 
 DOOR = ("Achievements", "The robot detects the door with changed state")
 BUMPS = ("Penalized behaviours", "Bumps into the furniture")
@@ -45,6 +46,12 @@ class CoreCase(unittest.TestCase):
         self.addCleanup(self.wait_answered)
         self.addCleanup(lambda: self.core.answer_gate.set())
         show(panel)
+        self.strip = StopStrip(self.client.model, self.client.stops)
+        self.addCleanup(self.strip.close)
+        self.strip.move(0, panel.frameGeometry().bottom() + 1)
+        self.strip.show()
+        panel.activateWindow()
+        wait_until(lambda: QApplication.activeWindow() is panel, "the panel has the focus")
         self.wait_heard()
         return panel
 

@@ -70,7 +70,8 @@ class TestEncryption(NeedsBrowser, BoxCase):
                          {"name": ENCRYPTED_COOKIE, "secure": True, "httpOnly": True, "sameSite": "Strict"})
         before = self.box.zone(ZONE).run
         page.get("window.presses = 0, 0")
-        page.wait("(b => b && !b.matches(':disabled') && (b.textContent.includes('press again') ? (b.click(), true) : "
-                  "(presses++ || b.click(), false)))(document.querySelector('button[data-command=next]'))", "next asks")
+        page.wait("(b => b && !b.matches(':disabled, [data-changed]') && (b.textContent.includes('Press again') "
+                  "? (b.click(), true) : (presses++ || b.click(), false)))"
+                  "(document.querySelector('button[data-command=next]'))", "next asks")
         self.box.wait_zone(ZONE, lambda zone: zone.run == before + 1, "the command reached the core")
         self.box.command("previous", ZONE)

@@ -1,15 +1,18 @@
 """A phone is paired in a real browser, with codes from the terminal; the gateway is killed after it."""
 
 import json
+import os
 import pathlib
 import urllib.error
 import urllib.request
 from typing import Any
 
+import rosgraph
 import rospy
 from support.box_case import BoxCase
 from support.browser import NeedsBrowser, Page
-from support.gateway import URL, kill_gateway, wait_served
+from support.gateway import GATEWAY, URL, kill_gateway, session, wait_served
+from support.programs import Program, own
 from support.referee_program import called
 
 from roah_rsbb.srv import PairDevice, RevokeDevice
@@ -106,6 +109,20 @@ class TestPairing(NeedsBrowser, BoxCase):
                 ask(role, zone)
         self.assertEqual(called("pair").returncode, 2)
         self.assertEqual(called("devices", "--revoke", "none").returncode, 2)
+
+    def test_a_second_gateway_says_so_and_takes_nothing_over(self) -> None:
+        first, master = session(), rosgraph.Master(rospy.get_name())
+        at = master.lookupService("/web/pair"), master.lookupNode(GATEWAY)
+        for name in ("roah_rsbb_web", "another_gateway"):
+            with self.subTest(name):
+                second = Program(own("roah_rsbb_web"), f"__name:={name}", "_rsbb_host:=127.255.255.255", "_web_port:=0",
+                                 f"_log_dir:={os.environ['ROS_HOME']}/second")
+                self.addCleanup(second.close)
+                second.wait_printed("another gateway is running: /roah_rsbb_web at ")
+                second.close()
+                self.assertEqual((master.lookupService("/web/pair"), master.lookupNode(GATEWAY)), at)
+                self.assertEqual(session(), first)
+                self.assertEqual(called("pair", ZONE).returncode, 0)
 
     def test_the_terminal_shows_a_code(self) -> None:
         shown = called("pair", "--role", "organiser")

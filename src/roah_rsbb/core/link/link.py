@@ -4,8 +4,9 @@ This file detects staleness, skew, silence and clock steps. `roah_rsbb.core.runs
 run.
 """
 
+import enum
 from dataclasses import dataclass, field
-from typing import List, NamedTuple, Optional, Tuple
+from typing import Callable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.link.record import LinkRecorder, LinkSample
@@ -17,6 +18,9 @@ from roah_rsbb.wording import times
 
 # A robot sends every second. After this long without a message, something is wrong.
 SILENT_S = 3.0
+# After this long without any message, beacon or old message, the robot has disappeared. A lost datagram, or a new
+# connection to the network, takes less time.
+GONE_S = 10.0
 # A forward step of the robot's clock shows as a sudden rise of the skew. Nothing else increases the skew.
 JUMP_S = 0.1
 # After only one sample, a late message looks like a slow clock that then jumps. This many samples are required.
@@ -31,6 +35,16 @@ OLD_REPORTED = 3
 BAD_S = 10.0
 
 NO_ANSWER = "Robot has not answered on the private channel yet"
+
+
+class Silence(enum.Enum):
+    """What is known of a robot that has been silent for too long."""
+
+    NO_ANSWER = enum.auto()  # it was never heard on its private channel
+    NO_MESSAGE = enum.auto()
+    OLD_ONLY = enum.auto()  # its messages are not newer than the last one
+    BEACONS_ONLY = enum.auto()  # it sends beacons, as robots do that are not in a run
+    GONE = enum.auto()  # nothing at all was received from it for `GONE_S`
 
 
 class HeardReport(NamedTuple):
@@ -60,16 +74,23 @@ class LinkState:
 class RobotLink:
     """One robot's messages on its private channel."""
 
-    def __init__(self, allowed_skew: float, now: Now, state: Optional[LinkState] = None) -> None:
+    def __init__(
+        self, allowed_skew: float, now: Now, state: Optional[LinkState] = None,
+        last_beacon: Optional[Callable[[], Optional[float]]] = None,
+    ) -> None:
         """The channel is opened `now`. `allowed_skew` is in seconds. After a restart, the silence counts from `now`,
-        because the box did not listen before."""
+        because the box did not listen before. `last_beacon` returns when a beacon of the robot arrived last, in
+        monotonic seconds; None: nothing is known of its beacons."""
         self.state = state or LinkState()
         self._allowed_skew = allowed_skew
         self._timeline = Timeline(self.state.timeline)
         self._skew = SkewEstimate(self.state.skew)
         self._listens_since = now.mono
+        self._last_beacon = last_beacon
         self._old = 0  # messages since the last fresh one that were not newer than it
-        self._reported_silent = False
+        self._old_mono = float("-inf")  # when the last of them arrived
+        self._looks = 0  # at this silence; see `deadline`
+        self._reported: Optional[Silence] = None  # at the last of them
         self._step: Optional[str] = None
         self._step_mono = 0.0
         self._rival: Optional[str] = None
@@ -117,13 +138,14 @@ class RobotLink:
         return 0 if self.last is None else self.last.messages_saved
 
     def expect_after(self, heard: Now, time: WireTime) -> None:
-        """Note a time that the robot sent before, in its beacon or its last run. Messages with older times are
-        recordings.
+        """Note a time that the robot sent before, in its beacon or its last run, and when it was `heard`. Messages with
+        older times are recordings.
 
-        If another host sent that time, or the robot's clock was set back since, the robot's times soon make a new
-        timeline.
+        Anybody can forge a beacon. One with a time to come must not make the robot's messages look old. If the robot's
+        clock was set back since, its times soon make a new timeline.
         """
-        self._timeline.begin_after(heard.mono, wire_ns(time))
+        latest_ns = round((heard.utc + self._allowed_skew) * 1e9)
+        self._timeline.begin_after(heard.mono, min(wire_ns(time), latest_ns))
 
     def hear(self, now: Now, host: str, report: RobotReport) -> HeardReport:
         """Judge a message from `host`, and keep it if it is fresh."""
@@ -132,6 +154,7 @@ class RobotLink:
         verdict = self._timeline.judge(now.mono, wire_ns(report.time))
         if verdict in (Verdict.DUPLICATE, Verdict.STALE):
             self._old += 1
+            self._old_mono = now.mono
             self.record.old(duplicate=verdict is Verdict.DUPLICATE)
             return STALE
         notices = self._note_clock(now, verdict, report)
@@ -141,7 +164,7 @@ class RobotLink:
         state, state_changed = self.state, report.state != self.robot_state
         state.host, state.last, state.last_heard = host, report, now
         self._old = 0
-        self._reported_silent = False
+        self._looks, self._reported = 0, None
         self._bad = None
         return HeardReport(True, new_host, state_changed, tuple(notices))
 
@@ -151,6 +174,7 @@ class RobotLink:
         Networks duplicate datagrams. A copy from another host is a recording, even while the robot is silent.
         """
         self._old += count
+        self._old_mono = now.mono
         self.record.old(duplicate=True, count=count)
         return () if self.host in (None, host) else self._note_rival(now, host)
 
@@ -176,24 +200,54 @@ class RobotLink:
 
     def tick(self, now: Now) -> List[str]:
         """Return the notices that are due by now."""
-        if self.is_silent(now) and not self._reported_silent:
-            self._reported_silent = True
-            return [self._silence_text(now)]
-        return []
+        notices: List[str] = []
+        due = self.deadline()
+        while due is not None and now.mono >= due:
+            silence = self.silence(now)
+            assert silence is not None, "its deadline is over"
+            if self._looks == 0 or (silence in (Silence.BEACONS_ONLY, Silence.GONE) and silence is not self._reported):
+                notices.append(self._silence_text(now, silence))
+            self._reported = silence
+            self._looks += 1
+            due = self.deadline()
+        return notices
 
     def deadline(self) -> Optional[float]:
-        """Monotonic time (s) at which `tick` has a notice unless a message comes first; None: the notice was given."""
-        return None if self._reported_silent else self._silent_from()
+        """Monotonic time (s) at which `tick` may have a notice unless a message comes first; None: all were given.
+
+        A silence is looked at three times: when it begins to matter, after `GONE_S`, and when the robot is gone. What
+        the log says must not depend on when else the box looks.
+        """
+        if self._looks == 0:
+            return self._silent_from()
+        if self.last_heard is None or self._last_beacon is None or self._reported is Silence.GONE:
+            return None
+        return self._heard_mono() + GONE_S if self._looks == 1 else self._gone_from()
 
     def is_silent(self, now: Now) -> bool:
         """Whether the robot has been silent for too long."""
         return now.mono >= self._silent_from()
 
+    def silence(self, now: Now) -> Optional[Silence]:
+        """Return what is known of a robot that has been silent for too long; None: it has not."""
+        if not self.is_silent(now):
+            return None
+        if self.last_heard is None:
+            return Silence.NO_ANSWER
+        if self._last_beacon is not None:
+            beacon = self._last_beacon()
+            if beacon is not None and beacon > self.last_heard.mono and now.mono - beacon <= SILENT_S:
+                return Silence.BEACONS_ONLY
+            if now.mono >= self._gone_from():
+                return Silence.GONE
+        return Silence.OLD_ONLY if self._old >= OLD_REPORTED else Silence.NO_MESSAGE
+
     def warnings(self, now: Now) -> List[str]:
         """Return the referee's current warnings about the robot and its link."""
         found: List[str] = []
-        if self.is_silent(now):
-            found.append(self._silence_text(now))
+        silence = self.silence(now)
+        if silence is not None:
+            found.append(self._silence_text(now, silence))
         if self._bad is not None and now.mono - self._bad_mono <= BAD_S:
             found.append(self._bad)
         if self.last is not None and not self.times_valid and self.skew is not None:
@@ -220,17 +274,31 @@ class RobotLink:
             reasons.append(f"Robot has not stopped yet: it reports {self.last.state.name}")
         return reasons
 
-    def _silent_from(self) -> float:
-        if self.last_heard is None:
-            return self._listens_since + SILENT_S
-        return max(self.last_heard.mono, self._listens_since) + SILENT_S
+    def _heard_mono(self) -> float:
+        """Return the monotonic time (s) from which the silence counts."""
+        return self._listens_since if self.last_heard is None else max(self.last_heard.mono, self._listens_since)
 
-    def _silence_text(self, now: Now) -> str:
+    def _silent_from(self) -> float:
+        return self._heard_mono() + SILENT_S
+
+    def _gone_from(self) -> float:
+        beacon = None if self._last_beacon is None else self._last_beacon()
+        signs = [self._heard_mono(), self._old_mono]
+        return max(signs if beacon is None else [*signs, beacon]) + GONE_S
+
+    def _silence_text(self, now: Now, silence: Silence) -> str:
         if self.last_heard is None:
             return NO_ANSWER
-        text = f"No message from the robot for {now.mono - self.last_heard.mono:.0f} s"
-        if self._old >= OLD_REPORTED:
+        seconds = now.mono - self.last_heard.mono
+        text = f"No message from the robot for {seconds:.0f} s"
+        if silence is Silence.OLD_ONLY:
             return f"{text} but old ones: check whether its clock is stopped or set back repeatedly"
+        if silence is Silence.BEACONS_ONLY:
+            return (f"{text}, but its beacons arrive: its program was restarted, or a firewall blocks the private "
+                    "channel. Check whether it moves")
+        if silence is Silence.GONE:
+            return (f"The robot has disappeared: no message for {seconds:.0f} s, and no beacon from its address. It "
+                    "may still be moving, and STOP may not reach it: check it")
         return text
 
     def _is_elsewhere(self, now: Now, host: str) -> bool:

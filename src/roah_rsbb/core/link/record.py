@@ -7,8 +7,8 @@ allow two numbers, the smaller one is taken: the original client's ten begin wit
 project's client follow it. A robot that follows the rules therefore never shows losses that did not happen, but some
 losses remain unseen.
 
-A busy computer looks like a slow network. If only one robot is affected, check that robot and its radio. If all robots
-are affected in the same second, check the box and the access point.
+A busy robot looks like a slow network. If only one robot is affected, check that robot and its radio. If all robots are
+affected in the same second, check the access point.
 """
 
 from typing import FrozenSet, List, NamedTuple, Optional, Tuple
@@ -64,7 +64,7 @@ class LinkSample(NamedTuple):
     `gap_s`: the longest time without a newer message up to the sample, in seconds, including the part before the
     previous sample. Up to about 1 s is normal.
     `late_s`: the difference in delay between the slowest message and the fastest of the last 2.5 s, in seconds. Causes
-    are a radio that waits or repeats, and a busy computer. The delay common to all messages is not included.
+    are a radio that waits or repeats, and a busy robot. The delay common to all messages is not included.
 
     From the box to the robot, and back. The robot does not acknowledge what it receives. This direction is therefore
     only visible where the robot must react: to the box's changes of state, and to the acknowledgement of online data.
@@ -242,7 +242,8 @@ class LinkRecorder:
         asked = self._question.asked
         if state in _ANSWERS[self._question.state]:
             self._question = None
-            self._answered(now, time_ns, asked)
+            if now.mono >= asked.mono:  # else it arrived before, and was read afterwards
+                self._answered(now, time_ns, asked)
             return
         known = sent_after_change(now.mono - asked.mono - ANSWER_S)
         self._unanswered += known - self._no_answer_to

@@ -1,8 +1,8 @@
 """Clock skew of a robot, estimated from the times in its messages.
 
 Skew is the robot's clock minus the box's: positive means that the robot's clock is ahead. Every message gives a sample:
-its `time` minus the moment of arrival. A delay in the network or in a busy box makes a sample smaller than the true
-skew, never larger. The largest sample of the last few seconds is therefore the best one. Benchmarks may start only
+its `time` minus the moment of arrival at the box's computer. A delay in the network makes a sample smaller than the
+true skew, never larger. The largest sample of the last few seconds is therefore the best one. Benchmarks may start only
 within `allowed_skew` (docs/protocol.md, "Timing").
 """
 

@@ -9,23 +9,20 @@ Active robots and nodes of benchmarking modules are not saved. Both repeat every
 """
 
 from types import MappingProxyType
-from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Dict, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.messages import DevicesState, TabletState
-from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRuns, left_behind
-from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.core.scoring.counting import with_events
+from roah_rsbb.core.scoring.records import Phase, RunRecord
 from roah_rsbb.core.watches import Watches
-from roah_rsbb.core.zones import Zone, Zones, ZoneState, key_of
-from roah_rsbb.rulebook.benchmarks import Config, ScheduledEvent
+from roah_rsbb.core.zones import Zone, Zones, ZoneState, is_same
+from roah_rsbb.rulebook.benchmarks import Config, ScheduledEvent, ZonePlan
 from roah_rsbb.wording import times
-
-# For how long (s) a run that continued after a restart shows the warning.
-MARK_S = 60.0
 
 
 class BoxSaved(NamedTuple):
@@ -46,7 +43,7 @@ class Saved(NamedTuple):
 
 
 class Restart:
-    """Continues the previous core's runs, and marks them for a while."""
+    """Continues the previous core's runs."""
 
     def __init__(
         self, zones: Zones, finished: FinishedRuns, connections: Connections, watches: Watches, outbox: Outbox
@@ -56,11 +53,13 @@ class Restart:
         self._connections = connections
         self._watches = watches
         self._outbox = outbox
-        self._restarted: Optional[Tuple[float, str]] = None  # monotonic time (s), and the warning's text
 
-    def resume(self, now: Now, saved: Saved) -> None:
-        """Continue all runs that can be continued."""
-        self._finished.restore(saved.records)
+    def resume(self, now: Now, saved: Saved, by: str = "") -> None:
+        """Continue all runs that can be continued. `by`: address of the box that took over from this one, which only
+        shows them; empty: none did."""
+        plans = [ZonePlan(zone.name, zone.planned) for zone in self._zones.values()]
+        self._finished.restore(with_events(saved.records, plans))
+        self._connections.leave_out(record.identity for record in saved.records)
         for name, state in saved.zones.items():
             zone = self._zones.get(name)
             if zone is None:
@@ -75,9 +74,9 @@ class Restart:
         if runs:
             down = max(0.0, now.utc - saved.utc)
             text = f"The core was restarted at {times.time_with_zone(now.utc)}, {down:.0f} s after its last record"
+            where = f" on the box at {by}" if by else ""
             for run in runs:
-                run.warn(now, f"{text}: the run continues")
-            self._restarted = (now.mono, text)
+                run.warn(now, f"{text}: the run continues{where}" if run.phase is Phase.RUNNING else text)
             self._watches.restarted(now, text)
             self._outbox.emit(effects.SendBeacon())
 
@@ -95,13 +94,6 @@ class Restart:
         place = self._outbox.place()
         self._connections.reopen(now, zone, state)
         self._outbox.drop_since(place)
-
-    def warnings(self, now: Now, run: ZoneRun) -> List[str]:
-        """Return the warning about the restart for the referee of a run, for a while."""
-        if self._restarted is None or now.mono - self._restarted[0] > MARK_S:
-            return []
-        was_there = any(member.resumed for member in run.members())
-        return [f"{self._restarted[1]}: the run continued"] if was_there else []
 
     def _give_up(self, record: RunRecord, utc: float) -> None:
         """Close a run that cannot continue, at the time when the previous core ended. It can still be corrected."""
@@ -145,4 +137,4 @@ def _event_of(config: Config, zone: str, state: ZoneState) -> Optional[Scheduled
     if not state.has_run:
         return None
     events = (event for plan in config.zones if plan.name == zone for event in plan.events)
-    return next((event for event in events if key_of(event) == state.event), None)
+    return next((event for event in events if is_same(state.event, event)), None)

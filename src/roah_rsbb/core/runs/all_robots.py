@@ -75,9 +75,9 @@ class MemberRun(Run):
         """Return why the robot cannot be started now; empty: it can."""
         return "; ".join(self.link.not_ready(now))
 
-    def on_report(self, now: Now, host: str, report: RobotReport) -> bool:
+    def on_report(self, now: Now, host: str, report: RobotReport, arrival: Now) -> bool:
         """See `Run.on_report`."""
-        is_fresh = super().on_report(now, host, report)
+        is_fresh = super().on_report(now, host, report, arrival)
         self._whole.on_member_heard(now, self)
         return is_fresh
 
@@ -236,7 +236,7 @@ class AllRobotsRun(ZoneRun):
             if member.phase is Phase.CONNECTED:
                 return [f"left out until it is ready: {member.why_not_ready(now)}"]
         elif now.mono >= self._settled_mono and not self.clock.is_over(now) and member.why_not_ready(now):
-            return [f"will be left out until it is ready: {member.why_not_ready(now)}"]
+            return member.ignores_stop(now) + [f"will be left out until it is ready: {member.why_not_ready(now)}"]
         saved_nothing = member.end_reason is EndReason.NO_MESSAGES_SAVED
         return ([member.desc] if saved_nothing else []) + member.warnings(now)
 

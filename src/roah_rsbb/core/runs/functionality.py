@@ -409,14 +409,14 @@ class FunctionalityRun(Run):
         return self._modules.start_off(now, self.event.benchmark.code, self.zone) + super().start_off(now)
 
     def warnings(self, now: Now) -> List[str]:
-        """Return the referee's warnings. Those of the module come first."""
-        found: List[str] = []
+        """Return the referee's warnings. Those of the robot come first: it may be moving."""
+        found = super().warnings(now)
         if self.held:
             found.append("Benchmarking module not connected: the run is paused until it is back")
         found += self._modules.warnings(now, self.event.benchmark.code, self.zone)
         if self._progress is not None:
             found += self._progress.warnings
-        return found + super().warnings(now)
+        return found
 
     @property
     def module_status(self) -> str:

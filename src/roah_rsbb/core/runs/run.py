@@ -8,6 +8,7 @@ into effects. `roah_rsbb.core.commands` decides who may start or stop it, and wh
 """
 
 import abc
+import functools
 from dataclasses import dataclass, field
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
@@ -30,7 +31,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Restarts, ScheduledEvent
 from roah_rsbb.rulebook.scoring import WHOLE
-from roah_rsbb.wording import times
+from roah_rsbb.wording import stop, times
 
 # Types whose values are whole numbers, which `Score` holds.
 WHOLE_WORDS = frozenset(kind.word for kind in WHOLE)
@@ -40,6 +41,7 @@ DROPPED_PERIOD_S = 10.0
 # seconds, the referee gets a hint.
 STUCK = {BoxState.PREPARE: RobotState.STOP, BoxState.GOAL_TX: RobotState.WAITING_GOAL}
 STUCK_S = 10.0
+IGNORES_STOP = "The robot did not answer STOP: stop it by hand. The box repeats STOP until the disconnect"
 
 
 class OnlineField(NamedTuple):
@@ -73,6 +75,12 @@ class Assignment(NamedTuple):
 def identity_of(event: ScheduledEvent, port: int, now: Now) -> str:
     """Return the identity of a run that begins now; `port` is not used by another run of the competition."""
     return f"{event.benchmark.code}-{port}-{now.utc:.3f}"
+
+
+def port_of(identity: str) -> int:
+    """Return the port in the identity of a run; 0: it has none."""
+    port = identity.rsplit("-", 2)[-2:][0]
+    return int(port) if port.isdecimal() else 0
 
 
 @dataclass
@@ -135,7 +143,8 @@ class RunContext(NamedTuple):
     settings: Settings
 
     emit: Callable[[Effect], None]
-    show_map: Callable[[bool], None]  # sets the tablet's view. True: map, False: call button
+    show_map: Callable[[bool], bool]  # sets the tablet's view (True: map); returns whether it showed the other one
+    last_beacon: Optional[Callable[[RobotId], Optional[float]]]  # see `ActiveRobots.last_beacon`; None: not known
 
 
 class ZoneRun(abc.ABC):
@@ -203,6 +212,14 @@ class ZoneRun(abc.ABC):
     @abc.abstractmethod
     def members(self) -> Sequence["Run"]:
         """The runs of single robots in it, each with its own private channel."""
+
+    def not_stopped(self) -> Tuple[str, ...]:
+        """Return the names of the robots that do not report STOP."""
+        return tuple(str(member.robot) for member in self.members() if member.robot_state is not RobotState.STOP)
+
+    def ignores_stop(self, now: Now) -> List[str]:
+        """Return a warning of each robot that should have reported STOP by now."""
+        return [text for member in self.members() for text in member.ignores_stop(now)]
 
     @abc.abstractmethod
     def without(self, member: "Run") -> Optional["ZoneRun"]:
@@ -380,7 +397,7 @@ class ZoneRun(abc.ABC):
             self.identity, self.zone, event.benchmark.code, event.team, event.round, event.run, event.scheduled,
             self.opened_utc, closed_utc=self._closed_utc,
             end_reason="" if self.end_reason is None else self.end_reason.name.lower(),
-            module_scores=self.scores, robots=tuple(self._robot_names()), phases=self.times.record(now),
+            module_scores=self.scores, robots=tuple(self._robot_names()), phases=self.times.record(now), event=event.id,
         ))
         return record._replace(elapsed_s=self.clock.elapsed(now)) if self.phase is Phase.RUNNING else record
 
@@ -423,7 +440,9 @@ class Run(ZoneRun):
         self.robot = assignment.robot
         self.port = assignment.port
         self.resumed = state is not None
-        self.link = RobotLink(context.settings.allowed_skew, now, self.state.link)
+        last_beacon = context.last_beacon
+        self.link = RobotLink(context.settings.allowed_skew, now, self.state.link,
+                              None if last_beacon is None else functools.partial(last_beacon, assignment.robot))
         self.saving = SavingWatch(context.settings, self.event.benchmark.profile.offline_data)
         self.devices = DeviceCommands(self.event.benchmark, self.state.devices)
         self._show_map = context.show_map
@@ -513,9 +532,12 @@ class Run(ZoneRun):
 
     # -- the robot ----------------------------------------------------------------------------------
 
-    def on_report(self, now: Now, host: str, report: RobotReport) -> bool:
-        """Take a message of the robot from `host`. Return False if it was stale and nothing changed."""
-        heard = self.link.hear(now, host, report)
+    def on_report(self, now: Now, host: str, report: RobotReport, arrival: Now) -> bool:
+        """Take a message of the robot from `host`. Return False if it was stale and nothing changed.
+
+        `arrival`: when it arrived, for everything about the link. It takes effect `now`, which may be later.
+        """
+        heard = self.link.hear(arrival, host, report)
         for notice in heard.notices:
             self.say(now, Level.WARNING, notice)
         if not heard.fresh:
@@ -596,9 +618,10 @@ class Run(ZoneRun):
             self.say(now, Level.INFO, f"Robot sets {device} to {value}")
         if taken.display_map is not None:
             self._emit(effects.RunLogged(self.port, run_log.DISPLAY_MAP, int(taken.display_map)))
-            self._show_map(taken.display_map)
-            view = "the map" if taken.display_map else "the call button"
-            self.say(now, Level.INFO, f"Robot switches the tablet to {view}")
+            # Many robots send "call button" in each message, which is the view at the start.
+            if self._show_map(taken.display_map):
+                view = "the map" if taken.display_map else "the call button"
+                self.say(now, Level.INFO, f"Robot switches the tablet to {view}")
 
     # -- shared ------------------------------------------------------------------------------------
 
@@ -651,7 +674,12 @@ class Run(ZoneRun):
 
     def warnings(self, now: Now) -> List[str]:
         """Return the referee's current warnings."""
-        return self.link.warnings(now) + self._stuck(now)
+        return self.ignores_stop(now) + self.link.warnings(now) + self._stuck(now)
+
+    def ignores_stop(self, now: Now) -> List[str]:
+        """See `ZoneRun`."""
+        is_late = self.phase is Phase.ENDED and now.mono - self._state_mono >= stop.NOT_DELIVERED_S
+        return [IGNORES_STOP] if is_late and self.robot_state is not RobotState.STOP else []
 
     def _stuck(self, now: Now) -> List[str]:
         """Warn of a robot that does not follow the box's state, with the likely cause."""

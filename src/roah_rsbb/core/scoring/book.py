@@ -18,6 +18,8 @@ from roah_rsbb.core.scoring.records import (
     By,
     EndReason,
     ItemRecord,
+    JudgingRecord,
+    PublicationRecord,
     RunRecord,
     ScoreEntry,
     ScoreValue,
@@ -28,13 +30,16 @@ from roah_rsbb.core.scoring.records import (
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, value_text
 from roah_rsbb.rulebook.benchmarks import Benchmark, EventRules, ScheduledEvent
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem, SheetForm
+from roah_rsbb.rulebook.standing_rules import StandingRules
 from roah_rsbb.wording import sheets, times
 
 # No referee stops a run more often. After more stops, the oldest one without a typed reason is dropped.
 MAX_STOPS = 100
-# More than the runs of any competition.
+NO_RANKING = StandingRules()
+# The newest runs can be corrected and signed off. Of earlier ones, the box keeps only what decides what counts.
 MAX_KEPT = 400
 
+_NO_JUDGING, _NO_PUBLICATION = JudgingRecord(), PublicationRecord()
 _KINDS = {kind.word: kind for kind in ScoreKind}
 
 
@@ -289,7 +294,8 @@ class FinishedRun:
 
     def _result(self) -> FinishedResult:
         record = self.record
-        event = ScheduledEvent(self._benchmark, record.team, record.round, record.run, record.scheduled)
+        event = ScheduledEvent(
+            self._benchmark, record.team, record.round, record.run, record.scheduled, record.event)
         return FinishedResult(
             record.zone, event, record.end_reason, record.closed_utc, record.items, record.module_scores,
             record.sign_off is not None, record.points,
@@ -306,19 +312,23 @@ def left_behind(record: RunRecord, utc: float) -> RunRecord:
 
 
 class FinishedRuns:
-    """The most recent runs that are over."""
+    """The runs that are over. All of them decide what counts. The newest `MAX_KEPT` can be corrected."""
 
-    def __init__(self, benchmarks: Dict[str, Benchmark]) -> None:
-        """`benchmarks`: the configured benchmarks by code."""
+    def __init__(self, benchmarks: Dict[str, Benchmark], ranking: StandingRules = NO_RANKING) -> None:
+        """`benchmarks`: the configured benchmarks by code; `ranking`: how runs compare."""
         self._benchmarks = benchmarks
+        self.ranking = ranking
         self._runs: Dict[str, FinishedRun] = {}  # by identity, the oldest first
+        self._earlier: List[RunRecord] = []  # see `_decisive`, the oldest first
+        self._items: Dict[Tuple[ItemRecord, ...], Tuple[ItemRecord, ...]] = {}  # of `_earlier`, where many are alike
 
-    def use(self, benchmarks: Dict[str, Benchmark]) -> None:
-        """Use other benchmarks for the runs that follow. The runs that are over keep theirs."""
+    def use(self, benchmarks: Dict[str, Benchmark], ranking: StandingRules) -> None:
+        """Use other benchmarks for the runs that follow, and another ranking. The runs that are over keep theirs."""
         self._benchmarks = benchmarks
+        self.ranking = ranking
 
     def add(self, record: RunRecord) -> None:
-        """Keep a run that was just left, unless it never ended. Drop the oldest one if there are too many."""
+        """Keep a run that was just left, unless it never ended. The oldest one is final if there are too many."""
         if not record.end_reason:
             return
         benchmark = self._benchmarks.get(record.benchmark)
@@ -327,7 +337,14 @@ class FinishedRuns:
         self._runs.pop(record.identity, None)
         self._runs[record.identity] = FinishedRun(record, benchmark)
         while len(self._runs) > MAX_KEPT:
-            del self._runs[next(iter(self._runs))]
+            oldest = self._runs.pop(next(iter(self._runs)))
+            self._earlier.append(self._decisive(oldest.record))
+
+    def _decisive(self, record: RunRecord) -> RunRecord:
+        """Return the part of a record that decides what counts. The journal has the whole record."""
+        return record._replace(
+            items=self._items.setdefault(record.items, record.items), history=(), stops=(), phases=(), form=None,
+            marks="", judging=_NO_JUDGING, publication=_NO_PUBLICATION)
 
     def restore(self, records: Iterable[RunRecord]) -> None:
         """Take records from before a restart, in any order. Only those of runs that were left are kept."""
@@ -345,22 +362,15 @@ class FinishedRuns:
             ])
         return run
 
-    def records(self, count: int = MAX_KEPT) -> List[RunRecord]:
-        """Return the records of the newest runs, the most recently left first."""
-        return [run.record for run in self.newest_runs(count)]
+    def records(self) -> List[RunRecord]:
+        """Return the records of all runs, the most recently left first: those of `newest_runs`, then what decides what
+        counts of earlier ones."""
+        return [run.record for run in self.newest_runs()] + self._earlier[::-1]
 
-    def newest_runs(self, count: int) -> List[FinishedRun]:
-        """Return the newest runs, the most recently left first."""
+    def newest_runs(self, count: Optional[int] = None) -> List[FinishedRun]:
+        """Return the newest runs, the most recently left first; None: all that can be corrected."""
         return list(itertools.islice(reversed(self._runs.values()), count))
 
     def event_rules(self) -> Dict[str, EventRules]:
         """Return the rules about time and attempts by the benchmarks' codes."""
         return {code: benchmark.rules for code, benchmark in self._benchmarks.items()}
-
-    def newest(self, count: int = MAX_KEPT) -> Tuple[FinishedResult, ...]:
-        """Return the newest results first, and of a repeated run only the last one."""
-        results: Dict[Tuple[object, ...], FinishedResult] = {}
-        for run in reversed(self._runs.values()):
-            r = run.record
-            results.setdefault((r.zone, r.benchmark, r.team, r.round, r.run, r.scheduled), run.result)
-        return tuple(results.values())[:count]

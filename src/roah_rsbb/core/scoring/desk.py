@@ -1,6 +1,6 @@
 """The referee's scores: marks, withdrawals, reasons and sign-offs, in runs in progress and finished runs."""
 
-from typing import Callable, Dict, List, NamedTuple, Optional, Union
+from typing import Callable, Dict, List, NamedTuple, Optional, Set, Tuple, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now
@@ -9,6 +9,7 @@ from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.referee import Refused, RunName, checked_note, checked_who
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRun, FinishedRuns
+from roah_rsbb.core.scoring.counting import Counted, Counting, EventResult, Ruling, Why
 from roah_rsbb.core.scoring.records import By, ItemRecord, Phase, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import Zones
@@ -45,12 +46,41 @@ class ScoreDesk:
         self._finished = finished
         self._record = record
         self._outbox = outbox
+        self._counting = Counting()
+        self._counted: Tuple[int, Counted] = (-1, Counted([], []))  # for a revision, as the next one
+        self._over: Tuple[int, Set[Tuple[str, int]]] = (-1, set())
 
     # -- looking ------------------------------------------------------------------------------------
 
     def records(self, now: Now) -> List[RunRecord]:
         """Return the records of the runs in the zones, in their order, then of finished runs, the newest first."""
-        return [run.record(now) for run in self._zones.runs()] + self._finished.records(MAX_LISTED)
+        return [run.record(now) for run in self._zones.runs()] + [
+            run.record for run in self._finished.newest_runs(MAX_LISTED)]
+
+    def rulings(self, now: Now) -> List[Ruling]:
+        """Return which runs count, and why or why not: finished ones, the oldest first, then those in the zones."""
+        return self._count(now).rulings
+
+    def event_results(self, now: Now) -> List[EventResult]:
+        """Return the results of each team at each event of which a run is over."""
+        return self._count(now).results
+
+    def _count(self, now: Now) -> Counted:
+        if self._counted[0] != self._outbox.revision:
+            records = self._finished.records()[::-1] + [run.record(now) for run in self._zones.runs()]
+            counted = self._counting.look(records, self._finished.ranking, self._finished.event_rules())
+            self._counted = self._outbox.revision, counted
+        return self._counted[1]
+
+    def events_over(self) -> Set[Tuple[str, int]]:
+        """Return the events that need no run any more, see `Zones.over`."""
+        if self._over[0] != self._outbox.revision:
+            self._over = self._outbox.revision, self._zones.over(self._finished.records())
+        return self._over[1]
+
+    def why(self, now: Now, identity: str) -> Optional[Why]:
+        """Return why a run counts or not; None: it is not known any more."""
+        return next((ruling.why for ruling in self.rulings(now) if ruling.record.identity == identity), None)
 
     def record_of(self, now: Now, name: RunName) -> RunRecord:
         """Return the record of a run. Raises `Refused`."""

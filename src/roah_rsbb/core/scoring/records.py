@@ -263,6 +263,7 @@ class RunRecord(NamedTuple):
     marks: str = ""  # the newest ones that have an identity, see `SheetState`
     judging: JudgingRecord = JudgingRecord()
     publication: PublicationRecord = PublicationRecord()
+    event: str = ""  # id of its event in the schedule; empty in journals before 2026-12
 
 
 class By(NamedTuple):

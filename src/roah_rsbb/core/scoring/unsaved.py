@@ -3,8 +3,10 @@
 A score or sign-off counts at once, even while the disk cannot be written. Referees see what would be lost.
 """
 
+import math
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.core.scoring.book import MAX_KEPT
 from roah_rsbb.core.scoring.records import RunRecord
 
 # Seconds. Usually the disk is faster, so only what waits longer is shown.
@@ -43,12 +45,13 @@ class Unsaved:
     """Compares the present records with those on the disk."""
 
     def __init__(self) -> None:
-        self._saved: Dict[str, RunRecord] = {}
+        self._saved: Dict[str, RunRecord] = {}  # by identity, the one that changed last at the end
         self._waiting: List[_Waiting] = []
 
     def restore(self, records: Iterable[RunRecord]) -> None:
         """Take the records that were read from the disk."""
-        self._saved.update((record.identity, record) for record in records)
+        for record in sorted(records, key=lambda record: record.closed_utc or math.inf):
+            self._keep(record)
 
     def changed(self, mono: float, ticket: int, record: RunRecord) -> None:
         """Note that a record was passed to the journal with this ticket."""
@@ -58,7 +61,15 @@ class Unsaved:
         """Return what has been waiting for the disk for a while. Tickets up to `saved_ticket` are on it."""
         done = [w for w in self._waiting if w.ticket <= saved_ticket]
         self._waiting = [w for w in self._waiting if w.ticket > saved_ticket]
-        self._saved.update((w.record.identity, w.record) for w in done)
+        for each in done:
+            self._keep(each.record)
         present = {w.record.identity: w.record for w in self._waiting if mono - w.mono >= SHOWN_AFTER_S}
         found = (unsaved_parts(self._saved.get(identity), record) for identity, record in present.items())
         return tuple(parts for parts in found if parts.entries or parts.stops or parts.sign_off)
+
+    def _keep(self, record: RunRecord) -> None:
+        """Keep a saved record. Only runs in progress and the newest finished ones still change."""
+        self._saved.pop(record.identity, None)
+        self._saved[record.identity] = record
+        while len(self._saved) > 2 * MAX_KEPT:
+            del self._saved[next(iter(self._saved))]

@@ -9,7 +9,7 @@ from typing import List, NamedTuple, Optional, Tuple
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.scoring.book import FinishedResult
-from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 
@@ -63,16 +63,24 @@ class PublicView(NamedTuple):
 
 def public_view(box: Box, now: Now, results: PublicResults, provisional: bool = False) -> PublicView:
     """Return what the public may see now. `provisional`: also results whose score sheet is not signed off."""
-    following = [line for zone in box.zones.values() for line in _following(zone)]
+    following = [line for zone in box.zones.values() for line in _following(box, zone)]
     following.sort(key=lambda line: line.event.scheduled)
-    finished = () if results is PublicResults.NONE else box.finished.newest()
+    signed, unsigned = ([], []) if results is PublicResults.NONE else _results(box, now)
     return PublicView(
         results,
         tuple(_run(zone, now, results) for zone in box.zones.values() if zone.run is not None),
         tuple(following[:MAX_FOLLOWING]),
-        _allowed([run for run in finished if run.signed], results),
-        _allowed([run for run in finished if provisional and not run.signed], results),
+        _allowed(signed, results),
+        _allowed(unsigned if provisional else [], results),
     )
+
+
+def _results(box: Box, now: Now) -> Tuple[List[FinishedResult], List[FinishedResult]]:
+    """Return the results that are signed off, and the others: the runs that count, or of an event without any the last
+    one; the newest first."""
+    shown = {ruling.record.identity for result in box.scores.event_results(now) for ruling in result.runs}
+    found = [run.result for run in box.finished.newest_runs() if run.record.identity in shown]
+    return [run for run in found if run.signed], [run for run in found if not run.signed]
 
 
 def _run(zone: Zone, now: Now, results: PublicResults) -> PublicRun:
@@ -88,11 +96,13 @@ def _run(zone: Zone, now: Now, results: PublicResults) -> PublicRun:
     )
 
 
-def _following(zone: Zone) -> List[Following]:
-    """Return a zone's coming events. Events whose run is connected or was completed are not among them."""
-    last = zone.last_run
-    is_over = zone.run is not None or (last is not None and last.end_reason in RAN_TO_THE_END)
-    return [Following(zone.name, event) for event in zone.events[zone.index + is_over:]]
+def _following(box: Box, zone: Zone) -> List[Following]:
+    """Return a zone's coming events. Events whose run is connected or was completed, or whose team withdrew or did not
+    appear, are not among them."""
+    over = box.scores.events_over()
+    first = zone.index + (zone.run is not None)
+    return [Following(zone.name, zone.events[place]) for place in range(first, len(zone.events))
+            if (zone.name, place) not in over]
 
 
 def _allowed(runs: List[FinishedResult], results: PublicResults) -> Tuple[FinishedResult, ...]:

@@ -13,8 +13,9 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
+from roah_rsbb.core.scoring.counting import EventResult
 from roah_rsbb.core.scoring.records import RAN_TO_THE_END, Phase, RunRecord
-from roah_rsbb.core.zones import Zone, key_of_record
+from roah_rsbb.core.zones import Zone
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent, ZonePlan
 
 # The longest time in seconds in which the next robot gets ready. A longer gap is a break.
@@ -55,13 +56,14 @@ class EventLine(NamedTuple):
     state: EventState
     begins: float  # UTC seconds: when it began, or the estimated time
     last: Optional[RunRecord]  # its last run that is over; None: no such run
+    result: Optional[EventResult] = None  # None: no run is over
 
 
 def schedule(box: Box, now: Now) -> List[EventLine]:
     """All events of all zones, in the order of their scheduled times."""
     slots = slot_lengths(ZonePlan(zone.name, zone.events) for zone in box.zones.values())
-    last = _last_runs(box)
-    lines = [line for zone in box.zones.values() for line in _zone_lines(zone, last, slots, now)]
+    last, results = box.zones.last_runs(box.finished.records()), _results(box, now)
+    lines = [line for zone in box.zones.values() for line in _zone_lines(zone, last, results, slots, now)]
     return sorted(lines, key=lambda line: line.event.scheduled)
 
 
@@ -86,15 +88,10 @@ class ScheduleView:
         return self._lines
 
 
-def _last_runs(box: Box) -> Dict[Tuple[str, int], RunRecord]:
-    """Return the last run of each event that is over, by zone and place in its schedule."""
-    last: Dict[Tuple[str, int], RunRecord] = {}
-    for record in reversed(box.finished.records()):
-        zone = box.zones.get(record.zone)
-        place = None if zone is None else zone.place_of(key_of_record(record))
-        if place is not None:
-            last[record.zone, place] = record
-    return last
+def _results(box: Box, now: Now) -> Dict[Tuple[str, int], EventResult]:
+    """Return the result of each event of which a run is over, by zone and place in its schedule."""
+    results = box.scores.event_results(now)
+    return {place: result for result in results for place in box.zones.places_of(result.shown.record)}
 
 
 def slot_lengths(plans: Iterable[ZonePlan]) -> Dict[str, float]:
@@ -117,13 +114,15 @@ def _longest(benchmark: Benchmark) -> float:
 
 
 def _zone_lines(
-    zone: Zone, last: Dict[Tuple[str, int], RunRecord], slots: Dict[str, float], now: Now
+    zone: Zone, last: Dict[Tuple[str, int], RunRecord], results: Dict[Tuple[str, int], EventResult],
+    slots: Dict[str, float], now: Now,
 ) -> List[EventLine]:
     found = []
     for index, event in enumerate(zone.events):
         record = last.get((zone.name, index))
         state = _state(zone, index, record)
-        found.append(EventLine(zone.name, event, index == zone.index, state, event.scheduled, record))
+        result = results.get((zone.name, index))
+        found.append(EventLine(zone.name, event, index == zone.index, state, event.scheduled, record, result))
     return _with_times(found, zone, slots, now)
 
 

@@ -130,6 +130,7 @@ class ZoneView(NamedTuple):
     by_hand: bool = False  # the run has no robot
     attempt: int = 0  # number of this or the next run of the event; 0: the rules do not count attempts
     robots_to_choose: Tuple[str, ...] = ()  # names of the team's robots if the referee must choose one
+    not_stopped: Tuple[str, ...] = ()  # robots of the run that do not report STOP
 
     def reasons_off(self, command: str) -> Tuple[str, ...]:
         """Return why a command would be refused; empty: it is allowed."""
@@ -158,7 +159,7 @@ def robots(box: Box, now: Now) -> List[RobotView]:
 def box_status(box: Box, now: Now) -> str:
     """Return the box's state in one line: OK, what it is doing, or its warnings."""
     left = box.listening_left(now)
-    if left > 0:
+    if left > 0 and not box.is_held:
         return f"Listening for another box before transmitting: {left:.0f} s"
     return "; ".join(box.warnings(now)) or "OK"
 
@@ -196,12 +197,14 @@ class ZoneViews:
 
 
 def coming_events(box: Box) -> List[ScheduleLine]:
-    """Return the current and coming events of all zones, by scheduled time."""
+    """Return the current and coming events of all zones, by scheduled time, without later ones that need no run any
+    more."""
+    over = box.scores.events_over()
     lines = [
         ScheduleLine(event, running=zone.run is not None and index == zone.index)
         for zone in box.zones.values()
         for index, event in enumerate(zone.events)
-        if index >= zone.index
+        if index == zone.index or (index > zone.index and (zone.name, index) not in over)
     ]
     return sorted(lines, key=lambda line: line.event.scheduled)
 
@@ -233,6 +236,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         by_hand=isinstance(run, HandRun),
         attempt=box.commands.attempt(zone) if zone.event.benchmark.rules.attempts else 0,
         robots_to_choose=box.commands.robots_to_choose(now, zone),
+        not_stopped=() if run is None else run.not_stopped(),
     )
     return view._replace(state="\n".join(_state_lines(box, zone, view, now)))
 

@@ -7,18 +7,22 @@ Passwords are kept nowhere but in their file, so each start of the core reads th
 
 import hashlib
 import os
+import stat
 import tempfile
+from dataclasses import replace
 from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb import durable
 from roah_rsbb.journal.in_force import InForce, Texts, read_in_force, write_in_force
-from roah_rsbb.results.standing_rules import Rules, read_rules
-from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook import config, event_ids
 from roah_rsbb.rulebook.benchmarks import Config
-from roah_rsbb.rulebook.changes import changes
+from roah_rsbb.rulebook.changes import changes, warnings
 from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.rulebook.event_ids import EventKey
+from roah_rsbb.rulebook.standing_rules import StandingRules, read_rules
 
-# The place of the passwords among the files.
-_PASSWORDS = 2
+# The places of the schedule and of the passwords among the files.
+_SCHEDULE, _PASSWORDS = 1, 2
 # An editor may write a file while it is read.
 MAX_READINGS = 5
 EDITED = ("The configuration files were changed since the box read them. It continues with what it read. To take the "
@@ -29,7 +33,6 @@ class Content(NamedTuple):
     """What the files contain."""
 
     config: Config
-    rules: Dict[str, Rules]  # of the standings
     warnings: Tuple[str, ...]
     texts: Texts
 
@@ -85,12 +88,44 @@ class Configuration:
                 break
         return content
 
-    def changes(self, content: Content) -> List[str]:
-        """List what a content changes."""
-        found = changes(self.content.config, content.config)
-        if content.rules != self.content.rules:
-            found.append("standings: other rules")
-        return found
+    def read_next(self, ran: Sequence[EventKey] = ()) -> Content:
+        """Read the files again. Events without an id are known from the schedule in force, and from the events of all
+        runs (`ran`). Raises ConfigErrors."""
+        return _known_from(self.read(), self.content.config, ran)
+
+    def with_ids(self, content: Content) -> Content:
+        """Return a content whose schedule has all ids in its text."""
+        texts = list(content.texts.texts)
+        text = texts[_SCHEDULE]
+        if text is not None:
+            texts[_SCHEDULE] = event_ids.written(text, content.config.zones)
+        return content._replace(texts=content.texts._replace(texts=tuple(texts)))
+
+    def write_ids(self, before: Content, content: Content) -> str:
+        """Write the schedule of a content with ids into its file. Returns why that is not possible; empty: done.
+
+        `before`: the content as it was read. A file that was changed since then stays.
+        """
+        path, text = self._paths[_SCHEDULE], content.texts.texts[_SCHEDULE]
+        if text is None or text == before.texts.texts[_SCHEDULE]:
+            return ""
+        if _read([path]).texts[0] != before.texts.texts[_SCHEDULE]:
+            return f"{path}: the ids of the events were not written: the file was changed just now. Reload again"
+        try:
+            path = os.path.realpath(path)  # a link stays one
+            durable.write_file(path, text.encode("utf-8"), stat.S_IMODE(os.stat(path).st_mode))
+        except OSError as error:
+            return (f"{path}: the ids of the events cannot be written ({error.strerror}). Make the file writable and "
+                    "reload again, or an event that is changed in several ways may be taken for another one")
+        return ""
+
+    def changes(self, content: Content, ran: Sequence[EventKey] = ()) -> List[str]:
+        """List what a content changes. `ran`: the events of all runs."""
+        return changes(self.content.config, content.config, ran)
+
+    def warnings_of(self, content: Content, ran: Sequence[EventKey]) -> List[str]:
+        """Return what an organiser should know before a content is put into force. `ran`: the events of all runs."""
+        return [*content.warnings, *warnings(self.content.config, content.config, ran)]
 
     def keep(self, content: Content, in_use: Iterable[int]) -> int:
         """Keep a content as the next version, before it is put into force; returns its number. Raises OSError.
@@ -136,6 +171,12 @@ def _read(paths: Sequence[str]) -> Texts:
     return Texts(tuple(paths), tuple(found))
 
 
+def _known_from(content: Content, before: Config, ran: Sequence[EventKey]) -> Content:
+    """Return a content whose events without an id have those that they have in `before`, or had when they ran."""
+    zones = event_ids.adopted(content.config.zones, before.zones, ran)
+    return content._replace(config=replace(content.config, zones=zones))
+
+
 def _without_passwords(texts: Texts) -> Texts:
     return texts._replace(texts=(*texts.texts[:_PASSWORDS], None, *texts.texts[_PASSWORDS + 1:]))
 
@@ -143,9 +184,9 @@ def _without_passwords(texts: Texts) -> Texts:
 def _load(paths: Sequence[str], texts: Texts) -> Content:
     """Read and check the files; raises ConfigErrors with the errors of all of them."""
     errors = []
-    rules: Dict[str, Rules] = {}
+    rules = StandingRules()
     try:
-        rules = read_rules(paths[3]) if len(paths) > 3 else {}
+        rules = read_rules(paths[3]) if len(paths) > 3 else rules
     except ConfigErrors as found:
         errors += found.errors
     try:
@@ -154,7 +195,9 @@ def _load(paths: Sequence[str], texts: Texts) -> Content:
         raise ConfigErrors(found.errors + errors) from None
     if errors:
         raise ConfigErrors(errors)
-    return Content(loaded, rules, tuple(warnings), texts)
+    if loaded.durable_at is not None:  # not in a temporary file
+        loaded = replace(loaded, durable_at=loaded.durable_at._replace(file=texts.paths[_SCHEDULE]))
+    return Content(replace(loaded, ranking=rules), tuple(warnings), texts)
 
 
 def _load_texts(texts: Texts) -> Optional[Content]:

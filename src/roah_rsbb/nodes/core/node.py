@@ -6,31 +6,37 @@ Parameters (private; docs/ros_interface.md, "Parameters" explains them): rsbb_ho
 benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, public_provisional, public_robot_texts,
 standings_file, rsbb_cypher, private_mode, robot_timeout, allowed_skew, after_stop_duration, check_messages_saved,
 check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_duration, take_over, backup_dir,
-standby_port, sync_standby, end_launch.
+standby_port, end_launch.
 """
 
+import asyncio
+import functools
 import gc
 import os
+import shlex
 import signal
+import stat
 import sys
 import threading
+import time
 import uuid
 from typing import Callable, Dict, List, Optional, Tuple
 
 import rospy
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
-from std_srvs.srv import EmptyResponse
 
+from roah_rsbb.box.assembly import CoreAssembly, Machine, Place
+from roah_rsbb.box.driver import Outputs
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
-from roah_rsbb.core.box import Box
-from roah_rsbb.core.copies import STANDBY, CopyReport
-from roah_rsbb.core.effects import SetDevice
+from roah_rsbb.core.copies import NO_PORT, STANDBY, CopyReport
+from roah_rsbb.core.effects import Level, SetDevice
 from roah_rsbb.core.modules.presence import MAX_NODES
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.explained import explanations
 from roah_rsbb.core.views.public import PublicResults, PublicView, public_view
-from roah_rsbb.journal.file import CoreSession, Resume, boot_id
+from roah_rsbb.durable import close_to_others
+from roah_rsbb.journal.file import DamagedJournal, Resume, boot_id
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.msg import (
@@ -57,9 +63,6 @@ from roah_rsbb.msg import (
 from roah_rsbb.nodes.core import public_convert
 from roah_rsbb.nodes.core.configuration import Configuration, Content
 from roah_rsbb.nodes.core.device_calls import DeviceCalls, devices_of
-from roah_rsbb.nodes.core.driver import CoreDriver
-from roah_rsbb.nodes.core.fence import Fence
-from roah_rsbb.nodes.core.journal import CoreJournal, competition, saved_state
 from roah_rsbb.nodes.core.judging_convert import JudgingBoard
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.public_board import PublicBoardMaker
@@ -67,18 +70,19 @@ from roah_rsbb.nodes.core.reload import ReloadService
 from roah_rsbb.nodes.core.results_convert import ResultsBoard
 from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
 from roah_rsbb.nodes.core.services import CoreServices
-from roah_rsbb.nodes.core.standby_answers import StandbyAnswers
 from roah_rsbb.nodes.modules import convert
-from roah_rsbb.nodes.standing_by import CORE, wait_for_takeover
-from roah_rsbb.radio.radio import CoreRadio, Network, beacon_size
+from roah_rsbb.nodes.standing_by import CORE, wait_for_journal, wait_for_takeover
+from roah_rsbb.radio.radio import Network
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.ros.newest import Newest
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.run_logs.writer import RunLogWriter
-from roah_rsbb.standby.clocks import ahead_of
+from roah_rsbb.signs_of_life import Signs
 
 # The value of a parameter without its file or folder.
 NO_FILE = "none"
@@ -87,8 +91,8 @@ GUI_PERIOD_S = 0.1
 # Every fifth of the panels' messages goes with one for the public.
 PUBLIC_EVERY = 5
 JOURNAL_EVERY = 10
-# Seconds. A service's answer must be sent before the node ends.
-ANSWERED_S = 0.2
+# Seconds. Shortest time between what is published for the public after two referees' calls.
+PUBLIC_GAP_S = 0.05
 # Seconds. After a restart, the nodes that play sounds need a moment to find the core again.
 HEARD_AFTER_S = 2.0
 # Seconds. On a busy computer they need longer. Without any of them, nobody hears the sound.
@@ -97,6 +101,9 @@ LOOK_FOR_LISTENERS_S = 0.2
 
 # Seconds. The node that ends the launch may still be starting, and ending takes some time.
 END_LAUNCH_S = 10.0
+
+# Seconds after which the loop's thread gets Python's lock from another thread. Usual are 0.005: too long for STOP.
+SWITCH_S = 0.0005
 
 # How private channels send (parameter private_mode).
 UNICAST, BROADCAST = "unicast", "broadcast"
@@ -133,8 +140,16 @@ def _network(params: Params, settings: Settings) -> Network:
     )
 
 
+_LOG = {Level.INFO: rospy.loginfo, Level.WARNING: rospy.logwarn, Level.ERROR: rospy.logerr}
+
+
+def _report_bug(text: str) -> None:
+    rospy.logerr_throttle_identical(1.0, f"internal error, please report it: {text}", exc_info=True)
+
+
 class CoreNode:
-    """The node, from its parameters to its end. Raises `BadParams`, `ConfigErrors` or OSError at the start."""
+    """The node, from its parameters to its end. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError at the
+    start."""
 
     def __init__(self) -> None:
         params = Params()
@@ -150,91 +165,60 @@ class CoreNode:
         copies = [params.path("backup_dir")] if params.text("backup_dir", NO_FILE) != NO_FILE else []
         standby_port = params.whole("standby_port", 0, 0, 65535)
         copies += [STANDBY] if standby_port else []
-        sync_standby = params.flag("sync_standby", False)
-        if sync_standby and not standby_port:
-            raise BadParams(f"{rospy.get_name()}: sync_standby needs a standby: set standby_port, too")
         params.done()
         wait_for_takeover(log_dir)
+        lock = wait_for_journal(log_dir)
         launch = rospy.get_param("/run_id", "")
         standings = None if standings_file == NO_FILE else os.path.expanduser(standings_file)
         self._configuration = Configuration(log_dir, "" if resume is Resume.NEVER else launch, files, standings)
         content, version = self._configuration.content, self._configuration.version
         loaded = content.config
+        if loaded.durable is Durable.TWO and not standby_port:
+            raise BadParams(NO_PORT.format(place=loaded.durable_at))
         for warning in self._configuration.warnings:
             rospy.logwarn("%s", warning)
 
         self._uuid = str(uuid.uuid4())
         self._ros = RosLoop()
-        self._gave_up = ""
         self._ticks = 0
         self._public_results = PublicResults(results)
         self._last_public_view: Optional[PublicView] = None
         self._public_revision: Optional[int] = None  # of the box, to which that view belongs
+        self._public_soon: Optional[asyncio.TimerHandle] = None
+        self._public_mono = float("-inf")  # when it was published after a referee's call
         self._last_explained: Optional[Tuple[object, ...]] = None
         self._last_unsaved: Optional[Tuple[object, ...]] = None
         self._said_superseded = False
-        ports = PortRecord(log_dir)
-        last_port, port_warnings = ports.read()
-        now = CoreDriver.now()
-        session = CoreSession(now.utc, now.mono, boot_id(), os.getpid(), self._uuid, launch)
-        self._store = Journal(log_dir, session, competition(loaded), resume, self._on_journal_trouble)
-        box = Box(loaded, settings, beacon_size, max(last_port or 0, self._store.previous.last_port or 0), version)
-        self._radio = CoreRadio(
-            self._ros.loop, network, box, self._event, lambda text: rospy.logwarn("%s", text))
-        self._radio.use_passwords(version, loaded.passwords)
-        self._journal = CoreJournal(box, self._store)
-        self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble, self._on_log_repaired,
-                                      self._journal.log_entries, self._ros.post)
+        machine = Machine(boot_id(), os.getpid(), self._uuid, time.monotonic, time.time)
+        self._device_calls = DeviceCalls(self._on_device_refused)
+        outputs = Outputs(self._ring_timeout, self._publish_module_runs, self._on_record_changed,
+                          self._device_calls.set, lambda level, text: _LOG[level]("%s", text), _report_bug)
+        self._core = CoreAssembly(
+            self._ros.loop, machine, Place(log_dir, network, standby_port), loaded, version, settings, launch,
+            lambda session, events, on_trouble: Journal(log_dir, session, events, resume, on_trouble, lock),
+            PortRecord(log_dir), functools.partial(RunLogWriter, log_dir), outputs, self._ask_standby)
+        self._box = box = self._core.box
+        self._event = self._core.event
         self._results = ResultsBoard(box, self._uuid)
         self._judging = JudgingBoard(box, self._uuid)
         self._schedule = ScheduleBoard(box, self._uuid)
         self._public_schedule = public_convert.PublicSchedule(box)
-        self._public_board = PublicBoardMaker(box, self._uuid, content.rules, _titles(content))
+        self._public_board = PublicBoardMaker(box, self._uuid, _titles(content))
         self._panels = PanelMessages(box, self._uuid, network.rsbb_host)
         self._heard_from = self._ros.loop.time() + HEARD_AFTER_S
-        self._device_calls = DeviceCalls(self._on_device_refused)
-        self._driver = CoreDriver(
-            self._ros.loop, box, self._radio, self._run_logs, ports, self._journal,
-            ring_timeout=self._ring_timeout, publish_module_runs=self._publish_module_runs,
-            results_changed=self._on_record_changed, set_device=self._device_calls.set, give_up=self._give_up,
-        )
-        self._box = box
         self._modules = Newest(self._ros.post, lambda state: self._event(box.modules.on_modules, state), MAX_NODES)
         self._network = network
         self._log_dir = log_dir
-        self._fence = Fence(
-            self._ros.loop, log_dir, self._store.path, network.rsbb_host, network.bind_host, standby_port,
-            lambda *by: self._event(lambda now: box.supersede(*by)),
-            lambda text: self._event(box.on_trouble, text))
-        for warning in (*self._configuration.notices, *port_warnings, *self._store.warnings):
-            self._driver.event(box.on_notice, warning)
+        self._signs = Signs(log_dir)
+        for warning in self._configuration.notices:
+            self._event(box.on_notice, warning)
         self._check_log_dir()
         for place in copies:
-            box.copies.expect(now, place)
-        self._standby = StandbyAnswers(self._ros.loop, box, self._driver.now, self._event, self._ask_standby)
-        self._is_sync = sync_standby
+            box.copies.expect(self._core.now(), place)
 
-    def _resume(self) -> None:
-        """Continue where the core was when it ended, if the journal has its state."""
-        previous = self._store.previous
-        ahead_s = 0.0 if previous.last is None else ahead_of(self._log_dir, previous.last.boot_id)
-        saved, warnings = saved_state(previous, self._driver.now(), boot_id(), ahead_s)
-        for warning in warnings:
-            self._driver.event(self._box.on_notice, warning)
-        self._journal.restore(saved.records)
-        versions = {state.version for state in saved.zones.values() if state.has_run}
-        saved = saved._replace(earlier=self._configuration.earlier(versions))
-        for version, earlier in saved.earlier.items():
-            self._radio.use_passwords(version, earlier.passwords)
-        self._driver.event(self._box.resume, saved)
-        self._run_logs.repair(self._store.previous.log_files)
-
-    def run(self) -> int:
-        """Run until shut down; returns the process's exit status."""
-        self._fence.open()
-        self._ros.loop.run_until_complete(self._fence.ask())
-        if self._fence.by:
-            self._box.stay_superseded(self._fence.by)
+    def run(self) -> None:
+        """Run until shut down."""
+        self._ros.loop.run_until_complete(self._core.ask())
         self._topics = {
             "gui": rospy.Publisher("/core/to_gui", CoreToGui, queue_size=1, latch=True),
             "public": rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True),
@@ -251,23 +235,20 @@ class CoreNode:
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
             "timeout": rospy.Publisher("/timeout", Empty, queue_size=1),
         }
-        CoreServices(self._box, self._ros, self._referee_event, self._journal.ticket, self._store.why_not_saved,
-                     self._standby.ask if self._is_sync else lambda: None)
+        services = LoopServices(self._ros.loop, self._core.fence.check)
+        CoreServices(self._box, services, self._referee_event, self._core.journal.ticket,
+                     self._core.store.why_not_saved, self._core.standby.ask, self._panels.renew)
         ReloadService(self._box, self._configuration, self._ros, self._event, self._use)
-        rospy.Service("/core/end_other_core", EmptySrv, self._end_other_core)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
         rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
         rospy.Subscriber("/copies/state", CopyState, self._on_copy, queue_size=10)
-        if self._is_sync:
-            self._topics["question"] = rospy.Publisher("/copies/asked", CopyQuestion, queue_size=10)
-            rospy.Subscriber("/copies/confirmed", CopyQuestion, self._on_confirmed, queue_size=10, tcp_nodelay=True)
+        self._topics["question"] = rospy.Publisher("/copies/asked", CopyQuestion, queue_size=10)
+        rospy.Subscriber("/copies/confirmed", CopyQuestion, self._on_confirmed, queue_size=10, tcp_nodelay=True)
         rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
         gc.collect()
-        # From here on, robots are heard. A delay in the loop would look as if their clocks were behind.
-        self._resume()
-        self._driver.tick()
-        if not self._box.is_superseded:
-            self._radio.open(self._box.listening_left(self._driver.now()))
+        # From here on, robots are heard, and wait for reactions.
+        self._core.resume(self._configuration.earlier)
+        if self._core.open():
             rospy.loginfo("Listening on UDP %s:%d, private channels above; log in %s",
                           self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
         self._publish_module_runs()
@@ -275,24 +256,24 @@ class CoreNode:
         # Exclude the present objects from garbage collection: a full collection of them stops the box for about 15 ms.
         gc.freeze()
         self._ros.run()
-        self._fence.close()
-        self._radio.close()
-        self._run_logs.stop()
-        self._store.close()
-        if self._gave_up:
-            _end_launch()
+        self._signs.end()
+        services.close()
+        self._core.close()
         self._ros.close()
-        return 1 if self._gave_up else 0
 
     # -- events -------------------------------------------------------------------------------------
 
-    def _event(self, method: Callable[..., object], *args: object) -> None:
-        self._driver.event(method, *args)
-
     def _referee_event(self, method: Callable[..., object], *args: object) -> None:
-        """Like `_event`. After the answer, what the public sees is published without waiting for the next tick."""
-        self._ros.loop.call_soon(self._publish_public)
+        """Like `_event`. After the answer, what the public sees is published without waiting for the next tick, but
+        not for each of many calls."""
+        if self._public_soon is None:
+            due = max(self._ros.loop.time(), self._public_mono + PUBLIC_GAP_S)
+            self._public_soon = self._ros.loop.call_at(due, self._publish_public_now)
         self._event(method, *args)
+
+    def _publish_public_now(self) -> None:
+        self._public_soon, self._public_mono = None, self._ros.loop.time()
+        self._publish_public()
 
     def _on_devices(self, message: DevicesState) -> None:
         devices = devices_of(message)
@@ -302,16 +283,20 @@ class CoreNode:
         self._ros.post(lambda: self._event(self._box.on_devices_status, message.connected, message.text))
 
     def _on_copy(self, message: CopyState) -> None:
-        report = CopyReport(message.place, message.box_uuid == self._uuid, message.behind, message.missing_entries,
-                            message.trouble)
-        self._ros.post(lambda: self._event(self._box.on_copy_report, report))
+        report = CopyReport(message.place, message.journal == self._core.store.identity, message.behind,
+                            message.missing_bytes, message.trouble, message.notice)
+        self._ros.post(lambda: self._take_copy(report))
 
-    def _ask_standby(self, number: int) -> None:
-        self._publish("question", CopyQuestion(self._uuid, number))
+    def _take_copy(self, report: CopyReport) -> None:
+        self._event(self._box.on_copy_report, report)
+        self._core.standby.look()
+
+    def _ask_standby(self, ticket: int) -> None:
+        self._publish("question", CopyQuestion(self._uuid, self._core.store.identity, ticket))
 
     def _on_confirmed(self, message: CopyQuestion) -> None:
         if message.box_uuid == self._uuid:
-            self._ros.post(lambda: self._standby.on_answer(message.number))
+            self._ros.post(lambda: self._core.standby.on_answer(message.ticket))
 
     def _on_device_refused(self, wish: SetDevice, reason: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_device_refused, wish.zone, wish.device, wish.value, reason))
@@ -320,44 +305,23 @@ class CoreNode:
         state = convert.modules_state_of(message)
         self._modules.put(state.node, state)
 
-    def _on_log_trouble(self, text: str) -> None:
-        self._ros.post(lambda: self._event(self._box.on_trouble, text))
-
-    def _on_log_repaired(self, trouble: str, text: str) -> None:
-        self._ros.post(lambda: self._event(self._box.on_repaired, trouble, text))
-
-    def _on_journal_trouble(self, text: str) -> None:
-        self._ros.post(lambda: self._event(self._box.on_journal, text))
-
-    def _end_other_core(self, _request: object) -> EmptyResponse:
-        """End every core that has a journal in log_dir, then this one: roslaunch starts it again, with that journal."""
-        ended = [holder.pid for holder in self._store.holders if _kill_core(holder.pid)]
-        if not ended:
-            raise rospy.ServiceException("no other core with a journal in log_dir was found, or it cannot be ended")
-        why = f"the other core (process {', '.join(map(str, ended))}) was ended: restarting with its journal"
-        rospy.logwarn("%s", why)
-        self._ros.loop.call_soon_threadsafe(self._ros.loop.call_later, ANSWERED_S, self._ros.stop, why)
-        return EmptyResponse()
-
     def _on_record_changed(self) -> None:
         self._results.on_record_changed()
         self._judging.on_record_changed()
 
     def _use(self, content: Content, version: int) -> None:
         """Prepare everything outside the box for another configuration."""
-        self._radio.use_passwords(version, content.config.passwords)
-        self._store.set_competition(competition(content.config))
-        self._public_board.use(content.rules, _titles(content))
-
-    def _give_up(self, reason: str) -> None:
-        self._gave_up = reason
-        rospy.logfatal("%s", reason)
-        self._ros.stop(reason)
+        self._core.use(content.config, version)
+        self._public_board.use(_titles(content))
+        self._results.on_record_changed()  # other rules may have changed what counts
 
     def _check_log_dir(self) -> None:
-        problem = self._run_logs.check()
+        problem = self._core.run_logs.check()
         if problem:
-            self._driver.event(self._box.on_trouble, problem)
+            self._event(self._box.on_trouble, problem)
+        elif os.stat(self._log_dir).st_mode & stat.S_IRWXO:
+            rospy.logwarn("%s: other users of this computer can read log_dir; remedy: chmod -R o= %s",
+                          self._log_dir, shlex.quote(self._log_dir))
 
     # -- topics -------------------------------------------------------------------------------------
 
@@ -378,7 +342,8 @@ class CoreNode:
 
     def _publish_tick(self) -> None:
         self._ros.loop.call_later(GUI_PERIOD_S, self._publish_tick)
-        self._driver.event(self._box.tick_if_due)
+        self._event(self._box.tick_if_due)
+        self._signs.send()
         self._do_in_turn([
             self._publish_for_panels, self._publish_schedule, self._publish_public, self._publish_results,
             self._write_links, self._end_tick,
@@ -386,6 +351,7 @@ class CoreNode:
 
     def _do_in_turn(self, todo: List[Callable[[], None]]) -> None:
         """Do one thing, and the others in later turns of the loop, so that no datagram waits for all of them."""
+        self._core.fence.check()
         try:
             todo[0]()
         finally:
@@ -393,8 +359,8 @@ class CoreNode:
                 self._ros.loop.call_soon(self._do_in_turn, todo[1:])
 
     def _publish_for_panels(self) -> None:
-        now = self._driver.now()
-        self._publish("gui", self._panels.to_gui(now, self._run_logs.files))
+        now = self._core.now()
+        self._publish("gui", self._panels.to_gui(now, self._core.run_logs.files))
         details = self._panels.details(now)
         if details is not None:
             self._publish("details", details)
@@ -405,21 +371,21 @@ class CoreNode:
     def _publish_schedule(self) -> None:
         if self._ticks % PUBLIC_EVERY:
             return
-        now = self._driver.now()
+        now = self._core.now()
         self._publish("public", self._public_schedule.to_public(now))
         schedule = self._schedule.take(now)
         if schedule is not None:
             self._publish("schedule", schedule)
 
     def _publish_results(self) -> None:
-        now = self._driver.now()
+        now = self._core.now()
         results = self._results.take(now)
         if results is not None:
             self._publish("results", results)
         judging = self._judging.take(now)
         if judging is not None:
             self._publish("judging", judging)
-        unsaved = self._journal.unsaved(now)
+        unsaved = self._core.unsaved()
         if unsaved != self._last_unsaved:
             self._last_unsaved = unsaved
             self._publish("unsaved", Unsaved(self._uuid, [UnsavedParts(*parts) for parts in unsaved]))
@@ -429,7 +395,7 @@ class CoreNode:
 
     def _write_links(self) -> None:
         if self._ticks % JOURNAL_EVERY == 0:
-            self._journal.each_second(self._driver.now(), self._radio.unreadable())
+            self._core.each_second()
 
     def _end_tick(self) -> None:
         self._ticks += 1
@@ -440,7 +406,7 @@ class CoreNode:
         is_due, is_changed = self._ticks % PUBLIC_EVERY == 0, self._box.revision != self._public_revision
         if not is_due and not is_changed:
             return
-        now = self._driver.now()
+        now = self._core.now()
         self._public_revision = self._box.revision
         view = public_view(self._box, now, self._public_results, self._public_provisional)
         timeless = view.without_time()
@@ -448,7 +414,7 @@ class CoreNode:
             self._last_public_view = timeless
             self._publish("public_details", public_convert.public_details(view, now, self._uuid))
         if is_due:
-            board = self._public_board.take(view)
+            board = self._public_board.take(now, view)
             if board is not None:
                 self._publish("public_board", board)
         if is_changed:
@@ -458,28 +424,17 @@ class CoreNode:
                 self._publish("public_explained", public_convert.public_explained(explained, self._uuid))
 
     def _publish(self, topic: str, message: object) -> None:
+        self._core.fence.check()
         try:
             self._topics[topic].publish(message)
         except rospy.ROSException as error:
-            if not rospy.is_shutdown():
+            if not rospy.core.is_shutdown_requested():
                 rospy.logerr_throttle(1.0, f"{self._topics[topic].name} could not be published: {error}")
 
 
 def _titles(content: Content) -> Dict[str, str]:
     """Return the titles of the benchmarks by their codes."""
     return {code: benchmark.desc or benchmark.name for code, benchmark in content.config.benchmarks.items()}
-
-
-def _kill_core(pid: int) -> bool:
-    """End the process if it is a core. Uses SIGKILL, because a core that hangs may not react to other signals."""
-    try:
-        with open(f"/proc/{pid}/cmdline", "rb") as file:
-            if not pid or b"roah_rsbb_core" not in file.read():
-                return False
-        os.kill(pid, signal.SIGKILL)
-    except OSError:
-        return False
-    return True
 
 
 def _end_launch() -> None:
@@ -504,10 +459,13 @@ def _end_launch() -> None:
 def main() -> None:
     """Run the node."""
     explain(__doc__)
+    close_to_others()
     connections.init_node(CORE, disable_signals=True)
+    sys.setswitchinterval(SWITCH_S)
+    status = 0
     try:
-        status = CoreNode().run()
-    except (BadParams, config.ConfigErrors, OSError) as error:
+        CoreNode().run()
+    except (BadParams, config.ConfigErrors, DamagedJournal, OSError) as error:
         for line in str(error).splitlines():
             rospy.logfatal("%s", line)
         status = 1

@@ -94,6 +94,10 @@ class PanelMessages:
             warnings=warnings,
         )
 
+    def renew(self) -> None:
+        """Let the next tick publish the details, also if nothing has changed: somebody waits for newer ones."""
+        self._details_due_in = 0
+
     def clocks(self, now: Now) -> Optional[RunClocks]:
         """Return the times of all runs; None: only time has passed. Call `to_gui` with the same `now` first."""
         self._clocks_due_in -= 1
@@ -223,6 +227,7 @@ def _zone_state(view: views.ZoneView) -> ZoneState:
 def _zone_details(view: views.ZoneView, log_file: str) -> ZoneDetails:
     message = ZoneDetails(
         zone=view.zone,
+        event=view.event.id,
         phase=view.phase,
         connect_off=view.reasons_off("connect"),
         disconnect_off=view.reasons_off("disconnect"),
@@ -246,6 +251,7 @@ def _zone_details(view: views.ZoneView, log_file: str) -> ZoneDetails:
     message.items = sheet_items(items, None if view.form.is_plain else view.form)
     message.points = points_message(view.sheet.points)
     message.end_reason = view.end_reason
+    message.not_stopped = view.not_stopped
     if view.robot is not None:
         _add_robot(message, view.robot, log_file)
     if view.all_robots is not None:

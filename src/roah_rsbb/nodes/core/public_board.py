@@ -1,42 +1,44 @@
 """Builds the message with results and standings for the public."""
 
-from typing import Dict, List, Mapping, Optional, Tuple
+from typing import List, Mapping, Optional, Tuple
 
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.scoring.counting import Choice
 from roah_rsbb.core.views.public import PublicResults, PublicView
 from roah_rsbb.msg import PublicBoard, PublicRank, PublicStanding
 from roah_rsbb.nodes.core.public_convert import result_message
-from roah_rsbb.results.standing_rules import Rules
-from roah_rsbb.results.standings import Choice, Standing, criteria_of, number_cells, rank_text, standings
+from roah_rsbb.results.standings import Standing, criteria_of, number_cells, rank_text, standings
 
 
 class PublicBoardMaker:
     """Makes the message /core/public_board of a box when its content has changed."""
 
-    def __init__(self, box: Box, box_uuid: str, rules: Dict[str, Rules], titles: Mapping[str, str]) -> None:
-        """`rules`: how benchmarks are ranked; `titles`: what they are called; both by their codes."""
+    def __init__(self, box: Box, box_uuid: str, titles: Mapping[str, str]) -> None:
+        """`titles`: what the benchmarks are called, by their codes."""
         self._box = box
         self._box_uuid = box_uuid
-        self._rules = rules
         self._titles = titles
         self._shown: Optional[Tuple[object, ...]] = None
 
-    def use(self, rules: Dict[str, Rules], titles: Mapping[str, str]) -> None:
-        """Take other rules and titles."""
-        self._rules, self._titles, self._shown = rules, titles, None
+    def use(self, titles: Mapping[str, str]) -> None:
+        """Take other titles. The rules of the standings may be others, too."""
+        self._titles, self._shown = titles, None
 
-    def take(self, view: PublicView) -> Optional[PublicBoard]:
+    def take(self, now: Now, view: PublicView) -> Optional[PublicBoard]:
         """Return the message if it differs from that of the last call; None: it does not."""
-        signed = [record for record in self._box.finished.records() if record.sign_off is not None]
+        ruled = self._box.scores.rulings(now)
         # A signed-off run never changes, so its identity is enough.
-        shown = (view.finished, view.provisional, tuple(record.identity for record in signed))
+        counting = tuple(r.record.identity for r in ruled if r.counts and r.record.sign_off is not None)
+        shown = (view.finished, view.provisional, counting)
         if shown == self._shown:
             return None
         self._shown = shown
         ranked: List[Standing] = []
         if view.results is PublicResults.SCORES:
             choice = Choice(signed_off=True, events=self._box.finished.event_rules())
-            ranked = standings(signed[::-1], self._rules, choice, self._titles)
+            records = [ruling.record for ruling in ruled]
+            ranked = standings(records, self._box.finished.ranking, choice, self._titles)
         return PublicBoard(
             box_uuid=self._box_uuid,
             results=[result_message(result) for result in view.finished],

@@ -39,12 +39,13 @@ class ReloadService:
         if problem:
             raise rospy.ServiceException(problem)
         with self._lock:
+            ran = self._ros.call(self._box.ran)
             try:
-                content = self._configuration.read()
+                content = self._configuration.read_next(ran)
             except ConfigErrors as errors:
                 return ReloadResponse(errors=str(errors).splitlines())
-            changes = self._configuration.changes(content)
-            answer = ReloadResponse(warnings=list(content.warnings), changes=changes)
+            changes = self._configuration.changes(content, ran)
+            answer = ReloadResponse(warnings=self._configuration.warnings_of(content, ran), changes=changes)
             answer.errors = self._ros.call(lambda: self._box.reload_off(content.config))
             if answer.errors:
                 return answer
@@ -52,8 +53,11 @@ class ReloadService:
             if request.digest and request.digest != content.digest:
                 answer.errors = [CHANGED_AGAIN]
             elif request.digest:
-                answer.errors = self._apply(content, changes, who_of(request, request.referee))
+                with_ids = self._configuration.with_ids(content)
+                answer.errors = self._apply(with_ids, changes, who_of(request, request.referee))
                 answer.applied = not answer.errors
+                trouble = self._configuration.write_ids(content, with_ids) if answer.applied else ""
+                answer.warnings += [trouble] if trouble else []
             return answer
 
     def _apply(self, content: Content, changes: List[str], who: str) -> List[str]:

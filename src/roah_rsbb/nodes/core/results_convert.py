@@ -7,6 +7,7 @@ from typing import Dict, Iterable, List, Optional, Tuple
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.restart.saved import freeze
+from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreEntry, StopRecord, grouped
 from roah_rsbb.msg import Results, RunSheet, RunStop, RunSummary, ScoreChange
 from roah_rsbb.nodes.core.score_convert import points_message, score_message, sheet_items
@@ -35,16 +36,18 @@ class ResultsBoard:
             return None
         self._changed, self._connected = False, connected
         records = [_timeless(record) for record in self._box.scores.records(now)]
-        self._summaries = {record.identity: (record, self._summary(record)) for record in records}
+        why = {ruling.record.identity: ruling.why for ruling in self._box.scores.rulings(now)}
+        self._summaries = {
+            record.identity: (record, self._summary(record, why[record.identity])) for record in records}
         return Results(self._box_uuid, [summary for _, summary in self._summaries.values()])
 
-    def _summary(self, record: RunRecord) -> RunSummary:
+    def _summary(self, record: RunRecord, why: Why) -> RunSummary:
         known, summary = self._summaries.get(record.identity, (None, None))
-        return summary if known == record else summary_message(record)
+        return summary if known == record and summary.counts == why.value else summary_message(record, why)
 
 
-def summary_message(record: RunRecord) -> RunSummary:
-    """Convert a record to a line of /core/results."""
+def summary_message(record: RunRecord, why: Optional[Why]) -> RunSummary:
+    """Convert a record to a line of /core/results. `why`: why it counts or not; None: not known."""
     signed = record.sign_off
     return RunSummary(
         identity=record.identity,
@@ -63,6 +66,7 @@ def summary_message(record: RunRecord) -> RunSummary:
         corrected=any(item.corrected for item in record.items),
         signed=ros_time(0.0 if signed is None else signed.utc),
         signed_by="" if signed is None else signed.who,
+        counts="" if why is None else why.value,
     )
 
 
@@ -71,10 +75,10 @@ def sums_of_record(record: RunRecord) -> str:
     return sums_text(_groups(record.items)) if record.points is None else points_text(*record.points)
 
 
-def sheet_message(record: RunRecord) -> RunSheet:
+def sheet_message(record: RunRecord, why: Optional[Why]) -> RunSheet:
     """Convert a record to the complete sheet."""
     return RunSheet(
-        summary=summary_message(record),
+        summary=summary_message(record, why),
         elapsed=ros_duration(record.elapsed_s),
         robots=list(record.robots),
         items=sheet_items(record.items, record.form),

@@ -29,7 +29,7 @@ class ScheduleBoard:
 
 def event_message(line: EventLine) -> ScheduleEvent:
     """Return the message of an event."""
-    event, last = line.event, line.last
+    event = line.event
     message = ScheduleEvent(
         zone=line.zone,
         code=event.benchmark.code,
@@ -41,9 +41,12 @@ def event_message(line: EventLine) -> ScheduleEvent:
         current=line.current,
         state=line.state.value,
         begins=ros_time(line.begins),
+        id=event.id,
     )
-    if last is not None:
-        message.identity, message.end_reason, message.score = last.identity, last.end_reason, sums_of_record(last)
-        if last.sign_off is not None:
-            message.signed, message.signed_by = ros_time(last.sign_off.utc), last.sign_off.who
+    if line.result is not None:
+        shown, why = line.result.shown
+        message.identity, message.end_reason, message.score = shown.identity, shown.end_reason, sums_of_record(shown)
+        message.counts = why.value
+        if line.result.signed:
+            message.signed, message.signed_by = ros_time(shown.sign_off.utc), shown.sign_off.who
     return message

@@ -1,23 +1,25 @@
 """The services of the core node (docs/ros_interface.md, "Core node"): each is one event for the box."""
 
-from typing import Any, Callable, List, Optional, Tuple, TypeVar
+from typing import Any, Callable, List, Optional, Tuple
 
 import rospy
 
+from roah_rsbb.box import standby_answers
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.commands import COMMANDS
+from roah_rsbb.core.commands import COMMANDS, OF_TEAM, OfTeam
 from roah_rsbb.core.judges.desk import Judging
 from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.core.scoring.desk import MarkOutcome
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import EventKey
-from roah_rsbb.nodes.core import judging_convert, standby_answers
+from roah_rsbb.nodes.core import judging_convert
 from roah_rsbb.nodes.core.results_convert import sheet_message
 from roah_rsbb.ros import refusals, texts
 from roah_rsbb.ros.connections import REFEREE_HEADER
-from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.ros.times import ros_time
 from roah_rsbb.srv import (
     ChooseEvent,
@@ -45,11 +47,10 @@ from roah_rsbb.srv import (
     SubmitSheet,
     TakeBackMark,
     Zone,
+    ZoneOfTeam,
     ZoneScore,
     ZoneUInt8,
 )
-
-T = TypeVar("T")
 
 # The answer if a result counts, but is not on the disk yet.
 NOT_SAVED = ("not saved: {}. It counts, and is saved as soon as the disk can be written: do not enter it again. "
@@ -61,28 +62,37 @@ class CoreServices:
     """Offers all of /core/…; `event` calls a method of the box with arguments in the loop's thread.
 
     `ticket` returns, in the loop's thread, the journal's ticket of the event's changes. `why_not_saved` waits until
-    they are on the disk; it is called in rospy's threads before a referee's entry is confirmed. `ask_standby` asks, in
-    the loop's thread, whether the standby has them; None: the answer does not wait for it.
+    they are on the disk; it is called in another thread before a referee's entry is confirmed. `ask_standby` asks, in
+    the loop's thread, whether the standby has them; None: the answer does not wait for it. `renew` is called when
+    somebody asks for the clock, and therefore waits for messages with a later time.
     """
 
     def __init__(
-        self, box: Box, ros: RosLoop, event: Callable[..., None], ticket: Callable[[], Optional[int]] = lambda: 0,
+        self, box: Box, services: LoopServices, event: Callable[..., None],
+        ticket: Callable[[], Optional[int]] = lambda: 0,
         why_not_saved: Callable[[int], str] = lambda ticket: "",
-        ask_standby: Callable[[], Optional[standby_answers.Answer]] = lambda: None,
+        ask_standby: Callable[[int], Optional[standby_answers.Answer]] = lambda ticket: None,
+        renew: Callable[[], None] = lambda: None,
     ) -> None:
         self._box = box
-        self._ros = ros
+        self._services = services
         self._event = event
         self._ticket = ticket
         self._why_not_saved = why_not_saved
         self._ask_standby = ask_standby
+        self._renew = renew
         for command in COMMANDS:
-            self._serve(command, Zone, lambda r, c=command: (box.command, r.zone, c, who_of(r)))
-        self._serve("stop_run", StopRun, lambda r: (box.scores.stop, _run_of(r), who_of(r)))
+            if command not in OF_TEAM:
+                self._serve(command, Zone, lambda r, c=command: (box.command, r.zone, c, who_of(r)),
+                            is_urgent=command == "stop")
+        for command in OF_TEAM:
+            self._serve(command, ZoneOfTeam, lambda r, c=command: (
+                box.command, r.zone, c, who_of(r), "", OfTeam(r.team, r.event)))
+        self._serve("stop_run", StopRun, lambda r: (box.scores.stop, _run_of(r), who_of(r)), is_urgent=True)
         self._serve("connect_robot", ConnectRobot, lambda r: (box.connect_robot, r.zone, r.robot, who_of(r)))
         self._serve("leave_run", LeaveRun, lambda r: (box.leave_run, _run_of(r), who_of(r)))
         self._serve("choose_event", ChooseEvent, lambda r: (
-            box.choose_event, r.zone, EventKey(r.code, r.team, r.round, r.run, r.schedule.to_sec()), r.unsigned,
+            box.choose_event, r.zone, EventKey(r.code, r.team, r.round, r.run, r.schedule.to_sec(), r.id), r.unsigned,
             who_of(r),
         ))
         self._serve("manual_operation_complete", Zone, lambda r: (
@@ -97,10 +107,10 @@ class CoreServices:
         ))
         self._serve("omf_switches/complete", Zone, lambda r: (box.modules.complete_switches, r.zone, who_of(r)))
         self._serve_scores(box)
-        rospy.Service("/core/clock", GetClock, self._clock)
+        self._add("clock", GetClock, self._clock)
 
     def _serve_scores(self, box: Box) -> None:
-        """Services whose success means that the result is on the disk."""
+        """Services whose success means that the result is on the disk, and with `durable: two` on the standby's."""
         self._serve("set_score", ZoneScore, lambda r: (
             box.scores.mark, RunName(r.zone), Mark(r.score.group, r.score.desc, r.score.value), who_of(r)
         ), durable=True)
@@ -124,7 +134,7 @@ class CoreServices:
             box.scores.sign_off, _run_of(r), who_of(r, r.referee)
         ), durable=True)
         self._serve_judges(box)
-        rospy.Service("/core/run_sheet", GetRunSheet, self._run_sheet)
+        self._add("run_sheet", GetRunSheet, self._run_sheet)
 
     def _serve_judges(self, box: Box) -> None:
         """Services of several judges and of objections. Their success means that the result is on the disk."""
@@ -136,73 +146,81 @@ class CoreServices:
         ), durable=True)
         self._serve("judges/decide", DecideJudges, lambda r: _decision(box, r), durable=True)
         self._serve("publication", PublishResult, lambda r: _publication(box, r), durable=True)
-        rospy.Service("/core/judges", GetJudging, self._judging)
+        self._add("judges", GetJudging, self._judging)
 
     def _serve(
         self, name: str, service: type, event_of: Callable[[Any], Tuple], durable: bool = False,
-        answer_of: Optional[Callable[[Any], object]] = None,
+        answer_of: Optional[Callable[[Any], object]] = None, is_urgent: bool = False,
     ) -> None:
         """Offer /core/NAME: `event_of` makes a request the box's method and its arguments.
 
         A refusal fails the call with its reasons in the error text. `durable`: the call succeeds only when its result
-        is on the disk. If it is not, the call fails, but its result counts and is saved as soon as possible.
+        is on the disk, and with `durable: two` on the standby's. If it is not, the call fails, but its result counts
+        and is saved as soon as possible.
         `answer_of` returns the answer, in the loop's thread, right after the event; None: the answer is empty.
+        `is_urgent`: it stops a robot, and does not wait for other calls.
         """
         answer_of = answer_of or (lambda request: service._response_class())
 
         def act(request: object) -> Tuple[Optional[int], Optional[standby_answers.Answer], object]:
             self._ticket()  # discards earlier internal errors: only this event counts
             self._event(*event_of(request))
+            ticket = self._ticket()
             # The standby is asked at once: it writes while the disk of this computer does.
-            return self._ticket(), self._ask_standby() if durable else None, answer_of(request)
+            of_standby = self._ask_standby(ticket) if durable and ticket is not None else None
+            return ticket, of_standby, answer_of(request)
 
-        def handle(request: object) -> object:
-            _check_texts(request)
-            ticket, of_standby, answer = self._call(lambda: act(request))
-            if durable:
-                if ticket is None:
-                    raise rospy.ServiceException(NOT_RECORDED)
-                why = self._why_not_saved(ticket)
-                if why:
-                    raise rospy.ServiceException(NOT_SAVED.format(why))
-                standby_answers.wait(of_standby)
+        def wait(acted: Tuple[Optional[int], Optional[standby_answers.Answer], object]) -> object:
+            ticket, of_standby, answer = acted
+            if ticket is None:
+                raise rospy.ServiceException(NOT_RECORDED)
+            why = self._why_not_saved(ticket)
+            if why:
+                raise rospy.ServiceException(NOT_SAVED.format(why))
+            unconfirmed = standby_answers.wait(of_standby)
+            if unconfirmed:
+                raise rospy.ServiceException(unconfirmed)
             return answer
 
-        rospy.Service(f"/core/{name}", service, handle)
+        self._add(name, service, act if durable else lambda r: act(r)[2], wait if durable else None, is_urgent)
+
+    def _add(self, name: str, service: type, handle: Callable[[Any], object],
+             wait: Optional[Callable[[Any], object]] = None, is_urgent: bool = False) -> None:
+        """Offer /core/NAME; see `LoopServices.add`."""
+        def checked(request: Any) -> object:
+            problem = texts.too_long(request)
+            if problem:
+                raise rospy.ServiceException(problem)
+            try:
+                return handle(request)
+            except Refused as refused:
+                raise rospy.ServiceException(refusals.error_text(refused.reasons)) from None
+
+        self._services.add(f"/core/{name}", service, checked, wait, is_urgent)
 
     def _clock(self, _request: Any) -> GetClockResponse:
-        """The time is read in the loop's thread, so that every command answered before has been carried out."""
+        """Every command that was answered before has been carried out."""
         found: List[Now] = []
-        self._call(lambda: self._event(found.append))
+        self._event(found.append)
+        self._renew()
         return GetClockResponse(ros_time(found[0].utc))
 
     def _marked(self, request: Any) -> MarkItemResponse:
         return _marked(self._box.scores.outcome(_run_of(request), mark_of(request)))
 
     def _judging(self, request: Any) -> GetJudgingResponse:
-        _check_texts(request)
         found: List[Judging] = []
-        self._call(lambda: self._event(
-            lambda now: found.append(self._box.judges.judging(now, _run_of(request), request.judge))))
+        self._event(lambda now: found.append(self._box.judges.judging(now, _run_of(request), request.judge)))
         return judging_convert.answer(found[0])
 
     def _run_sheet(self, request: Any) -> GetRunSheetResponse:
-        _check_texts(request)
-        found: List[RunRecord] = []
-        self._call(lambda: self._event(lambda now: found.append(self._box.scores.record_of(now, _run_of(request)))))
-        return GetRunSheetResponse(sheet_message(found[0]))
+        found: List[Tuple[RunRecord, Optional[Why]]] = []
+        self._event(lambda now: found.append(self._ruled(now, _run_of(request))))
+        return GetRunSheetResponse(sheet_message(*found[0]))
 
-    def _call(self, function: Callable[[], T]) -> T:
-        try:
-            return self._ros.call(function)
-        except Refused as refused:
-            raise rospy.ServiceException(refusals.error_text(refused.reasons)) from None
-
-
-def _check_texts(request: Any) -> None:
-    problem = texts.too_long(request)
-    if problem:
-        raise rospy.ServiceException(problem)
+    def _ruled(self, now: Now, name: RunName) -> Tuple[RunRecord, Optional[Why]]:
+        record = self._box.scores.record_of(now, name)
+        return record, self._box.scores.why(now, record.identity)
 
 
 def who_of(request: Any, referee: str = "") -> str:

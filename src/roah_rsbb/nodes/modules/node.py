@@ -177,7 +177,7 @@ class ModulesNode:
         try:
             self._publisher.publish(modules_state_message(state))
         except rospy.ROSException as error:
-            if not rospy.is_shutdown():
+            if not rospy.core.is_shutdown_requested():
                 rospy.logerr_throttle(1.0, f"{self._publisher.name} could not be published: {error}")
 
 

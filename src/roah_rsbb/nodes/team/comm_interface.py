@@ -130,7 +130,7 @@ class CommInterface:
                 job()
             except Exception:
                 # The thread must continue: the next job may be a stop.
-                if not rospy.is_shutdown():
+                if not rospy.core.is_shutdown_requested():
                     rospy.logerr("internal error in the ROS interface, please report it", exc_info=True)
 
     def _enter_benchmark(self, code: Optional[str]) -> None:

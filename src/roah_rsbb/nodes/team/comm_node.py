@@ -2,13 +2,14 @@
 
 It communicates with boxes of any generation, and offers topics and services to the robot's programs.
 
-Parameters (private): team_name (required), robot_name, rsbb_key (the team's password), rsbb_host (broadcast
-address of the network with the box, or the box's), rsbb_port, bind_host, rsbb_cypher, generation (year of the original
-package that the team's code was built with: 2015, 2018, 2019 or 2020); for tests clock_offset (s), loss (share of
-datagrams).
+Parameters (private): team_name (required), robot_name, rsbb_key_file (a file whose first line is the team's password)
+or rsbb_key (the password), rsbb_host (broadcast address of the network with the box, or the box's), rsbb_port,
+bind_host, rsbb_cypher, generation (year of the original package that the team's code was built with: 2015, 2018, 2019
+or 2020); for tests clock_offset (s), loss (share of datagrams).
 """
 
 import logging
+import os
 import random
 import time
 from typing import Callable, Optional
@@ -17,20 +18,24 @@ import rospy
 from google.protobuf import text_format
 
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
+from roah_rsbb.comm.passwords import password_in
 from roah_rsbb.nodes.team.comm_interface import CommInterface, Requests
 from roah_rsbb.nodes.team.generations import DEFAULT, GENERATIONS, report_refused, types_of
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import WireTime
 from roah_rsbb.robot import effects as fx
-from roah_rsbb.robot.goals import BadGoal, read_goal
 from roah_rsbb.robot.machine import IllegalEvent
+from roah_rsbb.robot.override import override_goal_message, override_message
 from roah_rsbb.robot.runner import SessionRunner
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
-from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.srv import Override, OverrideGoal, OverrideGoalResponse, OverrideResponse
 
 DEFAULT_KEY = "DefaultKey"
+# The launch files put it before the password: roslaunch prints and logs all parameters, but none with a control
+# character.
+NOT_PRINTED = "\x7f"
 
 # At level Debug (of this logger or of rosout), it shows what is sent. Its name is documented for teams. It passes
 # records on to rosout, which writes to the console and /rosout.
@@ -43,12 +48,9 @@ class CommNode:
 
     def __init__(self) -> None:
         params = Params()
-        if not rospy.has_param("~rsbb_key"):
-            rospy.logerr("Set the parameter rsbb_key to the team's password from the organisers. The default "
-                         "'%s' does not work in competitions", DEFAULT_KEY)
         labels = [cipher.label for cipher in Cipher if cipher is not Cipher.NONE]
         team, robot = params.text("team_name"), params.text("robot_name", "Robot")
-        key = params.text("rsbb_key", DEFAULT_KEY)
+        key = _password(params)
         host, port = params.text("rsbb_host", "10.0.0.1"), params.whole("rsbb_port", 6666, 1, 65535)
         bind_host = params.text("bind_host", "0.0.0.0")
         cipher = cipher_by_label(params.choice("rsbb_cypher", Cipher.AES_128_CBC.label, labels))
@@ -124,14 +126,40 @@ class CommNode:
         _sent_log.debug("%s: %s %s", what, type(effect.message).__name__, _OneLine(effect.message))
 
     def _on_override(self, request: object) -> OverrideResponse:
-        message = _override_message(request)
-        self._ask(lambda: self._session.override(self._ros.loop.time(), message))
+        self._override(lambda: override_message(
+            request.benchmark_type, request.benchmark_state, _wire_time(request.acknowledgement),
+            request.initial_state, request.switches,
+        ))
         return OverrideResponse()
 
     def _on_override_goal(self, request: object) -> OverrideGoalResponse:
-        message = _override_goal_message(request)
-        self._ask(lambda: self._session.override(self._ros.loop.time(), message))
+        self._override(lambda: override_goal_message(
+            request.benchmark, request.benchmark_state, _wire_time(request.acknowledgement), request.goal,
+        ))
         return OverrideGoalResponse()
+
+    def _override(self, made: Callable[[], Optional[pb.BenchmarkState]]) -> None:
+        self._ask(lambda: self._session.override(self._ros.loop.time(), made()))
+
+
+def _wire_time(time: rospy.Time) -> WireTime:
+    return time.secs, time.nsecs
+
+
+def _password(params: Params) -> str:
+    """Read the team's password. Raises ValueError if its file cannot be read."""
+    file = os.path.expanduser(str(rospy.get_param("~rsbb_key_file", "")))
+    if file:
+        return password_in(file, lambda text: rospy.logwarn("%s", text))
+    if rospy.has_param("~rsbb_key"):
+        rospy.logwarn("Everybody on this ROS master can read the password in the parameter rsbb_key, and roslaunch "
+                      "logs its arguments. Write the password into a file that only you can read (chmod 600), and set "
+                      "rsbb_key_file to its path instead")
+        key = params.secret("rsbb_key")
+        return key[len(NOT_PRINTED):] if key.startswith(NOT_PRINTED) else key
+    rospy.logerr("Set the parameter rsbb_key_file to a file with the team's password from the organisers, or rsbb_key "
+                 "to the password. The default '%s' does not work in competitions", DEFAULT_KEY)
+    return DEFAULT_KEY
 
 
 class _OneLine:
@@ -142,45 +170,6 @@ class _OneLine:
 
     def __str__(self) -> str:
         return text_format.MessageToString(self._message, as_one_line=True, as_utf8=True)
-
-
-def _override_message(request: object) -> Optional[pb.BenchmarkState]:
-    """The message that replaces the box's; None ends the override."""
-    if request.benchmark_type == 0:
-        return None
-    codes = {profile.number: code for code, profile in PROFILES.items()}
-    code = codes.get(request.benchmark_type)
-    if code is None:
-        known = ", ".join(f"{number} {code}" for number, code in sorted(codes.items()))
-        raise rospy.ServiceException(f"unknown benchmark number {request.benchmark_type}: choose from {known}")
-    message = _state_message(code, request)
-    message.initial_state.extend(request.initial_state)
-    message.switches.extend(request.switches)
-    return message
-
-
-def _override_goal_message(request: object) -> Optional[pb.BenchmarkState]:
-    """The message that replaces the box's, with a goal; None ends the override."""
-    if not request.benchmark:
-        return None
-    message = _state_message(request.benchmark, request)
-    if request.goal:
-        message.generic_goal = request.goal
-        try:
-            read_goal(message)
-        except BadGoal as bad:
-            raise rospy.ServiceException(str(bad)) from None
-    return message
-
-
-def _state_message(code: str, request: object) -> pb.BenchmarkState:
-    if request.benchmark_state not in pb.BenchmarkState.State.values():
-        known = ", ".join(f"{number} {name}" for name, number in pb.BenchmarkState.State.items())
-        raise rospy.ServiceException(f"unknown benchmark state {request.benchmark_state}: choose from {known}")
-    message = pb.BenchmarkState(benchmark_type=code, benchmark_state=request.benchmark_state)
-    message.acknowledgement.sec = request.acknowledgement.secs
-    message.acknowledgement.nsec = request.acknowledgement.nsecs
-    return message
 
 
 def main() -> None:

@@ -3,8 +3,8 @@
 Each robot has its own loopback address. Teams and passwords come from the box's files, so that no password appears in a
 launch file, a parameter or the list of processes.
 
-Parameters (private): robots (number of robots), rsbb_host, rsbb_port, and the box's files: benchmarks_file,
-schedule_file, passwords_file.
+Parameters (private): robots (number of robots), execute_duration (s, for each goal), rsbb_host, rsbb_port, and the
+box's files: benchmarks_file, schedule_file, passwords_file.
 """
 
 import asyncio
@@ -16,7 +16,7 @@ from typing import List
 import rospy
 
 from roah_rsbb.robot.client import RobotClient
-from roah_rsbb.robot.dummy import dummy_client
+from roah_rsbb.robot.dummy import DummyOptions, dummy_client
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
@@ -61,6 +61,7 @@ class DummyRobotsNode:
     def __init__(self) -> None:
         params = Params()
         count = params.whole("robots", 1, 1, MOST)
+        options = DummyOptions(execute_duration=params.number("execute_duration", DummyOptions.execute_duration))
         host, port = params.text("rsbb_host", "127.255.255.255"), params.whole("rsbb_port", 6666, 1, 65535)
         files = [params.path(f"{name}_file") for name in ("benchmarks", "schedule", "passwords")]
         params.done()
@@ -73,7 +74,7 @@ class DummyRobotsNode:
         for number, team in enumerate(teams[:count]):
             bind_host = str(FIRST_HOST + number)
             self._add(team, bind_host, dummy_client(
-                team, config.passwords[team], rsbb_host=host, rsbb_port=port, bind_host=bind_host,
+                team, config.passwords[team], options=options, rsbb_host=host, rsbb_port=port, bind_host=bind_host,
                 name_in_log=team if count > 1 else "",
             ))
 

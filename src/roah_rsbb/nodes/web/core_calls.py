@@ -7,6 +7,7 @@ from typing import Any, Callable, Dict, NamedTuple, Tuple
 import genpy
 import rospy
 
+from roah_rsbb.core.copies import NOT_CONFIRMED
 from roah_rsbb.ros import refusals
 from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.known_services import KnownService
@@ -27,9 +28,10 @@ from roah_rsbb.srv import (
     SubmitSheet,
     TakeBackMark,
     Zone,
+    ZoneOfTeam,
     ZoneUInt8,
 )
-from roah_rsbb.web.commands import PLAIN, STOP, Command, Outcome
+from roah_rsbb.web.commands import OF_TEAM, PLAIN, STOP, Command, Outcome
 
 # A later answer is ignored. The page of a device waits a little longer.
 TIMEOUT_S = 5.0
@@ -75,6 +77,7 @@ def _publication(action: int) -> Callable[[Command], Tuple[Any, ...]]:
 
 CALLS: Dict[str, _Call] = {
     **{name: _Call(name, Zone, _zone) for name in PLAIN},
+    **{name: _Call(name, ZoneOfTeam, _fields("team", "event")) for name in OF_TEAM},
     "confirm_switches": _Call("omf_switches/complete", Zone, _zone),
     "connect_robot": _Call("connect_robot", ConnectRobot, _fields("robot")),
     "stop": _Call("stop_run", StopRun, _fields("identity")),
@@ -139,7 +142,9 @@ def _outcome(command: Command) -> Outcome:
         answer = proxy(*call.request(command))
     except rospy.ServiceException as error:
         text = str(error)
-        return Outcome(tuple(refusals.reasons(text)), refusals.was_answered(text))
+        reasons = tuple(refusals.reasons(text))
+        is_confirmed = not reasons[0].startswith(NOT_CONFIRMED) if reasons else True
+        return Outcome(reasons, refusals.was_answered(text), is_confirmed)
     except genpy.SerializationError as error:  # such as a number that the message cannot hold: the referee reads it
         return Outcome((str(error),))
     except Exception as error:  # the core was killed, or the master: only an answer ends the repetition of a STOP

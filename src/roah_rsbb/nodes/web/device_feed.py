@@ -57,4 +57,5 @@ class DeviceFeed:
             desk.on_details(details.message)
         if gui is not None:
             desk.on_gui(gui.mono, gui.message)
+        if gui is not None or details is not None:
             self._publish()

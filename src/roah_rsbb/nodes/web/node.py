@@ -1,8 +1,8 @@
 """Node roah_rsbb_web: serves the public display and other pages to browsers, and live data to programs (docs/web.md).
 
 Reading is open: it shows the public topics of the core. Devices that are paired may do more. It can end and start again
-at any time. If its port is taken, it logs this once with the remedy, and retries. It also serves the tablet's page, on
-a port of its own (docs/tablet.md).
+at any time. If its port is taken, it logs this once with the remedy, and retries. While another gateway runs, it waits
+and changes nothing. It also serves the tablet's page, on a port of its own (docs/tablet.md).
 
 Parameters (private): web and tablet (what is served: the pages, and the tablet's page; default: only the pages);
 rsbb_host. Of the pages: web_port (TCP, 0: any free one), web_host (address at which it is served; default: all, or this
@@ -25,8 +25,10 @@ import rospkg
 import rospy
 
 from roah_rsbb.comm import sockets
+from roah_rsbb.durable import close_to_others
 from roah_rsbb.msg import PublicBoard, PublicDetails, PublicExplained
 from roah_rsbb.nodes.web.opening import LOOPBACK, hosts_of, retry_until_open
+from roah_rsbb.nodes.web.other import wait_for_other
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.ros.loop import RosLoop
@@ -208,5 +210,7 @@ class WithoutTornado:
 
 def main() -> None:
     """Entry point of the node."""
+    close_to_others()
     has_tornado = importlib.util.find_spec("tornado") is not None
-    run_node("roah_rsbb_web", __doc__, WebNode if has_tornado else WithoutTornado, disable_signals=True)
+    run_node("roah_rsbb_web", __doc__, WebNode if has_tornado else WithoutTornado,
+             before=wait_for_other, disable_signals=True)

@@ -56,6 +56,7 @@ class RunFacts(NamedTuple):
     goals: Tuple[GoalFacts, ...]
     link: Dict[Tuple[str, float], LinkFacts]  # by team and period (UTC seconds of its beginning)
     warnings: int
+    counts: str = ""  # see `RunResult`
 
     @property
     def is_over(self) -> bool:
@@ -87,7 +88,7 @@ def facts_of(result: RunResult, warnings: int, link_period: int = LINK_PERIODS_S
     return RunFacts(
         result.number, record._replace(history=(), form=None), _items(record),
         tuple(GoalFacts(goal.number, goal.seconds) for goal in goals(result)),
-        _link(result, link_period), warnings,
+        _link(result, link_period), warnings, result.counts,
     )
 
 

@@ -6,11 +6,11 @@ from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, j
 from roah_rsbb.results.report import statistics
 from roah_rsbb.results.report.facts import LINK_PERIODS_S, LinkFacts, RunFacts
 from roah_rsbb.results.report.plots import Assets, Axes, plot
-from roah_rsbb.results.runs import run_state_text
+from roah_rsbb.results.runs import run_state_text, taken_text
 from roah_rsbb.results.standings import Standing, standing_markup
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import one_line
-from roah_rsbb.wording.times import NOTHING, date_time, elapsed, optional_date_time
+from roah_rsbb.wording.times import NOTHING, date_time, optional_date_time
 
 STYLE = """
 body { max-width: 270mm; } nav { margin: 0 0 4mm; display: flex; flex-wrap: wrap; gap: 1mm 5mm; }
@@ -101,8 +101,9 @@ def _standings(site: Site) -> List[Child]:
 def _runs(site: Site) -> List[Child]:
     rows = [
         (str(run.number), date_time(r.opened_utc, site.in_utc), r.zone, _linked(r.benchmark, site.sheets, r.identity),
-         r.team, f"{r.round} / {r.run}", elapsed(r.elapsed_s) if r.started_utc else NOTHING, _points(run),
-         run_state_text(r), str(len(r.stops)), str(run.warnings), sheets.sheet_state(r.closed_utc, r.sign_off),
+         r.team, f"{r.round} / {r.run}", taken_text(r), _points(run),
+         run_state_text(r, run.counts), str(len(r.stops)), str(run.warnings),
+         sheets.sheet_state(r.closed_utc, r.sign_off),
          _linked("replay", site.replays, r.identity, ""))
         for run in site.runs for r in (run.record,)
     ]

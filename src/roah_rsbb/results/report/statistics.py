@@ -3,6 +3,7 @@
 import statistics
 from typing import Callable, Dict, Hashable, Iterable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
+from roah_rsbb.core.scoring.counting import attempts_of
 from roah_rsbb.results.report.facts import LinkFacts, RunFacts
 from roah_rsbb.rulebook.registry import PROFILES
 
@@ -138,9 +139,7 @@ def end_lines(runs: Sequence[RunFacts]) -> List[EndLine]:
         ends: Dict[str, int] = {}
         for run in of_code:
             ends[run.record.end_reason] = ends.get(run.record.end_reason, 0) + 1
-        attempts = _by(
-            (run for run in of_code if run.record.started_utc),
-            lambda run: (run.record.zone, run.record.team, run.record.round, run.record.run, run.record.scheduled))
+        attempts = attempts_of(run.record for run in of_code if run.record.started_utc)
         lines.append(EndLine(
             code, len(of_code), dict(sorted(ends.items())), sum(max(0, len(run.record.stops) - 1) for run in of_code),
             sum(len(each) - 1 for each in attempts.values())))

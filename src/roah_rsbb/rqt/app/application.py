@@ -1,9 +1,16 @@
-"""Starts Qt and the ROS node of a program with windows. When one ends, the other ends, too."""
+"""Starts Qt and the ROS node of a program with windows, and ends both: when one ends, the other ends, too.
 
+After a signal or a closed window, a program has ended within `ORDERLY_S + LEAVE_S`, even if the ROS master hangs. It
+ends without running destructors: Qt's could crash, because Python destroys widgets in any order.
+"""
+
+import contextlib
+import os
 import signal
 import sys
+import threading
 import time
-from typing import Callable, List
+from typing import Any, List, NoReturn
 
 import rosgraph
 import rospy
@@ -12,13 +19,18 @@ from roah_rsbb.ros import connections
 from roah_rsbb.rqt import language
 from roah_rsbb.rqt.model.failures import log_failures
 from roah_rsbb.rqt.model.garbage import collect_here
-from roah_rsbb.rqt.qt import QApplication, QSettings, Qt, QTimer
+from roah_rsbb.rqt.qt import QApplication, QMainWindow, QSettings, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
-# The interval (ms) at which Python can handle signals while Qt waits, and the end of ROS is noticed.
+# The interval (ms) at which the end of ROS and a signal are noticed.
 LOOK_MS = 200
-_signalled: List[bool] = []
+# Seconds from a signal or a closed window until the program leaves, although it has not ended its windows.
+ORDERLY_S = 1.6
+# Seconds until a program that leaves no longer waits for the master to remove its node.
+LEAVE_S = 0.6
+_must_end = threading.Event()
+_wake: List[int] = []  # a pipe that ends the program: Python writes the number of each signal into it
 
 
 def make_application(argv: List[str]) -> QApplication:
@@ -54,45 +66,83 @@ def grow(app: QApplication) -> QApplication:
     return app
 
 
-def for_rqt(create: Callable[[List[str]], QApplication], argv: List[str]) -> QApplication:
-    """Return the application that rqt creates: it grows, and SIGINT waits until Qt's loop runs.
+def run_rqt(main: Any) -> NoReturn:
+    """Run rqt, given its `rqt_gui.main.Main`. A signal or its closed window ends the process, also during its start.
 
-    SIGINT is blocked before Qt starts threads: one of them would take it.
+    qt_gui crashes or hangs if it closes its window while it loads a panel, and sometimes crashes afterwards. So the
+    process ends before qt_gui closes its window. This loses nothing: rqt's settings are cleared at each start.
     """
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    app = grow(create(argv))
-    QTimer.singleShot(0, lambda: signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT}))
-    return app
+    create, add_providers = main.create_application, main._add_plugin_providers
+
+    def add_plugin_providers() -> None:
+        window = next(widget for widget in QApplication.topLevelWidgets() if isinstance(widget, QMainWindow))
+        window.save_settings_before_close_signal.connect(lambda *_: leave(0))
+        add_providers()
+
+    main.create_application, main._add_plugin_providers = lambda argv: grow(create(argv)), add_plugin_providers
+    _end_at_signals(0.0)
+    leave(main.main())
 
 
 def init_node(name: str) -> None:
     """Start the ROS node `name`. While it waits for a master, it prints this. A signal then ends the program.
 
-    Afterwards, a signal ends `run`. The handlers are set first: a signal that ended the program just after the node
+    Afterwards, a signal ends `run`. Signals are watched first: a signal that ended the program just after the node
     registered would leave its name registered at the master.
     """
-    for number in _SIGNALS:
-        signal.signal(number, _on_signal)
+    _end_at_signals(ORDERLY_S)
     if not rosgraph.is_master_online():
         print(f"Waiting for the ROS master at {rosgraph.get_master_uri()}: start roah_rsbb.launch", file=sys.stderr)
         while not rosgraph.is_master_online():
-            if _signalled:
-                raise SystemExit(0)
-            time.sleep(LOOK_MS / 1000)
+            if _must_end.wait(LOOK_MS / 1000):
+                leave(0)
     connections.init_node(name, anonymous=True, disable_signals=True)
 
 
 def run(app: QApplication) -> int:
-    """Run until the last window is closed, a signal comes or ROS ends; returns the exit code."""
+    """Run until the last window is closed, a signal comes or ROS ends; returns the exit code. Then save and `leave`:
+    after `ORDERLY_S`, this happens by itself."""
     look = QTimer()
-    look.timeout.connect(lambda: app.quit() if _signalled or rospy.is_shutdown() else None)
+    look.timeout.connect(lambda: app.quit() if _must_end.is_set() or rospy.is_shutdown() else None)
     look.start(LOOK_MS)
-    return app.exec_()
+    code = app.exec_()
+    os.write(_wake[1], bytes([signal.SIGTERM]))
+    return code
 
 
-def _on_signal(*_) -> None:
-    """Only record the signal: it may arrive while the windows are being created, when quitting has no effect."""
-    _signalled.append(True)
+def leave(code: int) -> NoReturn:
+    """End this process, from any thread: remove the node from the master, if it answers within `LEAVE_S`."""
+    threading.Thread(target=_take_leave, daemon=True).start()
+    until_mono = time.monotonic() + LEAVE_S
+    while not rospy.is_shutdown() and time.monotonic() < until_mono:  # it becomes true when the node is removed
+        time.sleep(0.01)
+    os._exit(code)
+
+
+def _take_leave() -> None:
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(Exception):  # it is closed, or nobody reads it any more
+            stream.flush()
+    rospy.signal_shutdown("the program ends")
+
+
+def _end_at_signals(orderly_s: float) -> None:
+    """Let a signal set `_must_end`, and end this process after `orderly_s` seconds. This does not need the main thread,
+    which may be waiting for the master."""
+    _wake[:] = os.pipe()
+    os.set_blocking(_wake[1], False)
+    signal.set_wakeup_fd(_wake[1])
+    for number in _SIGNALS:
+        signal.signal(number, lambda *_: None)
+    threading.Thread(target=_end, args=(_wake[0], orderly_s), name="end", daemon=True).start()
+
+
+def _end(reading: int, orderly_s: float) -> None:
+    while os.read(reading, 1)[0] not in _SIGNALS:
+        pass
+    _must_end.set()
+    time.sleep(orderly_s)
+    leave(0)
 
 
 class PanelSettings:

@@ -18,12 +18,10 @@ from roah_rsbb.ros import display
 RQT_MODULES = ("rqt_gui", "rqt_gui_py", "qt_gui")
 NO_RQT = "rqt is not installed: install ros-noetic-rqt-gui and ros-noetic-rqt-gui-py, or use gui:=window"
 # A locked rqt (qt_gui 0.4.2) crashes at every start except the first, when it replaces the layout that it imported
-# before. It therefore gets its own settings file, which is cleared at the start. A SIGINT while it loads a panel
-# would make it crash or hang, so `for_rqt` delays it until all panels are loaded.
+# before. It therefore gets its own settings file, which is cleared at the start.
 _RUN_RQT = (
-    "import sys; from rqt_gui.main import Main; from roah_rsbb.rqt.app.application import for_rqt; "
-    "main = Main(filename='rqt', settings_filename='roah_rsbb_rqt'); create = main.create_application; "
-    "main.create_application = lambda argv: for_rqt(create, argv); sys.exit(main.main())"
+    "from rqt_gui.main import Main; from roah_rsbb.rqt.app.application import run_rqt; "
+    "run_rqt(Main(filename='rqt', settings_filename='roah_rsbb_rqt'))"
 )
 # rqt caches its list of plugins: make it search again. The layout is frozen and locked, so that no panel is closed
 # accidentally. For another layout, start rqt yourself.
@@ -35,6 +33,8 @@ REOPEN_S = 1.0
 # A window that ends sooner has failed; after this many failures in a row the program gives up.
 SHORT_LIFE_S = 5.0
 MAX_SHORT_LIVES = 5
+# A window that has not ended so long after a signal is killed. Its own limits (application.py) are shorter.
+KILL_S = 2.5
 
 
 class WindowChoice(NamedTuple):
@@ -70,11 +70,15 @@ class Keeper:
         """Run the program. Returns its last exit code."""
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._end)
+        signal.signal(signal.SIGALRM, lambda *_: self._send(signal.SIGKILL))
         short_lives = 0
         while True:
             started = time.monotonic()
             self._child = subprocess.Popen(self._command)
+            if self._ending:  # the signal came before there was a child
+                self._send(signal.SIGTERM)
             code = self._child.wait()
+            signal.setitimer(signal.ITIMER_REAL, 0)  # it must not come while Python ends, without its handlers
             if self._ending or (code == 0 and not self._reopen):
                 return 0 if self._ending else code
             short_lives = short_lives + 1 if time.monotonic() - started < SHORT_LIFE_S else 0
@@ -86,9 +90,15 @@ class Keeper:
             if self._ending:
                 return 0
 
-    def _end(self, number: int, _frame) -> None:
+    def _end(self, *_) -> None:
+        """End the program by SIGTERM: at its very start, Python can lose a SIGINT."""
+        if not self._ending:
+            signal.setitimer(signal.ITIMER_REAL, KILL_S)
         self._ending = True
-        if self._child is not None and self._child.poll() is None:
+        self._send(signal.SIGTERM)
+
+    def _send(self, number: int) -> None:
+        if self._child is not None:
             self._child.send_signal(number)
 
 

@@ -7,6 +7,7 @@ from rqt_gui_py.plugin import Plugin
 from roah_rsbb.rqt.app.panel_list import PANELS, plugin_name
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.qt import QMainWindow, QTimer
 
 
 class PanelPlugin(Plugin):
@@ -21,6 +22,15 @@ class PanelPlugin(Plugin):
         if context.serial_number() > 1:
             self.panel.setWindowTitle(f"{self.panel.windowTitle()} ({context.serial_number()})")
         context.add_widget(self.panel)
+        QTimer.singleShot(0, self._add_strip)  # only then is the panel in rqt's window
+
+    def _add_strip(self) -> None:
+        """Add the STOP strip to rqt's window, once for all panels."""
+        window = self.panel.window()
+        while window is not None and not isinstance(window, QMainWindow):  # a dock that floats
+            window = window.parentWidget()
+        if window is not None:
+            self.panel.client.add_strip(window)
 
     def shutdown_plugin(self) -> None:
         self.panel.shutdown()

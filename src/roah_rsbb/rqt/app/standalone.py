@@ -7,15 +7,13 @@ import re
 import sys
 from typing import Type
 
-import rospy
-
 from roah_rsbb.ros import display
 from roah_rsbb.ros.command_line import explain_panel
 from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.app.application import PanelSettings
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.panel import Panel
-from roah_rsbb.rqt.qt import QSettings
+from roah_rsbb.rqt.qt import QMainWindow, QSettings
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.language import tr
 
@@ -40,18 +38,20 @@ def main(kind: Type[Panel]) -> None:
     settings = QSettings("roah_rsbb", name)
     kept = PanelSettings(settings, kind.__name__)
     panel = kind(Client.acquire())
-    panel.setWindowTitle(f"{tr(kind.TITLE)} – RoAH RSBB")
-    panel.resize(round(WIDE_EMS * basic.em()), round(HIGH_EMS * basic.em()))
+    window = QMainWindow()
+    window.setCentralWidget(panel)
+    panel.client.add_strip(window)
+    window.setWindowTitle(f"{tr(kind.TITLE)} – RoAH RSBB")
+    window.resize(round(WIDE_EMS * basic.em()), round(HIGH_EMS * basic.em()))
     geometry = settings.value("geometry")
     if geometry is not None:
-        panel.restoreGeometry(geometry)
+        window.restoreGeometry(geometry)
     panel.restore_settings(kept)
-    panel.show()
+    window.show()
     code = application.run(app)
-    settings.setValue("geometry", panel.saveGeometry())
+    settings.setValue("geometry", window.saveGeometry())
     panel.save_settings(kept)
     settings.sync()
     panel.shutdown()
     Client.release()
-    rospy.signal_shutdown("panel closed")
-    sys.exit(code)
+    application.leave(code)

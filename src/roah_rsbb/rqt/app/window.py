@@ -47,6 +47,7 @@ class Window(QMainWindow):
             dock.setWidget(panel)
             self.panels[panel.objectName()] = panel
             self.docks[panel.objectName()] = dock
+        self.strip = client.add_strip(self)
         self._lay_out()
         menu = self.menuBar().addMenu(tr("&Panels"))
         for dock in self.docks.values():
@@ -121,5 +122,4 @@ def main() -> None:
     window.show()
     code = application.run(app)
     window.shutdown()
-    rospy.signal_shutdown("window closed")
-    sys.exit(code)
+    application.leave(code)

@@ -22,9 +22,8 @@ from roah_rsbb.wording.sent import tr_sent
 TIMEOUT_S = 5.0
 # Limit of calls of a service that wait at the same time: a node that hangs must not fill this process with threads.
 MAX_WAITING = 16
-# The same for STOP, which all zones may get at once.
+# It has no such limit: nothing ignores a STOP, and each call ends (known_services.py).
 STOP = "/core/stop_run"
-MAX_STOPS = 100
 # A mark that was not answered is sent again after this time (s).
 AGAIN_S = 0.2
 # Of the person at a panel, for marks.
@@ -52,6 +51,7 @@ class CallOutcome(NamedTuple):
 
     error: str  # for the referee; empty: it was carried out
     result: Any = None
+    is_answered: bool = True  # false: nobody answered, so it may have been carried out
 
 
 class Marked(NamedTuple):
@@ -88,6 +88,10 @@ class Calls(QObject):
         headers = self._headers()
         self.run(owner, name, lambda: KnownService(name, kind, headers=headers)(*request), done)
 
+    def learn(self, owner: object, name: str, kind: type) -> None:
+        """Find the service `name`, so that a later call does not depend on the master."""
+        self.run(owner, f"{name}/address", KnownService(name, kind).learn, lambda outcome: None)
+
     def mark(self, owner: object, mark: MarkItemRequest, done: Callable[[CallOutcome], None]) -> None:
         """Mark a scoring item; the result is a `Marked`. `mark` needs no id and no referee.
 
@@ -105,9 +109,9 @@ class Calls(QObject):
 
     def run(self, owner: object, what: str, job: Callable[[], Any], done: Callable[[CallOutcome], None]) -> None:
         """Run `job` in a thread; `done` receives its result or error, unless `owner` was forgotten."""
-        if self._threads[what] >= (MAX_STOPS if what == STOP else MAX_WAITING):
+        if what != STOP and self._threads[what] >= MAX_WAITING:
             done(CallOutcome(tr("{what}: not sent, because {n} commands are still waiting for an answer",
-                                what=what, n=self._threads[what])))
+                                what=what, n=self._threads[what]), is_answered=False))
             return
         self._threads[what] += 1
         self._next += 1
@@ -127,7 +131,7 @@ class Calls(QObject):
         try:
             outcome = CallOutcome("", job())
         except Exception as e:  # the referee reads any error beside the command
-            outcome = CallOutcome(failure_text(str(e)) or type(e).__name__)
+            outcome = CallOutcome(failure_text(str(e)) or type(e).__name__, None, refusals.was_answered(str(e)))
         with contextlib.suppress(RuntimeError):  # the process is ending
             self._answered.emit(token, what, outcome)
 
@@ -139,7 +143,8 @@ class Calls(QObject):
         if token in self._waiting:
             what = self._waiting[token].what
             self._deliver(token, CallOutcome(
-                tr("{what}: no answer within {time:.0f} s: {why}", what=what, time=TIMEOUT_S, why=_missing(what))))
+                tr("{what}: no answer within {time:.0f} s: {why}", what=what, time=TIMEOUT_S, why=_missing(what)),
+                is_answered=False))
 
     def _deliver(self, token: int, outcome: CallOutcome) -> None:
         waiting = self._waiting.pop(token, None)
@@ -167,8 +172,12 @@ def _missing(text: str) -> str:
     return tr("is the core running? Check the state when it is back.")
 
 
+# How rospy begins to say that it did not reach a service.
+_UNREACHED = ("unable to connect to service", "unable to contact master", "transport error")
+
+
 def failure_text(raised: str) -> str:
     """Return the core's reasons, or what to check if there was no answer."""
-    if raised.endswith("unavailable") or raised.startswith(("unable to connect to service", "transport error")):
+    if raised.endswith("unavailable") or raised.startswith(_UNREACHED):
         return tr("no answer: {why} ({error})", why=_missing(raised), error=raised)
     return "; ".join(map(tr_sent, refusals.reasons(raised)))

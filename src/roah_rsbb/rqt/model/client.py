@@ -11,11 +11,15 @@ from roah_rsbb.rqt.model.failures import log_failures
 from roah_rsbb.rqt.model.garbage import collect_here
 from roah_rsbb.rqt.model.model import TOPICS, Model
 from roah_rsbb.rqt.model.presses import DoublePress
+from roah_rsbb.rqt.model.stops import Stops
 from roah_rsbb.rqt.model.zone_parameter import ZoneParameter
-from roah_rsbb.rqt.qt import QWidget
+from roah_rsbb.rqt.qt import QMainWindow, QWidget
 from roah_rsbb.rqt.widgets.focus_ring import FocusRing
+from roah_rsbb.rqt.widgets.keep_clear import KeepClear
 from roah_rsbb.rqt.widgets.keys_page import KeysKey
 from roah_rsbb.rqt.widgets.stop_keys import StopKeys
+from roah_rsbb.rqt.widgets.stop_strip import StopStrip, add_strip
+from roah_rsbb.rqt.widgets.stop_window import StopWindow
 from roah_rsbb.wording.times import Moments
 
 # A parameter in the client's namespace (launch/roah_rsbb_client.launch).
@@ -33,10 +37,17 @@ class Client:
         self.referee = RefereeName()
         self.calls = Calls(self.referee)
         self.presses = DoublePress()
-        self.stop_keys = StopKeys(self.model, self.calls)
+        self.stops = Stops(self.model, self.calls)
+        self.stop_keys = StopKeys(self.model, self.stops)
+        self.stop_window = StopWindow(self.model, self.stops)
+        self.keep_clear = KeepClear()
         self.keys_key = KeysKey()
         self.focus_ring = FocusRing(_is_ours)
         self.moments = Moments(bool(rospy.get_param(TIMES_IN_UTC, False)))
+
+    def add_strip(self, window: QMainWindow) -> StopStrip:
+        """Put the STOP strip into a main window, once. It ends with the client."""
+        return add_strip(window, self.model, self.stops)
 
     @classmethod
     def acquire(cls) -> "Client":
@@ -56,7 +67,12 @@ class Client:
         """Release the client; the last call ends it."""
         cls._users -= 1
         if cls._users == 0 and cls._shared is not None:
+            for strip in list(StopStrip.shown):
+                strip.end()
+            cls._shared.stop_window.end()
+            cls._shared.keep_clear.end()
             cls._shared.stop_keys.end()
+            cls._shared.stops.end()
             cls._shared.keys_key.end()
             cls._shared.focus_ring.end()
             cls._shared.model.stop()

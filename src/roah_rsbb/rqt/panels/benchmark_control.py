@@ -1,6 +1,6 @@
 """Benchmark Control: the zone's event, the state of its run, and the commands (docs/referee.md, "Benchmark Control").
 
-Keys: F5 twice starts, Esc twice stops, whichever panel of the process has the focus.
+Key: F5 twice starts, whichever panel of the process has the focus. STOP is in the strip below all panels.
 """
 
 from functools import partial
@@ -10,7 +10,7 @@ from roah_rsbb.msg import RunSummary, ZoneDetails, ZoneState
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels.history import RunSheets, why_fixed
 from roah_rsbb.rqt.panels.more_commands import WHATS, Command, MoreMenu, RuleButtons
-from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel, ask
+from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel, ask, keep_true
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
 from roah_rsbb.rqt.qt import (
     QComboBox,
@@ -27,8 +27,8 @@ from roah_rsbb.rqt.widgets import basic, phases
 from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
 from roah_rsbb.rqt.widgets.run_times import RunTimes
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
-from roah_rsbb.srv import ConnectRobot, StopReason, Zone
-from roah_rsbb.wording import sheets
+from roah_rsbb.srv import ConnectRobot, StopReason, Zone, ZoneOfTeam
+from roah_rsbb.wording import sheets, stop
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.sent import tr_sent
 from roah_rsbb.wording.todo import WARNING
@@ -122,19 +122,16 @@ COMMANDS = {
                  tr_later("Open the private channel to the team's robot"), "connect"),
         _Command("start", tr_later("Start in {zone}"), tr_later("▶ START"),
                  tr_later("Start the benchmark (keys: F5 twice)"), "start"),
-        _Command("stop", tr_later("Stop in {zone}"), tr_later("■ STOP"),
-                 tr_later("Stop the benchmark (keys: Esc twice)"), "stop"),
         _Command("disconnect", tr_later("Disconnect in {zone}"), tr_later("Disconnect"),
                  tr_later("Leave the run and close the channel"), "disconnect"),
     )
 }
 NO_ZONE = tr_later("This zone is not in the schedule. Choose a zone above.")
 
-# The usual next command of each phase is highlighted while it is possible.
+# The usual next command of each phase is highlighted while it is possible, and nothing must be done before.
 NEXT_STEP = {
     ("idle", "connect"): basic.READY,
     ("connected", "start"): basic.RUNNING,
-    ("running", "stop"): basic.ALARM,
     ("ended", "disconnect"): basic.READY,
 }
 
@@ -147,7 +144,7 @@ class _ZoneBox(QComboBox):
 
 
 class BenchmarkControlPanel(Panel):
-    """Zone selector, event, countdown, state and the six commands."""
+    """Zone selector, event, countdown, state and the commands of a run but STOP."""
 
     TITLE = tr_later("Benchmark Control")
     WHERE_FACTOR = 1.4
@@ -164,7 +161,6 @@ class BenchmarkControlPanel(Panel):
         self.times = RunTimes()
         self.state = basic.Notices(1.3)
         self._answer = Answer()
-        self._failed_stop: Optional[Tuple[str, str]] = None  # zone, and what is said about it
         self.reason = StopReasonLine(self, self._answer)
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
         self.rules = RuleButtons(self._press)
@@ -196,20 +192,18 @@ class BenchmarkControlPanel(Panel):
         connect.addWidget(self.more)
         commands.addLayout(connect, 0, 0)
         commands.addWidget(self.buttons["disconnect"], 1, 0)
-        commands.addWidget(self.buttons["start"], 0, 1, 2, 1)
-        commands.addWidget(self.buttons["stop"], 0, 2, 2, 1)
-        for column, share in enumerate((4, 5, 5)):
-            commands.setColumnStretch(column, share)
-        for name in ("start", "stop"):
-            button = basic.enlarged(self.buttons[name], 1.9, bold=True)
-            button.setSizePolicy(QSizePolicy.Preferred, QSizePolicy.Expanding)
+        start = basic.enlarged(self.buttons["start"], 1.9, bold=True)
+        start.setSizePolicy(QSizePolicy.Preferred, QSizePolicy.Expanding)
+        commands.addWidget(start, 0, 1, 2, 1)
+        commands.setColumnStretch(0, 1)
+        commands.setColumnStretch(1, 1)
         self.body.addWidget(self._answer)
         reason = QHBoxLayout()
         reason.addWidget(QLabel(tr(REASON)))
         reason.addWidget(self.reason, 1)
         self.body.addLayout(reason)
         self.body.addWidget(self.rules)
-        self.body.addLayout(commands)
+        self.foot.addLayout(commands)
 
     def _event_grid(self) -> QGridLayout:
         grid = QGridLayout()
@@ -256,17 +250,6 @@ class BenchmarkControlPanel(Panel):
         self.more.show_details(details, silent)
         self.reason.show_run()
         self._start_key.forget()
-        self._forget_failed_stop()
-
-    def _forget_failed_stop(self) -> None:
-        """Take the message away when the run has stopped after all, such as when a core that hung continues."""
-        if self._failed_stop is None or self.model.is_old:
-            return
-        zone, said = self._failed_stop
-        if zone not in self.model.running_zones():
-            self._failed_stop = None
-            if self._answer.text() == said:
-                self._answer.clear_answer()
 
     def where(self) -> str:
         return self.client.moments.with_zone(self.model.clock_s) if self.model.gui else ""
@@ -283,13 +266,12 @@ class BenchmarkControlPanel(Panel):
             self._zones.setCurrentIndex(self._zones.findText(self.model.zone_name))
 
     def _show_zone_change(self) -> None:
-        """Highlight another zone for a moment. Until then only STOP works: no click may hit the wrong zone."""
+        """Highlight another zone for a moment. Until then no command works: no click may hit the wrong zone."""
         before, self._shown_zone = self._shown_zone, self.model.zone_name
         if before in ("", self._shown_zone):
             return
-        for name, button in {**self.buttons, **self.rules.buttons}.items():
-            if name != "stop":
-                button.hold()
+        for button in (*self.buttons.values(), *self.rules.buttons.values()):
+            button.hold()
         basic.set_style(self._zones, f"QComboBox {{ background: {basic.OLD.background}; color: {basic.OLD.text}; }}")
         self._highlight.start(basic.HOLD_MS)
 
@@ -320,43 +302,50 @@ class BenchmarkControlPanel(Panel):
         self._show_state(zone.state)
 
     def _show_state(self, state: str) -> None:
-        """Show the box's warnings, which concern every referee, then the zone's lines."""
+        """Show the zone's warnings, those of the box, which concern every referee, then the zone's other lines."""
         of_box = list(self.model.details.warnings) if self.model.details else []
         lines = [line for line in state.splitlines() if line]
-        self.state.show_lines(
-            [(tr_sent(w), True) for w in of_box]
-            + [(tr_sent(line[len(WARNING):] if line.startswith(WARNING) else line), line.startswith(WARNING))
-               for line in lines]
-        )
+        warnings = [line[len(WARNING):] for line in lines if line.startswith(WARNING)] + of_box
+        self.state.show_lines([(tr_sent(text), True) for text in warnings]
+                              + [(tr_sent(line), False) for line in lines if not line.startswith(WARNING)])
 
     def _show_button(self, command: _Command, zone: Optional[ZoneState], details: Optional[ZoneDetails]) -> None:
         button = self.buttons[command.service]
-        running = details is not None and details.phase == "running"
         if zone is None:
             button.allow(False, [tr(NO_ZONE) if self.model.gui else tr("Waiting for the core")])
             return
-        allowed = getattr(zone, f"{command.field}_enabled")
         if self.model.is_old:
-            # The run may still be running: STOP stays available in case the command gets through.
-            button.allow(allowed and command.service == "stop", [self.model.why_old(tr(SILENT))],
-                         basic.ALARM if running else None)
+            button.allow(False, [self.model.why_old(tr(SILENT))])
             return
+        allowed = getattr(zone, f"{command.field}_enabled")
         reasons = getattr(details, f"{command.field}_off") if details else ()
-        tone = NEXT_STEP.get((details.phase if details else "", command.service))
+        is_next = details is not None and not stop.leaving(details)
+        tone = NEXT_STEP.get((details.phase, command.service)) if is_next else None
         button.allow(allowed, [tr_sent(reason) for reason in reasons], tone)
 
     # -- commands -----------------------------------------------------------------------------------
 
     def _press(self, service: str) -> None:
         """A button was clicked, or its key pressed twice."""
-        zone, details = self.model.zone_name, self.model.zone_details
-        if service == "disconnect" and zone in self.model.running_zones():
-            ask(self, tr("The run is in progress. Disconnect?"),
-                tr("This ends the run of {robot} in zone {zone}, and it cannot be resumed.",
-                   robot=self.model.zone.team if details is None else details.robot, zone=zone),
-                tr(COMMANDS[service].label), partial(self._disconnect, zone, self.model.identity_of(zone)))
+        zone = self.model.zone_name
+        question, why = self._leaving(zone)
+        if service == "disconnect" and why:
+            box = ask(self, question, why, tr(COMMANDS[service].label),
+                      partial(self._disconnect, zone, self.model.identity_of(zone)))
+            keep_true(box, self.model, partial(self._leaving, zone))
         else:
             self._send(service, zone)
+
+    def _leaving(self, zone: str) -> Tuple[str, str]:
+        """Return the question before the run in a zone is left, and why it is asked; empty: it is not."""
+        details = self.model.details_of(zone)
+        if zone in self.model.running_zones():
+            team = next(one.team for one in self.model.gui.zones if one.zone == zone)
+            robot = team if details is None else details.robot
+            return tr("The run is in progress. Disconnect?"), tr(
+                "This ends the run of {robot} in zone {zone}, and it cannot be resumed.", robot=robot, zone=zone)
+        why = "" if details is None else stop.leaving(details)
+        return tr("The robot has not stopped. Disconnect?") if why else tr("The run is over. Disconnect?"), why
 
     def _disconnect(self, zone: str, asked: str) -> None:
         """Disconnect the run that the referee was asked about, and no other one. `asked`: its identity."""
@@ -370,25 +359,28 @@ class BenchmarkControlPanel(Panel):
         if details is None or event is None:
             return
         if not command.question:
-            self._send_from_menu(command.service, zone)
+            self._send_from_menu(command.service, zone, event.team, details.event)
             return
-        ask(self, tr(command.label).rstrip(" …"), tr(command.question, team=event.team), tr(command.label).rstrip(" …"),
-            partial(self._send_if_same, command.service, zone, (event.schedule, event.team, details.identity)))
+        text = "\n\n".join(filter(None, [stop.leaving(details), tr(command.question, team=event.team)]))
+        ask(self, tr(command.label).rstrip(" …"), text, tr(command.label).rstrip(" …"),
+            partial(self._send_if_same, command.service, zone, (event.team, details.event, details.identity)))
 
-    def _send_if_same(self, service: str, zone: str, asked: tuple) -> None:
-        """Give the command if the zone is still at the event that the referee was asked about."""
-        event = self.model.zone
-        now = None if event is None else (event.schedule, event.team, self.model.identity_of(zone))
+    def _send_if_same(self, service: str, zone: str, asked: Tuple[str, str, str]) -> None:
+        """Give the command if the zone is still at the event and the run that the referee was asked about. The core
+        checks the event again."""
+        event, details = self.model.zone, self.model.zone_details
+        now = None if event is None or details is None else (event.team, details.event, details.identity)
         if self.model.zone_name == zone and now == asked:
-            self._send_from_menu(service, zone)
+            self._send_from_menu(service, zone, *asked[:2])
         else:
             self._answer.warn(tr("Not done: {zone} is at another event now", zone=zone))
 
-    def _send_from_menu(self, service: str, zone: str) -> None:
+    def _send_from_menu(self, service: str, zone: str, team: str, event: str) -> None:
         what = tr(WHATS[service], zone=zone)
         self._answer.say(f"{what} …")
         self.client.calls.service(
-            self, f"/core/{service}", Zone, (zone,), lambda outcome: self._answer.show_outcome(what, outcome))
+            self, f"/core/{service}", ZoneOfTeam, (zone, team, event),
+            lambda outcome: self._answer.show_outcome(what, outcome))
 
     def _pair(self) -> None:
         basic.show_alone(PairDialog(self, self.client.calls, self.client.moments, self.model.zone_name))
@@ -411,10 +403,5 @@ class BenchmarkControlPanel(Panel):
             self._answer.show_outcome(what, outcome)
             if outcome.error:
                 button.let_go()
-                self._failed_stop = (zone, self._answer.text()) if service == "stop" else None
 
-        details = self.model.details_of(zone)
-        if service == "stop":
-            self.stop_run(zone, details, done)
-        else:
-            self.client.calls.service(self, f"/core/{service}", Zone, (zone,), done)
+        self.client.calls.service(self, f"/core/{service}", Zone, (zone,), done)

@@ -5,7 +5,6 @@ expands them earlier. It works in rqt as in our window: a dock with a small maxi
 others.
 """
 
-from functools import partial
 from typing import Optional
 
 from roah_rsbb.rqt.panels.panel import Panel
@@ -19,6 +18,8 @@ SCORING = "ScoringPanel"
 SHOW, HIDE = "▸", "▾"
 SHOW_TIP, HIDE_TIP = tr_later("Show this panel now"), tr_later("Leave the space to Scoring")
 NO_LIMIT = 16777215  # Qt's QWIDGETSIZE_MAX
+# Updates of the model after which the earlier height is no longer asked for.
+MOST_ATTEMPTS = 20
 
 
 def scoring_in(window: QWidget) -> Optional[Panel]:
@@ -42,6 +43,7 @@ class CollapsingPanel(Panel):
         self.is_collapsed = False
         self._run = ""  # the run that is scored
         self._height = 0  # of the dock while no run is connected; 0: not known
+        self._attempts = 0  # that are left to give the dock this height again
         self.toggle = QToolButton()
         self.toggle.setFocusPolicy(Qt.TabFocus)
         self.toggle.clicked.connect(lambda: self._collapse(not self.is_collapsed))
@@ -56,7 +58,15 @@ class CollapsingPanel(Panel):
 
     def show_collapsed(self, is_collapsed: bool) -> None:
         """Show only the visible line, or everything."""
-        self.content.setVisible(not is_collapsed)
+        self.area.setVisible(not is_collapsed)
+
+    def _show_news(self) -> None:
+        """Leave the space to what the line says."""
+        super()._show_news()
+        self._news.setToolTip("")
+        if self.is_collapsed and self.model.is_old:
+            self._news.setToolTip(basic.tip(self._news.text()))
+            self._news.show_text("⚠", basic.OLD)
 
     def _watch(self) -> None:
         zone, details = self.model.zone, self.model.zone_details
@@ -64,9 +74,12 @@ class CollapsingPanel(Panel):
             return
         is_scored = details.phase in ("running", "ended") and bool(zone.scoring)
         run = details.identity if is_scored else ""
-        if details.phase == "idle" and not self.is_collapsed and not self.visibleRegion().isEmpty():
-            dock = dock_of(self)
-            self._height = 0 if dock is None else dock.height()
+        if not self.is_collapsed and not self.visibleRegion().isEmpty():
+            if self._attempts:
+                self._grow()
+            elif details.phase == "idle":
+                dock = dock_of(self)
+                self._height = 0 if dock is None else dock.height()
         if run != self._run:
             self._run = run
             self._collapse(bool(run) and self._is_in_the_way())
@@ -85,21 +98,25 @@ class CollapsingPanel(Panel):
         if is_collapsed == self.is_collapsed:
             return
         self.is_collapsed = is_collapsed
-        dock = dock_of(self)
         self.show_collapsed(is_collapsed)
         self.layout().activate()
         self.setMaximumHeight(self.layout().minimumSize().height() if is_collapsed else NO_LIMIT)
-        if not is_collapsed and dock is not None:
-            # Pass the height: an update may change it before the timer fires.
-            QTimer.singleShot(0, partial(self._grow, self._height))
+        self._attempts = 0 if is_collapsed else MOST_ATTEMPTS
+        if not is_collapsed:
+            QTimer.singleShot(0, self._grow)
         self._on_update()
 
-    def _grow(self, height: int) -> None:
-        """Restore an earlier height of the dock."""
+    def _grow(self) -> None:
+        """Restore the earlier height of the dock. Qt gives it only when Scoring needs no space for its sheet any more,
+        and a busy computer shows that later."""
         window = self.window()
-        scoring = scoring_in(window)
-        docks = [dock_of(panel) for panel in (self, scoring) if panel is not None]
-        if len(docks) == 2 and None not in docks and isinstance(window, QMainWindow) and height:
+        docks = [dock_of(panel) for panel in (self, scoring_in(window)) if panel is not None]
+        if len(docks) < 2 or None in docks or not isinstance(window, QMainWindow) or not self._height:
+            self._attempts = 0
+        elif self._attempts:
+            self._attempts -= 1
             both = sum(dock.height() for dock in docks)
-            if not self.is_collapsed and height < both:
-                window.resizeDocks(docks, [height, both - height], Qt.Vertical)
+            if self._height < both:
+                window.resizeDocks(docks, [self._height, both - self._height], Qt.Vertical)
+            if docks[0].height() == self._height:
+                self._attempts = 0

@@ -137,7 +137,7 @@ class ManualOperationPanel(Panel):
         if self._request is None or self.model.why_read_only(tr(SILENT)):
             basic.set_style(self.text, "")
             return
-        tone = basic.ALARM if self._flashes_left % 2 else basic.OLD
+        tone = basic.Tone(*reversed(basic.ALARM)) if self._flashes_left % 2 else basic.ALARM
         basic.set_style(self.text, f"background: {tone.background}; color: {tone.text};")
 
     # -- answering ----------------------------------------------------------------------------------

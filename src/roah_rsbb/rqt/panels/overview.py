@@ -1,44 +1,34 @@
-"""Overview: all zones at a glance, and a button that stops all of them.
-
-Keys: Shift+Esc twice stops all zones, whichever panel of the process has the focus.
-"""
+"""Overview: all zones at a glance (docs/referee.md, "Overview")."""
 
 import math
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.msg import ZoneDetails, ZoneState
+from roah_rsbb.rqt.model.stops import NONE_RUNS, NOT_HEARD
 from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import (
     QApplication,
-    QBoxLayout,
     QFontMetrics,
     QFrame,
     QGridLayout,
     QLabel,
     QScrollArea,
-    QSize,
     QSizePolicy,
     Qt,
     QWidget,
     Signal,
 )
 from roah_rsbb.rqt.widgets import basic, phases
-from roah_rsbb.rqt.widgets.basic import HoldButton
 from roah_rsbb.rqt.widgets.run_times import known, marked, tone_of
-from roah_rsbb.rqt.widgets.stop_keys import DONE_S
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.clock import Clock, lines
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.replay import NO_COMMANDS
 from roah_rsbb.wording.todo import Todo, Urgency, todo
 
 # Size of a tile at scale 1, in units of the desktop's font. A compact tile is lower.
 HIGH_EMS = 5.6
 COMPACT_EMS = 3.7
 WIDE_EMS = 20.0
-# A text that is too long is written smaller, by these factors, before it is cut off.
-SHRINK = (1.0, 0.85, 0.7)
-LEAST_TEXT = 0.62
 LINES = {
     Urgency.DO: (tr_later("☛ DO NOW: "), basic.ALARM),
     Urgency.LOOK: ("⚠ ", basic.OLD),
@@ -49,51 +39,6 @@ CHOSEN = "◆ "
 # The share of a compact tile's width that what to do needs; beyond that the phase shrinks to its symbol.
 MOST_OF_TILE = 0.5
 BETWEEN = "  ·  "
-
-
-class _TodoLabel(QLabel):
-    """Uses the available space: a long text does not enlarge its tile. Of a text that does not fit, "…" is the end."""
-
-    def __init__(self) -> None:
-        super().__init__(wordWrap=True)
-        self.factor = 1.0
-        self._whole = ""
-        self.setTextFormat(Qt.PlainText)
-        self.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Expanding)
-
-    def hasHeightForWidth(self) -> bool:
-        return False
-
-    def sizeHint(self) -> QSize:
-        return QSize(1, round(1.3 * self.factor * basic.em()))
-
-    def minimumSizeHint(self) -> QSize:
-        return self.sizeHint()
-
-    def settle(self) -> None:
-        """Write the text as large as the space allows."""
-        self.setText(self._whole)
-        for shrink in SHRINK:
-            basic.enlarged(self, max(LEAST_TEXT, shrink * self.factor), bold=True)
-            if self._fits():
-                return
-        words = self._whole.split(" ")
-        while len(words) > 1 and not self._fits():
-            words.pop()
-            self.setText(f"{' '.join(words)} …")
-
-    def _fits(self) -> bool:
-        return self.heightForWidth(self.width()) <= self.height()
-
-    def show_text(self, text: str) -> None:
-        """Show another text."""
-        if text != self._whole:
-            self._whole = text
-            self.settle()
-
-    def resizeEvent(self, event) -> None:
-        super().resizeEvent(event)
-        self.settle()
 
 
 class ZoneTile(QFrame):
@@ -113,7 +58,7 @@ class ZoneTile(QFrame):
         self.setAccessibleName(zone)
         self.name, self.countdown, self.event = QLabel(), QLabel(alignment=Qt.AlignRight), QLabel()
         self.phase = basic.Badge()
-        self.todo = _TodoLabel()
+        self.todo = basic.FilledLabel()
         for label in (self.name, self.countdown, self.event):
             label.setTextFormat(Qt.PlainText)
         for label in (self.name, self.event):
@@ -209,13 +154,7 @@ class ZoneTile(QFrame):
             super().keyPressEvent(event)
 
 
-STOP_KEY = "Shift+Esc"
-STOP_ALL = tr_later("■ STOP ALL ZONES (hold)")
-STOP_TIP = tr_later("Stop the runs of all zones. Hold the button down (keys: {key} twice).")
-HOLD_IT = tr_later("To stop all zones, hold the button down until the runs stop")
-NONE_RUNS = tr_later("No zone is running")
 NO_CALL = (0, -1)
-NOT_HEARD = tr_later("Waiting for the core")
 # Tiles grow with the panel, so that they can be read from a distance, up to the factor MOST. Where space is short they
 # are compact, and shrink to LEAST at the smallest.
 LEAST, MOST = 0.7, 3.5
@@ -262,20 +201,18 @@ class OverviewPanel(CollapsingPanel):
         self._area.setFrameShape(QFrame.NoFrame)
         self._area.setWidget(self._inside)
         self.body.addWidget(self._area, 1)
-        self.stop = HoldButton(tr(STOP_ALL), tr(STOP_TIP, key=STOP_KEY))
-        self.stop.kept.connect(self._stop_all)
-        self.stop.too_short.connect(lambda: client.stop_keys.prompt.say(tr(HOLD_IT), basic.OLD, DONE_S))
-        self.body.addWidget(self.stop)
 
     # -- showing ------------------------------------------------------------------------------------
 
     def show_collapsed(self, is_collapsed: bool) -> None:
-        """Keep the zones that need the referee, and the button that stops all."""
-        self._area.setVisible(not is_collapsed)
-        self.body.setDirection(QBoxLayout.LeftToRight if is_collapsed else QBoxLayout.TopToBottom)
-        self.body.setStretch(0, 1 if is_collapsed else 0)
+        """Keep the line with the zones that need the referee, in the heading."""
+        super().show_collapsed(is_collapsed)
+        self._where.setVisible(not is_collapsed)
         basic.enlarged(self.head, 1.0 if is_collapsed else 1.3, bold=True)
-        basic.enlarged(self.stop, 1.0 if is_collapsed else 1.4, bold=True)
+        if is_collapsed:
+            self.heading.insertWidget(1, self.head, 2)
+        else:
+            self.body.insertWidget(0, self.head)
 
     def where(self) -> str:
         clock = f"  ·  {self.client.moments.with_zone(self.model.clock_s)}" if self.model.gui else ""
@@ -299,10 +236,7 @@ class OverviewPanel(CollapsingPanel):
                 del self._calls[zone.zone]
             self.tiles[zone.zone].show_zone(
                 zone, details, self.model.clock_of(zone.zone), what, zone.zone == self.model.zone_name, old)
-        running = self.model.running_zones()
-        self._show_head(running, calling)
-        self.stop.allow(bool(running) and not self.model.is_replay, [
-            tr(NO_COMMANDS if self.model.is_replay else NONE_RUNS if self.model.gui else NOT_HEARD)], basic.ALARM)
+        self._show_head(self.model.running_zones(), calling)
 
     def resizeEvent(self, event) -> None:
         super().resizeEvent(event)
@@ -355,12 +289,6 @@ class OverviewPanel(CollapsingPanel):
             self._grid.addWidget(tile, *divmod(index, shape.columns))
         for column in range(len(self.tiles)):
             self._grid.setColumnStretch(column, 1 if column < shape.columns else 0)
-
-    # -- stopping -----------------------------------------------------------------------------------
-
-    def _stop_all(self) -> None:
-        self.stop.hold()
-        self.client.stop_keys.stop(self.model.running_zones(), self.stop.let_go)
 
 
 def best_arrangement(tiles: int, wide_ems: float, high_ems: float) -> TileArrangement:

@@ -1,11 +1,12 @@
 """The base of all panels: a line with the zone and whether the state is current, and the panel's own widgets."""
 
 import contextlib
-from typing import Callable, List, Optional
+from typing import Callable, List, Optional, Tuple
 
-from roah_rsbb.msg import ZoneDetails
-from roah_rsbb.rqt.model.calls import STOP, CallOutcome, RefereeName
+from roah_rsbb.rqt.model import failures
+from roah_rsbb.rqt.model.calls import CallOutcome, RefereeName
 from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.model import Model
 from roah_rsbb.rqt.qt import (
     QApplication,
     QDockWidget,
@@ -13,6 +14,8 @@ from roah_rsbb.rqt.qt import (
     QLabel,
     QLineEdit,
     QMessageBox,
+    QScrollArea,
+    QSize,
     QSizePolicy,
     Qt,
     QTimer,
@@ -21,14 +24,50 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.marked_title import MarkedTitle
-from roah_rsbb.srv import StopRun
 from roah_rsbb.wording import sheets, superseded, times
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.replay import NOT_LIVE
 
 SILENT = tr_later("The core is silent: this is its last known state")
+# Narrow: the STOP strip takes its height from the panels. In pixels: left, top, right, bottom.
+MARGINS = (6, 2, 6, 2)
+# Below this size, in units of the desktop's font, a panel does not shrink.
+LEAST_WIDE_EMS, LEAST_HIGH_EMS = 8.0, 2.0
 # More than all panels of a window have.
 MOST_CONTROLS = 1000
+
+
+class _Body(QVBoxLayout):
+    """The layout of a panel. Its parts shrink to their least height before the panel scrolls."""
+
+    _is_asking = False
+
+    def heightForWidth(self, width: int) -> int:
+        if self._is_asking:  # Qt's answer to the question below asks this one
+            return super().heightForWidth(width)
+        self._is_asking = True
+        try:
+            return self.minimumHeightForWidth(width)
+        finally:
+            self._is_asking = False
+
+
+class PanelArea(QScrollArea):
+    """What a panel shows below its heading. It scrolls in a window that is too small, so that every window can be as
+    small as its STOP strip."""
+
+    def __init__(self, content: QWidget) -> None:
+        super().__init__(widgetResizable=True)
+        self.setFrameShape(QScrollArea.NoFrame)
+        self.setFocusPolicy(Qt.NoFocus)
+        self.setWidget(content)
+
+    def sizeHint(self) -> QSize:
+        return self.widget().sizeHint()
+
+    def minimumSizeHint(self) -> QSize:
+        least = QSize(round(LEAST_WIDE_EMS * basic.em()), round(LEAST_HIGH_EMS * basic.em()))
+        return self.widget().minimumSizeHint().boundedTo(least)
 
 
 class Panel(QWidget):
@@ -61,11 +100,16 @@ class Panel(QWidget):
         self.heading.addWidget(self._where, 1)
         self.heading.addWidget(self._news)
         self.content = QWidget()
-        self.body = QVBoxLayout(self.content)
+        self.body = _Body(self.content)
         self.body.setContentsMargins(0, 0, 0, 0)
+        self.area = PanelArea(self.content)
         outer = QVBoxLayout(self)
+        outer.setContentsMargins(*MARGINS)
+        outer.setSpacing(MARGINS[1])
         outer.addLayout(self.heading)
-        outer.addWidget(self.content, 1)
+        outer.addWidget(self.area, 1)
+        self.foot = QVBoxLayout()  # what does not scroll away
+        outer.addLayout(self.foot)
         self.model.updated.connect(self._on_update)
 
     def show_model(self) -> None:
@@ -82,14 +126,6 @@ class Panel(QWidget):
     def where_tip(self) -> str:
         """Return the tooltip of the heading."""
         return ""
-
-    def stop_run(self, zone: str, details: Optional[ZoneDetails], done: Callable[[CallOutcome], None]) -> None:
-        """Stop the run that the referee sees.
-
-        A run that ends at the moment of the click is not left, as /core/stop would do with a run that is over.
-        """
-        identity = "" if details is None else details.identity
-        self.client.calls.service(self, STOP, StopRun, (zone, identity), done)
 
     def shutdown(self) -> None:
         """Stop: no more updates or answers reach this panel."""
@@ -164,8 +200,14 @@ class Panel(QWidget):
     def _refresh(self) -> None:
         if self._has_ended or not self.isVisible():
             return
-        self._where.setText(self.where())
-        self._where.setToolTip(self.where_tip())
+        with failures.reported(tr(self.TITLE)):
+            self._where.setText(self.where())
+            self._where.setToolTip(self.where_tip())
+            self._show_news()
+            self.show_model()
+            self._return_focus()
+
+    def _show_news(self) -> None:
         if self.model.is_superseded:
             self._news.show_text(f"⚠ {tr(superseded.NOT_LIVE)}", basic.OLD)
         elif self.model.is_old:
@@ -175,8 +217,6 @@ class Panel(QWidget):
         else:
             self._news.show_text(tr("● live"), basic.OFF)
         self._title.show(self.model.is_replay)
-        self.show_model()
-        self._return_focus()
 
 
 def _following(widget: QWidget, forward: bool) -> QWidget:
@@ -202,6 +242,27 @@ def ask(parent: QWidget, question: str, details: str, yes: str, then) -> QMessag
     box.buttonClicked.connect(lambda button: then() if button is accept else None)
     basic.show_dialog(box)
     return box
+
+
+def keep_true(box: QMessageBox, model: Model, current: Callable[[], Tuple[str, str]]) -> None:
+    """Keep a question true while it is open. `current` returns it and its details. One that has changed cannot be
+    confirmed for a moment, because the referee has not read it."""
+    accept = next(button for button in box.buttons() if box.buttonRole(button) == QMessageBox.AcceptRole)
+    held = QTimer(box, singleShot=True)
+    held.timeout.connect(lambda: accept.setEnabled(True))
+
+    def look() -> None:
+        question, details = current()
+        if (question, details) == (box.text(), box.informativeText()):
+            return
+        box.setWindowTitle(question)
+        box.setText(question)
+        box.setInformativeText(details)
+        accept.setEnabled(False)
+        held.start(basic.HOLD_MS)
+
+    model.updated.connect(look)
+    box.destroyed.connect(lambda: model.updated.disconnect(look))
 
 
 # Height that is reserved for an answer, in lines.

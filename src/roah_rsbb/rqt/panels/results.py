@@ -11,6 +11,7 @@ from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import Entered, NoteDialog, ScoreDialog
 from roah_rsbb.srv import MarkItemRequest, SignOff, StopReason
 from roah_rsbb.wording import sheets, times
+from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.sent import tr_sent
@@ -249,7 +250,7 @@ def _name(run: RunSummary) -> str:
 
 
 def _state(run: RunSummary) -> str:
-    return sheets.run_state(run.started.to_sec(), run.closed.to_sec(), run.end_reason)
+    return with_counting(sheets.run_state(run.started.to_sec(), run.closed.to_sec(), run.end_reason), run.counts)
 
 
 def _sheet_state(run: RunSummary, when: Optional[sheets.When] = None) -> str:

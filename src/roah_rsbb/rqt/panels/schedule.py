@@ -7,7 +7,7 @@ from roah_rsbb.rqt.qt import QAbstractItemView, QComboBox, QHBoxLayout, QPushBut
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.srv import ChooseEvent
-from roah_rsbb.wording import schedule, sheets
+from roah_rsbb.wording import schedule, sheets, stop
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.schedule import Event, EventFilter, Show
 from roah_rsbb.wording.times import Moments
@@ -145,25 +145,32 @@ class SchedulePanel(Panel):
             return
         ask(
             self, tr("Leave {run} in {zone} without a sign-off?", run=_name(left), zone=event.zone),
-            tr("{score}\n\nThe score sheet stays in Results and can be signed off later. {zone} goes to {run}.",
-               score=left.score or tr("No score"), zone=event.zone, run=_name(event)),
+            self._leaving(event.zone)
+            + tr("{score}\n\nThe score sheet stays in Results and can be signed off later. {zone} goes to {run}.",
+                 score=left.score or tr("No score"), zone=event.zone, run=_name(event)),
             tr(CHOOSE), lambda: self._send(event, left),
         )
+
+    def _leaving(self, zone: str) -> str:
+        """Return what the referee must know before they leave the run in a zone, as a paragraph."""
+        details = self.model.details_of(zone)
+        why = "" if details is None else stop.leaving(details)
+        return f"{why}\n\n" if why else ""
 
     def _send(self, event: Event, left: Optional[Event]) -> None:
         """Choose an event. `left`: the run that the referee leaves without a sign-off."""
         what = f"{event.zone}: {_name(event)}"
         events = schedule.events_of(self.model.schedule)
         now_left = schedule.left_unsigned(events, event.zone)
-        stamp = next((line.schedule for line in self.model.schedule.events if _is(line, event)), None)
+        line = next((line for line in self.model.schedule.events if _is(line, event)), None)
         # A question may have been open for long.
-        if stamp is None or (now_left is not None and (left is None or now_left.number != left.number)):
+        if line is None or (now_left is not None and (left is None or now_left.number != left.number)):
             self._answer.warn(tr("Not done: the schedule or the runs in {zone} have changed", zone=event.zone))
             return
         self._answer.say(f"{what} …")
         self.client.calls.service(
             self, "/core/choose_event", ChooseEvent,
-            (event.zone, event.code, event.team, event.round, event.run, stamp, left is not None),
+            (event.zone, event.code, event.team, event.round, event.run, line.schedule, left is not None, line.id),
             lambda outcome: self._answer.show_outcome(what, outcome),
         )
 

@@ -421,6 +421,7 @@ class ScoringPanel(RefereePanel):
             self._nothing.setText(tr(NO_ITEMS if connected else NO_RUN))
         elif zone is not None:
             self._show_values(zone, details)
+        self.undo.setVisible(bool(shapes))  # without a sheet there is nothing to undo, and perhaps no space
         self.history.setEnabled(bool(shapes) and details is not None and bool(details.identity))
         self._show_undo(identity)
 

@@ -79,7 +79,7 @@ TOPIC = "/core/public_details"
 BOARD_TOPIC = "/core/public_board"
 # The core publishes twice a second, with its clock in every message. A repeated message may be the latched one of a
 # core that hangs.
-SILENT_S = 2.0
+SILENT_S = 1.5
 PAGE_S = 8.0
 # Letters fill this share of the height of a row.
 LETTERS = 0.64

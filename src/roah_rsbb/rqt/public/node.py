@@ -39,10 +39,6 @@ class ScreenChoice:
                 rospy.loginfo("Screen %d (%s): rosservice call %s %d", number, _describe(screen),
                               self._service.resolved_name, number)
 
-    def close(self) -> None:
-        """Shut the service down."""
-        self._service.shutdown("public display closed")
-
     def look(self) -> None:
         """Move to the chosen screen, or to the first one while it is unplugged. Call it several times a second."""
         screens = QGuiApplication.screens()
@@ -154,9 +150,4 @@ def main() -> None:
     timer = QTimer()
     timer.timeout.connect(looker.look)
     timer.start(LOOK_MS)
-    code = application.run(app)
-    timer.stop()
-    screen.close()
-    feed.stop()
-    rospy.signal_shutdown("public display closed")
-    sys.exit(code)
+    application.leave(application.run(app))

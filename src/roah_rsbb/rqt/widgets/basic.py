@@ -40,10 +40,14 @@ READY = Tone("#14508c", "#ffffff")
 ENDED = Tone("#5b3a86", "#ffffff")
 IDLE = Tone("#565b61", "#ffffff")
 OLD = Tone("#ffb300", "#000000")
-ALARM = Tone("#b3001b", "#ffffff")
+STOP = Tone("#b3001b", "#ffffff")  # of STOP and of nothing else
+ALARM = Tone("#ffe100", "#000000")
 OFF = Tone("transparent", "palette(text)")
 # Text of a disabled button, legible on light and dark desktops.
 FADED = "#8c8c8c"
+
+# No text of a referee is smaller, in points, or in pixels where the desktop's font is given in pixels.
+LEAST_PT, LEAST_PX = 9.0, 12
 
 # After a press a button ignores further presses for this long: a double click is one command.
 HOLD_MS = 1000
@@ -63,12 +67,12 @@ def enlarged(widget: QWidget, factor: float, bold: bool = False) -> QWidget:
 
 
 def scaled(font: QFont, factor: float) -> QFont:
-    """Return a copy of the font, scaled by `factor`."""
+    """Return a copy of the font, scaled by `factor`, and never smaller than can be read."""
     font = QFont(font)
     if font.pointSizeF() > 0:
-        font.setPointSizeF(font.pointSizeF() * factor)
+        font.setPointSizeF(max(LEAST_PT, font.pointSizeF() * factor))
     else:
-        font.setPixelSize(round(font.pixelSize() * factor))
+        font.setPixelSize(max(LEAST_PX, round(font.pixelSize() * factor)))
     return font
 
 
@@ -156,6 +160,63 @@ class ShortenedLabel(QLabel):
     def _shorten(self) -> None:
         width = self.width() - self._padding()
         super().setText(self.fontMetrics().elidedText(self._text, Qt.ElideRight, width))
+
+
+# A text that is too long is written smaller, by these factors, before it is cut off.
+SHRINK = (1.0, 0.85, 0.7)
+
+
+class FilledLabel(QLabel):
+    """A text as large as its place allows, which it never enlarges. Where it does not fit, a brief one takes its place
+    if there is one. A text that does not fit ends with "…"."""
+
+    def __init__(self) -> None:
+        super().__init__(wordWrap=True)
+        self.factor = 1.0
+        self._whole = self._brief = ""
+        self.setTextFormat(Qt.PlainText)
+        self.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Expanding)
+
+    def hasHeightForWidth(self) -> bool:
+        return False
+
+    def sizeHint(self) -> QSize:
+        return QSize(1, round(1.3 * self.factor * em()))
+
+    def minimumSizeHint(self) -> QSize:
+        return self.sizeHint()
+
+    def settle(self) -> None:
+        """Write the text as large as the space allows."""
+        shortest = self._brief or self._whole
+        for text in (self._whole, shortest):
+            self.setText(text)
+            for shrink in SHRINK:
+                enlarged(self, shrink * self.factor, bold=True)
+                if self._fits():
+                    return
+        words = shortest.split(" ")
+        while len(words) > 1 and not self._fits():
+            words.pop()
+            self.setText(f"{' '.join(words)} …")
+
+    def _fits(self) -> bool:
+        return self.heightForWidth(self.width()) <= self.height()
+
+    @property
+    def whole(self) -> str:
+        """The text, also where it is cut off on the screen."""
+        return self._whole
+
+    def show_text(self, text: str, brief: str = "") -> None:
+        """Show another text. `brief`: the same in fewer words."""
+        if (text, brief) != (self._whole, self._brief):
+            self._whole, self._brief = text, brief
+            self.settle()
+
+    def resizeEvent(self, event) -> None:
+        super().resizeEvent(event)
+        self.settle()
 
 
 class Badge(ShortenedLabel):
@@ -255,6 +316,9 @@ class FittedText(QWidget):
         return font
 
 
+MOST_LEAST_EMS = 8.0
+
+
 class CommandButton(QPushButton):
     """A button that gives a command. While it is disabled its tooltip lists the reasons."""
 
@@ -276,7 +340,8 @@ class CommandButton(QPushButton):
         return QSize(self.fontMetrics().horizontalAdvance(self.text()) + round(1.5 * em()), room)
 
     def minimumSizeHint(self) -> QSize:
-        return self.sizeHint()
+        """Return the size for the text, unless it is so long that a small window would have no place for its panels."""
+        return self.sizeHint().boundedTo(QSize(round(MOST_LEAST_EMS * em()), round(MOST_LEAST_EMS * em())))
 
     def allow(self, allowed: bool, reasons: Sequence[str] = (), tone: Optional[Tone] = None) -> None:
         """Enable or disable it. `tone`: colour while enabled."""
@@ -327,6 +392,7 @@ class HoldButton(CommandButton):
     def __init__(self, text: str, explanation: str) -> None:
         super().__init__(text, explanation, 1.4)
         self._text = text
+        self._is_by_mouse = False
         self._keeping = QTimer(self, singleShot=True)
         self._keeping.timeout.connect(self._on_kept)
         self.pressed.connect(self._on_pressed)
@@ -348,7 +414,19 @@ class HoldButton(CommandButton):
         if early and self.is_on():  # Qt releases a button that is disabled meanwhile
             self.too_short.emit()
 
+    def mousePressEvent(self, event) -> None:
+        self._is_by_mouse = True
+        super().mousePressEvent(event)
+
+    def keyPressEvent(self, event) -> None:
+        self._is_by_mouse = False
+        super().keyPressEvent(event)
+
     def _on_kept(self) -> None:
         self.setText(self._text)
-        if self.is_on():
+        if self._is_by_mouse and not QApplication.mouseButtons() & Qt.LeftButton:
+            # An open menu took the release: Qt then leaves the button down.
+            self.setDown(False)
+            self.too_short.emit()
+        elif self.is_on():
             self.kept.emit()

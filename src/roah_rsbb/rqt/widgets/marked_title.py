@@ -1,4 +1,4 @@
-"""The title of a window, which says whether a replay is shown."""
+"""The title of a window, with a mark in front of it while something is so."""
 
 from roah_rsbb.rqt.qt import QWidget
 from roah_rsbb.wording.language import tr
@@ -6,16 +6,16 @@ from roah_rsbb.wording.replay import MARK
 
 
 class MarkedTitle:
-    """Puts the mark of a replay in front of the title of a window, and removes it again."""
+    """Puts a mark in front of the title of a window, such as that of a replay, and removes it again."""
 
-    def __init__(self, window: QWidget) -> None:
+    def __init__(self, window: QWidget, mark: str = MARK) -> None:
         self._window = window
+        self._mark = f"{tr(mark)} – "
         self._is_marked = False
 
-    def show(self, is_replay: bool) -> None:
+    def show(self, is_marked: bool) -> None:
         """Mark the title, or remove the mark."""
-        if is_replay == self._is_marked:
-            return
-        self._is_marked = is_replay
-        mark, title = f"{tr(MARK)} – ", self._window.windowTitle()
-        self._window.setWindowTitle(mark + title if is_replay else title[len(mark):])
+        if is_marked != self._is_marked:
+            self._is_marked = is_marked
+            title = self._window.windowTitle()
+            self._window.setWindowTitle(self._mark + title if is_marked else title.replace(self._mark, "", 1))

@@ -10,11 +10,11 @@ from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.bmbox.framework.zone_folders import file_in, zone_folders
-from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, ScheduledEvent
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
+from roah_rsbb.rulebook.standing_rules import read_rules
 from roah_rsbb.rulebook.yaml_lines import read_text
 from roah_rsbb.tools.competition import files
 from roah_rsbb.tools.competition.plan import planned_s

@@ -13,9 +13,10 @@ import yaml
 
 from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME as GROUND_TRUTH
 from roah_rsbb.bmbox.framework.zone_folders import own_file
-from roah_rsbb.rulebook.benchmarks import Benchmark
-from roah_rsbb.rulebook.config import PasswordsFile
+from roah_rsbb.rulebook.benchmarks import Benchmark, Durable
+from roah_rsbb.rulebook.config import PasswordsFile, durable_in
 from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.rulebook.event_ids import new_id
 from roah_rsbb.rulebook.registry import BELL, DEVICES, TABLET, BenchmarkKind
 from roah_rsbb.tools.competition.firewall import firewall_text
 from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock
@@ -64,22 +65,35 @@ def passwords_lines(passwords: Dict[str, str]) -> List[str]:
     return [f"{yaml_text(team)}: {yaml_text(password)}" for team, password in passwords.items()]
 
 
-def schedule_text(shipped: str, zones: Iterable[PlannedZone], clock: VenueClock) -> str:
+def schedule_text(
+    shipped: str, zones: Iterable[PlannedZone], clock: VenueClock, durable: Durable = Durable.ONE
+) -> str:
     """The schedule file with the comments of the default one. A comment after each run gives its time at the venue."""
     lines = [line for line in shipped.splitlines() if line.startswith("#")]
     lines += ["#", "# The comment after each run gives its start in the venue's time."]
+    lines += ["", f"- durable: {durable.value}"] if durable is not Durable.ONE else []
+    zones = list(zones)
+    ids = {run.id for zone in zones for run in zone.runs}
     for zone in zones:
-        lines += ["", f"- zone: {yaml_text(zone.name)}", "  schedule:", *_runs(zone.runs, clock)]
+        lines += ["", f"- zone: {yaml_text(zone.name)}", "  schedule:", *_runs(zone.runs, clock, ids)]
     return "\n".join([*lines, ""])
 
 
-def _runs(runs: Sequence[PlannedRun], clock: VenueClock) -> List[str]:
+def _runs(runs: Sequence[PlannedRun], clock: VenueClock, ids: Set[str]) -> List[str]:
+    """The lines of a zone's runs. `ids`: those that are taken, to which it adds."""
     widest = max(len(yaml_text(run.team)) for run in runs)
     return [
         f"    - {{ benchmark: {run.code + ',':7} team: {yaml_text(run.team) + ',':{widest + 1}} round: {run.round}, "
-        f"run: {run.run}, scheduled_time: {run.begins:%Y-%m-%d %H:%M:%S} }}  # {_at_venue(run.begins, clock)}"
+        f"run: {run.run}, scheduled_time: {run.begins:%Y-%m-%d %H:%M:%S}, id: {_id(run, ids)} }}"
+        f"  # {_at_venue(run.begins, clock)}"
         for run in runs
     ]
+
+
+def _id(run: PlannedRun, ids: Set[str]) -> str:
+    own = run.id or new_id(ids)
+    ids.add(own)
+    return own
 
 
 def _at_venue(moment: datetime.datetime, clock: VenueClock) -> str:
@@ -208,7 +222,7 @@ def write_schedule(directory: str, book: Rulebook, zones: Sequence[PlannedZone],
     """Replace the schedule; returns the path of the old one, "" if there was none."""
     path, before = os.path.join(directory, SCHEDULE), os.path.join(directory, _BEFORE)
     with writing(directory):
-        text = schedule_text(_text(book, SCHEDULE), zones, clock)
+        text = schedule_text(_text(book, SCHEDULE), zones, clock, durable_in(path))
         new = path + ".new"
         with contextlib.suppress(FileNotFoundError):
             os.unlink(new)

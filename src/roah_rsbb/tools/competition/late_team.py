@@ -19,7 +19,7 @@ def planned(zones: Sequence[ZonePlan]) -> List[PlannedZone]:
 
 def _planned(event: ScheduledEvent) -> PlannedRun:
     begins = datetime.datetime.fromtimestamp(event.scheduled, UTC)
-    return PlannedRun(event.benchmark.code, event.team, event.round, event.run, begins)
+    return PlannedRun(event.benchmark.code, event.team, event.round, event.run, begins, event.id)
 
 
 def late_runs(

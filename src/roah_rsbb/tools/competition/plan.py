@@ -2,7 +2,7 @@
 
 import datetime
 import re
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_LIMIT, Benchmark
 from roah_rsbb.rulebook.errors import Place, Report, quote
@@ -90,6 +90,7 @@ class PlannedRun(NamedTuple):
     round: int
     run: int
     begins: datetime.datetime  # UTC
+    id: str = ""  # of its event; empty: it gets one when the schedule is written
 
 
 class PlannedZone(NamedTuple):
@@ -109,6 +110,45 @@ class Plan(NamedTuple):
     def codes(self) -> Tuple[str, ...]:
         """The benchmarks of the plan."""
         return tuple(dict.fromkeys(run.code for zone in self.zones for run in zone.runs))
+
+
+def days_of(zones: Iterable[PlannedZone], clock: VenueClock) -> Set[datetime.date]:
+    """The days of a plan, as the venue's calendar has them."""
+    return {clock.local(run.begins).date() for zone in zones for run in zone.runs}
+
+
+class Merged(NamedTuple):
+    """A plan of some days beside what was planned for the others."""
+
+    zones: Tuple[PlannedZone, ...]
+    kept: Dict[datetime.date, int]  # runs of days that the new plan does not have
+
+
+def with_other_days(
+    before: Sequence[PlannedZone], after: Sequence[PlannedZone], clock: VenueClock
+) -> Merged:
+    """Replace the days that a new plan has, and keep the others. A run of the same benchmark, team, round and number on
+    one of these days keeps its id, also in another zone and at another time."""
+    days = days_of(after, clock)
+    ids: Dict[Tuple[str, str, int, int], List[str]] = {}
+    kept: Dict[datetime.date, int] = {}
+    zones: Dict[str, List[PlannedRun]] = {}
+    for zone in before:
+        for run in zone.runs:
+            day = clock.local(run.begins).date()
+            if day in days:
+                ids.setdefault(run[:4], []).append(run.id)
+            else:
+                zones.setdefault(zone.name, []).append(run)
+                kept[day] = kept.get(day, 0) + 1
+    for zone in after:
+        for run in zone.runs:
+            own = ids.get(run[:4])
+            zones.setdefault(zone.name, []).append(run._replace(id=own.pop(0)) if own else run)
+    order = dict.fromkeys(zone.name for zone in (*before, *after) if zone.name in zones)
+    return Merged(
+        tuple(PlannedZone(name, tuple(sorted(zones[name], key=lambda run: run.begins))) for name in order),
+        dict(sorted(kept.items())))
 
 
 class Break(NamedTuple):

@@ -10,6 +10,7 @@ from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from roah_rsbb.arguments import Parser
 from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.benchmarks import ZonePlan
 from roah_rsbb.rulebook.config import BenchmarksFile, PasswordsFile
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
@@ -18,7 +19,16 @@ from roah_rsbb.tools.competition.answers import Missing, known_answers, question
 from roah_rsbb.tools.competition.check import check
 from roah_rsbb.tools.competition.files import CannotWriteFiles, Hosts
 from roah_rsbb.tools.competition.late_team import late_runs, planned
-from roah_rsbb.tools.competition.plan import Plan, PlannedDay, VenueClock, planned_s, read_clock, timetable
+from roah_rsbb.tools.competition.plan import (
+    Plan,
+    PlannedDay,
+    VenueClock,
+    days_of,
+    planned_s,
+    read_clock,
+    timetable,
+    with_other_days,
+)
 from roah_rsbb.tools.competition.rulebooks import Rulebook, read_rulebook
 from roah_rsbb.tools.competition.sheet import OPTIONAL, REQUIRED, Known, read_sheet
 from roah_rsbb.tools.interfaces import interfaces
@@ -228,15 +238,25 @@ def _schedule_only(report: Report, options: argparse.Namespace, book: Rulebook) 
     teams = PasswordsFile(passwords, report).by_team
     known = BenchmarksFile(benchmarks, report).by_code
     report.raise_errors()
+    old = planned(_zones_before(options.directory))
     plan = read_sheet(options.sheet, report, clock, Known(list(teams), f"the teams of {passwords}"),
                       Known(list(known), f"the benchmarks of {benchmarks}"),
-                      lambda code: code in known and known[code].kind is BenchmarkKind.ALL_ROBOTS)
+                      lambda code: code in known and known[code].kind is BenchmarkKind.ALL_ROBOTS, days_of(old, clock))
     report.raise_errors()
-    before = files.write_schedule(options.directory, book, plan.zones, clock)
+    merged = with_other_days(old, plan.zones, clock)
+    before = files.write_schedule(options.directory, book, merged.zones, clock)
     print(f"Written: {files.SCHEDULE} in {options.directory}" + (f"; the old one is {before}" if before else ""))
+    if merged.kept:
+        print(f"The runs of other days stay: {', '.join(f'{count} on {day}' for day, count in merged.kept.items())}")
     for warning in report.warnings:
         print(f"warning: {warning}")
     return _checked(options.directory)
+
+
+def _zones_before(directory: str) -> Sequence[ZonePlan]:
+    """The zones of the schedule that is replaced; none if it does not exist. Raises `ConfigErrors`."""
+    names = [os.path.join(directory, name) for name in (files.BENCHMARKS, files.SCHEDULE)]
+    return config.load_schedule(*names)[1] if os.path.lexists(names[1]) else ()
 
 
 def _clock(report: Report, options: argparse.Namespace) -> Optional[VenueClock]:

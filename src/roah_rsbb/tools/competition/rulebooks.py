@@ -9,11 +9,11 @@ import os
 import re
 from typing import Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.results.standing_rules import OVERALL
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.config import BenchmarksFile
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
+from roah_rsbb.rulebook.standing_rules import OVERALL
 from roah_rsbb.rulebook.yaml_fields import describe, fields, text
 from roah_rsbb.rulebook.yaml_lines import Mapping as MapNode
 from roah_rsbb.rulebook.yaml_lines import Node, Scalar, Unusable, read_yaml

@@ -7,7 +7,7 @@ further row is a run. The separator may be a comma, a semicolon or a tab.
 import csv
 import datetime
 import io
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Collection, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
@@ -49,12 +49,13 @@ class _Row(NamedTuple):
 
 def read_sheet(
     path: str, report: Report, clock: VenueClock, teams: Optional[Known] = None, codes: Optional[Known] = None,
-    for_all: Callable[[str], bool] = for_all,
+    for_all: Callable[[str], bool] = for_all, other_days: Collection[datetime.date] = (),
 ) -> Optional[Plan]:
     """Read the plan in a sheet; None after errors. The report gets an error for each invalid cell.
 
     Without `teams`, all names of teams are accepted. Without `codes`, all shipped benchmarks are accepted. `for_all`
-    says whether all robots do a benchmark at once.
+    says whether all robots do a benchmark at once. `other_days`: further days of the competition, which count for the
+    rounds.
     """
     before = len(report.errors)
     content = read_text(path, report, _WHAT)
@@ -64,7 +65,7 @@ def read_sheet(
     if not rows and len(report.errors) == before:
         report.error(Place(path, 0, 0), "no runs", f"{_SHAPE}; below it a row for each run")
     _warn_of_names(report, rows)
-    plan = _plan(report, rows)
+    plan = _plan(report, rows, other_days)
     return plan if len(report.errors) == before else None
 
 
@@ -182,9 +183,9 @@ class _Sheet:
         return self._report.error(cell.place, f"{quote(name)} as {what}", f"one of {known.where}{guess}")
 
 
-def _plan(report: Report, rows: List[_Row]) -> Plan:
+def _plan(report: Report, rows: List[_Row], other_days: Collection[datetime.date]) -> Plan:
     """Make the plan from the rows. A missing round is the number of its day. Missing runs are numbered by time."""
-    days = sorted({row.day for row in rows})
+    days = sorted({*other_days, *(row.day for row in rows)})
     zones: Dict[str, List[PlannedRun]] = {row.zone: [] for row in rows}
     seen: Dict[Tuple[str, str, int, int], Place] = {}
     counts: Dict[Tuple[str, str, int], int] = {}

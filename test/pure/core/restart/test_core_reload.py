@@ -1,17 +1,22 @@
 """Another configuration while the box runs: what changes, what runs keep, and what a restart continues with."""
 
+import dataclasses
+
 import pytest
 
 from helpers import journaled
 from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
 from roah_rsbb.core import effects
-from roah_rsbb.core.referee import Refused
+from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.scoring.counting import Why, rulings
 from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.views.schedule import EventState, schedule
 from roah_rsbb.core.zones import key_of
 from roah_rsbb.protocol import RobotState
+from roah_rsbb.rulebook.benchmarks import EventRules
 from roah_rsbb.rulebook.changes import changes
+from roah_rsbb.rulebook.event_ids import adopted
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 HOUR = 3600.0
@@ -161,6 +166,159 @@ def test_results_stay_with_an_event_that_moves_in_time():
     key = key_of(driver.box.zones["tbm"].events[1])
     with pytest.raises(Refused, match="not signed off"):
         driver.event(driver.box.choose_event, "tbm", key)
+
+
+# -- ids --------------------------------------------------------------------------------------------
+
+
+def with_id(own, **fields):
+    """An event that is known by an id."""
+    return dataclasses.replace(event(**fields), id=own)
+
+
+def attempt(driver, zone="tbm"):
+    """A run at the zone's event that is over; returns its record."""
+    driver.command("open_sheet", zone)
+    driver.command("start", zone)
+    driver.command("stop", zone)
+    driver.command("disconnect", zone)
+    return driver.box.finished.records()[0]
+
+
+TWICE = EventRules(attempts=2)
+
+
+@pytest.mark.parametrize("moved", [
+    {"zone": "tbm", "scheduled": UTC0 + 40 * 60.0}, {"zone": "tbm", "scheduled": UTC0 + 24 * HOUR},
+    {"zone": "hall"}, {"zone": "tbm", "round": 3, "run": 7}, {"zone": "hall", "round": 2, "scheduled": UTC0 + HOUR},
+])
+def test_an_event_is_known_by_its_id(moved):
+    """Whatever changes, the attempts before count, and are the event's."""
+    driver = BoxDriver(competition(tbm=[with_id("x", rules=TWICE), with_id("y", code="HWV", run=2)], hall=["STB"]))
+    first = attempt(driver)
+    zone = moved.pop("zone")
+    zones = {"tbm": [with_id("y", code="HWV", run=2)], "hall": [event("STB")]}
+    zones[zone].append(with_id("x", rules=TWICE, **moved))
+    reload(driver, competition(**zones))
+    line, = (line for line in schedule(driver.box, driver.now) if line.event.id == "x")
+    assert line.last.identity == first.identity
+    key = key_of(line.event)
+    driver.event(driver.box.choose_event, zone, key, True)
+    assert driver.view(zone).attempt == 2
+    second = attempt(driver, zone)
+    assert (second.event, first.event) == ("x", "x")
+    assert driver.off("open_sheet", zone) == [
+        "The last of 2 attempts at this event was made: go to the next event. To allow more, raise 'attempts' in "
+        "benchmarks.yaml"]
+    ruled = rulings([first, second], {})
+    assert [ruling.why for ruling in ruled] == [Why.NOT_LAST, Why.COUNTS]
+
+
+def test_another_team_at_an_event_has_no_runs_yet():
+    driver = BoxDriver(competition(tbm=[with_id("x", rules=TWICE), with_id("y", code="HWV", run=2)]))
+    first = attempt(driver)
+    reload(driver, competition(tbm=[with_id("x", team="Beta", rules=TWICE), with_id("y", code="HWV", run=2)]))
+    assert driver.box.zones["tbm"].event.team == "Beta"
+    assert states(driver)[1] is EventState.NEXT
+    assert driver.view().attempt == 1
+    second = attempt(driver)
+    assert [ruling.why for ruling in rulings([first, second], {})] == [Why.COUNTS, Why.COUNTS]
+
+
+def test_another_benchmark_at_an_event_has_no_runs_yet():
+    """Its signed run used to stand for the new benchmark in schedule and checklist, and to be one of its attempts."""
+    driver = BoxDriver(competition(tbm=[with_id("x", code="HWV", rules=TWICE), with_id("y", run=2)]))
+    first = attempt(driver)
+    reload(driver, competition(tbm=[with_id("x", rules=TWICE), with_id("y", run=2), with_id("z", code="HWV", run=3)]))
+    assert driver.box.zones["tbm"].event.benchmark.code == "HGTKMH"
+    assert states(driver)[1] is EventState.NEXT
+    assert schedule(driver.box, driver.now)[0].result is None
+    assert driver.view().attempt == 1
+    second = attempt(driver)
+    assert (first.event, second.event) == ("x", "x")
+    assert [ruling.why for ruling in rulings([first, second], {})] == [Why.COUNTS, Why.COUNTS]
+    assert [key.benchmark for key in driver.box.ran()] == ["HGTKMH", "HWV"]
+
+
+def test_a_run_of_tomorrow_with_the_same_numbers_is_another_event():
+    """A sheet of tomorrow begins at round 1 again. Its runs used to appear as done and signed off."""
+    driver = BoxDriver(competition(tbm=[with_id("x"), with_id("y", code="HWV", run=2)]))
+    record = attempt(driver)
+    driver.event(driver.box.scores.sign_off, RunName("tbm", record.identity), "Anna")
+    reload(driver, competition(tbm=[with_id("z", scheduled=UTC0 + 24 * HOUR)]))
+    line, = schedule(driver.box, driver.now)
+    assert (line.last, line.state) == (None, EventState.NEXT)
+
+
+def test_a_chosen_event_whose_team_changed_is_refused():
+    driver = BoxDriver(competition(tbm=[with_id("x"), with_id("y", run=2)]))
+    key = key_of(driver.box.zones["tbm"].events[1])
+    reload(driver, competition(tbm=[with_id("x"), with_id("y", run=2, team="Beta")]))
+    with pytest.raises(Refused, match="The event is of team Beta now"):
+        driver.event(driver.box.choose_event, "tbm", key)
+    driver.event(driver.box.choose_event, "tbm", key._replace(team="Beta", run=9, scheduled=0.0))
+    assert driver.box.zones["tbm"].event.id == "y"
+
+
+def test_a_journal_without_ids_is_continued(tmp_path):
+    """The state and the records of an older version have none."""
+    old, new = competition(tbm=day()), competition(tbm=[
+        dataclasses.replace(e, id=f"id{e.run}", scheduled=e.scheduled + (60.0 if e.run == 3 else 0.0)) for e in day()])
+    driver = journaled.box(tmp_path, old)
+    first = attempt(driver)
+    driver.command("next")
+    driver.command("next")
+    assert (first.event, driver.box.zones["tbm"].event.run) == ("", 3)
+    driver.kill(config=new)
+    assert driver.box.zones["tbm"].event.id == "id3"
+    assert states(driver)[1] is EventState.DONE
+    driver.command("previous")
+    driver.command("previous")
+    second = attempt(driver)
+    assert second.event == "id1"
+    assert [ruling.why for ruling in rulings([first, second], {})] == [Why.NOT_LAST, Why.COUNTS]
+
+
+@pytest.mark.parametrize("chosen", ["x", "z"])
+def test_an_event_is_chosen_while_a_run_has_an_event_that_was_removed(chosen):
+    """The places in the schedule change when the run is left: the core ended with an IndexError."""
+    driver = BoxDriver(competition(tbm=[with_id("x"), with_id("y", run=2), with_id("z", run=3)]))
+    for command in ("open_sheet", "start", "stop"):
+        driver.command(command)
+    events = {e.id: e for e in driver.box.zones["tbm"].events}
+    reload(driver, competition(tbm=[events["y"], events["z"]]))
+    driver.event(driver.box.choose_event, "tbm", key_of(events[chosen]), True)
+    assert driver.box.zones["tbm"].event.id == {"x": "y", "z": "z"}[chosen]
+
+
+def test_an_event_that_was_moved_to_another_zone_during_its_run_has_its_result_in_both():
+    driver = BoxDriver(competition(tbm=[with_id("x"), with_id("y", run=2)], hall=["STB"]))
+    for command in ("open_sheet", "start", "stop"):
+        driver.command(command)
+    identity = driver.run_in().identity
+    reload(driver, competition(tbm=[with_id("y", run=2)], hall=[event("STB"), with_id("x")]))
+    lines = [line for line in schedule(driver.box, driver.now) if line.event.id == "x"]
+    assert [line.result.shown.record.identity for line in lines] == [identity, identity]
+    driver.command("disconnect")
+    line, = (line for line in schedule(driver.box, driver.now) if line.event.id == "x")
+    assert (line.zone, line.result.shown.record.identity, line.state) == ("hall", identity, EventState.DONE)
+
+
+def test_an_event_that_was_removed_and_is_written_again_has_its_runs():
+    """Its new line has no id. Its zone and time change later: its result used to be lost."""
+    driver = BoxDriver(competition(tbm=[with_id("x", rules=TWICE), with_id("y", run=2)]))
+    first = attempt(driver)
+    reload(driver, competition(tbm=[with_id("y", run=2)]))
+    again = dataclasses.replace(event(rules=TWICE), id="other", id_goes=object())
+    read = competition(tbm=[with_id("y", run=2), again])
+    zones = adopted(read.zones, competition(tbm=[with_id("y", run=2)]).zones, driver.box.ran())
+    reload(driver, dataclasses.replace(read, zones=zones))
+    assert [e.id for e in driver.box.zones["tbm"].events] == ["y", "x"]
+    moved = dataclasses.replace(driver.box.zones["tbm"].events[1], scheduled=UTC0 + HOUR)
+    reload(driver, competition(hall=[moved]))
+    line, = schedule(driver.box, driver.now)
+    assert (line.zone, line.last.identity) == ("hall", first.identity)
+    assert driver.view("hall").attempt == 2
 
 
 def test_the_reload_is_recorded_before_anything_else():

@@ -40,7 +40,7 @@ RULES = EventRules(
 # What a restart may lose, by class. Everything else must be the same after it.
 LOST = {
     # Robots and modules say it again within a second.
-    "RobotLink": {"_listens_since", "_old", "_reported_silent", "record", "_skew"},
+    "RobotLink": {"_listens_since", "_old", "_old_mono", "_looks", "_reported", "_last_beacon", "record", "_skew"},
     "Timeline": {"_candidate", "_rising"},
     "SavingWatch": {"_since"},
     "FunctionalityRun": {"_node", "_progress"},
@@ -319,3 +319,44 @@ def test_a_state_that_the_version_before_wrote_is_continued(old, boot):
 
 def _part(run):
     return "all_robots" if len(run.members()) > 1 else "run"
+
+
+def test_after_a_restart_a_robot_has_time_to_be_heard_again():
+    driver = BoxDriver()
+    driver.config = competition(tbm=["HGTKMH"])
+    driver.executing()
+    driver.run(2)
+    box = restarted(driver)
+    now = driver.now.later(9.0)
+    box.tick(now)
+    assert box.warnings_of(now, "tbm")[-1] == "No message from the robot for 11 s"
+    now = driver.now.later(10.0)
+    assert box.warnings_of(now, "tbm")[-1].startswith("The robot has disappeared: no message for 12 s")
+
+
+def test_a_restart_takes_the_place_of_no_warning_of_a_zone_and_only_a_run_in_progress_continues():
+    config = competition(tbm=[event("HGTKMH")], fbm=[event("HWV", team="Beta")])
+    driver = BoxDriver(config)
+    driver.config = config
+    driver.executing()
+    driver.executing("fbm", team="Beta", name="r2", host="10.0.0.3")
+    driver.command("stop", "fbm")
+    box = restarted(driver)
+    now = driver.now.later(10.0)
+    box.tick(now)
+    restart = box.warnings(now)
+    assert [text.partition(" at ")[0] for text in restart] == ["The core was restarted"]
+    assert [text.partition(":")[0] for text in box.warnings_of(now, "tbm")] == ["The robot has disappeared"]
+    logs = {run.zone: run.log for run in box.zones.runs()}
+    assert f"WARNING: {restart[0]}: the run continues\n" in logs["tbm"]
+    assert f"WARNING: {restart[0]}\n" in logs["fbm"]
+
+
+def test_a_replay_does_not_know_whether_beacons_arrived():
+    driver = BoxDriver()
+    driver.executing()
+    state = driver.box.zones["tbm"].saved()
+    replay = Box(competition(tbm=["HGTKMH"]), driver.settings, beacon_bytes)
+    replay.begin_replay("a run")
+    replay.show(driver.now, "tbm", state)
+    assert replay.warnings_of(driver.now.later(60.0), "tbm") == ["No message from the robot for 60 s"]

@@ -6,7 +6,7 @@ import pytest
 
 from helpers.all_robots import robots_of
 from helpers.box_driver import BoxDriver
-from helpers.competition import competition, event
+from helpers.competition import competition, event, run_record
 from roah_rsbb.core.restart.restart import BoxSaved, Saved
 from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.settings import Settings
@@ -83,3 +83,20 @@ def test_two_robots_of_a_run_on_one_port_are_not_resumed(driver):
     again = _restart(driver, _saved(driver, same_port), max(ports))
     assert _ports(again) == []
     assert any("cannot continue" in warning for warning in again.box.warnings(again.now))
+
+
+def test_without_a_record_of_ports_the_number_of_a_sheet_is_not_given_again(driver):
+    """log_dir was removed, and the box wrote the journal again. A run that is scored by hand has no channel."""
+    driver.command("open_sheet")
+    number, = (run.identity.split("-")[1] for run in driver.box.zones.runs())
+    again = _restart(driver, _saved(driver), None)
+    again.connected("fbm", team="Beta", name="r2", host="10.0.0.3")
+    assert [f"-{int(number) + n}-" in run.identity for n, run in enumerate(again.box.zones.runs())] == [True, True]
+
+
+def test_without_a_record_of_ports_those_of_earlier_runs_are_not_given_again(driver):
+    later = run_record(1, identity="HWV-6676-2.000", closed_utc=2.0)
+    records = later, run_record(2, identity="HWV-6671-1.000", closed_utc=1.0), run_record(3, identity="HWV")
+    again = _restart(driver, _saved(driver)._replace(records=records), None)
+    again.connected("tbm")
+    assert _ports(again) == [6677]

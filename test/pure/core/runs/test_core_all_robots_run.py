@@ -23,6 +23,7 @@ from helpers.all_robots import (
 from helpers.competition import event
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level
+from roah_rsbb.core.runs.run import IGNORES_STOP
 from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.views import views
 from roah_rsbb.protocol import BoxState, RobotState
@@ -203,7 +204,9 @@ def test_a_robot_that_dies_does_not_end_the_run_of_the_others():
     run = driver.run_in()
     assert run.phase is Phase.RUNNING
     assert counts(driver) == (0, 3, 0)
-    assert driver.view().warnings == (f"{R1}: No message from the robot for 20 s",)
+    assert driver.view().warnings == (
+        f"{R1}: The robot has disappeared: no message for 20 s, and no beacon from its address. It may still be "
+        "moving, and STOP may not reach it: check it",)
     for robot in robots[1:]:
         robot.completes()
     assert run.phase is Phase.RUNNING  # it may come back
@@ -323,11 +326,12 @@ def test_a_robot_that_does_not_stop_blocks_the_next_start_only_for_a_moment():
     robots[1].says(RobotState.STOP)
     live_all(driver, robots, 2)
     assert driver.off("start") == [f"{R3}: Robot has not stopped yet: it reports EXECUTING"]
-    assert driver.view().warnings == ()
+    ignored = f"{R3}: {IGNORES_STOP}"
+    assert driver.view().warnings == (ignored,)
     live_all(driver, robots, 1)
     assert driver.off("start") == []
     assert driver.view().warnings == (
-        f"{R3}: will be left out until it is ready: Robot has not stopped yet: it reports EXECUTING",
+        ignored, f"{R3}: will be left out until it is ready: Robot has not stopped yet: it reports EXECUTING",
     )
     driver.command("start")
     assert box_states(driver, robots) == [BoxState.PREPARE, BoxState.PREPARE, BoxState.STOP]

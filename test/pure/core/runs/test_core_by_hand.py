@@ -1,14 +1,20 @@
 """A score sheet without a robot: scored by hand, no-show, withdrawn; and the choice of one of several robots."""
 
+import dataclasses
+
 import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import DOOR, UTC0, competition, event
 from roah_rsbb.core import effects
+from roah_rsbb.core.commands import OfTeam
 from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.core.views.schedule import EventState, schedule
+from roah_rsbb.core.views.views import coming_events
+from roah_rsbb.core.zones import key_of
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 
@@ -200,3 +206,80 @@ def test_one_robot_is_no_choice():
     robot.beacon()
     robot.state = RobotState.STOP
     assert driver.view().robots_to_choose == ()
+
+
+# -- the team is named --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", ["no_show", "withdrawn", "open_sheet"])
+@pytest.mark.parametrize("of, why", [
+    (OfTeam("Beta"), "is of team Alpha, not of team Beta: choose the event first"),
+    (OfTeam("Alpha", "y"), "is at another event of team Alpha now"),
+])
+def test_a_command_that_hits_another_team_is_refused(command, of, why):
+    """After a refused choose, the wrong team was withdrawn."""
+    driver = BoxDriver(competition(tbm=[dataclasses.replace(event(), id="x"), event("HWV", team="Beta", run=2)]))
+    with pytest.raises(Refused, match=why):
+        driver.event(driver.box.command, "tbm", command, "Anna", "", of)
+    assert (driver.run_in(), driver.box.finished.records()) == (None, [])
+    driver.event(driver.box.command, "tbm", command, "Anna", "", OfTeam("Alpha", "x"))
+    assert (driver.run_in() is not None) is (command == "open_sheet")
+
+
+@pytest.mark.parametrize("command", ["no_show", "withdrawn"])
+def test_a_final_command_without_a_team_is_refused(command):
+    driver = BoxDriver(competition(tbm=[event()]))
+    with pytest.raises(Refused, match="Name the team"):
+        driver.event(driver.box.command, "tbm", command)
+
+
+# -- what follows -------------------------------------------------------------------------------------
+
+DAY = [dataclasses.replace(event(code, run=run, scheduled=UTC0 + 600.0 * run), id=f"e{run}")
+       for run, code in ((1, "HGTKMH"), (2, "HWV"), (3, "HCFGAC"))]
+
+
+@pytest.mark.parametrize("command", ["no_show", "withdrawn"])
+def test_an_event_without_its_team_is_not_offered_as_the_next_one(command):
+    driver = BoxDriver(competition(tbm=DAY))
+    driver.event(driver.box.choose_event, "tbm", key_of(DAY[1]))
+    driver.command(command)
+    assert driver.box.zones["tbm"].event == DAY[2]
+    driver.command("previous")
+    driver.command("previous")
+    assert [line.event.run for line in public_view(driver.box, driver.now, PublicResults.NONE).following] == [1, 3]
+    assert [line.event.run for line in coming_events(driver.box)] == [1, 3]
+    driver.executing().completes()
+    driver.command("disconnect")
+    assert driver.box.zones["tbm"].event == DAY[2]
+    # The team appears after all.
+    driver.command("previous")
+    assert driver.box.zones["tbm"].event == DAY[1]
+    assert driver.off("open_sheet") == []
+
+
+def test_a_zone_without_another_event_stays_and_keeps_its_log():
+    driver = BoxDriver(competition(tbm=DAY[:2]))
+    driver.command("next")
+    driver.command("withdrawn")
+    driver.command("previous")
+    driver.executing().completes()
+    driver.command("disconnect")
+    assert driver.box.zones["tbm"].event == DAY[0]
+    assert driver.view().log
+
+
+def test_a_withdrawal_after_a_run_leaves_the_run_as_the_result():
+    """Tables said "withdrawn, 0 points", and standings counted the run."""
+    driver = BoxDriver(competition(tbm=DAY))
+    driver.executing()
+    driver.score(DOOR.group, DOOR.desc, 1)
+    driver.command("stop")
+    driver.command("disconnect")
+    ran = last_record(driver)
+    driver.command("withdrawn")
+    line = schedule(driver.box, driver.now)[0]
+    assert (line.state, line.result.shown.record) == (EventState.DONE, ran)
+    view = public_view(driver.box, driver.now, PublicResults.SCORES, provisional=True)
+    assert [run.end_reason for run in view.provisional] == ["stopped"]
+    assert [ruling.why for ruling in driver.box.scores.rulings(driver.now)] == [Why.COUNTS, Why.RAN]

@@ -1,5 +1,7 @@
 """Finished runs, and what the referee may still change in them."""
 
+from dataclasses import replace
+
 import pytest
 
 from helpers.box_driver import BoxDriver
@@ -7,17 +9,28 @@ from helpers.competition import BUMPS, DOOR, OBJECTS, UTC0, competition, event, 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.restart.saved import freeze, thaw
+from roah_rsbb.core.scoring import book, counting
 from roah_rsbb.core.scoring.book import MAX_KEPT, FinishedRuns, left_behind
-from roah_rsbb.core.scoring.records import By, SignOff
+from roah_rsbb.core.scoring.counting import Choice, Why, rulings
+from roah_rsbb.core.scoring.records import By, SheetPoints, SignOff
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.views.public import PublicResults, public_view
+from roah_rsbb.rulebook.benchmarks import NO_RULES, CountingAttempt
+from roah_rsbb.rulebook.standing_rules import BY_POINTS
 from roah_rsbb.wording import times
 
 BENCHMARKS = competition(tbm=["HGTKMH"]).benchmarks
 NOW = Now(5000.0, UTC0 + 4000.0)
+OF_ATTEMPTS = counting._of_attempts
 
 
 def _kept(driver):
-    return [(run.zone, run.event.benchmark.code, run.end_reason) for run in driver.box.finished.newest()]
+    return [(run.zone, run.event.benchmark.code, run.end_reason) for run in _results(driver.box.finished)]
+
+
+def _results(runs, *count):
+    return [run.result for run in runs.newest_runs(*count)]
 
 
 def _runs(*records):
@@ -37,7 +50,7 @@ def test_a_run_is_kept_with_its_score_when_it_is_left():
     driver.score(DOOR.group, DOOR.desc, 1)
     driver.run(10.0)
     driver.command("disconnect")
-    (run,) = driver.box.finished.newest()
+    (run,) = _results(driver.box.finished)
     assert (run.zone, run.event, run.end_reason) == ("tbm", driver.box.zones["tbm"].event, "completed")
     assert run.disconnected_utc == driver.now.utc
     assert {item.desc: item.value for item in run.items} == {DOOR.desc: 1, OBJECTS.desc: 0, BUMPS.desc: 0}
@@ -66,20 +79,68 @@ def test_a_run_that_is_repeated_is_shown_instead_of_the_one_before_and_both_are_
     driver.command("disconnect", "other")
     driver.executing().completes()
     driver.command("disconnect")
-    assert _kept(driver) == [("tbm", "HGTKMH", "completed"), ("other", "HWV", "stopped")]
+    view = public_view(driver.box, driver.now, PublicResults.SCORES, provisional=True)
+    assert [(run.zone, run.event.benchmark.code, run.end_reason) for run in view.provisional] == [
+        ("tbm", "HGTKMH", "completed"), ("other", "HWV", "stopped")]
     assert [record.end_reason for record in driver.box.finished.records()] == ["completed", "stopped", "stopped"]
 
 
-def test_the_oldest_go_where_there_are_too_many():
+def test_the_oldest_become_final_where_there_are_too_many():
     runs = _runs(*(run_record(number) for number in range(MAX_KEPT + 2)))
-    assert [run.event.run for run in runs.newest(1000)] == list(range(MAX_KEPT + 1, 1, -1))
-    assert [run.event.run for run in runs.newest(2)] == [MAX_KEPT + 1, MAX_KEPT]
+    assert [run.event.run for run in _results(runs)] == list(range(MAX_KEPT + 1, 1, -1))
+    assert [run.event.run for run in _results(runs, 2)] == [MAX_KEPT + 1, MAX_KEPT]
+    with pytest.raises(Refused, match=f"newest {MAX_KEPT} runs"):
+        runs.find(run_record(1).identity)
 
 
-@pytest.mark.parametrize("zones, shown", [(("tbm", "tbm"), 1), (("tbm", "other"), 2)])
-def test_the_same_event_in_another_zone_is_another_one(zones, shown):
-    runs = _runs(*(run_record(1, zone, identity=f"run {i}") for i, zone in enumerate(zones)))
-    assert len(runs.newest()) == shown
+def test_a_run_counts_however_many_followed_it(monkeypatch):
+    """The decision and the numbers are the same whether a run can still be corrected or not."""
+    rules = {"HGTKMH": replace(NO_RULES, counting=CountingAttempt.BEST)}
+    attempts = [
+        run_record(opened_utc=UTC0 + n, identity=f"HGTKMH {n}", event="e", points=SheetPoints(points, ()))
+        for n, points in enumerate(("3", "9", "5", "1", "2"))
+    ]
+
+    def ruled():
+        ruled = rulings(_runs(*attempts).records()[::-1], {}, Choice(events=rules))
+        return [(r.record.identity, r.why, r.numbers(BY_POINTS)) for r in ruled]
+
+    expected = ruled()
+    assert [why for _, why, _ in expected] == [
+        Why.NOT_BEST, Why.COUNTS, Why.NOT_BEST, Why.NOT_BEST, Why.NOT_BEST]
+    monkeypatch.setattr(book, "MAX_KEPT", 1)
+    assert ruled() == expected
+
+
+def test_only_events_of_which_a_run_changed_are_decided_again(monkeypatch):
+    """It would take longer with each run of the competition, and STOP in other zones would wait for it."""
+    driver = BoxDriver(competition(tbm=[event(run=run) for run in range(1, 6)], other=[event("HWV", team="Beta")]))
+    for _ in range(4):
+        driver.executing().completes()
+        driver.command("disconnect")
+    assert driver.box.zones["tbm"].event.run == 5
+    driver.executing("other", team="Beta", name="r2", host="10.0.0.3")
+    before = driver.box.scores.rulings(driver.now)
+    decided = []
+    monkeypatch.setattr(counting, "_of_attempts", lambda attempts, *rules: decided.append(attempts) or OF_ATTEMPTS(
+        attempts, *rules))
+    driver.run(5.0)
+    driver.score(BUMPS.group, BUMPS.desc, 1, "other")
+    after = driver.box.scores.rulings(driver.now)
+    assert [[record.benchmark for record in attempts] for attempts in decided] == [["HWV"]]
+    assert after[:-1] == before[:-1] and after[-1] != before[-1]
+
+
+def test_attempts_are_limited_however_many_runs_followed(monkeypatch):
+    monkeypatch.setattr(book, "MAX_KEPT", 1)
+    once = replace(NO_RULES, attempts=1)
+    events = [event(run=run, rules=once) for run in (1, 2)]
+    driver = BoxDriver(competition(tbm=events), Settings(auto_next=False))
+    for way in ("next", "previous"):
+        driver.executing().completes()
+        driver.command("disconnect")
+        driver.command(way)
+    assert driver.off("connect") and "The only attempt" in driver.off("connect")[0]
 
 
 # -- restart ----------------------------------------------------------------------------------------
@@ -90,7 +151,7 @@ def test_after_a_restart_they_are_there_again_the_last_one_first():
     runs = FinishedRuns(BENCHMARKS)
     runs.restore(records)
     assert [record.run for record in runs.records()] == [3, 2, 1]
-    assert [run.event for run in runs.newest()] == [event(run=number) for number in (3, 2, 1)]
+    assert [run.event for run in _results(runs)] == [event(run=number) for number in (3, 2, 1)]
 
 
 def test_runs_that_were_not_left_or_never_started_are_not_over():
@@ -113,7 +174,7 @@ def test_a_run_interrupted_by_a_restart_counts_as_stopped_at_the_restart():
 
 
 def test_a_removed_benchmark_is_shown_by_its_code():
-    (result,) = _runs(run_record(benchmark="HOLD")).newest()
+    (result,) = _results(_runs(run_record(benchmark="HOLD")))
     assert (result.event.benchmark.code, result.event.benchmark.name) == ("HOLD", "HOLD")
 
 
@@ -125,7 +186,7 @@ def test_a_record_is_the_same_after_it_was_written_and_read():
     (record,) = driver.box.finished.records()
     again = thaw(type(record), freeze(record))
     assert again == record
-    assert _runs(again).newest() == driver.box.finished.newest()
+    assert _results(_runs(again)) == _results(driver.box.finished)
 
 
 # -- corrections ------------------------------------------------------------------------------------
@@ -140,7 +201,7 @@ def test_a_correction_changes_record_and_result_and_is_marked():
     assert [(item.value, item.corrected) for item in record.items] == [(0, False), (0, False), (2, True)]
     (entry,) = record.history
     assert (entry.who, entry.utc, entry.correction) == ("Ben", NOW.utc, True)
-    assert runs.newest()[0].items == record.items
+    assert _results(runs)[0].items == record.items
     assert other == run_record(1)
 
 

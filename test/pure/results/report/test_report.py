@@ -32,8 +32,8 @@ from roah_rsbb.results.report.facts import facts_of, link_period_s
 from roah_rsbb.results.report.pages import PAGES
 from roah_rsbb.results.report.plots import Axes, plot
 from roah_rsbb.results.runs import records, run_result
-from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.results.standings import Choice, standings
+from roah_rsbb.rulebook.standing_rules import read_rules
 from roah_rsbb.tools import results as program
 
 ROOT = pathlib.Path(__file__).resolve().parents[4]

@@ -207,7 +207,7 @@ def test_a_terminal_gets_colours_unless_it_does_not_want_them(network, monkeypat
     (["--write", "/nonexistent/run.jsonl"], "cannot open /nonexistent/run.jsonl: No such file"),
     (["--read", "/nonexistent/run.jsonl"], "cannot open /nonexistent/run.jsonl: No such file"),
     (["--passwords", "/nonexistent/passwords.yaml"], "passwords.yaml: found no file"),
-    (["--password-file", "/nonexistent/key"], "cannot read --password-file /nonexistent/key"),
+    (["--password-file", "/nonexistent/key"], "cannot read the password file /nonexistent/key"),
     (["--password", ""], "the password is empty"),
     (["--team", "Team", "--password", ""], "the password is empty"),
 ])

@@ -7,11 +7,15 @@ import pytest
 
 from helpers.config_files import SHIPPED
 from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.tools.competition import program
 
 OPTIONS = ["--teams", "BrassButlers,CopperKettle", "--benchmarks", "HWV,HNF", "--days", "2026-11-28,2026-11-29",
            "--time-zone", "UTC"]
 SHEET = "zone,benchmark,team,date,time\nHome,HWV,BrassButlers,2026-11-28,09:00\nHome,HSUF,,2026-11-28,10:00\n"
+
+
+SUNDAY = datetime.datetime(2026, 11, 29, tzinfo=datetime.timezone.utc).timestamp()
 
 
 def load(directory):
@@ -132,16 +136,50 @@ def test_options_that_the_sheet_answers_are_refused(run, tmp_path):
 
 def test_a_new_schedule_for_an_old_competition(run, tmp_path):
     run("erl", *OPTIONS)
+    before = load(tmp_path / "erl")[0]
+    with open(str(tmp_path / "erl" / "schedule.yaml"), "a", encoding="utf-8") as schedule:
+        schedule.write("- durable: two\n")
     passwords = (tmp_path / "erl" / "passwords.yaml").read_text("utf-8")
     (tmp_path / "plan.csv").write_text(
         "zone,benchmark,team,date,time\nHome,HWV,CopperKettle,2026-11-28,09:00\n", encoding="utf-8")
     status, out, err = run("erl", "--sheet", "plan.csv", "--schedule-only", "--time-zone", "UTC")
     assert (status, err) == (0, "")
     assert "the old one is erl/schedule.yaml~" in out
-    assert "no runs in the schedule for 'BrassButlers'" in out
+    assert "The runs of other days stay: 4 on 2026-11-29" in out
     loaded = load(tmp_path / "erl")[0]
-    assert [(zone.name, len(zone.events)) for zone in loaded.zones] == [("Home", 1)]
+    assert loaded.durable is Durable.TWO
+    events = [(zone.name, e) for zone in loaded.zones for e in zone.events]
+    assert [(name, e.benchmark.code) for name, e in events if e.scheduled < SUNDAY] == [("Home", "HWV")]
+    assert {e.id for _, e in events if e.scheduled >= SUNDAY} == {
+        e.id for zone in before.zones for e in zone.events if e.scheduled >= SUNDAY}
     assert (tmp_path / "erl" / "passwords.yaml").read_text("utf-8") == passwords
+
+
+def test_a_sheet_of_one_day_keeps_the_other_days_and_counts_them(run, tmp_path):
+    """It used to drop the other days, and to begin again at round 1, so that tomorrow's runs looked like today's."""
+    lines = ["zone,benchmark,team,date,time", "Home,HWV,CopperKettle,2026-11-28,09:00",
+             "Home,HWV,BrassButlers,2026-11-28,09:30"]
+    (tmp_path / "plan.csv").write_text("\n".join(lines), encoding="utf-8")
+    run("erl", "--sheet", "plan.csv", "--time-zone", "UTC", "--rsbb-host", "10.0.0.255")
+    first = turns(load(tmp_path / "erl")[0])
+    assert [(turn[1:3], day) for turn, day, _ in first] == [(("CopperKettle", 1), 28), (("BrassButlers", 1), 28)]
+    (tmp_path / "plan.csv").write_text("\n".join([lines[0], lines[1].replace("28", "29")]), encoding="utf-8")
+    assert run("erl", "--sheet", "plan.csv", "--schedule-only", "--time-zone", "UTC")[0] == 0
+    second = turns(load(tmp_path / "erl")[0])
+    assert second[:2] == first
+    assert second[2][:2] == (("HWV", "CopperKettle", 2, 1), 29)
+    # Moved within the day and to another zone, each run keeps its id.
+    moved = "Hall,HWV,CopperKettle,2026-11-29,11:30"
+    (tmp_path / "plan.csv").write_text("\n".join([lines[0], moved]), encoding="utf-8")
+    assert run("erl", "--sheet", "plan.csv", "--schedule-only", "--time-zone", "UTC")[0] == 0
+    assert [own for _, _, own in turns(load(tmp_path / "erl")[0])] == [own for _, _, own in second]
+
+
+def turns(loaded):
+    """Benchmark, team, round and run of each event, the day of the month, and the id; by time."""
+    events = sorted((e for zone in loaded.zones for e in zone.events), key=lambda e: e.scheduled)
+    return [((e.benchmark.code, e.team, e.round, e.run),
+             datetime.datetime.fromtimestamp(e.scheduled, datetime.timezone.utc).day, e.id) for e in events]
 
 
 def test_a_new_schedule_with_what_the_competition_has_not(run, tmp_path):

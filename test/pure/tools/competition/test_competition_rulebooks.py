@@ -8,9 +8,9 @@ import pytest
 import yaml
 
 from helpers.config_files import SHIPPED
-from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.rulebook.standing_rules import read_rules
 from roah_rsbb.tools.competition import rulebooks
 
 NAMES = rulebooks.names(str(SHIPPED))

@@ -189,7 +189,7 @@ class TestRobots(BoxCase):
         box.start("Silent")
         robot.wait_did("execute HGTKMH")
         robot.close()
-        box.wait_text("Silent", "WARNING: No message from the robot for")
+        box.wait_text("Silent", "WARNING: The robot has disappeared: no message for")
         wait_until(lambda: box.robot("Iota") is None, "it is no active robot any more")
         self.assertEqual(box.zone_details("Silent").phase, "running")
         self.assertTrue(any(team == "Iota" for team, _, _ in listed(listener.beacon)))

@@ -75,7 +75,7 @@ _ANSWERS = {
 }
 # The method of the box that a service calls -> the call as tests see it.
 _CALLS: Dict[str, Callable[..., tuple]] = {
-    "command": lambda zone, command, who: (command, zone),
+    "command": lambda zone, command, who, reason="", of=None: (command, zone, *([of.team] if of else [])),
     "stop": lambda run, who: ("stop_run", run.zone),
     "leave_run": lambda run, who: ("leave_run", run.zone),
     "choose_event": lambda zone, key, unsigned, who: ("choose_event", zone, key.benchmark, unsigned),
@@ -132,6 +132,7 @@ class FakeZone:
         self.switches: Optional[Set[int]] = None  # HOMF: those that are on
         self.damaged = 0
         self.switches_asked = False
+        self.not_stopped: List[str] = []  # robots that do not report STOP, beside those of the box
 
     @property
     def run(self) -> Optional[ZoneRun]:
@@ -211,6 +212,7 @@ class FakeZone:
         details.items = details.items if self.has_items else []
         details.robot = (self.robot or details.robot) if self.phase != "idle" else ""
         details.robots = list(self.all_robots)
+        details.not_stopped += self.not_stopped
         details.module_scores = list(self.module_scores)
         clock.paused = self.paused or clock.paused
         for field in ("goal", "goal_limit", "goal_elapsed", "goal_counting"):
@@ -225,17 +227,19 @@ class FakeZone:
             state.omf_damaged, state.omf_complete = self.damaged, self.switches_asked
 
 
-def _offered(*arguments: Any) -> Tuple[Dict[str, type], Answers]:
-    """The services of the core, by name: their types, and the functions that answer them."""
-    kinds: Dict[str, type] = {}
-    answers: Answers = {}
+class _Offered:
+    """The services of the core, by name: their types, and the functions that answer them in rospy's threads."""
 
-    def offer(name: str, kind: type, answer: Callable[[Any], Any]) -> None:
-        kinds[name], answers[name] = kind, answer
+    def __init__(self, box: Any, event: Optional[Callable[..., None]]) -> None:
+        self.kinds: Dict[str, type] = {}
+        self.answers: Answers = {}
+        CoreServices(box, self, event)
 
-    with mock.patch.object(rospy, "Service", offer):
-        CoreServices(*arguments)
-    return kinds, answers
+    def add(self, name: str, kind: type, handle: Callable[[Any], Any], wait: Optional[Callable[[Any], Any]] = None,
+            is_urgent: bool = False) -> None:
+        """As `LoopServices.add`."""
+        self.kinds[name] = kind
+        self.answers[name] = handle if wait is None else lambda request: wait(handle(request))
 
 
 def _read(message: Any) -> Any:
@@ -250,15 +254,7 @@ TOPICS = {
     "/core/schedule": Schedule, "/core/judging": Judgings,
     "/core/superseded": Superseded,
 }
-NODE = FakeNode(TOPICS, _offered(mock.Mock(), None, None)[0])  # the types do not depend on the box
-
-
-class _Here:
-    """Stands for the loop: rospy's threads call the core themselves."""
-
-    @staticmethod
-    def call(function: Callable[[], Any]) -> Any:
-        return function()
+NODE = FakeNode(TOPICS, _Offered(mock.Mock(), None).kinds)  # the types do not depend on the box
 
 
 class FakeCore:
@@ -276,6 +272,8 @@ class FakeCore:
         self.refuse: Optional[str] = None  # reason with which every service fails
         self.answer_gate = threading.Event()  # cleared: services do not answer
         self.answer_gate.set()
+        self.held = ""  # the only method that waits for the gate, such as "sign_off"; empty: all
+        self.deaf = False  # the robots do not obey the box any more
         self._silent = silent
         self._speaking = threading.Lock()  # held while it publishes by itself
         self.said_utc_s = 0.0  # clock of the newest messages
@@ -298,7 +296,7 @@ class FakeCore:
         self._results, self._schedule = ResultsBoard(self.box, box_uuid), ScheduleBoard(self.box, box_uuid)
         self._judging = JudgingBoard(self.box, box_uuid)
         self._robots_speak()
-        NODE.begin(self, _offered(self.box, _Here(), self._serve)[1])
+        NODE.begin(self, _Offered(self.box, self._serve).answers)
         self._timer = rospy.Timer(rospy.Duration(0.1), self._tick)
 
     def _new_box(self, zones: tuple) -> Box:
@@ -358,7 +356,7 @@ class FakeCore:
             if self.box.zones.run_of(robot) is None:
                 now = self._now()
                 self.box.on_robot_beacon(now, host, robot.team, robot.robot, _wire(now))
-        for run in self.box.zones.members():
+        for run in () if self.deaf else self.box.zones.members():
             for _ in range(3):
                 now, asked = self._now(), run.message.state
                 report = RobotReport(_wire(now), 1, _ANSWERS[asked])
@@ -375,10 +373,11 @@ class FakeCore:
                 note, who = _WORDS[name](*arguments)
                 self.words.append((arguments[0].identity, note, who.rpartition(" (")[0]))
             self.calls.append(call)
-            self.answer_gate.wait()
+            if self.held in ("", name):
+                self.answer_gate.wait()
             if self.refuse is not None:
                 raise Refused([self.refuse])
-            if self.zones[call[1]].takes(name, *arguments[1:]):
+            if call[1] in self.zones and self.zones[call[1]].takes(name, *arguments[1:]):
                 return
         self.event(method, *arguments)
 

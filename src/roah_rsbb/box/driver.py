@@ -1,0 +1,223 @@
+"""Drives the core: passes events with their time to the box, and carries out their effects.
+
+Everything here runs in the loop's thread. The core makes all decisions; the driver only dispatches effects.
+"""
+
+import asyncio
+from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Protocol, Set
+
+from roah_rsbb.box.journal import CoreJournal
+from roah_rsbb.core import effects
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.effects import Effect, Level
+from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.radio.radio import CoreRadio
+from roah_rsbb.wording.texts import escaped
+
+
+class RunLogs(Protocol):
+    """Writes the run logs. `run_logs.writer.RunLogWriter` does it in files, in a thread."""
+
+    files: Dict[int, str]  # path of each run's log by the run's port
+
+    def check(self) -> str:
+        """Why logs cannot be written, with the remedy; empty if they can."""
+
+    def opened(self, effect: effects.RunOpened, utc: float) -> None:
+        """A run has begun."""
+
+    def resumed(self, port: int, path: str) -> None:
+        """A run continues after a restart; `path` is its log, empty if unknown."""
+
+    def logged(self, effect: effects.RunLogged, utc: float) -> None:
+        """Add an entry to a run's log."""
+
+    def closed(self, effect: effects.RunClosed) -> None:
+        """A run has ended."""
+
+    def repair(self, known: Mapping[int, str]) -> None:
+        """Repair logs that a killed process left open. `known` has the paths of the journal's runs by port."""
+
+    def stop(self) -> None:
+        """Write the remaining entries, and close all logs."""
+
+
+class Outputs(NamedTuple):
+    """Where effects go that the box's own radio and files do not carry out. Called in the loop's thread."""
+
+    ring_timeout: Callable[[], None]  # a run timed out
+    publish_module_runs: Callable[[], None]  # for the benchmarking modules
+    results_changed: Callable[[], None]
+    set_device: Callable[[effects.SetDevice], None]
+    log: Callable[[Level, str], None]  # a line for the program's log
+    report_bug: Callable[[str], None]  # within `except`: an internal error, which stops nothing
+
+
+class CoreDriver:
+    """One box, and the objects that carry out its effects."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        box: Box,
+        radio: CoreRadio,
+        run_logs: RunLogs,
+        ports: PortRecord,
+        journal: CoreJournal,
+        outputs: Outputs,
+        now: Callable[[], Now],
+        check: Callable[[], None] = lambda: None,
+    ) -> None:
+        """`now` returns the present moment; its monotonic clock is the loop's. `check` is called before anything
+        happens, is recorded or leaves: see `Fence.check`."""
+        self._loop = loop
+        self.box = box
+        self._radio = radio
+        self._run_logs = run_logs
+        self._ports = ports
+        self._journal = journal
+        self._outputs = outputs
+        self._now = now
+        self._check = check
+        self._timer: Optional[asyncio.TimerHandle] = None
+        self._carrying_out = False
+        self._beacon_wanted = False
+        self._modules_wait = False
+        self._unopened: Set[int] = set()  # ports
+        self._moment = now()  # of the latest event
+        self._hands = {
+            effects.PortTaken: self._port_taken,
+            effects.OpenChannel: self._open_channel,
+            effects.AimChannel: lambda e: self._radio.aim(e.port, e.host),
+            effects.CloseChannel: lambda e: self._radio.close_channel(e.port),
+            effects.SendState: lambda e: self._radio.send_state(e.port, e.message, e.how),
+            effects.SendBeacon: self._want_beacon,
+            effects.TimeoutRung: lambda e: outputs.ring_timeout(),
+            effects.SetDevice: outputs.set_device,
+            effects.RunOpened: self._run_opened,
+            effects.SheetOpened: lambda e: None,  # the journal records it
+            effects.RunResumed: self._run_resumed,
+            effects.RecordChanged: lambda e: outputs.results_changed(),
+            effects.Recorded: lambda e: None,  # the journal records it
+            effects.RunLogged: lambda e: self._run_logs.logged(e, self._moment.utc),
+            effects.RunClosed: lambda e: self._run_logs.closed(e),
+            effects.ModuleRunsChanged: self._want_module_runs,
+            effects.Superseded: lambda e: self._radio.close(),
+            effects.Notice: self._notice,
+            effects.AnotherBox: lambda e: None,  # a referee decides
+        }
+
+    def event(self, method: Callable[..., object], *args: object) -> None:
+        """Pass an event to the box, then carry out the effects. Exceptions of the method are raised afterwards."""
+        self._check()
+        self._moment = self._now()
+        try:
+            method(self._moment, *args)
+        finally:
+            self._carry_out()
+            self._set_timer()
+
+    def tick(self) -> None:
+        """Run the box's due timers."""
+        self.event(self.box.tick)
+
+    def _carry_out(self) -> None:
+        if self._carrying_out:
+            return  # an effect caused another event, whose effects follow later
+        self._carrying_out = True
+        notices: List[effects.Notice] = []
+        try:
+            todo = self._take_effects()
+            while todo:
+                for effect in todo:
+                    if isinstance(effect, effects.Notice):
+                        notices.append(effect)
+                    else:
+                        self._do(effect)
+                todo = self._take_effects()
+            if self._beacon_wanted:
+                self._beacon_wanted = False
+                self._radio.send_beacon()
+            if self._modules_wait:
+                self._modules_wait = False
+                self._outputs.publish_module_runs()
+        finally:
+            self._carrying_out = False
+            # Log lines are slow and not urgent, so they come last.
+            for notice in notices:
+                self._do(notice)
+
+    def _take_effects(self) -> List[Effect]:
+        """Return the box's effects. When this returns, the journal has them."""
+        todo = self.box.take_effects()
+        if todo:
+            self._check()
+            try:
+                self._journal.record(self._moment, todo)
+            except Exception:
+                # A failed record must not stop the runs.
+                self._journal.lost()
+                self._outputs.report_bug("what happened could not be recorded")
+        return todo
+
+    def _do(self, effect: Effect) -> None:
+        try:
+            self._hands[type(effect)](effect)
+        except Exception:
+            # A failing effect must not prevent the others.
+            self._outputs.report_bug(f"{type(effect).__name__} was not carried out")
+
+    def _set_timer(self) -> None:
+        deadline = self.box.deadline()
+        if self._timer is not None:
+            if self._timer.when() == deadline:
+                return
+            self._timer.cancel()
+        self._timer = None if deadline is None else self._loop.call_at(deadline, self._on_timer)
+
+    def _on_timer(self) -> None:
+        self._timer = None
+        self.tick()
+
+    def _want_beacon(self, _effect: effects.SendBeacon) -> None:
+        """Request a beacon after all other effects, so that it has the final state."""
+        self._beacon_wanted = True
+
+    def _want_module_runs(self, _effect: effects.ModuleRunsChanged) -> None:
+        """Publish once per event, after the effects that robots wait for."""
+        self._modules_wait = True
+
+    def _port_taken(self, effect: effects.PortTaken) -> None:
+        try:
+            self._ports.add(effect.port, lambda error: self._loop.call_soon_threadsafe(self._port_not_kept, error))
+        except OSError as error:
+            self._port_not_kept(error)
+
+    def _port_not_kept(self, error: OSError) -> None:
+        self.event(
+            self.box.on_trouble,
+            f"{self._ports.path} cannot be written: {error.strerror}. After a restart of the box private ports "
+            "may be used twice: free or repair the disk of log_dir",
+        )
+
+    def _open_channel(self, effect: effects.OpenChannel) -> None:
+        try:
+            self._radio.open_channel(effect.port, effect.team, effect.host, effect.version)
+        except OSError as error:
+            self._unopened.add(effect.port)
+            self.event(self.box.on_channel_failed, effect.port, str(error))
+
+    def _run_opened(self, effect: effects.RunOpened) -> None:
+        if effect.port in self._unopened:
+            return  # the box retries on another port: no log for this one
+        self._run_logs.opened(effect, self._moment.utc)
+        self._journal.log_file(effect.port, self._run_logs.files[effect.port])
+
+    def _run_resumed(self, effect: effects.RunResumed) -> None:
+        self._run_logs.resumed(effect.port, self._journal.log_file_before(effect.port))
+        self._journal.log_file(effect.port, self._run_logs.files[effect.port])
+
+    def _notice(self, effect: effects.Notice) -> None:
+        zone = f"zone {effect.zone}: " if effect.zone else ""
+        self._outputs.log(effect.level, escaped(f"{zone}{effect.text}"))

@@ -1,0 +1,259 @@
+"""Connects the core with its journal: turns effects into batches, and saved batches into a resumed box.
+
+The changes of an event are in the journal before any of its effects leave the box (docs/architecture.md, "Write
+first, then act").
+"""
+
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+from roah_rsbb.core import effects, run_log
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.effects import BOX, Effect, Level
+from roah_rsbb.core.restart.restart import BoxSaved, Saved
+from roah_rsbb.core.restart.saved import Anchor, BadState, freeze, thaw
+from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.core.scoring.unsaved import Unsaved, UnsavedParts
+from roah_rsbb.core.views.views import ClockView, clock_of
+from roah_rsbb.core.zones import ZoneState, key_of
+from roah_rsbb.journal import epochs, kinds
+from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
+from roah_rsbb.journal.changes import ChangesWriter
+from roah_rsbb.journal.previous_session import PreviousSession
+from roah_rsbb.journal.store import Journal
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT
+from roah_rsbb.rulebook.config import Config
+
+BOX_STATE = "box"
+ZONE_STATE = "zone:"
+
+
+class _Place(NamedTuple):
+    """The zone and the run to which a private port belongs."""
+
+    zone: str
+    identity: str
+
+
+class _Written(NamedTuple):
+    """The states of a run that are in the journal."""
+
+    identity: str
+    changes: ChangesWriter
+
+
+def competition(config: Config) -> List[Any]:
+    """Return what identifies a competition: its events, in the words of journals before ids."""
+    return [[zone.name, *key_of(event)[:5]] for zone in config.zones for event in zone.events]
+
+
+class CoreJournal:
+    """Records what the box does."""
+
+    def __init__(self, box: Box, journal: Journal) -> None:
+        self._box = box
+        self._journal = journal
+        self._places: Dict[int, _Place] = {}
+        self._batch = Batch()
+        self._written: Dict[str, _Written] = {}  # by zone
+        self._records: List[RunRecord] = []
+        self._unsaved = Unsaved()
+        self._ticket = 0
+        self._is_lost = False
+        self._takers: Dict[type, Callable[[Now, Any], None]] = {
+            effects.RunOpened: self._opened,
+            effects.SheetOpened: self._sheet_opened,
+            effects.RunResumed: self._resumed,
+            effects.RunLogged: self._logged,
+            effects.RunClosed: self._closed,
+            effects.AimChannel: self._aimed,
+            effects.TimeoutRung: self._rung,
+            effects.Superseded: self._superseded,
+            effects.Notice: self._noticed,
+            effects.Recorded: self._recorded,
+            effects.RecordChanged: self._record_changed,
+        }
+
+    def record(self, now: Now, todo: Sequence[Effect]) -> None:
+        """Write the changes of an event; `todo` are its effects, before they are carried out."""
+        for effect in todo:
+            taker = self._takers.get(type(effect))
+            if taker is not None:
+                taker(now, effect)
+        changed = self._box.take_changed()
+        for name in sorted(changed):
+            self._state_changed(now, name)
+        if self._batch.is_empty():
+            return
+        batch, self._batch = self._batch, Batch()
+        records, self._records = self._records, []
+        self._ticket = self._journal.write(batch)
+        for record in records:
+            self._unsaved.changed(now.mono, self._ticket, record)
+
+    def lost(self) -> None:
+        """Note that an internal error prevented a record."""
+        self._is_lost = True
+
+    def ticket(self) -> Optional[int]:
+        """The ticket of the newest record (`Journal.why_not_saved`); None: an internal error prevented a record since
+        the last call."""
+        lost, self._is_lost = self._is_lost, False
+        return None if lost else self._ticket
+
+    def unsaved(self, now: Now, saved: Callable[[int], int] = lambda ticket: ticket) -> Tuple[UnsavedParts, ...]:
+        """Return the parts of the runs' records that have been waiting for the disk for a while. `saved` returns the
+        newest ticket that needs no other disk, of those up to its argument."""
+        return self._unsaved.look(now.mono, saved(self._journal.saved))
+
+    def restore(self, records: Sequence[RunRecord]) -> None:
+        """Take the records that were in the journal at the start."""
+        self._unsaved.restore(records)
+
+    def log_file(self, port: int, path: str) -> None:
+        """Record the path of a robot's run log."""
+        self._journal.write(Batch(log_files={port: path}))
+
+    def log_entries(self, port: int) -> Optional[List[Tuple[str, object, float]]]:
+        """All entries of a robot's run log so far: topic, value and UTC seconds, in order; None: not readable now."""
+        entries = self._journal.entries_of(port)
+        return None if entries is None else [
+            (entry.kind, entry.value, entry.utc) for entry in entries if entry.kind in run_log.KINDS
+        ]
+
+    def log_file_before(self, port: int) -> str:
+        """The path of a robot's run log before the restart; empty if unknown."""
+        return self._journal.previous.log_files.get(port, "")
+
+    def each_second(self, now: Now, unreadable: Mapping[int, int]) -> None:
+        """Call this once a second: writes the link records and waiting data.
+
+        `unreadable`: see `Box.link_samples`.
+        """
+        samples = self._box.link_samples(now, unreadable)
+        if samples:
+            self._journal.write(Batch(links=[
+                LinkRow(port, now.utc, now.mono, freeze(sample)) for port, sample in samples
+            ]))
+        self._journal.look()
+
+    # -- effects ------------------------------------------------------------------------------------
+
+    def _state_changed(self, now: Now, name: str) -> None:
+        """Write a state for a restart, and how it changed for replays."""
+        if name == BOX:
+            self._batch.states[BOX_STATE] = freeze(self._box.saved())
+            return
+        zone = self._box.zones.get(name)
+        if zone is None:  # it was removed
+            return
+        state = freeze(zone.saved())
+        self._batch.states[ZONE_STATE + name] = state
+        if zone.run is None:
+            self._written.pop(name, None)
+            return
+        written = self._written.get(name)
+        if written is None or written.identity != zone.run.identity:
+            written = self._written[name] = _Written(zone.run.identity, ChangesWriter())
+        clock = _clock_value(clock_of(zone.run, zone.event.benchmark, now))
+        change = written.changes.entry({"zone": state, "clock": clock})
+        if change is not None:
+            self._add(now, _Place(name, written.identity), None, "", kinds.STATE, change)
+
+    def _place(self, port: int) -> _Place:
+        return self._places.get(port, _Place("", ""))
+
+    def _add(self, now: Now, place: _Place, port: Any, who: str, kind: str, value: object) -> None:
+        self._batch.entries.append(
+            NewEntry(now.utc, now.mono, place.zone, place.identity, port, who, kind, value))
+
+    def _opened(self, _now: Now, effect: effects.RunOpened) -> None:
+        self._find_place(effect.port)
+        run = self._box.zones.run_at(effect.port)
+        whole = self._box.zones[run.zone].run
+        self._batch.runs.append(RunRow(whole.identity, run.zone, *key_of(whole.event)[:5], whole.opened_utc))
+        self._batch.members.append(Member(effect.port, whole.identity, run.robot.team, run.robot.robot))
+
+    def _sheet_opened(self, _now: Now, effect: effects.SheetOpened) -> None:
+        r = effect.record
+        self._batch.runs.append(
+            RunRow(r.identity, r.zone, r.benchmark, r.team, r.round, r.run, r.scheduled, r.opened_utc))
+
+    def _resumed(self, _now: Now, effect: effects.RunResumed) -> None:
+        self._find_place(effect.port)
+
+    def _find_place(self, port: int) -> None:
+        """Assign later entries of a port to the run that begins or resumes, even after its end."""
+        self._places[port] = self._place_of_zone(self._box.zones.run_at(port).zone)
+
+    def _place_of_zone(self, zone: str) -> _Place:
+        run = self._box.zones[zone].run
+        return _Place(zone, "" if run is None else run.identity)
+
+    def _logged(self, now: Now, effect: effects.RunLogged) -> None:
+        who = ""
+        if effect.topic in run_log.FROM_ROBOT:
+            run = self._box.zones.run_at(effect.port)
+            who = "" if run is None else run.link.host or ""
+        self._add(now, self._place(effect.port), effect.port, who, effect.topic, effect.value)
+
+    def _closed(self, _now: Now, effect: effects.RunClosed) -> None:
+        self._places.pop(effect.port, None)
+
+    def _aimed(self, now: Now, effect: effects.AimChannel) -> None:
+        self._add(now, self._place(effect.port), effect.port, effect.host, kinds.ADDRESS, effect.host)
+
+    def _rung(self, now: Now, effect: effects.TimeoutRung) -> None:
+        self._add(now, self._place_of_zone(effect.zone), None, "", kinds.TIMEOUT, None)
+
+    def _noticed(self, now: Now, effect: effects.Notice) -> None:
+        if effect.zone and effect.level >= Level.WARNING:
+            said = {"level": effect.level.name, "text": effect.text}
+            self._add(now, self._place_of_zone(effect.zone), None, "", kinds.NOTICE, said)
+
+    def _superseded(self, now: Now, effect: effects.Superseded) -> None:
+        self._add(now, _Place("", ""), None, effect.by, kinds.EPOCH,
+                  epochs.superseded_value(effect.epoch, effect.cut, effect.by))
+
+    def _recorded(self, now: Now, effect: effects.Recorded) -> None:
+        self._add(now, _Place(effect.zone, effect.identity), effect.port, effect.who, effect.kind, effect.value)
+
+    def _record_changed(self, _now: Now, effect: effects.RecordChanged) -> None:
+        record = effect.record
+        self._batch.outcomes[record.identity] = OutcomeRow(record.closed_utc or None, freeze(record))
+        self._records.append(record)
+
+
+def saved_state(before: PreviousSession, now: Now, boot: str, ahead_s: float = 0.0) -> Tuple[Saved, List[str]]:
+    """The state from which the box resumes, and warnings about unreadable parts.
+
+    `ahead_s`: how far the clock of this computer is ahead of that of the computer before.
+    """
+    warnings: List[str] = []
+    last = before.last
+    if last is not None:
+        last = last._replace(utc=last.utc + ahead_s)
+    shift = 0.0 if last is None else Anchor(last.mono, last.utc, last.boot_id).shift(now, boot)
+    box, zones, records = BoxSaved(), {}, []
+    for name, state in before.states.items():
+        try:
+            if name == BOX_STATE:
+                box = thaw(BoxSaved, state, shift)
+            elif name.startswith(ZONE_STATE):
+                zones[name[len(ZONE_STATE):]] = thaw(ZoneState, state, shift)
+        except (BadState, ValueError, RecursionError) as error:
+            what = "home devices and tablet" if name == BOX_STATE else f"zone {name[len(ZONE_STATE):]}"
+            warnings.append(f"The journal's state of {what} cannot be read: {error}. It starts from its initial state")
+    for outcome in before.outcomes:
+        try:
+            records.append(thaw(RunRecord, outcome))
+        except (BadState, ValueError, RecursionError) as error:
+            warnings.append(f"The journal's record of a run cannot be read, and cannot be corrected here: {error}")
+    utc = now.utc if last is None else last.utc
+    return Saved(utc, box, zones, tuple(records)), warnings
+
+
+def _clock_value(clock: ClockView) -> Dict[str, Any]:
+    """Return the times of a run as JSON values, in seconds with three decimals, without absent limits."""
+    return {name: round(value, 3) if isinstance(value, float) else value
+            for name, value in freeze(clock).items() if value != NO_LIMIT}

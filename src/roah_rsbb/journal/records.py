@@ -1,0 +1,125 @@
+"""A record: what one event adds to the journal, as the payload of a frame.
+
+Its first line has tab-separated what readers choose records by: UTC and monotonic seconds, number of the session,
+number of the newest entry, the letters of the other lines, and the identities of the runs that it belongs to. Each
+other line is a letter and JSON. Readers only parse the lines that they need.
+"""
+
+import json
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.journal import kinds
+from roah_rsbb.journal.batch import Batch
+
+ENTRIES = "e"  # [[number, utc, mono, zone, identity, port, who, kind, value] …]
+STATES_OF_RUNS = "t"  # the same: entries of kind `state`
+EPOCHS = "x"  # the same: entries of kind `epoch`
+OF_ENTRIES = (ENTRIES, STATES_OF_RUNS, EPOCHS)
+LINKS = "l"  # [[port, utc, mono, sample] …]
+RUNS = "r"  # [[identity, zone, benchmark, team, round, run, scheduled, opened_utc] …]
+MEMBERS = "m"  # [[port, identity, team, robot] …]
+LOG_FILES = "f"  # [[port, path] …]
+OUTCOMES = "o"  # {identity: record}
+CLOSED = "d"  # {identity: closed_utc or null}, of the same runs
+STATES = "z"  # {name: {"number", "change"}}, see `journal/changes.py`
+SESSION = "s"  # [utc, mono, boot_id, pid, box_uuid, launch]
+COMPETITION = "c"  # [[zone, benchmark, team, round, run, scheduled] …]
+
+# For people.
+NAMES = {
+    ENTRIES: "entries", STATES_OF_RUNS: "states of runs", EPOCHS: "epochs", LINKS: "links", RUNS: "runs",
+    MEMBERS: "robots", LOG_FILES: "log files", OUTCOMES: "records of runs", CLOSED: "disconnected", STATES: "states",
+    SESSION: "start", COMPETITION: "competition",
+}
+
+Lines = Dict[str, Any]
+_LETTERS = {kinds.STATE: STATES_OF_RUNS, kinds.EPOCH: EPOCHS}
+_ENCODER = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"))
+
+
+class Top(NamedTuple):
+    """The first line of a record."""
+
+    utc: float  # UTC seconds
+    mono: float  # seconds on the monotonic clock of the session
+    session: int  # number; 0: no core wrote it
+    entry: int  # number of the newest entry so far
+    letters: str  # of the lines
+    identities: Tuple[str, ...]
+
+
+def encode(top: Top, lines: Lines) -> bytes:
+    """Return the payload of a record. Raises TypeError or ValueError for values that JSON does not have."""
+    found = ["\t".join((repr(top.utc), repr(top.mono), str(top.session), str(top.entry), top.letters,
+                        *top.identities, ""))]
+    found += [letter + _ENCODER.encode(value) for letter, value in lines.items()]
+    return "\n".join(found).encode("utf-8", errors="replace")
+
+
+def top_of(payload: bytes) -> Top:
+    """Read the first line of a record. Raises ValueError."""
+    end = payload.find(b"\n")
+    utc, mono, session, entry, letters, *identities = payload[:len(payload) if end < 0 else end].split(b"\t")
+    return Top(float(utc), float(mono), int(session), int(entry), letters.decode("ascii"),
+               tuple([identity.decode("utf-8") for identity in identities[:-1]]))
+
+
+def line_of(payload: bytes, letter: str) -> Any:
+    """Read a line of a record; None: it has no such line. Raises ValueError."""
+    begin = payload.find(b"\n" + letter.encode("ascii"))
+    if begin < 0:
+        return None
+    end = payload.find(b"\n", begin + 1)
+    return json.loads(payload[begin + 2:len(payload) if end < 0 else end].decode("utf-8"))
+
+
+def lines_of(batch: Batch, entry: int) -> Lines:
+    """Return the lines of a batch, without its states. `entry`: number of the newest entry before it."""
+    lines: Lines = {}
+    if batch.runs:
+        lines[RUNS] = batch.runs
+    if batch.members:
+        lines[MEMBERS] = batch.members
+    if batch.log_files:
+        lines[LOG_FILES] = list(batch.log_files.items())
+    for number, new in enumerate(batch.entries, entry + 1):
+        lines.setdefault(_LETTERS.get(new.kind, ENTRIES), []).append((number, *new))
+    if batch.outcomes:
+        lines[OUTCOMES] = {identity: row.outcome for identity, row in batch.outcomes.items()}
+        lines[CLOSED] = {identity: row.closed_utc for identity, row in batch.outcomes.items()}
+    if batch.links:
+        lines[LINKS] = batch.links
+    return lines
+
+
+def identities_of(lines: Lines, run_of: Callable[[int], Optional[str]]) -> Tuple[str, ...]:
+    """Return the runs to which lines belong. `run_of` returns the run of a port."""
+    found: Dict[str, None] = {}
+    for identity, *_ in lines.get(RUNS, ()):
+        found[identity] = None
+    own = {port: identity for port, identity, *_ in lines.get(MEMBERS, ())}
+    for letter in OF_ENTRIES:
+        for entry in lines.get(letter, ()):
+            found[entry[4]] = None
+    ports = [*own, *(port for port, *_ in lines.get(LOG_FILES, ())), *(port for port, *_ in lines.get(LINKS, ()))]
+    for port in ports:
+        found[own.get(port) or run_of(port) or ""] = None
+    for identity in lines.get(OUTCOMES, ()):
+        found[identity] = None
+    return tuple([identity for identity in found if identity])
+
+
+def time_of(lines: Lines) -> Optional[Tuple[float, float]]:
+    """Return UTC and monotonic time of the last thing in the lines; None: nothing in them has a time."""
+    if SESSION in lines:
+        return lines[SESSION][:2]
+    for letter in (*OF_ENTRIES, LINKS):
+        if letter in lines:
+            return lines[letter][-1][1:3]
+    return None
+
+
+def entries_in(payload: bytes, letters: Iterable[str]) -> List[List[Any]]:
+    """Return the entries in these lines of a record, in order. Raises ValueError."""
+    found = [entry for letter in letters for entry in line_of(payload, letter) or ()]
+    return sorted(found, key=lambda entry: entry[0])

@@ -1,0 +1,214 @@
+"""STOP: which run it stops, and the way of each STOP until the robot has it (docs/referee.md, "How to stop a robot").
+
+STOP has a way of its own. What it stops follows from the zones that run and the zone that is shown. No text, no sorting
+and no widget takes part in it.
+"""
+
+import math
+import time
+from dataclasses import dataclass
+from functools import partial
+from typing import Dict, Iterable, List, NamedTuple, Tuple
+
+from roah_rsbb.rqt.model.calls import STOP, CallOutcome, Calls
+from roah_rsbb.rqt.model.model import Model
+from roah_rsbb.rqt.qt import QObject, QTimer, Signal
+from roah_rsbb.srv import StopRun
+from roah_rsbb.wording import replay, stop, superseded
+from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.stop import Way
+
+LOOK_MS = 100
+# A STOP that the box has not answered is sent again after this time (s), also while others hang: each of them ends by
+# itself (known_services.py).
+AGAIN_S = 0.5
+# How long a STOP that reached its robot, or that the box refused, stays on the screen.
+DONE_S = 8.0
+FAILED_S = 15.0
+# After a press, STOP does not pass to the only other run for this time (s): whoever is frightened presses twice.
+SAME_S = 2.0
+
+NOT_HEARD = tr_later("Waiting for the core")
+NONE_RUNS = tr_later("No zone is running")
+OTHERS_RUN = tr_later("Nothing is running in {zone}. Running: {zones}. Choose one of them, or hold STOP ALL")
+
+
+class Target(NamedTuple):
+    """What STOP stops now."""
+
+    zone: str = ""  # empty: nothing
+    why_off: str = ""
+
+
+def stoppable(model: Model) -> List[str]:
+    """Return the zones whose runs can be stopped here."""
+    return [] if model.is_replay or model.is_superseded else model.running_zones()
+
+
+def target_of(model: Model) -> Target:
+    """Return what STOP stops: the run of the zone that is shown, else the only run."""
+    shown, running = model.zone_name, stoppable(model)
+    if model.is_replay or model.is_superseded:
+        return Target(why_off=tr((replay if model.is_replay else superseded).NO_COMMANDS))
+    if shown in running:
+        return Target(shown)
+    if len(running) == 1:
+        return Target(running[0])
+    if running:
+        return Target(why_off=tr(OTHERS_RUN, zone=shown, zones=", ".join(running)))
+    return Target(why_off=tr(NOT_HEARD if model.gui is None else NONE_RUNS))
+
+
+@dataclass
+class SentStop:
+    """A STOP that was sent."""
+
+    zone: str
+    identity: str  # of the run; empty: not known
+    sent_mono: float
+    tried_mono: float
+    box_has_it: bool = False
+    refused: str = ""  # why the box did not stop the run
+    way: Way = Way.SENT
+    is_over: bool = False  # the box reported that the run is over
+    is_done: bool = False
+    until_mono: float = math.inf  # when it disappears from the screen
+
+
+class Stops(QObject):
+    """Sends each STOP until the box has it, and follows it to the robot."""
+
+    changed = Signal()
+
+    def __init__(self, model: Model, calls: Calls) -> None:
+        super().__init__()
+        self._model = model
+        self._calls = calls
+        self._sent: List[SentStop] = []
+        self._pressed = ("", -math.inf)  # the zone that was stopped last, and the monotonic time (s)
+        self._was_heard = False
+        # Since when (monotonic seconds) runs that are over wait for their robots, by zone and identity.
+        self._waiting: Dict[Tuple[str, str], float] = {}
+        self._timer = QTimer(self, interval=LOOK_MS)
+        self._timer.timeout.connect(self._look)
+        model.updated.connect(self._on_update)
+
+    def end(self) -> None:
+        """Stop following."""
+        self._model.updated.disconnect(self._on_update)
+        self._timer.stop()
+        self._calls.forget(self)
+
+    def target(self) -> Target:
+        """Return what STOP stops now."""
+        target, (pressed, mono) = target_of(self._model), self._pressed
+        if target.zone not in ("", self._model.zone_name) and time.monotonic() - mono < SAME_S:
+            return Target(pressed)
+        return target
+
+    def stop(self, zones: Iterable[str]) -> None:
+        """Stop the runs in these zones. Nothing here ignores a STOP: one that is on its way is sent again at once."""
+        now = time.monotonic()
+        for zone in zones:
+            self._pressed = (zone, now)
+            identity = self._model.identity_of(zone)
+            self._sent = [one for one in self._sent
+                          if one.zone != zone or (one.identity == identity and not one.refused and not one.box_has_it)]
+            found = next((one for one in self._sent if one.zone == zone), None)
+            if found is None:
+                found = SentStop(zone, identity, now, now)
+                self._sent.append(found)
+            self._try(found, now)
+        self._timer.start()
+        self.changed.emit()
+
+    def sent(self) -> List[SentStop]:
+        """Return all that are shown, those first of which the referee must know, and of these the newest."""
+        return sorted(self._sent, key=lambda one: (not one.refused and one.way not in stop.LOST, one.way in stop.DONE,
+                                                   -one.sent_mono))
+
+    def _on_update(self) -> None:
+        """Whenever a core begins to speak, find its service at once: the master may be gone when STOP is pressed."""
+        is_heard = not self._model.is_old
+        if is_heard and not self._was_heard:
+            self._calls.learn(self, STOP, StopRun)
+        self._was_heard = is_heard
+        if is_heard and not self._model.is_replay and not self._model.is_superseded:
+            self._take_unanswered(time.monotonic())
+
+    def _take_unanswered(self, now: float) -> None:
+        """Follow what others stopped, too, and what ended by itself, once a robot does not answer."""
+        before, self._waiting = self._waiting, {}
+        for zone in self._model.gui.zones:
+            details = self._model.details_of(zone.zone)
+            if details is None or details.phase != "ended" or not details.not_stopped:
+                continue
+            key = zone.zone, details.identity
+            since = self._waiting[key] = before.get(key, now)
+            if now - since >= stop.NOT_DELIVERED_S and all(one.zone != zone.zone for one in self._sent):
+                self._sent.append(SentStop(zone.zone, details.identity, since, now, box_has_it=True,
+                                           way=Way.LOST_ROBOT, is_over=True))
+                self._timer.start()
+                self.changed.emit()
+
+    def _try(self, one: SentStop, now: float) -> None:
+        one.tried_mono = now
+        self._calls.service(self, STOP, StopRun, (one.zone, one.identity), partial(self._answered, one))
+
+    def _answered(self, one: SentStop, outcome: CallOutcome) -> None:
+        if not outcome.error:
+            one.box_has_it = True
+        elif outcome.is_answered and not one.box_has_it:
+            one.refused = outcome.error
+            one.until_mono = time.monotonic() + FAILED_S
+        QTimer.singleShot(0, self._look)
+
+    def _look(self) -> None:
+        """Follow each STOP, and send it again if the box did not answer."""
+        now = time.monotonic()
+        for one in self._sent:
+            self._follow(one, now)
+            if not one.box_has_it and not one.refused and now - one.tried_mono >= AGAIN_S:
+                self._try(one, now)
+        self._sent = [one for one in self._sent if now < one.until_mono]
+        if not self._sent:
+            self._timer.stop()
+        self.changed.emit()
+
+    def _follow(self, one: SentStop, now: float) -> None:
+        details = None if self._model.is_old else self._model.details_of(one.zone)
+        is_same = details is not None and one.identity in ("", details.identity)
+        if is_same and details.phase == "running" and (one.is_over or one.is_done):
+            one.until_mono = now  # the referee continued the run
+            return
+        if details is not None and (not is_same or details.phase != "running"):
+            one.box_has_it, one.refused, one.is_over = True, "", True
+        if details is not None and not is_same and one.identity:
+            one.until_mono = min(one.until_mono, now)  # the run was left: the STOP concerns nobody any more
+            return
+        one.way = stop.way(now - one.sent_mono, one.box_has_it, is_same and details.by_hand,
+                           not is_same or details.phase == "running" or bool(details.not_stopped))
+        if one.way in stop.DONE and not one.is_done:
+            one.is_done, one.until_mono = True, now + DONE_S
+
+
+REFUSED = tr_later("refused")
+
+
+def short_of(one: SentStop) -> str:
+    """Return the same as `text_of` in few words, for a place that has the name of the zone."""
+    return tr(REFUSED if one.refused else stop.SHORT[one.way])
+
+
+def brief_of(sent: Iterable[SentStop]) -> str:
+    """Return which robots the referee must stop by hand, in few words; empty: none."""
+    zones = {way: ", ".join(one.zone for one in sent if one.way is way) for way in stop.LOST}
+    return "   ".join(tr("{way}, stop by hand: {zones}", way=tr(stop.SHORT[way]), zones=zones[way])
+                      for way in stop.LOST if zones[way])
+
+
+def text_of(one: SentStop) -> Tuple[str, bool]:
+    """Return what the referee reads of a STOP, and whether they must act."""
+    if one.refused:
+        return tr("✘ {what} failed: {error}", what=tr("Stop {zones}", zones=one.zone), error=one.refused), True
+    return stop.way_text(one.way, one.zone), one.way in stop.LOST

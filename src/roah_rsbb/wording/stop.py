@@ -1,0 +1,72 @@
+"""The way of a STOP: sent, received by the box, received by the robot (docs/referee.md, "How to stop a robot")."""
+
+import enum
+
+from roah_rsbb.wording.language import tr, tr_later
+
+# After this time (s) without an answer of the box, or of the robot, the referee must act.
+NOT_DELIVERED_S = 1.0
+
+
+class Way(enum.Enum):
+    """How far a STOP came. The values are the names on the web pages."""
+
+    SENT = "sent"  # the box has not confirmed it
+    AT_BOX = "at_box"  # the robot has not confirmed it
+    STOPPED = "stopped"  # all robots of the run report STOP
+    NO_ROBOT = "no_robot"  # the run has no robot: the clock is stopped
+    LOST_BOX = "lost_box"  # the box does not answer
+    LOST_ROBOT = "lost_robot"  # the robot does not report STOP
+
+
+TEXTS = {
+    Way.SENT: tr_later("STOP {zone}: sent …"),
+    Way.AT_BOX: tr_later("STOP {zone}: the box has it. Waiting for the robot …"),
+    Way.STOPPED: tr_later("STOP {zone}: the robot has stopped"),
+    Way.NO_ROBOT: tr_later("STOP {zone}: the clock is stopped. The run has no robot"),
+    Way.LOST_BOX: tr_later("STOP {zone}: NOT DELIVERED. Stop the robot by hand. Trying again …"),
+    Way.LOST_ROBOT: tr_later("STOP {zone}: NO ANSWER FROM THE ROBOT. Stop it by hand. Trying again …"),
+}
+# The same in few words, for places that have the name of the zone.
+SHORT = {
+    Way.SENT: tr_later("sent …"),
+    Way.AT_BOX: tr_later("the box has it …"),
+    Way.STOPPED: tr_later("has stopped"),
+    Way.NO_ROBOT: tr_later("clock stopped"),
+    Way.LOST_BOX: tr_later("NOT DELIVERED"),
+    Way.LOST_ROBOT: tr_later("NO ANSWER"),
+}
+# Before a referee leaves a run whose robot has not stopped.
+LEAVING = tr_later("{robots} did not answer STOP. After the disconnect the box does not repeat it: stop by hand first")
+# Ways on which the referee must stop the robot by hand.
+LOST = (Way.LOST_BOX, Way.LOST_ROBOT)
+DONE = (Way.STOPPED, Way.NO_ROBOT)
+
+
+def way(passed_s: float, box_has_it: bool, is_by_hand: bool, not_stopped: bool) -> Way:
+    """Return how far a STOP came, `passed_s` seconds after it was sent.
+
+    `box_has_it`: the box answered, or reports that the run is over. `is_by_hand`: the run has no robot.
+    `not_stopped`: a robot of the run does not report STOP.
+    """
+    is_late = passed_s >= NOT_DELIVERED_S
+    if not box_has_it:
+        return Way.LOST_BOX if is_late else Way.SENT
+    if is_by_hand:
+        return Way.NO_ROBOT
+    if not_stopped:
+        return Way.LOST_ROBOT if is_late else Way.AT_BOX
+    return Way.STOPPED
+
+
+def leaving(details) -> str:
+    """Return what the referee must know, and confirm, before they leave a run; empty: nothing. `details`: anything with
+    the fields of ZoneDetails. Ask for *disconnect*, *withdrawn* and *choose_event*: all of them leave a run."""
+    if details.phase != "ended" or not details.not_stopped:
+        return ""
+    return tr(LEAVING, robots=", ".join(details.not_stopped))
+
+
+def way_text(where: Way, zone: str) -> str:
+    """Return the text for the referee."""
+    return tr(TEXTS[where], zone=zone)

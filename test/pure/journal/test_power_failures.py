@@ -1,0 +1,85 @@
+"""What was acknowledged is there after a power failure at any moment, whichever of the latest writes the disk has.
+
+Real processes write, are killed and continue, and their operations on files are recorded (`helpers/crash_states.py`).
+`make test` looks at some hundred of the states that a power failure can leave, `make test-all` at more than 90,000.
+"""
+
+import collections
+import os
+
+import pytest
+
+from helpers.crash_states import NOT_KEPT, CannotRecord, Disk, Recorder, crash_states, in_memory, put
+from helpers.crash_subjects import SUBJECTS, limits, lives_of, problem_of, quiet_folder
+from helpers.examples import ALL
+
+SEED = os.environ.get("ROAH_TEST_SEED", "1")
+# States in `make test`, as a share of those in `make test-all`.
+SHARE = 1.0 if ALL else 0.015
+
+
+@pytest.fixture
+def folder():
+    with in_memory() as path:
+        yield path
+
+
+def recorded(name, folder, *fail):
+    """The operations of a subject's processes on the files of a folder, `files`."""
+    try:
+        recorder = Recorder(folder)
+    except CannotRecord as error:
+        pytest.skip(f"no compiler: {error}")
+    (folder / "files").mkdir()
+    operations = recorder.run(folder / "files", lives_of(name, folder / "files"), *fail)
+    disk = Disk()
+    for number, operation in enumerate(operations):
+        disk.do(number, operation)
+    real = {str(path): path.read_bytes() for path in (folder / "files").rglob("*")
+            if path.is_file() and not path.name.endswith(NOT_KEPT)}
+    assert disk.after_kill() == real, "not all operations are recorded"
+    return operations
+
+
+def problems(name, folder, count, *fail):
+    """What is wrong after power failures, by how often; and the number of states."""
+    found, states = collections.Counter(), 0
+    for state in crash_states(recorded(name, folder, *fail), count, SEED):
+        with quiet_folder(folder) as place:
+            put(state.files, folder / "files", place)
+            newest = max(limits(state.marks)[0], default=0)
+            problem = problem_of(SUBJECTS[name].found(place, newest), state.marks)
+        found.update([problem.replace(place, "")] if problem else [])
+        states += 1
+    print(f"{name} {fail}: {states} states, {sum(found.values())} bad")
+    return found, states
+
+
+CASES = [
+    ("Journal", 40_000), ("Copy", 10_000), ("KeptFile", 2000), ("RunLog", 4000),
+    *(("Journal", 4000, ".log", number) for number in (1, 2, 3, 5, 8, 12)),  # also after a kill
+    *(("Journal", 4000, ".log.new", number) for number in (1, 2, 3, 4)), ("Journal", 4000, "/roah_rsbb_journal", 2),
+    *(("Copy", 2000, ".log", number) for number in (1, 2, 5, 12)),
+    *(("Copy", 2000, ".log.new", number) for number in (1, 2, 5)), ("Copy", 2000, "/roah_rsbb_journal", 3),
+    ("KeptFile", 500, ".new", 5),
+]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name, count, fail", [(name, count, fail) for name, count, *fail in CASES])
+def test_what_was_acknowledged_is_there(folder, name, count, fail):
+    """`fail`: which fsync of which file fails, in each process."""
+    if name == "RunLog":
+        pytest.importorskip("helpers.bags")  # without rosbag, this skips
+    found, states = problems(name, folder, round(count * SHARE), *fail)
+    assert not found
+    assert states > count * SHARE * 0.5
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name, fail", [
+    ("SealsPageCache", ()), ("NamesTooEarly", ()), ("TrustsFailedSync", (".log", 3)), ("CopyOfUnsyncedDrafts", ()),
+    ("CopyThatTrustsFailedSync", (".log", 5)), ("CopyThatTakesTheDiskOfTheBoxForItsOwn", ())])
+def test_the_enumeration_finds_what_it_is_made_for(folder, name, fail):
+    found, _ = problems(name, folder, 600, *fail)
+    assert found

@@ -1,0 +1,52 @@
+"""A box that heard another one at first sends nothing until a referee connects a robot."""
+
+import asyncio
+
+from helpers.competition import competition
+from helpers.simulated_air import Air, SimulatedLoop
+from roah_rsbb.comm.channels import PublicChannel
+from roah_rsbb.comm.ciphers import Cipher
+from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.radio import wire_convert
+from roah_rsbb.radio.driver import NetworkDriver
+from roah_rsbb.radio.radio import Network, beacon_size
+
+BOX, OTHER = "127.0.0.1", "127.0.0.66"
+
+
+def test_a_held_box_sends_no_beacon_until_a_robot_is_connected():
+    loop = SimulatedLoop()
+    air, config, heard = Air(loop), competition(tbm=["HGTKMH"]), []
+    box = Box(config, Settings(), beacon_size)
+    driver = NetworkDriver(loop, box, Network(LOOPBACK_BROADCAST, 6666, BOX, Cipher.AES_128_CBC, False, 1024),
+                           dict(config.passwords), lambda text: None, loop.utc, air.peer)
+    other = PublicChannel(loop, LOOPBACK_BROADCAST, 6666,
+                          lambda message, sender: heard.append((type(message), sender[0])), lambda text: None, OTHER,
+                          make_peer=air.peer)
+    other.open()
+    driver.open(Settings().listen_duration)
+
+    def passes(seconds):
+        loop.run_until_complete(asyncio.sleep(seconds))
+
+    def robot_says():
+        seconds, nanoseconds = divmod(round(loop.utc() * 1e9), 10**9)
+        other.send(pb.RobotBeacon(team_name="Alpha", robot_name="r1", time=pb.Time(sec=seconds, nsec=nanoseconds)))
+        passes(1.0)
+
+    other.send(wire_convert.beacon_message(Box(config, Settings(), beacon_size).beacon()))
+    passes(10.0)
+    robot_says()
+    assert heard == []
+    assert box.is_held
+    driver.event(box.command, "tbm", "connect")
+    passes(0.5)
+    assert set(heard) == {(pb.RoahRsbbBeacon, BOX)}
+    passes(5.0)
+    assert len(heard) >= 5
+    driver.close()
+    other.close()
+    loop.close()

@@ -1,0 +1,273 @@
+"""STOP in the terminal: how far it came, and that it waits for nothing but its own core."""
+
+import threading
+
+import pytest
+
+from helpers.referee_box import box, running_zone, zone
+from roah_rsbb.core.referee import Refused
+from roah_rsbb.referee.exits import Exit, NoCore
+from roah_rsbb.referee.stopping import Stopping, TypedStops, ZoneStop
+from roah_rsbb.referee.words import BadWord, is_all, stop_wanted
+
+ENDED = {"phase": "ended", "end_reason": "stopped"}
+LIMIT_S = 30.0  # for what comes, however busy the machine is
+
+
+class StopCore:
+    """A core of some zones. Each link to it is independent, as real ones are."""
+
+    def __init__(self, *zones):
+        self.zones = {one.zone: one for one in zones}
+        self.sent = []  # zones, as the calls arrived
+        self.gates = {one.zone: threading.Event() for one in zones}  # cleared: the call for this zone hangs
+        for gate in self.gates.values():
+            gate.set()
+        self.opens = threading.Event()  # cleared: nothing is published
+        self.opens.set()
+        self.refuses = {}
+        self.fails = 0  # so many calls fail
+
+    def stop(self, name):
+        self.sent.append(name)
+        if name not in self.zones:
+            raise Refused([f"no zone {name}"])
+        self.gates[name].wait(LIMIT_S)
+        if self.fails:
+            self.fails -= 1
+            raise NoCore("the core hangs, restart it")
+        if name in self.refuses:
+            raise Refused([self.refuses[name]])
+        if self.zones[name].phase == "idle":
+            raise Refused(["No run is connected"])
+        if self.zones[name].phase == "running":
+            self.zones[name] = self.zones[name]._replace(**ENDED)
+
+    def link(self):
+        return StopLink(self)
+
+
+class StopLink:
+    """A link to it."""
+
+    def __init__(self, core):
+        self._core = core
+
+    def open(self):
+        if not self._core.opens.wait(0.05):
+            raise NoCore("no core: start it")
+        return self._box()
+
+    def close(self):
+        pass
+
+    def next(self, limit_s):
+        threading.Event().wait(0.005)
+        return self._box()
+
+    def _box(self):
+        return box(*self._core.zones.values())
+
+    @staticmethod
+    def shows_after(clock):
+        return True
+
+    def try_to_stop(self, name):
+        self._core.stop(name)
+
+    @staticmethod
+    def try_clock():
+        return 1
+
+
+def _running(name, **fields):
+    return running_zone(zone=name, not_stopped=(), **fields)
+
+
+def _stop(core, word, own_zone=""):
+    lines = []
+    stopping = Stopping(core.link, word, lines.append, own_zone)
+    stopping.run()
+    return stopping, [(line.zone, line.way) for line in lines]
+
+
+# -- words -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("line, word", [
+    ("stop", ""), (" STOP! ", ""), ("stopp", ""), ("Stop all", "all"), ("stopp alle.", "alle"), ("stop --all", "--all"),
+    ("stop  Home A\n", "Home A"), ("stop home a!!", "home a"), ("stop, all!", "all"),
+    ("", None), ("st", None), ("stopped", None), ("stop-all", None), ("do not stop", None), ("yes", None),
+])
+def test_lines_that_stop(line, word):
+    assert stop_wanted(line) == word
+
+
+@pytest.mark.parametrize("word, names, expected", [
+    ("all", ["Hall"], True), ("ALL", ["Hall"], True), ("alle", ["Allee"], True), ("--all", ["all", "--all"], True),
+    ("all", ["All"], False), ("alle", ["all"], True), ("Alle", ["alle"], False), ("a", [], False), ("", [], False),
+])
+def test_words_for_all_zones(word, names, expected):
+    assert is_all(word, names) is expected
+
+
+# -- the way -----------------------------------------------------------------------------------------
+
+
+def _followed(after=None, **state):
+    one = ZoneStop("A", 100.0, _running("A"))
+    for name, value in {"after": after, **state}.items():
+        setattr(one, name, value)
+    return one
+
+
+@pytest.mark.parametrize("one, passed_s, expected, status", [
+    (_followed(), 0.5, "sent", Exit.NO_CORE),
+    (_followed(), 1.0, "lost_box", Exit.NO_CORE),
+    (_followed(answered_s=100.1), 0.5, "at_box", Exit.NOT_COMPLETED),
+    # The core publishes a robot's STOP later than a slow program has begun to listen: nothing is known of it yet.
+    (_followed(answered_s=100.9), 1.8, "at_box", Exit.NOT_COMPLETED),
+    (_followed(answered_s=100.9), 1.9, "lost_robot", Exit.NOT_COMPLETED),
+    (_followed(_running("A", **ENDED)._replace(not_stopped=("r1",)), answered_s=100.9), 1.0, "lost_robot",
+     Exit.NOT_COMPLETED),
+    (_followed(_running("A", **ENDED)._replace(not_stopped=("r1",)), answered_s=100.1), 9.0, "lost_robot",
+     Exit.NOT_COMPLETED),
+    (_followed(_running("A"), answered_s=100.1), 9.0, "lost_robot", Exit.NOT_COMPLETED),  # it was started again
+    (_followed(_running("A", **ENDED), answered_s=100.1), 9.0, "stopped", Exit.OK),
+    (_followed(zone(zone="A", by_hand=True, **ENDED), answered_s=100.1), 9.0, "no_robot", Exit.OK),
+])
+def test_how_far_it_came(one, passed_s, expected, status):
+    line = one.line(100.0 + passed_s)
+    assert (line.zone, line.way, line.text.startswith("STOP A: ")) == ("A", expected, True)
+    assert one.is_over is (status is Exit.OK)
+    assert one.status() is status
+
+
+def test_robots_that_move_are_named_until_they_stop():
+    one = _followed(_running("A", **ENDED)._replace(not_stopped=("r1", "r2")), answered_s=100.1)
+    assert one.line(101.0).not_stopped == ("r1", "r2")
+    one.after = _running("A", **ENDED)
+    assert one.line(101.0).not_stopped == ()
+
+
+def test_a_run_that_is_left_before_its_robot_has_stopped_is_not_forgotten():
+    one, link = _followed(answered_s=100.1, clock=1), StopLink(None)
+    one.take(link, box(_running("A", **ENDED)._replace(not_stopped=("r1",))))
+    one.take(link, box(zone(zone="A")))
+    assert one.refused == ("the run was left before r1 answered STOP: stop by hand",)
+
+
+# -- from the word to the robot ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("word, own_zone", [("Home A", ""), ("home", ""), ("", "Home A"), ("", "")])
+def test_a_run_is_stopped(word, own_zone):
+    core = StopCore(_running("Home A"), zone(zone="Kitchen"))
+    stopping, lines = _stop(core, word, own_zone)
+    assert lines[-1] == ("Home A", "stopped")
+    assert core.zones["Home A"].phase == "ended"
+    assert (stopping.status(), stopping.is_all) == (Exit.OK, False)
+
+
+def test_all_runs_are_stopped_and_one_that_hangs_delays_no_other():
+    core = StopCore(_running("A"), _running("B"), zone(zone="C"), zone(zone="D", phase="connected"),
+                    _running("E", **ENDED)._replace(not_stopped=("gone",)))
+    core.zones["D"].off["stop"].append("The run is not started")
+    core.gates["A"].clear()
+    seen = []
+
+    def report(line):
+        seen.append((line.zone, line.way))
+        if line == line._replace(zone="B", way="stopped"):
+            core.gates["A"].set()
+
+    stopping = Stopping(core.link, "all", report)
+    stopping.run()
+    assert [line for line in seen if line[1] == "stopped"] == [("B", "stopped"), ("A", "stopped")]
+    assert {name for name, _ in seen} == {"A", "B"}, "the others have nothing to stop"
+    assert sorted(set(core.sent)) == ["A", "B", "C", "D", "E"], "the core decides, whatever was shown before"
+    assert stopping.status() is Exit.OK
+
+
+def test_it_is_tried_again_until_the_core_answers():
+    core = StopCore(_running("A"))
+    core.fails = 3
+    assert _stop(core, "A")[1][-1] == ("A", "stopped")
+    assert len(core.sent) == 4
+
+
+def test_it_is_sent_although_nothing_is_published():
+    core = StopCore(_running("A"))
+    core.opens.clear()
+    lines = []
+
+    def report(line):
+        lines.append((line.zone, line.way, line.trouble))
+        core.opens.set()
+
+    Stopping(core.link, "A", report).run()
+    assert lines[0] == ("A", "lost_robot", "no core: start it"), "the box has it, but nobody knows of the robot"
+    assert lines[-1] == ("A", "stopped", "")
+    assert core.sent == ["A"], "at once; its answer counts when the zone is known"
+
+
+@pytest.mark.parametrize("word, running, why", [
+    ("Kitchen", "A", "no zone 'Kitchen'"), ("", "", "no runs are in progress"), ("", "AB", "2 runs are in progress"),
+])
+def test_a_word_that_names_no_zone_is_an_error(word, running, why):
+    zones = [_running(name) if name in running else zone(zone=name) for name in "AB"]
+    with pytest.raises(BadWord, match=why):
+        _stop(StopCore(*zones), word)
+
+
+def test_what_the_core_refuses_is_over():
+    core = StopCore(_running("A"))
+    core.refuses["A"] = "This box is superseded"
+    stopping, _ = _stop(core, "A")
+    assert (stopping.status(), stopping.result()[0].refused) == (Exit.REFUSED, ("This box is superseded",))
+
+
+# -- at a prompt -------------------------------------------------------------------------------------
+
+
+def test_typed_stops_wait_for_no_other():
+    core = StopCore(_running("Home A"), _running("Home B"))
+    core.gates["Home A"].clear()
+    seen, notes = threading.Event(), []
+    stops = TypedStops(core.link, lambda line: seen.set() if line.zone == "Home B" and line.way == "stopped" else None,
+                       notes.append, "Home A")
+    assert not stops.take("no") and not stops.of_own_zone
+    assert stops.take("stop home b") and not stops.of_own_zone
+    assert stops.take("stop") and stops.of_own_zone
+    assert seen.wait(LIMIT_S)
+    assert core.zones["Home A"].phase == "running"
+    core.gates["Home A"].set()
+    stops.wait()
+    assert core.zones["Home A"].phase == "ended"
+    assert stops.take("stop nowhere")
+    stops.wait()
+    (note,) = notes
+    assert note.startswith("NOT STOPPED: no zone 'nowhere'")
+
+
+def test_a_run_that_its_program_stopped_first_is_shown_as_stopped():
+    """A program stops its own run as soon as a STOP is typed, perhaps before the STOP has found the zones."""
+    core = StopCore(_running("Home A"), _running("B"))
+    before = core.link().open()
+    core.stop("Home A")
+    lines, notes = [], []
+    stops = TypedStops(core.link, lines.append, notes.append, "Home A", lambda: before)
+    stops.take("stop all")
+    stops.wait()
+    assert {line.zone for line in lines if line.way == "stopped"} == {"Home A", "B"}
+    assert not notes
+
+
+@pytest.mark.parametrize("line, is_own", [("stop", True), ("stop all", True), ("stop home", True), ("stop B", False)])
+def test_whether_the_programs_own_run_was_stopped(line, is_own):
+    core = StopCore(_running("Home A"), _running("B"))
+    stops = TypedStops(core.link, lambda line: None, lambda text: None, "Home A")
+    stops.take(line)
+    stops.wait()
+    assert stops.of_own_zone is is_own
+    assert (core.zones["Home A"].phase == "ended") is is_own

@@ -1,0 +1,81 @@
+"""The whole box in simulated time, with random troubles (test/simulator/README.md)."""
+
+import pathlib
+import random
+import shutil
+import subprocess
+import sys
+import time
+
+import pytest
+
+from helpers.examples import ALL
+from simulation.faults import FAULTS, SEEDS, plant
+from simulation.shorten import failure_of, shortened
+from simulation.world import simulate
+
+ROOT = pathlib.Path(__file__).parents[3]
+# Seconds of processor time for new seeds.
+NEW_S = 20.0
+# Seeds that once failed, each with what it found.
+KEPT = ROOT / "test" / "simulator" / "kept_seeds.txt"
+MOST = 2**31
+# Faults that few seeds find.
+QUICK = ("an answer names the ticket of the record before", "points of penalties are left out")
+
+
+def kept_seeds():
+    return [int(line.split()[0]) for line in KEPT.read_text("utf-8").splitlines() if line and line[0] != "#"]
+
+
+def check(seed):
+    failure = failure_of(seed)
+    assert failure is None, str(shortened(failure))
+
+
+@pytest.mark.random
+@pytest.mark.parametrize("seed", kept_seeds())
+def test_seeds_that_once_failed(seed):
+    check(seed)
+
+
+@pytest.mark.random
+def test_new_seeds():
+    """make simulate does the same for longer."""
+    seeds = random.SystemRandom()
+    began = time.process_time()
+    while time.process_time() - began < NEW_S:
+        check(seeds.randrange(MOST))
+
+
+@pytest.mark.parametrize("seed", [1])
+def test_a_seed_is_always_the_same(seed):
+    first, second = simulate(seed), simulate(seed)
+    assert first.trace.lines == second.trace.lines
+    assert first.trace.digest == second.trace.digest
+
+
+def source(tmp_path):
+    """A copy of the package."""
+    return shutil.copytree(str(ROOT / "src" / "roah_rsbb"), str(tmp_path / "roah_rsbb"),
+                           ignore=shutil.ignore_patterns("__pycache__"))
+
+
+@pytest.mark.random
+def test_all_planted_faults_fit_the_source(tmp_path):
+    for number, fault in enumerate(FAULTS):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        plant(fault, source(folder))
+
+
+@pytest.mark.random
+@pytest.mark.parametrize("fault", [each for each in FAULTS if ALL or each.name in QUICK], ids=lambda each: each.name)
+def test_a_planted_fault_is_found(tmp_path, fault):
+    copy = source(tmp_path)
+    plant(fault, copy)
+    found = subprocess.run(
+        [sys.executable, str(ROOT / "test" / "simulator" / "simulate.py"), "--source", copy, "--first", "1",
+         "--count", str(SEEDS)], stdout=subprocess.PIPE, text=True)
+    assert found.returncode == 1, found.stdout
+    assert "seeds from 1 on" in found.stdout, "it failed in another way"

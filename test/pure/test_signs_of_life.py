@@ -1,0 +1,219 @@
+"""Signs of life of the core, and who misses them."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+
+import pytest
+
+from roah_rsbb import signs_of_life
+from roah_rsbb.referee import changes
+from roah_rsbb.rqt.public import display
+from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, Signs, Silence, Watch
+from roah_rsbb.web import server
+from roah_rsbb.web.desk import Desk
+from roah_rsbb.web.store import Store
+
+CORE = """
+import sys
+from roah_rsbb.signs_of_life import Signs
+signs = Signs(sys.argv[1])
+for line in sys.stdin:
+    signs.end() if line == "end\\n" else signs.send()
+    print(flush=True)
+"""
+
+
+class Core:
+    """A process that sends signs when the test says so."""
+
+    def __init__(self, log_dir):
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", CORE, str(log_dir)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+        self.pid = self.process.pid
+
+    def send(self, what="sign"):
+        print(what, file=self.process.stdin, flush=True)
+        self.process.stdout.readline()
+
+    def close(self):
+        self.process.kill()
+        self.process.communicate()
+
+
+class Watched:
+    """A core, one who watches it, and their time."""
+
+    def __init__(self, folder):
+        self.now, self.folder = 0.0, str(folder)
+        self.watch = Watch(str(folder), SUPERVISOR, lambda: self.now)
+        self.watch.look()
+        self.core = Core(folder)
+
+    def pass_time(self, seconds):
+        for _ in range(round(seconds / LOOK_S)):
+            self.now += LOOK_S
+            self.watch.look()
+
+    def close(self):
+        self.core.close()
+        self.watch.close()
+
+
+@pytest.fixture
+def watched(tmp_path):
+    made = Watched(tmp_path)
+    yield made
+    made.close()
+
+
+def silence_after(*looks):
+    """The silence after looks: the seconds since the one before, and the process that was heard."""
+    silence, now = Silence(), 0.0
+    for seconds, pid in looks:
+        now += seconds
+        silence.look(now, pid)
+    return silence
+
+
+def test_the_time_since_the_last_sign():
+    assert not silence_after((0.0, None)).is_alive, "none was heard"
+    assert silence_after((0.0, 7)).is_alive
+    silent = [(LOOK_S, None)] * round(HUNG_S / LOOK_S)
+    assert silence_after((0.0, 7), *silent[:-1]).is_alive
+    assert not silence_after((0.0, 7), *silent, (LOOK_S / 2, None)).is_alive
+    assert silence_after((0.0, 7), *silent, (LOOK_S, 7)).is_alive
+    assert silence_after((0.0, 7), *silent, (LOOK_S, 8)).pid == 8
+
+
+def test_whoever_was_stopped_itself_knows_nothing_of_that_time():
+    """The whole computer may have been stopped: the core is not to blame."""
+    assert silence_after((0.0, 7), (3600.0, None)).is_alive
+    assert silence_after((0.0, 7), (3600.0, None)).seconds == pytest.approx(2 * LOOK_S)
+
+
+def test_a_core_that_ended_by_itself_does_not_hang():
+    silence = silence_after((0.0, 7), (LOOK_S, 0), *[(LOOK_S, None)] * 100)
+    assert silence.pid == 0 and not silence.is_alive
+
+
+def test_a_core_that_is_stopped_hangs_and_is_killed(watched):
+    watched.core.send()
+    watched.pass_time(HUNG_S - LOOK_S)
+    assert watched.watch.silence.pid == watched.core.pid and not watched.watch.is_hung
+    watched.core.process.send_signal(signal.SIGSTOP)
+    os.waitpid(watched.core.pid, os.WUNTRACED)
+    watched.pass_time(3 * LOOK_S)
+    assert watched.watch.is_hung and signs_of_life.state_of(watched.core.pid) == "it is stopped"
+    watched.watch.kill()
+    assert watched.core.process.wait(60.0) == -signal.SIGKILL
+    assert not watched.watch.is_hung, "there is no such process any more"
+
+
+def test_a_core_that_answers_is_not_killed(watched):
+    for _ in range(10):
+        watched.core.send()
+        watched.pass_time(1.0)
+        watched.watch.kill()
+    watched.core.send()
+
+
+def test_a_core_that_ends_by_itself_is_not_waited_for(watched):
+    watched.core.send()
+    watched.pass_time(LOOK_S)
+    watched.core.send("end")
+    watched.pass_time(60.0)
+    assert not watched.watch.is_hung
+
+
+def test_another_process_of_the_same_number_is_not_killed(watched, monkeypatch):
+    watched.core.send()
+    watched.pass_time(HUNG_S + 2 * LOOK_S)
+    assert watched.watch.is_hung
+    monkeypatch.setattr(signs_of_life, "began", lambda pid: "later")
+    watched.watch.kill()
+    watched.core.send()
+
+
+def test_a_core_that_is_gone(watched):
+    watched.core.send()
+    watched.pass_time(1.0)
+    assert not watched.watch.is_gone and not watched.watch.is_starting
+    Signs(watched.folder).send(STARTING)
+    watched.core.close()
+    watched.pass_time(LOOK_S)
+    assert watched.watch.is_gone and not watched.watch.is_hung and watched.watch.is_starting
+    watched.pass_time(HUNG_S + LOOK_S)
+    assert not watched.watch.is_starting and watched.watch.silence.pid == watched.core.pid
+
+
+def test_signs_of_another_user_do_not_count(watched, monkeypatch):
+    monkeypatch.setattr(os, "geteuid", lambda: 12345)
+    watched.core.send()
+    watched.pass_time(LOOK_S)
+    assert watched.watch.silence.pid == 0
+
+
+def test_signs_of_another_box_do_not_count(watched, tmp_path):
+    other = Core(tmp_path / "other")
+    other.send()
+    watched.pass_time(LOOK_S)
+    other.close()
+    assert watched.watch.silence.pid == 0
+
+
+def test_a_watcher_takes_the_place_of_one_that_ends(watched, tmp_path):
+    second = Watch(str(tmp_path), SUPERVISOR, lambda: watched.now)
+    second.look()
+    watched.watch.close()
+    second.look()
+    watched.core.send()
+    second.look()
+    second.close()
+    assert second.silence.pid == watched.core.pid
+
+
+@pytest.mark.parametrize("is_abstract", [False, True])
+def test_systemd_gets_each_sign(tmp_path, monkeypatch, is_abstract):
+    name = f"@roah_rsbb_test_{os.getpid()}" if is_abstract else str(tmp_path / "notify")
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as systemd:
+        systemd.bind(f"\0{name[1:]}" if is_abstract else name)
+        systemd.settimeout(60.0)
+        monkeypatch.setenv("NOTIFY_SOCKET", name)
+        signs = Signs(str(tmp_path))
+        signs.send()
+        assert systemd.recv(256).splitlines() == [b"READY=1", b"WATCHDOG=1"]
+        signs.end()
+        signs.send(STARTING)
+        signs.send()
+        assert systemd.recv(256) == signs_of_life.SIGN, "nothing else: for systemd, the service does not end"
+
+
+def test_nobody_watches(tmp_path, monkeypatch):
+    monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "missing"))
+    signs = Signs(str(tmp_path))
+    for _ in range(1000):
+        signs.send()
+
+
+def test_a_watcher_that_does_not_read_stops_nobody(tmp_path):
+    """It may hang itself."""
+    watch = Watch(str(tmp_path), SUPERVISOR, lambda: 0.0)
+    watch.look()
+    signs = Signs(str(tmp_path))
+    for _ in range(10_000):
+        signs.send()
+    watch.close()
+
+
+def test_each_face_knows_before_the_core_is_ended():
+    """The next core may be heard soon: a face that looks later would show nothing of it. Panels know after 0.7 s
+    (test/ros/panels/test_benchmark_control.py)."""
+    limits = {
+        "terminal": changes.SILENT_S, "public display": display.SILENT_S + LOOK_S,
+        "pages": Store.SILENT_S + server.LOOK_S, "devices": Desk.SILENT_S + server.LOOK_S,
+    }
+    assert {face: limit for face, limit in limits.items() if limit > HUNG_S} == {}

@@ -1,0 +1,238 @@
+"""The web gateway with a box that the test plays: real pages, real requests, no core.
+
+So a test can show a phone any state of any number of zones at once.
+"""
+
+import asyncio
+import pathlib
+import threading
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+import genpy
+
+from roah_rsbb.msg import CoreDetails, CoreToGui, RunClock, RunClocks, ScoreItem, ZoneDetails, ZoneState
+from roah_rsbb.web.commands import Command, Outcome
+from roah_rsbb.web.pairing import Grant
+from roah_rsbb.web.server import WebServer
+from roah_rsbb.web.store import Store
+from roah_rsbb.web.writing import COOKIE
+from roah_rsbb.wording import catalogues
+from support.browser import Browser, Page
+from support.robots import RSBB_PORT
+from support.waiting import LIMIT_S, happened, wait_until
+
+ROOT = pathlib.Path(__file__).resolve().parents[4]
+PORT = RSBB_PORT + 96
+URL = f"http://127.0.0.1:{PORT}"
+TICK_S = 0.1
+NOW = 1_450_000_000.0
+ITEMS = [("Achievements", "Enters Annie's room", ScoreItem.BOOL),
+         ("Achievements", "Operates the right device of all those that Annie has asked for", ScoreItem.UINT),
+         ("Penalized Behaviors", "Bumps into the furniture", ScoreItem.UINT)]
+NAMES = ("Home A", "Home B", "Hall", "Room 4", "Room 5", "Room 6", "Room 7", "Room 8", "Room 9", "Room 10", "Room 11",
+         "Room 12")
+NOT_RUNNING = {"idle": "No run is connected, so there is nothing to stop",
+               "connected": "The run is not started: disconnect to leave it",
+               "ended": "The run is over: disconnect to leave it"}
+# After a stop that the robot did not answer: why STOP is off, and the warning.
+NO_ANSWER = "The run is over, but the robot did not answer STOP: stop it by hand"
+IGNORES_STOP = "The robot did not answer STOP: stop it by hand. The box repeats STOP until the disconnect"
+LONG = "xx"  # a made-up language whose texts are twice as long
+
+
+def _longer(text: str, _count: int) -> str:
+    """A text of twice the length, in words of usual lengths."""
+    return text + "".join(" " if n % 9 == 0 else "ø" for n in range(len(text)))
+
+
+class Zone:
+    """A zone of the box that the test plays."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.phase = "idle"
+        self.run = 0
+        self.operation = ""
+        self.choices: List[str] = []
+        self.warning = ""
+        self.not_stopped: List[str] = []
+        self.stops = True  # whether the robot reports STOP after a stop
+        self.end_reason = ""
+        self.values = [0] * len(ITEMS)
+
+    @property
+    def identity(self) -> str:
+        """The run's name; empty: there is none."""
+        return "" if self.phase == "idle" else f"{self.name} run {self.run}"
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether the robot did not answer STOP."""
+        return self.phase == "ended" and bool(self.not_stopped)
+
+    def command(self, name: str, fields: Dict[str, Any]) -> None:
+        """What the core would do."""
+        if name == "connect":
+            self.run += 1
+            self.phase, self.not_stopped = "connected", []
+        elif name == "start":
+            self.phase, self.not_stopped = "running", ["R2D2"]
+        elif name == "stop" and self.phase == "running":
+            self.phase, self.operation, self.end_reason = "ended", "", "stopped"
+            self.not_stopped = [] if self.stops else ["R2D2"]
+        elif name == "leave":
+            self.phase, self.values, self.not_stopped = "idle", [0] * len(ITEMS), []
+        elif name == "operation":
+            self.operation = ""
+        elif name == "mark":
+            index = [desc for _, desc, _ in ITEMS].index(fields["desc"])
+            self.values[index] = fields["value"] + (self.values[index] if fields["change"] else 0)
+
+    def details(self) -> ZoneDetails:
+        """As the core publishes them."""
+        message = ZoneDetails(zone=self.name, phase=self.phase, identity=self.identity,
+                              end_reason=self.end_reason if self.phase == "ended" else "",
+                              robot="" if self.phase == "idle" else "R2D2", not_stopped=self.not_stopped)
+        if self.phase != "running":
+            message.stop_off = [NO_ANSWER if self.is_moving else NOT_RUNNING[self.phase]]
+        for name, phase in (("connect", "idle"), ("start", "connected"), ("disconnect", "connected")):
+            if self.phase not in (phase, "ended" if name != "connect" else phase):
+                setattr(message, f"{name}_off", [f"{name} is not possible in phase {self.phase}"])
+        message.pause_off = message.resume_off = ["The rules of this benchmark do not allow a pause"]
+        if self.operation:
+            message.operation, message.operation_choices = 7, self.choices
+            message.operation_asks_text = not self.choices
+        if self.phase != "idle":
+            message.items = [ScoreItem(group=group, desc=desc, type=kind, value=value)
+                             for (group, desc, kind), value in zip(ITEMS, self.values)]
+        return message
+
+    def state(self) -> ZoneState:
+        """As the core publishes it."""
+        return ZoneState(
+            zone=self.name, name="Task Benchmark 3", desc="Catering for Granny Annie's Comfort", code="HCFGAC",
+            team="Delta", round=1, run=2, schedule=genpy.Time.from_sec(NOW), manual_operation=self.operation,
+            state="\n".join([f"WARNING: {text}" for text in (self.is_moving and IGNORES_STOP, self.warning) if text]
+                            + ["All OK"]),
+            connect_enabled=self.phase == "idle", start_enabled=self.phase in ("connected", "ended"))
+
+    def clock(self) -> RunClock:
+        """As the core publishes it."""
+        counting = self.phase == "running"
+        return RunClock(zone=self.name, identity=self.identity, phase=self.phase, counting=counting,
+                        limit=genpy.Duration.from_sec(600.0),
+                        elapsed=genpy.Duration.from_sec(0.0 if not self.run else 10.0))
+
+
+class FakeGateway:
+    """The gateway. Methods are called by the test's thread; close it at the end."""
+
+    def __init__(self, zones: int = 1) -> None:
+        self.zones = [Zone(name) for name in NAMES[:zones]]
+        self.given: List[Tuple[str, str, Dict[str, Any]]] = []  # commands: name, zone, fields
+        self.answers = True  # whether commands have an effect and an answer
+        self.is_silent = False  # the core is
+        self.clock_s = NOW
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._run, name="gateway", daemon=True)
+        self._thread.start()
+        self.server: WebServer = self.do(self._open)
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        self._loop.run_forever()
+
+    def do(self, act: Callable[[], Any]) -> Any:
+        """Do something in the gateway's thread; returns its result."""
+        async def run() -> Any:
+            return act()
+
+        return asyncio.run_coroutine_threadsafe(run(), self._loop).result(LIMIT_S)
+
+    def _open(self) -> WebServer:
+        languages = {path.stem: catalogues.translation(path.stem, catalogues.read(path))
+                     for path in (ROOT / "resource" / "languages").glob("*.ts")}
+        store = Store({**languages, LONG: _longer})
+        self.server = WebServer(self._loop, store, str(ROOT / "resource" / "web"), frozenset(), command=self._command)
+        self.server.open("127.0.0.1", PORT)
+        self._tick()
+        return self.server
+
+    def close(self) -> None:
+        """End it. Has no effect if it has ended."""
+        async def end() -> None:
+            self._timer.cancel()
+            self.server.close()
+            await asyncio.sleep(TICK_S)  # the connections end
+            others = asyncio.all_tasks() - {asyncio.current_task()}
+            for task in others:
+                task.cancel()
+            await asyncio.gather(*others, return_exceptions=True)
+            self._loop.stop()
+
+        if self._thread.is_alive():
+            asyncio.run_coroutine_threadsafe(end(), self._loop)
+            self._thread.join(LIMIT_S)
+            self._loop.close()
+
+    def zone(self, name: str) -> Zone:
+        """A zone."""
+        return next(zone for zone in self.zones if zone.name == name)
+
+    def set(self, **of_zones: Any) -> None:
+        """Set this of all zones."""
+        def change() -> None:
+            for zone in self.zones:
+                for name, value in of_zones.items():
+                    setattr(zone, name, value)
+                if zone.phase != "idle" and not zone.run:
+                    zone.run = 1
+            self.feed()
+
+        self.do(change)
+
+    def feed(self) -> None:
+        """Publish what the core would, in the gateway's thread."""
+        desk, mono = self.server.desk, self._loop.time()
+        if self.is_silent:
+            return
+        self.clock_s += TICK_S
+        clock = genpy.Time.from_sec(self.clock_s)
+        desk.on_clocks(RunClocks(clock=clock, zones=[zone.clock() for zone in self.zones]))
+        desk.on_details(CoreDetails(clock=clock, zones=[zone.details() for zone in self.zones]))
+        desk.on_gui(mono, CoreToGui(clock=clock, zones=[zone.state() for zone in self.zones]))
+        self.server.publish()
+
+    def _tick(self) -> None:
+        self._timer = self._loop.call_later(TICK_S, self._tick)
+        self.feed()
+
+    async def _command(self, command: Command) -> Outcome:
+        self.given.append((command.name, command.zone, command.fields))
+        happened()
+        if not self.answers:
+            return Outcome(is_known=False)
+        self.zone(command.zone).command(command.name, command.fields)
+        self._loop.call_soon(self.feed)
+        return Outcome(result={"number": len(self.given)})
+
+    def wait_given(self, name: str, zone: str) -> None:
+        """Wait until a device has given a command."""
+        wait_until(lambda: any(given[:2] == (name, zone) for given in self.given),
+                   lambda: f"{name} {zone}: {self.given}")
+
+    def count(self, name: str) -> int:
+        """How often a command was given."""
+        return sum(given[0] == name for given in self.given)
+
+    def phone(self, browser: Browser, size: Tuple[int, int], language: str = "en", zone: Optional[str] = None,
+              role: str = "") -> Page:
+        """A paired phone that shows the referee's page; `zone`: of its pairing, "" is an organiser's."""
+        zone = (self.zones[0].name if len(self.zones) == 1 else "") if zone is None else zone
+        role = role or ("referee" if zone else "organiser")
+        token = self.do(lambda: self.server.sessions.add(self.server.utc(), Grant(role, zone), "Anna", "Linux"))
+        page = browser.page("about:blank", *size, is_alone=True)
+        page.command("Network.setCookie", name=COOKIE, value=token, url=URL)
+        page.open(f"{URL}/referee?language={language}")
+        page.wait("document.querySelector('.run') !== null", "the zone is shown")
+        return page

@@ -1,0 +1,154 @@
+"""A computer of the box: the core, which is built as its node builds it, and what starts it again."""
+
+import math
+
+from roah_rsbb.box.assembly import CoreAssembly, Machine, Place
+from roah_rsbb.box.driver import Outputs
+from roah_rsbb.comm.ciphers import Cipher
+from roah_rsbb.comm.seen import Seen
+from roah_rsbb.core.copies import STANDBY
+from roah_rsbb.core.effects import Level
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.radio.radio import Network
+
+from .air import BROADCAST
+from .backup import Backup
+from .scheduler import Ended, Process
+
+TICK_S = 0.1
+# Much less than a competition needs, and much more than a simulation.
+SEEN_BITS = 2**19
+TICKS_A_SECOND = 10
+
+
+class RunLogs:
+    """The run logs of a core, in memory. A restarted core writes those again that were open, from the journal."""
+
+    def __init__(self, box, uuid, on_problem, on_repaired, entries_of, post):
+        self._box, self._entries_of, self._post = box, entries_of, post
+        self.files = {}
+
+    def check(self):
+        return ""
+
+    def opened(self, effect, utc):
+        self.files[effect.port] = f"run log of port {effect.port}"
+        self._box.run_logs[effect.port] = []
+
+    def resumed(self, port, path):
+        self.files[port] = path or f"run log of port {port}"
+        self._box.run_logs[port] = None  # later entries are among those of the journal, until it was asked
+        self._post(lambda: self._box.run_logs.update({port: self._entries_of(port)}))
+
+    def logged(self, effect, utc):
+        log = self._box.run_logs.get(effect.port)
+        if log is not None:
+            log.append((effect.topic, effect.value, utc))
+
+    def closed(self, effect):
+        self.files.pop(effect.port, None)
+        log = self._box.run_logs.get(effect.port)
+        if log is not None:
+            self._box.oracles.run_log_closed(effect.port, log, self._entries_of(effect.port))
+
+    def repair(self, known):
+        """Logs that were left open are complete: they were written with each entry."""
+
+    def stop(self):
+        """Nothing waits."""
+
+
+class Box:
+    """A computer on which a core runs, and is started again when it ends."""
+
+    def __init__(self, world, computer, storage, config, standby_port=0):
+        self.world, self.computer, self.storage, self.config = world, computer, storage, config
+        self.settings = Settings(listen_duration=1.0)
+        self.standby_port = standby_port
+        self.backup = None  # copies the journal to a standby; None: there is none
+        self.oracles = world.oracles
+        self.run_logs = {}  # by port
+        self.starts = 0
+        self.is_lost = False  # it is never started again
+        self.process = None  # of the present core
+        self.core = None  # None until it has resumed
+
+    def start(self):
+        """Start a core, unless one runs."""
+        if self.is_lost or (self.process is not None and not self.process.is_ended):
+            return
+        self.starts += 1
+        self.process = Process(self.computer, f"core {self.starts}")
+        self.process.loop.create_task(self._run(self.process))
+        self.world.trace.note(f"core {self.starts} starts on {self.computer.name}")
+
+    async def _run(self, process):
+        world, computer = self.world, self.computer
+        machine = Machine(
+            computer.boot_id, self.starts, f"uuid {computer.name} {self.starts}", computer.mono, computer.utc,
+            computer.mono, world.random_bytes, Seen(SEEN_BITS))
+        network = Network(BROADCAST, 6666, computer.host, Cipher.AES_128_CBC, False, 1024)
+        outputs = Outputs(lambda: None, lambda: None, lambda: None, lambda wish: None, self._log, self._bug)
+        ports = PortRecord(self.storage.folder, lambda work: process.loop.call_later(self.storage.sync_s(), work))
+        place = Place(self.storage.folder, network, self.standby_port)
+        core = CoreAssembly(
+            process.loop, machine, place, self.config, 0, self.settings, "", self.storage.open_journal(process), ports,
+            lambda *parts: RunLogs(self, *parts), outputs, self._ask_standby, world.air.peer_maker(process),
+            self._end_superseded)
+        if self.backup is not None:
+            core.box.copies.expect(core.now(), STANDBY)
+        self.oracles.opened(self, core)
+        await core.ask()
+        core.resume(lambda versions: {})
+        core.open()
+        self.core = core
+        self.oracles.resumed(self, core)
+        self._tick(process, core, 0)
+
+    def copy(self):
+        """Start the node that copies the journal to the standby, in place of an earlier one."""
+        if self.is_lost:
+            return
+        if self.backup is not None:
+            self.backup.end()
+        self.backup = Backup(self.world.standby, self)
+
+    def _tick(self, process, core, number):
+        process.loop.call_later(TICK_S, self._tick, process, core, number + 1)
+        core.event(core.box.tick_if_due)
+        core.unsaved()
+        if number % TICKS_A_SECOND == 0:
+            core.each_second()
+
+    def kill(self, restart_s, power=False):
+        """The process is killed, or the computer loses its power; it is started again after so many seconds."""
+        self.world.trace.note(f"{self.computer.name}: {'power cut' if power else 'core killed'}")
+        if self.process is not None:
+            self.process.end()
+        self.oracles.killed(self, power)
+        self.core = None
+        self.is_lost = self.is_lost or math.isinf(restart_s)
+        (self.storage.cut if power else self.storage.killed)()
+        if power:
+            self.computer.boot()
+            if self.backup is not None:
+                self.backup.end()
+                self.world.scheduler.after(restart_s, self.copy)
+        self.world.scheduler.after(restart_s, self.start)
+
+    def _ask_standby(self, ticket):
+        if self.backup is not None and self.core is not None:
+            self.backup.ask(self.core, ticket)
+
+    def _end_superseded(self, away_s, host):
+        self.world.trace.note(f"{self.computer.name}: ends, superseded by {host} after {away_s:.1f} s")
+        self.process.end()
+        raise Ended
+
+    def _log(self, level, text):
+        if level >= Level.WARNING:
+            self.world.trace.note(f"{self.computer.name}: {level.name} {text}")
+
+    def _bug(self, text):
+        self.oracles.bug(text)

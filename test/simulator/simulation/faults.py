@@ -1,0 +1,104 @@
+"""Planted faults: each is a change of one place in the source, and the simulator must find it.
+
+`make test` checks that each still fits the source, and that the simulator finds a few of them. With ROAH_TEST_ALL it
+must find every one.
+"""
+
+import pathlib
+from typing import NamedTuple
+
+# Within so many seeds.
+SEEDS = 500
+
+
+class Fault(NamedTuple):
+    """A mistake that somebody could make."""
+
+    name: str
+    file: str  # in src/roah_rsbb
+    right: str
+    wrong: str
+
+
+FAULTS = (
+    # -- the journal
+    Fault("a record counts as saved when it is written", "journal/log.py",
+          "            self._prove(target, end)\n            self.saved = target\n",
+          "            self._prove(target, end)\n            self.saved = self.written\n"),
+    Fault("an answer does not wait for the disk", "journal/store.py",
+          "max(0, self._writer.log.saved - self._first)", "max(0, self._writer.log.written - self._first)"),
+    Fault("a failed fsync is tried again in the same place", "journal/log.py",
+          "        self._must_begin = True  # until the fsync has succeeded\n", ""),
+    Fault("a new segment lacks the records that are not proven", "journal/log.py",
+          "            for waiting in self._waiting:\n                content.append(",
+          "            for waiting in ():\n                content.append("),
+    Fault("a segment gets its name before it is on the disk", "journal/log.py",
+          "            self._files.sync(fd)\n            self._switch(", "            self._switch("),
+    Fault("the name of a segment is not synced", "journal/log.py",
+          "        self._files.sync_folder(self.folder)\n        self._files.sync_folder(os.path",
+          "        self._files.sync_folder(os.path"),
+    Fault("what a killed core left in the page cache counts as proven", "journal/log.py",
+          "        self._waiting.extend(_Waiting(f.number, f.payload) for f in found.records "
+          "if f.number > found.proven)",
+          "        self._proven = self.saved = found.last"),
+    Fault("records that were written during an fsync count as synced", "journal/log.py",
+          "            self._prove(target, end)\n            self.saved = target\n",
+          "            self._prove(self.written, self._at)\n            self.saved = self.written\n"),
+    Fault("a record that did not fit on a full disk is forgotten", "journal/log.py",
+          "                self._files.write(self._fd, frame, self._at)\n                self._placed(",
+          "                self._unwritten.popleft()\n"
+          "                self._files.write(self._fd, frame, self._at)\n"
+          "                self._unwritten.appendleft(waiting)\n                self._placed("),
+    # -- the program around the core
+    Fault("an answer names the ticket of the record before", "box/journal.py",
+          "return None if lost else self._ticket", "return None if lost else self._ticket - 1"),
+    Fault("a result is written only until it is corrected", "box/journal.py",
+          "        self._batch.outcomes[record.identity] = ",
+          "        if not any(entry.correction for entry in record.history):\n"
+          "            self._batch.outcomes[record.identity] = "),
+    Fault("used ports are forgotten in a restart", "box/assembly.py",
+          "max(last_ports), version)", "0, version)"),
+    Fault("a restarted core does not use the time that passed", "core/restart/saved.py",
+          "        return now.mono - passed - self.mono\n", "        return now.mono - self.mono\n"),
+    Fault("an entry is missing in the run log", "box/driver.py",
+          "            effects.RunLogged: lambda e: self._run_logs.logged(e, self._moment.utc),",
+          "            effects.RunLogged: lambda e: e.port % 7 and self._run_logs.logged(e, self._moment.utc),"),
+    # -- box and standby
+    Fault("an entry does not wait for the standby", "box/standby_answers.py",
+          "        waiting = ticket, answer\n",
+          "        waiting = ticket, answer\n        answer.set_result(\"\")\n        return answer\n"),
+    Fault("a box does not stop when it hears its successor", "standby/pair.py",
+          "if word.claims and own.claims and word.rank > own.rank:",
+          "if word.claims and own.claims and word.rank > own.rank and self.state is State.ASKING:"),
+    # -- the core
+    Fault("the timeout waits for the robot", "core/runs/run.py",
+          "        elif out_of_time:\n",
+          "        elif out_of_time and self.robot_state is not RobotState.EXECUTING:\n"),
+    Fault("a mark counts again after a restart", "core/scoring/sheet.py",
+          "            self._taken[mark_id] = int(number)\n", "            self._taken.setdefault('', int(number))\n"),
+    Fault("a withdrawn entry still counts", "core/scoring/sheet.py",
+          "            if not entry.withdrawn_utc:\n                place",
+          "            if not entry.withdrawn_utc or entry.added == '2':\n                place"),
+    Fault("points of penalties are left out", "core/scoring/points.py",
+          "    total = _limited(_sum(sums.values()),", "    total = _limited(_sum(n for n in sums.values() if n > 0),"),
+    Fault("a refusal has no reason", "core/commands.py",
+          'return ["Already started"]', 'return [""]'),
+    Fault("a late message counts", "core/link/timeline.py",
+          "        return Verdict.STALE\n", "        return Verdict.FRESH\n"),
+    Fault("one old message is enough for a clock that was set back", "core/link/timeline.py",
+          "if self._rising >= RISING and mono - self.state.newest_mono >= QUIET_S:",
+          "if self._rising >= 1 and mono >= self.state.newest_mono:"),
+    # -- the robot
+    Fault("a robot that executes does not obey STOP", "robot/machine.py",
+          "    (BoxState.STOP, _R.EXECUTING): Transition(_R.STOP, _HALT),",
+          "    (BoxState.STOP, _R.EXECUTING): Transition(_R.EXECUTING, _KEEP),"),
+)
+
+
+def plant(fault, source):
+    """Put a fault into a copy of the source. Raises ValueError if it does not fit any more."""
+    path = pathlib.Path(source) / fault.file
+    text = path.read_text("utf-8")
+    if text.count(fault.right) != 1:
+        raise ValueError(f"'{fault.name}': {fault.file} does not contain this once: {fault.right}")
+    path.write_text(text.replace(fault.right, fault.wrong), "utf-8")

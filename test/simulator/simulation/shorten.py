@@ -1,0 +1,48 @@
+"""Finds the few troubles of a failure that are needed for it."""
+
+from typing import List, NamedTuple
+
+from .troubles import Trouble
+from .world import World, simulate
+
+
+class Failure(NamedTuple):
+    """A seed that fails, with the troubles that this needs."""
+
+    seed: int
+    error: Exception
+    plan: List[Trouble]
+    world: World
+
+    def __str__(self):
+        lines = [f"seed {self.seed}: {self.error}", "Troubles that this needs:"]
+        lines += [f"  {trouble}" for trouble in self.plan] or ["  none"]
+        return "\n".join((*lines, "What happened last:", *self.world.trace.lines[-40:]))
+
+
+def failure_of(seed, plan=None):
+    """Run a seed; returns how it fails; None: it does not."""
+    try:
+        simulate(seed, plan)
+    except Exception as error:
+        return Failure(seed, error, error.world.plan, error.world)
+    return None
+
+
+def shortened(failure):
+    """Leave out troubles, as long as the same oracle fails."""
+    size = max(1, len(failure.plan) // 2)
+    while True:
+        for begin in range(0, len(failure.plan), size):
+            less = failure_of(failure.seed, failure.plan[:begin] + failure.plan[begin + size:])
+            if less is not None and _name(less.error) == _name(failure.error):
+                failure = less
+                break
+        else:
+            if size == 1:
+                return failure
+            size //= 2
+
+
+def _name(error):
+    return getattr(error, "name", type(error).__name__)

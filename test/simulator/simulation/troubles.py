@@ -1,0 +1,240 @@
+"""What goes wrong: a list of troubles, each with its moment, which can be shortened."""
+
+from typing import NamedTuple, Tuple
+
+from roah_rsbb.comm.ciphers import Cipher
+from roah_rsbb.comm.frame import encode
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+
+PUBLIC_PORT = 6666
+STRANGER = "10.0.0.99"
+
+
+class Trouble(NamedTuple):
+    """Something that goes wrong."""
+
+    at: float  # true time (s)
+    kind: str
+    values: Tuple = ()
+
+    def __str__(self):
+        return f"{self.at:.3f} {self.kind} {' '.join(map(str, self.values))}"
+
+
+def plan_of(world, random):
+    """Return the troubles of a seed."""
+    count = random.choice((0, 2, 5, 8, 12))
+    known = random.choice((sorted(KINDS), DISK, DISK, NETWORK))
+    if world.standby is None:
+        known = [kind for kind in known if kind not in OF_STANDBY]
+    elif random.random() < 0.7:
+        known = sorted({*OF_STANDBY, *random.sample(sorted(KINDS), 4)})
+    kinds = random.sample(known, random.randint(2, 5))
+    plan = [Trouble(random.uniform(1.0, world.length_s), kind, KINDS[kind](world, random))
+            for kind in random.choices(kinds, k=count)]
+    if world.standby is not None and random.random() < 0.6:
+        plan.append(Trouble(random.uniform(6.0, world.length_s), "take over", KINDS["take over"](world, random)))
+    return sorted(plan)
+
+
+def _host(world, random):
+    others = [world.box.computer, *([world.standby.computer] if world.standby is not None else [])]
+    return random.choice([each.host for each in (*(robot.computer for robot in world.robots), *others)])
+
+
+def _robot(world, random):
+    return random.randrange(len(world.robots))
+
+
+# What is drawn for each kind.
+KINDS = {
+    "loss": lambda w, r: (_host(w, r), r.choice((0.1, 0.3, 0.6)), r.uniform(1.0, 15.0)),
+    "late": lambda w, r: (_host(w, r), r.choice((0.05, 0.3)), r.choice((0.05, 0.5, 3.0)), r.uniform(1.0, 15.0)),
+    "double": lambda w, r: (_host(w, r), r.choice((0.1, 0.5)), r.uniform(1.0, 15.0)),
+    "cut off": lambda w, r: (_host(w, r), r.choice((0.5, 2.0, 6.0, 12.0))),
+    "take over": lambda w, r: (r.choice(("box burns", "box is cut off", "box hangs", "")), r.uniform(0.0, 6.0)),
+    "standby restarts": lambda w, r: (),
+    "standby hangs": lambda w, r: (r.choice((0.3, 1.0, 4.0)),),
+    "kill": lambda w, r: (r.uniform(0.3, 3.0),),
+    "kill, then kill": lambda w, r: (r.uniform(0.3, 1.0), r.uniform(0.3, 2.5)),
+    "hang": lambda w, r: (r.choice((0.2, 1.0, 3.0)),),
+    "power": lambda w, r: (r.uniform(2.0, 6.0),),
+    "kill, then power": lambda w, r: (r.uniform(0.05, 1.0), r.uniform(2.0, 5.0)),
+    "kill at an entry": lambda w, r: (r.uniform(0.3, 2.0),),
+    "power at an entry": lambda w, r: (r.uniform(2.0, 4.0),),
+    "slow disk": lambda w, r: (r.choice((0.5, 1.5, 4.0)), r.uniform(1.0, 10.0)),
+    "slow disk, then power": lambda w, r: (r.choice((0.3, 1.0)), r.uniform(0.3, 2.5), r.uniform(2.0, 4.0)),
+    "broken disk": lambda w, r: (r.uniform(0.5, 8.0),),
+    "full disk": lambda w, r: (r.uniform(0.5, 8.0),),
+    "box's clock": lambda w, r: (r.choice((-3600.0, -1.0, -0.2, 0.2, 1.0, 3600.0)),),
+    "robot's clock": lambda w, r: (_robot(w, r), r.choice((-10.0, -0.5, 0.05, 10.0))),
+    "robot crashes": lambda w, r: (_robot(w, r), r.uniform(0.5, 5.0)),
+    "robot hangs": lambda w, r: (_robot(w, r), r.choice((0.5, 3.0, 8.0))),
+    "replay": lambda w, r: (r.randrange(1000), r.choice(("same", STRANGER))),
+    "garbage": lambda w, r: (_host(w, r), r.randrange(1 << 32)),
+    "forged beacon": lambda w, r: (_robot(w, r), r.choice(("same", STRANGER)), r.choice((-5.0, 0.0, 5.0))),
+    "forged box": lambda w, r: (),
+}
+
+
+DISK = ("kill", "kill at an entry", "kill, then kill", "kill, then power", "power", "power at an entry", "slow disk",
+        "slow disk, then power", "broken disk", "full disk", "hang")
+OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off")
+NETWORK = ("loss", "late", "double", "cut off", "kill", "replay", "garbage", "forged beacon", "robot crashes",
+           "robot hangs", "robot's clock")
+
+
+class Troubles:
+    """Lets troubles happen to a world."""
+
+    def __init__(self, world, random):
+        self._world, self._random = world, random
+
+    def begin(self, trouble):
+        """A trouble begins, and ends by itself."""
+        self._world.trace.note(f"trouble: {str(trouble).split(' ', 1)[1]}")
+        getattr(self, "_" + "".join(c if c.isalpha() else "_" for c in trouble.kind))(*trouble.values)
+
+    def end_all(self):
+        """Everything works from now on."""
+        world = self._world
+        for weather in world.air.weather.values():
+            weather.loss = weather.late = weather.double = 0.0
+            weather.is_cut = False
+        world.storage.slow_until = world.storage.broken_until = world.storage.full_until = 0.0
+
+    def _for(self, seconds, host, **changes):
+        weather = self._world.air.weather[host]
+        usual = {"loss": 0.0, "late": 0.0, "double": 0.0, "longest_s": 0.5, "is_cut": False}
+        for name, value in changes.items():
+            setattr(weather, name, value)
+        self._world.scheduler.after(seconds, lambda: [setattr(weather, name, usual[name]) for name in changes])
+
+    def _loss(self, host, share, seconds):
+        self._for(seconds, host, loss=share)
+
+    def _late(self, host, share, longest_s, seconds):
+        self._for(seconds, host, late=share, longest_s=longest_s)
+
+    def _double(self, host, share, seconds):
+        self._for(seconds, host, double=share)
+
+    def _cut_off(self, host, seconds):
+        self._for(seconds, host, is_cut=True)
+
+    def _kill(self, restart_s):
+        self._world.box.kill(restart_s)
+
+    def _kill__then_kill(self, restart_s, again_s):
+        self._world.box.kill(restart_s)
+        self._world.scheduler.after(again_s, lambda: self._world.box.kill(restart_s))
+
+    def _hang(self, seconds):
+        if self._world.box.process is not None:
+            self._world.box.process.hang(seconds)
+
+    def _power(self, restart_s):
+        self._world.box.kill(restart_s, power=True)
+
+    def _kill__then_power(self, after_s, restart_s):
+        self._world.box.kill(60.0)
+        self._world.scheduler.after(after_s, lambda: self._world.box.kill(restart_s, power=True))
+
+    def _kill_at_an_entry(self, restart_s):
+        self._world.referee.on_entry.append(lambda: self._world.box.kill(restart_s))
+
+    def _power_at_an_entry(self, restart_s):
+        self._world.referee.on_entry.append(lambda: self._world.box.kill(restart_s, power=True))
+
+    def _take_over(self, how, seconds):
+        """The box is lost, and its standby takes over as soon as that is possible."""
+        world, box = self._world, self._world.boxes[0]
+        if world.standby is None or world.standby.has_taken_over:
+            return
+        if how == "box burns":
+            world.referee.on_entry.append(lambda: self._burn(box))
+        elif how == "box is cut off":
+            self._cut_off(box.computer.host, 4.0 + seconds)
+        elif how == "box hangs" and box.process is not None:
+            box.process.hang(4.0 + seconds)
+        self._try_to_take_over()
+
+    def _burn(self, box):
+        if box is self._world.box:
+            box.kill(float("inf"), power=True)
+            self._try_to_take_over()
+
+    def _try_to_take_over(self):
+        for again in range(8):
+            self._world.scheduler.after(3.0 + again * 0.5, self._if_lost)
+
+    def _if_lost(self):
+        if not self._world.standby.has_taken_over:
+            self._world.standby.take_over()
+
+    def _standby_restarts(self):
+        if self._world.standby is not None:
+            self._world.standby.restart()
+
+    def _standby_hangs(self, seconds):
+        if self._world.standby is not None and not self._world.standby.has_taken_over:
+            self._world.standby.hang(seconds)
+
+    def _slow_disk(self, slow_s, seconds):
+        storage = self._world.storage
+        storage.slow_s, storage.slow_until = slow_s, self._world.scheduler.now + seconds
+
+    def _slow_disk__then_power(self, slow_s, after_s, restart_s):
+        self._slow_disk(slow_s, after_s)
+        self._world.scheduler.after(after_s, lambda: self._world.box.kill(restart_s, power=True))
+
+    def _broken_disk(self, seconds):
+        self._world.storage.broken_until = self._world.scheduler.now + seconds
+
+    def _full_disk(self, seconds):
+        self._world.storage.full_until = self._world.scheduler.now + seconds
+
+    def _box_s_clock(self, seconds):
+        self._world.oracles.clock_was_set = True
+        self._world.box.computer.set_clock(seconds)
+
+    def _robot_s_clock(self, number, seconds):
+        robot = self._world.robots[number]
+        self._world.clocks_were_set.add(robot.name)
+        robot.computer.set_clock(seconds)
+
+    def _robot_crashes(self, number, restart_s):
+        self._world.robots[number].crash(restart_s)
+
+    def _robot_hangs(self, number, seconds):
+        self._world.robots[number].hang(seconds)
+
+    def _replay(self, number, host):
+        sent = self._world.air.sent
+        if sent:
+            source, port, datagram, receiver = sent[number % len(sent)]
+            self._world.air.send(source if host == "same" else host, port, datagram, receiver)
+
+    def _garbage(self, host, number):
+        sent = self._world.air.sent
+        if sent:
+            _, port, datagram, _ = sent[number % len(sent)]
+            broken = bytearray(datagram)
+            broken[number % len(broken)] ^= 1 + number % 255
+            self._world.air.send(STRANGER, port, bytes(broken), host)
+
+    def _forged_beacon(self, number, host, skew):
+        robot, world = self._world.robots[number], self._world
+        utc = robot.computer.utc() + skew
+        message = pb.RobotBeacon(team_name=robot.team, robot_name=robot.name,
+                                 time=pb.Time(sec=int(utc), nsec=int(utc % 1 * 1e9)))
+        world.air.send(robot.computer.host if host == "same" else host, PUBLIC_PORT, encode(message, Cipher.NONE),
+                       world.box.computer.host)
+
+    def _forged_box(self):
+        never = pb.Time(sec=0, nsec=0)
+        message = pb.RoahRsbbBeacon(
+            devices_bell=never, devices_switch_1=False, devices_switch_2=False, devices_switch_3=False,
+            devices_dimmer=0, devices_blinds=0, devices_door_win_detect=False, tablet_display_map=False,
+            tablet_call_time=never, tablet_position_time=never, tablet_position_x=0.0, tablet_position_y=0.0)
+        self._world.air.send(STRANGER, PUBLIC_PORT, encode(message), "10.255.255.255")

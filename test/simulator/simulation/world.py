@@ -1,0 +1,174 @@
+"""One simulated competition: its seed decides everything."""
+
+import logging
+import os
+import random
+import tempfile
+from dataclasses import replace
+from decimal import Decimal
+
+from helpers.competition import benchmark, competition
+from roah_rsbb.rulebook.benchmarks import Durable, EventRules, PhaseRule, Restarts, ScheduledEvent
+from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
+
+from .air import Air
+from .box import Box
+from .disk import Storage
+from .oracles import Oracles
+from .referee import Referee
+from .robots import Robot
+from .scheduler import UTC0, Computer, Scheduler
+from .standby import PORT, Standby
+from .trace import Trace
+from .troubles import Troubles, plan_of
+
+BOX_HOST, STANDBY_HOST = "10.0.0.1", "10.0.0.50"
+# Seconds without troubles and without referees at the end.
+CALM_S = 12.0
+SCORING = (
+    ScoringItem("Achievements", "detects the door", ScoreKind.BOOL, Decimal("10")),
+    ScoringItem("Achievements", "changed objects", ScoreKind.UINT, Decimal("2.5")),
+    ScoringItem("Penalized", "bumps", ScoreKind.UINT, Decimal("-3")),
+)
+RULES = (
+    EventRules(),
+    EventRules(restarts=Restarts.CLOCK_STOPS, pause=True),
+    EventRules(pause=True, phases=(PhaseRule("first", 5.0), PhaseRule("second", 10.0))),
+)
+
+
+class _Errors(logging.Handler):
+    """What programs log as an error is a bug."""
+
+    def __init__(self, scheduler):
+        super().__init__(logging.ERROR)
+        self._scheduler = scheduler
+
+    def emit(self, record):
+        error = record.exc_info[1] if record.exc_info else None
+        self._scheduler.bugs.append(error or RuntimeError(record.getMessage()))
+
+
+class World:
+    """All computers, and the time. `plan`: troubles, in place of those of the seed."""
+
+    def __init__(self, seed, folder, plan=None):
+        self.seed = seed
+        draw = random.Random(f"{seed} world")
+        self._bytes = random.Random(f"{seed} bytes")
+        self.scheduler = Scheduler()
+        self.trace = Trace(self.scheduler, folder)
+        self.air = Air(self.scheduler, random.Random(f"{seed} air"), self.trace)
+        self.clocks_were_set = set()  # names of robots
+        self.config = _competition(draw)
+        has_standby = draw.random() < 0.4
+        if has_standby and draw.random() < 0.6:
+            self.config = replace(self.config, durable=Durable.TWO)
+        self.length_s = draw.uniform(20.0, 60.0)
+        self.robots = []
+        computer = Computer(self.scheduler, "box", BOX_HOST, draw.uniform(-5e-5, 5e-5), draw.uniform(-0.03, 0.03))
+        self.storage = Storage(os.path.join(folder, "log"), self.scheduler, random.Random(f"{seed} disk"),
+                               self.random_bytes)
+        self.oracles = Oracles(self)
+        self.standby = None
+        self.box = Box(self, computer, self.storage, self.config, PORT if has_standby else 0)
+        self.boxes = [self.box]
+        if has_standby:
+            self._add_standby(draw, os.path.join(folder, "copy"))
+        self.referee = Referee(self, self.box, random.Random(f"{seed} referee"))
+        for number, team in enumerate(self.config.passwords):
+            self._add_robot(draw, number, team)
+        self.plan = plan_of(self, random.Random(f"{seed} troubles")) if plan is None else plan
+        self.troubles = Troubles(self, random.Random(f"{seed} forger"))
+
+    def _add_standby(self, draw, folder):
+        computer = Computer(self.scheduler, "standby", STANDBY_HOST, draw.uniform(-5e-5, 5e-5),
+                            draw.uniform(-0.03, 0.03))
+        self.standby = Standby(self, computer, folder, self.box)
+        self.box.copy()
+
+    def taken_over(self, box):
+        """Another box begins. Referees turn to it."""
+        self.oracles.taken_over()
+        self.boxes.append(box)
+        self.box = self.referee.box = box
+        self.storage = box.storage
+        box.start()
+
+    def _add_robot(self, draw, number, team):
+        computer = Computer(self.scheduler, f"robot {number}", f"10.0.0.{number + 2}", draw.uniform(-5e-5, 5e-5),
+                            draw.uniform(-0.03, 0.03))
+        options = {"prepare_duration": draw.uniform(0.0, 3.0), "execute_duration": draw.uniform(0.5, 8.0),
+                   "never_end": draw.random() < 0.2}
+        self.robots.append(Robot(self, computer, team, f"r{number}", self.config.passwords[team], options))
+
+    def random_bytes(self, count):
+        """Stands for os.urandom."""
+        return self._bytes.getrandbits(8 * count).to_bytes(count, "big") if count else b""
+
+    def run(self):
+        """Play it all. Raises what went wrong."""
+        errors = _Errors(self.scheduler)
+        logging.getLogger().addHandler(errors)
+        try:
+            self._play()
+        finally:
+            logging.getLogger().removeHandler(errors)
+            for process in self.scheduler.processes:
+                process.end()
+            for process in self.scheduler.processes:
+                process.bury()
+
+    def _play(self):
+        self.oracles.begin()
+        self.box.start()
+        for robot in self.robots:
+            self.scheduler.after(self._bytes.uniform(0.0, 2.0), robot.start)
+        self.referee.begin()
+        for trouble in self.plan:
+            self.scheduler.after(trouble.at, lambda trouble=trouble: self.troubles.begin(trouble))
+        self._pass(self.length_s)
+        self.referee.is_at_work = False
+        self.troubles.end_all()
+        self._pass(self.length_s + CALM_S)
+        self.oracles.end()
+        self._raise_bugs()
+
+    def _pass(self, end):
+        bugs = self.scheduler.bugs
+        self.scheduler.run(end, lambda: bool(bugs))
+        self._raise_bugs()
+
+    def _raise_bugs(self):
+        if self.scheduler.bugs:
+            raise self.scheduler.bugs[0]
+
+
+def _competition(draw):
+    codes = ("HGTKMH", "HCFGAC", "HWV")
+    teams = ("Alpha", "Beta")
+    zones = {}
+    for name in ("a", "b")[:draw.choice((1, 1, 2))]:
+        zones[name] = tuple(
+            ScheduledEvent(benchmark(draw.choice(codes), draw.choice((10.0, 30.0, 600.0)), scoring=SCORING,
+                                     rules=draw.choice(RULES)),
+                           draw.choice(teams) if draw.random() < 0.9 else "ALL", 1, number, UTC0 + 60.0 * number)
+            for number in range(1, draw.randint(2, 5)))
+    return competition(teams=teams, **zones)
+
+
+def simulate(seed, plan=None):
+    """Run a seed; returns its world. Raises what went wrong, with the world as its attribute `world`."""
+    with tempfile.TemporaryDirectory(prefix="simulated_", dir=_memory()) as folder:
+        world = World(seed, folder, plan)
+        try:
+            world.run()
+        except Exception as error:
+            error.world = world
+            raise
+        return world
+
+
+def _memory():
+    """A folder in memory, if there is one, because the simulated disk has its own slowness."""
+    return "/dev/shm" if os.path.isdir("/dev/shm") else None
