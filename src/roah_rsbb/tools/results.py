@@ -12,6 +12,7 @@ from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.processes import ProcessEnded
 from roah_rsbb.journal.reader import JournalError
 from roah_rsbb.results.bags import bag_lines
+from roah_rsbb.results.mcap_file import NoMcap
 from roah_rsbb.results.printing import CannotPrint
 from roah_rsbb.results.run_list import list_lines
 from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, heads
@@ -96,7 +97,7 @@ def main(config_dir: str, arguments: Optional[List[str]] = None) -> NoReturn:
     options.config_dir = config_dir
     try:
         status = options.do(options)
-    except (JournalError, ProcessEnded, _NoBag, NoSuchRun, Usage, CannotPrint) as error:
+    except (JournalError, ProcessEnded, _NoBag, NoSuchRun, NoMcap, Usage, CannotPrint) as error:
         status = _fail(str(error))
     except ConfigErrors as error:
         status = _fail(f"a file of the competition is invalid:\n{error}")
@@ -132,6 +133,7 @@ def _add_views(commands: Any) -> None:
     export.add_argument("--html", metavar="DIR", help="a printable score sheet for each run, and index.html")
     export.add_argument("--pdf", metavar="DIR", help="the same, printed by Chromium if it is installed")
     export.add_argument("--dataset", metavar="DIR", help="CSV tables with their description, for publication")
+    export.add_argument("--mcap", metavar="DIR", help="the run logs with types of ROS 2, for Foxglove and ros2 bag")
     export.add_argument("--anonymous", action="store_true",
                         help="pseudonyms instead of names, addresses and free texts in the data set")
     export.add_argument("--licence", metavar="TEXT", default="", help="licence of the data set, such as CC-BY-4.0")

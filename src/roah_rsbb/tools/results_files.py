@@ -28,6 +28,7 @@ from roah_rsbb.results.export import (
     standing_rows,
     write_table,
 )
+from roah_rsbb.results.mcap_file import library, write_mcap
 from roah_rsbb.results.page import Competition, page, picture_address
 from roah_rsbb.results.paper import blank_front, front_markup
 from roah_rsbb.results.printing import Printer, browser, print_pdf
@@ -49,13 +50,16 @@ LOG_FOLDER = "log"
 
 def export(options: argparse.Namespace) -> int:
     """The command of this name."""
-    if not (options.csv or options.json or options.html or options.pdf or options.dataset):
-        raise Usage("choose what to write: --csv FILE, --json FILE, --html DIR, --pdf DIR, --dataset DIR, or several "
-                     "of them")
+    if not (options.csv or options.json or options.html or options.pdf or options.dataset or options.mcap):
+        raise Usage("choose what to write: --csv FILE, --json FILE, --html DIR, --pdf DIR, --dataset DIR, --mcap DIR, "
+                    "or several of them")
     if (options.anonymous or options.licence) and not options.dataset:
         raise Usage("--anonymous and --licence are for a data set: name its folder with --dataset DIR")
+    # Before anything is written.
     if options.pdf:
-        browser()  # before anything is written
+        browser()
+    if options.mcap:
+        library()
     _competition(options)
     with open_journal(options) as reader:
         as_of = reader.as_of()
@@ -81,6 +85,10 @@ def export(options: argparse.Namespace) -> int:
             names = names_of(reader) if options.anonymous else None
             write_dataset(options.dataset, results(), dataset.Options(names, options.licence, options.title))
             print(f"the data set of {len(chosen)} runs is in {options.dataset}")
+        if options.mcap:
+            os.makedirs(options.mcap, exist_ok=True)
+            written = [path for result in results() for path in write_mcap(result, options.mcap)]
+            print(f"the logs of {len(written)} robots in {len(chosen)} runs are in {options.mcap}")
         if options.html:
             _write_pages(options, options.html, "html", _write_html, results(), chosen, ranked, why, as_of)
         if options.pdf:

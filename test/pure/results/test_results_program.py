@@ -586,6 +586,13 @@ def test_without_a_browser_nothing_is_written(run, tmp_path, monkeypatch):
     assert "install it (sudo apt install chromium)" in err
 
 
+def test_without_the_library_of_mcap_nothing_is_written(run, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "mcap.writer", None)
+    status, _, err = run("export", "--mcap", tmp_path / "mcap", "--csv", tmp_path / "csv")
+    assert (status, os.listdir(tmp_path)) == (1, [])
+    assert "pip install mcap-ros2-support" in err
+
+
 @pytest.mark.long
 def test_blank_sheets(run, folder):
     source = ("--log-dir", folder / "log")
