@@ -10,7 +10,6 @@ import sys
 from helpers.competition import run_record
 from helpers.journals import Writer
 from helpers.results_of import write_competition
-
 from roah_rsbb.core.run_log import KINDS
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.tools import results
