@@ -27,7 +27,7 @@ BROADCAST, BOX_HOST, ROBOT_HOST = "127.255.255.255", "127.46.1.1", "127.46.1.2"
 TEAM, PASSWORD = "BenchTeam", "password"
 INSTALL = ROOT / "build" / ".ros2" / "install"
 CONNECT_S, STATE_S = 60.0, 10.0
-# The program's executor: idle; all its threads but one blocked; the same while Python computes in one of them.
+# What the program's other executor does: nothing; it is blocked; the same while Python computes in one of its threads.
 ROS2_LOADS = ("idle", "blocked", "computing")
 TARGET_MS = 20.0
 
@@ -198,5 +198,5 @@ def ros2(results: Results, count: int) -> None:
               "--ros-args", "-p", f"team_name:={TEAM}", "-p", f"rsbb_host:={BROADCAST}", "-p", f"rsbb_port:={port}",
               "-p", f"bind_host:={ROBOT_HOST}"],
              [ROOT / "tools" / "with_ros2", "python", HERE / "comm_listener_ros2.py", load], port,
-             {} if load == "computing" else {0.99: TARGET_MS},
+             {0.99: TARGET_MS},
              ROAH_ROS2_INSTALL=str(INSTALL), ROS_DOMAIN_ID=str(1 + os.getpid() % 100))

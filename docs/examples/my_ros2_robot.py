@@ -7,10 +7,10 @@ import time
 
 import rclpy
 from geometry_msgs.msg import Pose2D
-from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
 from roah_rsbb_msgs.msg import BenchmarkState
 from roah_rsbb_msgs.srv import ResultHOPF, ResultHPPF, String
 from std_msgs.msg import String as StringMsg
@@ -26,18 +26,13 @@ class MyRobot(Node):
         super().__init__("my_robot")
         self.benchmark, self.waypoint = "", None
         self.states = queue.Queue()  # callbacks only add states, so that a stop never waits for work
-        # A group of its own: with a MultiThreadedExecutor, STOP comes while other callbacks of this node block.
-        urgent = MutuallyExclusiveCallbackGroup()
-        self.create_subscription(BenchmarkState, "roah_rsbb/benchmark/state", self.on_state, LATCHED,
-                                 callback_group=urgent)
-        self.create_subscription(StringMsg, "roah_rsbb/benchmark/name", self.on_name, LATCHED, callback_group=urgent)
-        self.create_subscription(Pose2D, "roah_rsbb/goal/waypoint", self.on_waypoint, LATCHED, callback_group=urgent)
+        self.create_subscription(BenchmarkState, "roah_rsbb/benchmark/state", self.on_state, LATCHED)
+        self.create_subscription(StringMsg, "roah_rsbb/benchmark/name", self.on_name, LATCHED)
+        self.create_subscription(Pose2D, "roah_rsbb/goal/waypoint", self.on_waypoint, LATCHED)
         self.saved = self.create_publisher(UInt32, "roah_rsbb/messages_saved", LATCHED)
         kinds = {"end_prepare": Trigger, "end_execute": Trigger, "end_execute/object": ResultHOPF,
                  "end_execute/person": ResultHPPF, "notifications": String}
-        group = ReentrantCallbackGroup()
-        self.calls = {name: self.create_client(kind, f"roah_rsbb/{name}", callback_group=group)
-                      for name, kind in kinds.items()}
+        self.calls = {name: self.create_client(kind, f"roah_rsbb/{name}") for name, kind in kinds.items()}
 
     def on_state(self, message):
         self.states.put(message.benchmark_state)
@@ -100,16 +95,18 @@ class MyRobot(Node):
 
 
 def main():
-    rclpy.init()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C interrupts the work
     robot = MyRobot()
-    executor = MultiThreadedExecutor(4)
+    executor = SingleThreadedExecutor()
     executor.add_node(robot)
-    threading.Thread(target=robot.run, daemon=True).start()
+    # The callbacks have this thread for themselves and never block, so that a stop comes at once.
+    threading.Thread(target=executor.spin, daemon=True).start()
     try:
-        executor.spin()
-    except (KeyboardInterrupt, ExternalShutdownException):
+        robot.run()
+    except KeyboardInterrupt:
         pass
     finally:
+        executor.shutdown()
         rclpy.try_shutdown()
 
 

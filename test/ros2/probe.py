@@ -5,8 +5,7 @@ from typing import Any, Dict, List
 
 import rclpy
 from geometry_msgs.msg import Pose2D
-from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
-from rclpy.executors import MultiThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from roah_rsbb_msgs.msg import Benchmark, BenchmarkState, DevicesState, GoalHGMF, GoalOMF, TabletState
 from std_msgs.msg import Empty
@@ -29,15 +28,12 @@ class Probe:
         self.prefix = f"{namespace}/roah_rsbb/"
         self.node = rclpy.create_node(name)
         self.heard: Dict[str, List[Any]] = {topic: [] for topic in (*TOPICS, *EVENTS)}
-        self._group = ReentrantCallbackGroup()  # of calls
-        in_order = MutuallyExclusiveCallbackGroup()  # else one thread overtakes another one
         for topics, qos in ((TOPICS, LATCHED), (EVENTS, QoSProfile(depth=20))):
             for topic, kind in topics.items():
                 self.node.create_subscription(
-                    kind, self.prefix + topic, lambda message, topic=topic: self._hear(topic, message), qos,
-                    callback_group=in_order)
+                    kind, self.prefix + topic, lambda message, topic=topic: self._hear(topic, message), qos)
         self._clients: Dict[str, Any] = {}
-        self.executor = MultiThreadedExecutor(3)
+        self.executor = SingleThreadedExecutor()
         self.executor.add_node(self.node)
         self._thread = threading.Thread(target=self.executor.spin, daemon=True)
         self._thread.start()
@@ -48,8 +44,7 @@ class Probe:
 
     def call(self, name: str, kind: type, **fields: Any) -> Any:
         """Call a service and return its answer."""
-        client = self._clients.setdefault(
-            name, self.node.create_client(kind, self.prefix + name, callback_group=self._group))
+        client = self._clients.setdefault(name, self.node.create_client(kind, self.prefix + name))
         assert client.wait_for_service(60.0), f"{name} is missing"
         asked = client.call_async(kind.Request(**fields))
         asked.add_done_callback(lambda _: happened())

@@ -5,14 +5,13 @@ robots of this project.
 """
 
 import asyncio
-import concurrent.futures
+from concurrent.futures import Future
 from typing import Any, Dict, Optional
 
 from geometry_msgs.msg import Pose2D
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.action import ActionServer, CancelResponse
-from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.executors import MultiThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from roah_rsbb_msgs.action import Run
 from roah_rsbb_msgs.srv import Percentage
@@ -26,18 +25,13 @@ from roah_rsbb.rulebook.registry import GoalForm, profile_of
 from roah_rsbb_comm.names import PREFIX, RUN, unlatched
 from roah_rsbb_comm.node_loop import CannotStart, NodeLoop, run_node
 
-# How often a goal looks whether it is cancelled.
-LOOK_S = 0.01
-# For goals, and for callbacks beside them.
-THREADS = 4
-
 
 class Box:
     """The comm node with the interface of `RobotClient`, so that the same dummy can use both."""
 
-    def __init__(self, node: Node, group: ReentrantCallbackGroup) -> None:
+    def __init__(self, node: Node) -> None:
         def client(kind: type, name: str) -> Any:
-            return node.create_client(kind, PREFIX + name, callback_group=group)
+            return node.create_client(kind, PREFIX + name)
 
         self._log = node.get_logger()
         self._devices = {name: client(SetBool, f"devices/{name}/set") for name in SWITCHES}
@@ -119,9 +113,8 @@ class DummyNode:
             crash_in=crash_in or None,
             save_nothing=parameter("save_nothing", usual.save_nothing, "report that no offline data is saved"),
         )
-        self._ros = NodeLoop(node, MultiThreadedExecutor(THREADS))
-        group = ReentrantCallbackGroup()
-        self._box = Box(node, group)
+        self._ros = NodeLoop(node, SingleThreadedExecutor())
+        self._box = Box(node)
         self._dummy = DummyRobot(options)
         self._dummy.client = self._box
         for name, kind, take in (
@@ -130,8 +123,8 @@ class DummyNode:
             ("tablet/position", Pose2D, lambda message: self._dummy.on_tablet_position(message.x, message.y)),
         ):
             node.create_subscription(kind, PREFIX + name, take, unlatched())
-        ActionServer(node, Run, RUN, self._run, callback_group=group,
-                     cancel_callback=lambda _: CancelResponse.ACCEPT)
+        self._works: Dict[bytes, Future[Run.Result]] = {}  # by goal
+        ActionServer(node, Run, RUN, self._end, handle_accepted_callback=self._begin, cancel_callback=self._cancel)
 
     def run(self) -> int:
         """Run until the end; returns the exit status."""
@@ -139,21 +132,28 @@ class DummyNode:
         self._ros.close()
         return status
 
-    def _run(self, handle: Any) -> Run.Result:
-        """In a thread of the executor: let the dummy carry out a goal in the loop, until it is cancelled."""
+    # The goals. The executor never waits, because a cancelled goal must stop the robot at once.
+
+    def _begin(self, handle: Any) -> None:
+        """In the executor: let the dummy carry out a goal in the loop."""
         work = asyncio.run_coroutine_threadsafe(self._work(handle), self._ros.loop)
-        while True:
-            try:
-                result = work.result(LOOK_S)
-            except concurrent.futures.TimeoutError:
-                if handle.is_cancel_requested:
-                    work.cancel()
-                    self._dummy.stop("the comm node cancelled the goal")
-                    handle.canceled()
-                    return Run.Result()
-                continue
-            handle.succeed()
-            return result
+        self._works[bytes(handle.goal_id.uuid)] = work
+        work.add_done_callback(lambda _: self._ros.in_executor(handle.execute))  # which calls `_end`
+
+    def _cancel(self, handle: Any) -> CancelResponse:
+        """In the executor: stop working for a goal."""
+        self._works[bytes(handle.goal_id.uuid)].cancel()
+        return CancelResponse.ACCEPT
+
+    def _end(self, handle: Any) -> Run.Result:
+        """In the executor: report how the work for a goal has ended."""
+        work = self._works.pop(bytes(handle.goal_id.uuid))
+        if work.cancelled():
+            handle.canceled()
+            return Run.Result()
+        result = work.result()
+        handle.succeed()
+        return result
 
     async def _work(self, handle: Any) -> Run.Result:
         self._box.handle = handle
@@ -163,6 +163,9 @@ class DummyNode:
                 await self._dummy.prepare(goal.benchmark)
                 return Run.Result()
             return _result(await self._dummy.execute(goal.benchmark, _goal(goal)))
+        except asyncio.CancelledError:
+            self._dummy.stop("the comm node cancelled the goal")
+            raise
         finally:
             if self._box.handle is handle:
                 self._box.handle = None
