@@ -18,6 +18,7 @@ NAMES = {
     "rospkg": "python3-rospkg-modules",
     "tornado": "python3-tornado", "yaml": "python3-yaml", "hypothesis": None, "PyQt5": "python_qt_binding",
     "setuptools": "python3-setuptools",
+    "mcap": None, "mcap_ros2": None,  # no distribution has them: what needs them says how to install them
     "roah_rsbb": None, "roah_rsbb_comm_ros": None,
 }
 OWN_TEST_TOOLS = ("atheris", "catkin_pkg", "importlib_resources", "grpc_tools")

@@ -9,12 +9,14 @@ from programs import BROADCAST, Program, comm, free_port, ros2
 from roah_rsbb_msgs.msg import BenchmarkState
 from std_msgs.msg import UInt32
 from std_srvs.srv import Trigger
+from support.waiting import wait_until
 
 
 def test_an_interrupted_node_ends_without_a_traceback(running, probe):
     node = running(comm(free_port()))
     dummy = running(ros2("dummy"))
     assert probe.call("end_prepare", Trigger).message
+    wait_until(lambda: "dummy_robot" in probe.node.get_node_names(), "the dummy has started")
     for program in (node, dummy):
         assert program.close() == 0, program.text
         assert "Traceback" not in program.text

@@ -15,6 +15,7 @@ from typing import Any, Callable, Dict, Optional, TypeVar
 
 import rclpy
 from rclpy.executors import Executor, ExternalShutdownException
+from rclpy.logging import get_logger
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
@@ -137,19 +138,20 @@ class _ToRos(logging.Handler):
 
 def run_node(name: str, make: Callable[[Node], Any]) -> None:
     """Make a node's part from the node, and call its `run`. Ends the process."""
-    # Signals end the loop, and the loop ends ROS.
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node(name)
-    logging.basicConfig(level=logging.INFO, format="%(message)s", handlers=[_ToRos(node)])
-    status = 1
+    node, status = None, 1
     try:
+        # Signals end the loop, and the loop ends ROS.
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        node = rclpy.create_node(name)
+        logging.basicConfig(level=logging.INFO, format="%(message)s", handlers=[_ToRos(node)])
         status = make(node).run()
     except (CannotStart, ValueError, OSError) as error:
         for line in str(error).splitlines():
-            node.get_logger().fatal(line)
+            get_logger(name).fatal(line)
     except KeyboardInterrupt:  # before the loop ran
         status = 130
     finally:
-        node.destroy_node()
+        if node is not None:
+            node.destroy_node()
         rclpy.try_shutdown()
     sys.exit(status)

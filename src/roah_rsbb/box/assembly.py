@@ -98,8 +98,9 @@ class CoreAssembly:
         self.driver = CoreDriver(loop, box, self.radio, self.run_logs, ports, self.journal, outputs, self.now,
                                  self.fence.check)
         self.standby = StandbyAnswers(loop, box, self.now, self.event, ask_standby, lambda: self.store.committed)
-        for warning in (*port_warnings, *self.store.warnings):
+        for warning in port_warnings:
             self.event(box.on_notice, warning)
+        self._warn_of_journal()
 
     def now(self) -> Now:
         """The present moment on both clocks."""
@@ -150,6 +151,11 @@ class CoreAssembly:
     def each_second(self) -> None:
         """Write the link records and waiting data."""
         self.journal.each_second(self.now(), self.radio.unreadable())
+        self._warn_of_journal()
+
+    def _warn_of_journal(self) -> None:
+        for warning in self.store.take_warnings():
+            self.event(self.box.on_notice, warning)
 
     def unsaved(self) -> Tuple[UnsavedParts, ...]:
         """Return the parts of records that are not on all disks yet: see `CoreJournal.unsaved`."""

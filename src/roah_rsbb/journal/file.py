@@ -12,7 +12,7 @@ from typing import Any, List, NamedTuple, Tuple
 
 from roah_rsbb.journal.contents import Contents, Opened, no_journal, open_journal
 from roah_rsbb.journal.log import NEWEST, Files, NewerFormat, identity
-from roah_rsbb.journal.old import OLD_FILE_NAME, CannotImport, has_content, import_journal
+from roah_rsbb.journal.old import OLD_FILE_NAME, CannotImport, import_journal
 
 __all__ = [
     "FILE_NAME", "CannotWriteJournal", "CoreSession", "DamagedJournal", "JournalInUse", "Lock", "Resume", "boot_id",
@@ -32,7 +32,7 @@ class JournalInUse(CannotWriteJournal):
 
 
 class DamagedJournal(CannotWriteJournal):
-    """Nothing of a damaged journal can be read. The text names the remedy."""
+    """There is a journal, but nothing of it can be read. The text names the remedy."""
 
 
 class Resume(enum.Enum):
@@ -80,8 +80,27 @@ def lock(log_dir: str) -> Lock:
             os.ftruncate(fd, 0)
             os.pwrite(fd, f"{os.getpid()}\n".encode("ascii"), 0)
     except OSError as error:
+        if _may_be_there(path) or _may_be_there(os.path.join(log_dir, OLD_FILE_NAME)):
+            raise DamagedJournal(_unusable(path, error)) from None
         raise CannotWriteJournal(f"{log_dir}: {error.strerror}") from None
     return Lock(path, fd)
+
+
+def _may_be_there(path: str) -> bool:
+    """Whether something is at a path, or nobody can say because a folder on the way cannot be searched."""
+    try:
+        os.stat(path)
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except OSError:
+        pass
+    return True
+
+
+def _unusable(path: str, error: OSError) -> str:
+    return (f"The journal {path} cannot be read: {error.filename or path}: {error.strerror}. The core does not begin "
+            "an empty one beside it. Make the folder and all files in it readable for the user of the box (chown), or "
+            "remove what does not belong there, and start again")
 
 
 def holder_of(log_dir: str) -> int:
@@ -142,18 +161,18 @@ _NOT_EMPTY = ("Put the newest copy of the journal in its place (docs/backup.md),
 
 
 def open_folder(
-    log_dir: str, competition: List[Any], resume: Resume, launch: str, file_operations: Files,
+    log_dir: str, competition: List[Any], resume: Resume, launch: str, file_operations: Files, late: bool = False,
 ) -> Tuple[Opened, List[str]]:
     """Open the journal in a locked folder for a competition (a list of its events, each a list). Nothing is written
-    unless it must be imported or set aside. Returns it, empty if a new one begins, and warnings. Raises
-    `CannotWriteJournal` or `DamagedJournal`, or OSError."""
+    unless it must be imported or set aside. `late`: the core already runs without it, so it is set aside. Returns it,
+    empty if a new one begins, and warnings. Raises `CannotWriteJournal` or `DamagedJournal`, or OSError."""
     path, warnings = os.path.join(log_dir, FILE_NAME), []
     old = os.path.join(log_dir, OLD_FILE_NAME)
-    if not os.path.exists(path) and has_content(old) and resume is not Resume.NEVER:
+    if not os.path.exists(path) and os.path.isfile(old) and resume is not Resume.NEVER:
         warnings += _import(old, path, file_operations)
     try:
         found = _opened(path)
-        why = _why_not_resumed(found.contents, competition, resume, launch) if found.segments else ""
+        why = _why_not_resumed(found.contents, competition, resume, launch, late) if found.segments else ""
     except NewerFormat as error:
         found, why = no_journal(), str(error)
     if not found.segments and not why and found.problems:
@@ -179,16 +198,16 @@ def _opened(path: str) -> Opened:
     try:
         return open_journal(path)
     except OSError as error:
-        raise DamagedJournal(
-            f"The journal {path} cannot be read: {error.filename or path}: {error.strerror}. The core does not begin "
-            "an empty one beside it. Make the folder and all files in it readable for the user of the box (chown), or "
-            "remove what does not belong there, and start again") from None
+        raise DamagedJournal(_unusable(path, error)) from None
 
 
 def _import(old: str, path: str, file_operations: Files) -> List[str]:
-    """Import the journal of an earlier version. Returns warnings. Raises `DamagedJournal`, and `JournalInUse` while a
-    core of that version runs."""
-    fd = _locked(old)
+    """Import the journal of an earlier version. Returns warnings. Raises `DamagedJournal`, also while a core of that
+    version runs."""
+    try:
+        fd = _locked(old)
+    except JournalInUse as error:
+        raise DamagedJournal(str(error)) from None
     try:
         damage = import_journal(old, path, file_operations)
     except CannotImport as error:
@@ -219,8 +238,11 @@ def _aside(path: str) -> str:
     return next(name for name in names if not os.path.exists(name))
 
 
-def _why_not_resumed(contents: Contents, competition: List[Any], resume: Resume, launch: str) -> str:
+def _why_not_resumed(contents: Contents, competition: List[Any], resume: Resume, launch: str, late: bool) -> str:
     """Return why the core cannot resume from a journal; empty: it can."""
+    if late:
+        return ("it was not there when this core started, as if its disk had been missing. To continue it, end the "
+                "core, put it back in its place, and start again")
     if not same_competition(contents.competition, competition):
         return "it belongs to another competition: none of its events is in the schedule"
     sessions = contents.sessions

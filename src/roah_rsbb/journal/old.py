@@ -61,14 +61,11 @@ class _Event(NamedTuple):
     started: Tuple[Any, ...] = ()  # a start of the core
 
 
-def has_content(path: str) -> bool:
-    """Whether there is anything to import at a path."""
-    return os.path.isfile(path) and os.path.getsize(path) > 0
-
-
 def import_journal(path: str, folder: str, files: Files) -> List[str]:
     """Import a SQLite file into a new folder. It is complete and on the disk when it gets its name. Returns what is
     damaged or missing, in words. Raises `CannotImport` or OSError."""
+    if os.path.getsize(path) == 0:
+        raise CannotImport("it is empty, as after a power failure")
     draft, damage = folder + DRAFT, []  # type: str, List[str]
     with contextlib.suppress(FileNotFoundError):
         for name in os.listdir(draft):

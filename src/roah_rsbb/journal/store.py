@@ -75,13 +75,20 @@ class Journal:
         self._syncing = threading.Lock()
         self.path = os.path.join(log_dir, files.FILE_NAME)
         self.previous: PreviousSession = NOTHING
-        self.warnings: Tuple[str, ...] = ()
+        self.warnings: Tuple[str, ...] = ()  # those that nobody has taken
+        self._is_running = False  # the core has started, with or without the journal
         self._syncer = syncer(self._sync)
         try:
             self._attempt(self._flush, DamagedJournal)
         except DamagedJournal:
             self._syncer.end()
             raise
+        self._is_running = True
+
+    def take_warnings(self) -> Tuple[str, ...]:
+        """Return what is new and must be known of the journal that was found."""
+        taken, self.warnings = self.warnings, ()
+        return taken
 
     # -- writing ------------------------------------------------------------------------------------
 
@@ -246,7 +253,7 @@ class Journal:
         if self._lock is None:
             self._take_lock()
         opened, warnings = files.open_folder(
-            self._log_dir, self._competition, self._resume, self._session.launch, self._files)
+            self._log_dir, self._competition, self._resume, self._session.launch, self._files, self._is_running)
         self.previous, problems = read_previous_session(opened)
         if problems:
             warnings.append(f"The journal {self.path} is damaged: {'; '.join(problems)}")

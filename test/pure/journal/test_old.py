@@ -154,13 +154,11 @@ def test_what_is_only_in_the_write_ahead_log_is_imported(journal, old, tmp_path)
 
 def test_a_core_of_the_earlier_version_runs(old, tmp_path):
     old()
-    troubles = []
     with open(tmp_path / f"{OLD_FILE_NAME}.lock", "w", encoding="ascii") as file:
         import fcntl
         fcntl.flock(file, fcntl.LOCK_EX)
-        journal = started(tmp_path, troubles=troubles)
-        assert "in use by" in troubles[0] and OLD_FILE_NAME in troubles[0]
-        assert journal.previous.outcomes == ()
+        with pytest.raises(DamagedJournal, match=f"{OLD_FILE_NAME} is in use by"):
+            started(tmp_path)
     assert not (tmp_path / FILE_NAME).exists()
 
 
@@ -169,10 +167,11 @@ def test_it_is_not_imported_if_nothing_is_continued(old, tmp_path):
     assert started(tmp_path, Resume.NEVER).previous.outcomes == ()
 
 
-def test_an_empty_file_is_no_journal(tmp_path):
+def test_an_empty_file_had_a_journal(tmp_path):
     (tmp_path / OLD_FILE_NAME).touch()
-    journal = started(tmp_path)
-    assert (journal.warnings, journal.previous.outcomes) == ((), ())
+    with pytest.raises(DamagedJournal, match="it is empty, as after a power failure.*resume:=never"):
+        started(tmp_path)
+    assert started(tmp_path, Resume.NEVER).previous.outcomes == ()
 
 
 @pytest.mark.parametrize("statement, why", [

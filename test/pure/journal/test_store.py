@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import errno
 import json
 import os
 import pathlib
@@ -376,6 +377,67 @@ def test_no_core_begins_without_the_runs_that_it_cannot_read(journals, tmp_path,
     spoil(_closed(journals, tmp_path))
     with pytest.raises(DamagedJournal, match=what):
         journals()
+
+
+@pytest.mark.parametrize("spoil, what", [
+    (lambda log_dir: (log_dir / (FILE_NAME + log.NEWEST)).write_bytes(b"\xff garbage"), ""),
+    (lambda log_dir: (shutil.rmtree(log_dir / FILE_NAME), (log_dir / (FILE_NAME + log.NEWEST)).write_text("garbage")),
+     "all segments are missing, and roah_rsbb_journal.newest does not name the newest one.*resume:=never"),
+])
+def test_a_spoiled_name_of_the_newest_segment_loses_nothing(journals, tmp_path, spoil, what):
+    _closed(journals, tmp_path)
+    spoil(tmp_path / "log")
+    if what:
+        with pytest.raises(DamagedJournal, match=what):
+            journals()
+    else:
+        assert journals().previous.states == {"zone:Home": {"n": 1}}
+
+
+def cannot_be_opened(monkeypatch, error):
+    """Nobody may open the lock file any more. Rights mean nothing to root."""
+    def refuse(path):
+        raise OSError(error, os.strerror(error), path)
+    monkeypatch.setattr(files, "_lock_file", refuse)
+
+
+def test_no_core_begins_without_the_runs_of_a_journal_that_it_cannot_lock(journals, tmp_path, monkeypatch):
+    _closed(journals, tmp_path)
+    cannot_be_opened(monkeypatch, errno.EACCES)
+    with pytest.raises(DamagedJournal, match="lock: Permission denied. The core does not begin an empty one.*chown"):
+        journals()
+
+
+def test_a_folder_that_cannot_be_searched_may_have_a_journal(journals, tmp_path, monkeypatch):
+    cannot_be_opened(monkeypatch, errno.EACCES)
+    stat = os.stat
+
+    def refuse(path, **how):
+        if str(path).startswith(str(tmp_path / "log" / "roah")):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
+        return stat(path, **how)
+
+    monkeypatch.setattr(os, "stat", refuse)
+    with pytest.raises(DamagedJournal, match="does not begin an empty one"):
+        journals()
+
+
+def test_a_journal_that_appears_after_the_start_is_set_aside(journals, tmp_path):
+    path = _closed(journals, tmp_path)
+    before = contents(path)
+    (tmp_path / "log").rename(tmp_path / "stick")
+    (tmp_path / "log").write_text("where the stick will be")
+    journal = journals(mono=2.0)
+    journal.write(BATCH)
+    (tmp_path / "log").unlink()
+    (tmp_path / "stick").rename(tmp_path / "log")
+    journal.look()
+    warning, = journal.take_warnings()
+    kept, = (tmp_path / "log").glob("*_aside_*[0-9]")
+    assert f"is kept as {kept}" in warning and "put it back in its place, and start again" in warning
+    assert journal.take_warnings() == ()
+    assert contents(kept) == before
+    assert len(entries(journal)) == 1 and journal.troubles[-1] == REPAIRED
 
 
 def test_without_its_segments_a_journal_begins_only_on_purpose(journals, tmp_path):
