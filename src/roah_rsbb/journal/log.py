@@ -364,7 +364,8 @@ def read_chain(folder: str) -> Chain:
             problems.append(f"{name}: {error}")
     kept = name_of(newest_name(folder))
     if not names and kept is None and os.path.exists(folder + NEWEST):
-        problems.append(f"all segments are missing, and {os.path.basename(folder)}{NEWEST} does not name the newest one")
+        name = os.path.basename(folder + NEWEST)
+        problems.append(f"all segments are missing, and {name} does not name the newest one")
     if kept is not None and kept > max(names, default=Name(0, 0)):
         problems.append(f"the newest segment {kept} is missing: the newest records are lost" if names else
                         f"all segments are missing, and the newest one was {kept}")
