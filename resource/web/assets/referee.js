@@ -113,8 +113,12 @@ function changed(names = []) {
     state.shown = zone.zone;
     strip.show(zone.zone);
   }
+  if (zones && zones.some((one) => one && one.zone === state.goneZone)) {
+    state.gone = state.goneZone = "";
+  }
   if (isGone(zones) && !state.session.zone) {
     const known = zones.map((one) => one.zone), other = known.includes(strip.other()) ? strip.other() : known[0];
+    state.goneZone = state.shown;
     state.gone = texts ? texts.zone_gone.replace("{zone}", () => state.shown).replace("{other}", () => other) : "";
     openZone(other);
     return;

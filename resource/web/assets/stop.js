@@ -117,10 +117,10 @@
     if (page.failures.size > 0) {
       return [text(words.failed, {part: [...page.failures.values()].join("; ")}), true];
     }
-    if (page.note) {
-      return [page.note, page.isUrgent];
-    }
     const [why, isUrgent] = zone && !zone.running && tryTo(() => page.why(zone.zone), null) || ["", false];
+    if (page.note) {
+      return isUrgent ? [`${why}\n${page.note}`, true] : [page.note, page.isUrgent];
+    }
     return isUrgent ? [why, true] : [lines(ways) || why || (zone && !zone.running ? words.nothing_to_stop : ""), false];
   }
 

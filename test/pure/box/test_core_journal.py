@@ -14,6 +14,7 @@ from roah_rsbb.core.messages import DevicesState, TabletState
 from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
 from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.core.scoring.records import EndReason, Phase
+from roah_rsbb.core.runs.run import IGNORES_STOP
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.reader import JournalReader
@@ -214,6 +215,16 @@ def test_the_true_time_is_left_on_another_computer(tmp_path, ahead_s):
     driver.kill(60.0, boot="boot 2", ahead_s=ahead_s)
     assert driver.run_in("tbm").timer(driver.now) == pytest.approx(left - 60.0)
     assert any(" 60 s after its last record" in warning for warning in driver.box.warnings(driver.now))
+
+
+def test_a_robot_that_did_not_answer_stop_is_warned_of_from_the_first_moment(tmp_path):
+    driver = box(tmp_path)
+    robot = driver.executing("tbm")
+    driver.command("stop", "tbm")
+    driver.kill(0.1)
+    assert driver.view("tbm").warnings[0] == IGNORES_STOP
+    robot.says(RobotState.STOP)
+    assert IGNORES_STOP not in driver.view("tbm").warnings
 
 
 def test_a_run_whose_time_ran_out_meanwhile_ends_by_timeout(tmp_path):

@@ -496,14 +496,18 @@ class TestOthersStop(PhoneCase):
 class TestZoneIsGone(PhoneCase):
     """`reload` has removed the zone that is shown."""
 
+    def choose(self, page: Page, zone: str) -> None:
+        """Show another zone."""
+        page.wait(STILL, "nothing has changed just now")
+        page.wait(CLICKED.format(".zones"), "the list is opened")
+        page.wait(CLICKED.format(f".choice [data-zone={zone}]"), "a zone is chosen")
+        page.wait(f"live.data['page.zone']?.zone === '{zone}'", "it is shown")
+
     def test_an_organisers_page_shows_another_zone_and_says_so(self) -> None:
         gateway = self.gateway(4)
         page = self.phone(gateway)
-        page.wait(STILL, "nothing has changed just now")
-        page.wait(CLICKED.format(".zones"), "the list is opened")
-        page.wait(CLICKED.format(".choice [data-zone=Hall]"), "a zone is chosen")
+        self.choose(page, "Hall")
         gateway.do(lambda: setattr(gateway.zone("Home B"), "phase", "running"))
-        page.wait("live.data['page.zone']?.zone === 'Hall'", "it is shown")
         page.wait(STILL, "nothing has changed just now")
         is_other = "document.querySelector('.zones')?.innerText.includes('Home B')"
         page.note(f"{is_other} && (window.first = window.first || "  # the buttons when it is first shown
@@ -517,6 +521,22 @@ class TestZoneIsGone(PhoneCase):
         page.wait(CLICKED.format("summary, .others"), "the page is touched")
         page.wait(f"{SAID} !== {json.dumps(gone)}", "it is read")
         self.stops(gateway, page, "Home B")
+
+    def test_it_hides_no_robot_that_did_not_answer_and_ends_when_the_zone_is_back(self) -> None:
+        gateway = self.gateway(4)
+        page = self.phone(gateway)
+        self.choose(page, "Hall")
+        hall = gateway.zone("Hall")
+        gateway.do(lambda: gateway.zones.remove(hall))
+        page.wait(f"{SAID}.startsWith('Hall is not in the schedule')", "another zone is shown")
+        shown = page.get("live.data['page.zone'].zone")
+        gateway.do(lambda: gateway.zone(shown).__dict__.update(
+            phase="ended", end_reason="stopped", not_stopped=["R2D2"]))
+        unanswered = "The run is over, but the robot did not answer STOP: stop it by hand"
+        page.wait(f"{SAID}.startsWith({json.dumps(unanswered)}) && {SAID}.includes('Hall is not in the schedule')",
+                  "both are said, the robot first")
+        gateway.do(lambda: gateway.zones.append(hall))
+        page.wait(f"{SAID} === {json.dumps(unanswered)}", "the zone is back")
 
     def test_a_referee_of_this_zone_reads_what_to_do(self) -> None:
         gateway = self.gateway(2)

@@ -450,7 +450,9 @@ class Run(ZoneRun):
         self._unused_strings = assignment.event.benchmark.unused_strings  # the referee was not warned about these yet
         self._dropped_strings = self._unread = 0
         self._say_dropped_from = float("-inf")  # monotonic time (s)
-        self._state_mono = now.mono  # when the box's state changed last, or the core was restarted
+        # When the box's state changed last, or the core was restarted. A robot that a restarted core finds moving after
+        # STOP has had its time to answer.
+        self._state_mono = float("-inf") if self.resumed and self.phase is Phase.ENDED else now.mono
         self._last_logged: Optional[Tuple[RobotReport, bool]] = None
 
     @property
