@@ -98,14 +98,22 @@
     set(said, line);
     bar.hidden = !page.isPaired && !line;
     said.classList.toggle("alarm", isUrgent);
-    said.classList.toggle("several", line.includes("\n"));
+    said.classList.toggle("several", isUrgent || line.includes("\n"));
   }
 
   // What is said, and whether it is urgent: the ways of STOPs first.
   function saying(zone) {
     const ways = [...stops.values()].map((stop) => [wayOf(stop), stop]).filter(([way]) => way);
-    const lines = (some) => some.map(([way, stop]) => text(words.stop_way[way] || words[way], {
-      zone: stop.zone, reasons: stop.isPaired ? (stop.reasons || []).join("; ") : words.not_paired})).join("\n");
+    // Zones of which the same is said share a line: a small screen has few.
+    const lines = (some) => {
+      const zones = new Map();
+      for (const [way, stop] of some) {
+        const line = text(words.stop_way[way] || words[way], {
+          reasons: stop.isPaired ? (stop.reasons || []).join("; ") : words.not_paired});
+        zones.set(line, [...(zones.get(line) || []), stop.zone]);
+      }
+      return [...zones].map(([line, names]) => text(line, {zone: names.join(", ")})).join("\n");
+    };
     ways.sort(([way], [other]) => URGENT.includes(other) - URGENT.includes(way));
     const isNews = ([way, stop]) => !DONE.includes(way) || performance.now() - stop.at < READ_MS;
     if (ways.some(isNews)) {
