@@ -98,7 +98,7 @@
     set(said, line);
     bar.hidden = !page.isPaired && !line;
     said.classList.toggle("alarm", isUrgent);
-    said.classList.toggle("several", isUrgent || line.includes("\n"));
+    said.classList.toggle("several", line.includes("\n") || (isUrgent && stops.size > 1));
   }
 
   // What is said, and whether it is urgent: the ways of STOPs first.

@@ -349,7 +349,7 @@ class TestWays(PhoneCase):
         page.get("strip.show('Home B')")
         self.stops(gateway, page, "Home B")
         gateway.do(hangs.set)
-        page.wait(f"{SAID}.split('robot has stopped').length === 3", "both have stopped")
+        page.wait(f"{SAID} === 'STOP Home A, Home B: the robot has stopped'", "both have stopped")
 
     def test_an_old_stop_of_an_unknown_run_stops_no_later_run(self) -> None:
         gateway = self.gateway()
@@ -769,8 +769,9 @@ class TestStopAll(PhoneCase):
                     gateway.wait_given("stop", zone.name)
                 self.assertEqual(sorted(given[1] for given in gateway.given), sorted(zone.name for zone in running))
                 page.wait(f"{SAID}.includes('STOP Home B: NO ANSWER FROM THE ROBOT') "
-                          f"&& {SAID}.split('has stopped').length === 3",
-                          "the way of each")
+                          f"&& {SAID}.includes('STOP Hall, Room 4: the robot has stopped')", "the way of each")
+                page.wait("document.querySelector('.stopsaid').scrollHeight <= document.querySelector('.stopsaid')"
+                          ".clientHeight", "nothing of it is cut")
                 self.assertEqual(page.box(STOP), stop)
                 gateway.set(phase="idle")
                 page.wait(f"!{SAID}.includes('NO ANSWER')", "the runs are left")
