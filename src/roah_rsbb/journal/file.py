@@ -156,6 +156,8 @@ def _lock_file(path: str) -> int:
         raise error
 
 
+COPY = ("A copy may have what is missing: compare with 'results --journal COPY verify' (docs/backup.md), and keep both "
+         "until the results are final")
 _NOT_EMPTY = ("Put the newest copy of the journal in its place (docs/backup.md), or, to begin without the runs so far, "
               "start once with resume:=never")
 
@@ -186,7 +188,7 @@ def open_folder(
         return no_journal(), warnings
     damage = found.problems + found.holes
     if damage:
-        warnings.append(f"The journal {path} is damaged: {'; '.join(damage)}")
+        warnings.append(f"The journal {path} is damaged: {'; '.join(damage)}. {COPY}")
     if found.torn:
         warnings.append(f"The journal {path} is not complete, as after a power failure: {found.torn}")
     return found, warnings

@@ -256,7 +256,7 @@ class Journal:
             self._log_dir, self._competition, self._resume, self._session.launch, self._files, self._is_running)
         self.previous, problems = read_previous_session(opened)
         if problems:
-            warnings.append(f"The journal {self.path} is damaged: {'; '.join(problems)}")
+            warnings.append(f"The journal {self.path} is damaged: {'; '.join(problems)}. {files.COPY}")
         self.warnings += tuple(warnings)
         self._writer = Writer(self.path, opened, self._files)
         self._writer.begin_session(self._session, self._competition)

@@ -502,6 +502,7 @@ def test_damage_is_reported_and_everything_else_continues(journals, tmp_path):
     again = journals()
     assert again.previous.states == {"zone:Home": {"n": 1}}
     assert "is damaged: record 2 damaged or missing, between" in again.warnings[0]
+    assert "A copy may have what is missing: compare with 'results --journal COPY verify'" in again.warnings[0]
     again.write(BATCH)
     again.close()
     assert before.items() <= contents(path).items(), "what was there is untouched"
