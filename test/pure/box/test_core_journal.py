@@ -13,8 +13,8 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import DevicesState, TabletState
 from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
 from roah_rsbb.core.restart.saved import freeze
-from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.runs.run import IGNORES_STOP
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.reader import JournalReader
