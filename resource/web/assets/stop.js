@@ -104,15 +104,14 @@
   // What is said, and whether it is urgent: the ways of STOPs first.
   function saying(zone) {
     const ways = [...stops.values()].map((stop) => [wayOf(stop), stop]).filter(([way]) => way);
-    // Zones of which the same is said share a line: a small screen has few.
+    // Zones of which the same is said share a line: small screens have few.
     const lines = (some) => {
-      const zones = new Map();
-      for (const [way, stop] of some) {
-        const line = text(words.stop_way[way] || words[way], {
-          reasons: stop.isPaired ? (stop.reasons || []).join("; ") : words.not_paired});
-        zones.set(line, [...(zones.get(line) || []), stop.zone]);
+      const zones = {};
+      for (const [way, {zone, isPaired, reasons}] of some) {
+        const line = text(words.stop_way[way] || words[way], {reasons: isPaired ? (reasons || []).join("; ") : words.not_paired});
+        zones[line] = [...(zones[line] || []), zone];
       }
-      return [...zones].map(([line, names]) => text(line, {zone: names.join(", ")})).join("\n");
+      return Object.entries(zones).map(([line, names]) => text(line, {zone: names.join(", ")})).join("\n");
     };
     ways.sort(([way], [other]) => URGENT.includes(other) - URGENT.includes(way));
     const isNews = ([way, stop]) => !DONE.includes(way) || performance.now() - stop.at < READ_MS;

@@ -5,6 +5,7 @@ journal, run logs, and where the other effects go.
 """
 
 import asyncio
+import functools
 import os
 from typing import Callable, Iterable, Mapping, NamedTuple, Optional, Tuple
 
@@ -152,6 +153,11 @@ class CoreAssembly:
         """Write the link records and waiting data."""
         self.journal.each_second(self.now(), self.radio.unreadable())
         self._warn_of_journal()
+
+    def check_earlier(self) -> None:
+        """In another thread: warn of damage in the part of the journal that a start does not read."""
+        for warning in self.store.earlier_damage():
+            self._post(functools.partial(self.event, self.box.on_notice, warning))
 
     def _warn_of_journal(self) -> None:
         for warning in self.store.take_warnings():

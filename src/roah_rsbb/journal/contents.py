@@ -12,7 +12,19 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Op
 
 from roah_rsbb.journal import records
 from roah_rsbb.journal.changes import ChangesReader
-from roah_rsbb.journal.log import HEAD_BYTES, Frame, Hole, Scan, Segment, frames, payloads_at, read, read_chain, scan
+from roah_rsbb.journal.log import (
+    HEAD_BYTES,
+    Frame,
+    Hole,
+    Scan,
+    Segment,
+    frames,
+    payloads_at,
+    read,
+    read_chain,
+    scan,
+    scan_at,
+)
 from roah_rsbb.journal.records import Top, line_of, top_of
 from roah_rsbb.journal.standing import Standing, after
 
@@ -196,6 +208,18 @@ class Opened(NamedTuple):
     problems: List[str]  # segments and summaries that are damaged or missing, in words
     holes: List[str]  # the same of records, as far as they were read
     torn: str  # what is known of an incomplete end; empty: it is complete
+    unread: int = 0  # how many of the oldest segments were not read
+
+    def damage_before(self) -> Iterator[str]:
+        """Return what is damaged or missing in the segments that were not read, a text for each of them. This reads
+        them."""
+        for place in range(self.unread):
+            try:
+                holes = holes_of(scan_at(self.segments, place))
+            except OSError as error:
+                holes = [f"{self.segments[place].name} cannot be read: {error.strerror}"]
+            if holes:
+                yield "; ".join(holes)
 
     def segment(self, number: int) -> Optional[Segment]:
         """Return the segment with this number; None: it is missing."""
@@ -259,7 +283,7 @@ def open_journal(folder: str) -> Opened:
     newest = part[-1][1]
     torn = (f"the end of {segments[-1].name} is torn or damaged: what happened after record {newest.last}, "
             f"{utc_text(contents.utc)}, may be missing") if newest.torn else ""
-    return Opened(segments, newest, contents, problems, holes, torn)
+    return Opened(segments, newest, contents, problems, holes, torn, len(segments) - len(part))
 
 
 def follow(contents: Contents, segment: Segment, frame: Frame) -> None:

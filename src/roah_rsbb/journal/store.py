@@ -6,7 +6,7 @@ folder) waits in memory and is written, in order, with the next write that succe
 
 Each write has a ticket, a rising number. `saved` is the newest ticket on the disk, and `why_not_saved` waits for one.
 
-Call all methods except `why_not_saved` in one thread.
+Call all methods except `why_not_saved` and `earlier_damage` in one thread.
 """
 
 import contextlib
@@ -14,13 +14,13 @@ import os
 import threading
 import time
 from collections import deque
-from typing import Any, Callable, Deque, List, Optional, Tuple, Type
+from typing import Any, Callable, Deque, Iterator, List, Optional, Tuple, Type
 
 from roah_rsbb import durable
 from roah_rsbb.journal import file as files
 from roah_rsbb.journal import records
 from roah_rsbb.journal.batch import Batch, NewEntry
-from roah_rsbb.journal.contents import frames_of
+from roah_rsbb.journal.contents import Opened, frames_of
 from roah_rsbb.journal.file import CannotWriteJournal, CoreSession, DamagedJournal, Lock, Resume
 from roah_rsbb.journal.log import Files, NewerFormat, read_chain
 from roah_rsbb.journal.previous_session import NOTHING, PreviousSession, read_previous_session
@@ -76,6 +76,7 @@ class Journal:
         self.path = os.path.join(log_dir, files.FILE_NAME)
         self.previous: PreviousSession = NOTHING
         self.warnings: Tuple[str, ...] = ()  # those that nobody has taken
+        self._found: Optional[Opened] = None  # at the start
         self._is_running = False  # the core has started, with or without the journal
         self._syncer = syncer(self._sync)
         try:
@@ -89,6 +90,13 @@ class Journal:
         """Return what is new and must be known of the journal that was found."""
         taken, self.warnings = self.warnings, ()
         return taken
+
+    def earlier_damage(self) -> Iterator[str]:
+        """Look for damage in the part of the journal that a start does not read; returns warnings. Call it once, in any
+        thread: it takes long."""
+        found, self._found = self._found, None
+        for problem in () if found is None else found.damage_before():
+            yield f"The journal {self.path} is damaged: {problem}. {files.COPY}"
 
     # -- writing ------------------------------------------------------------------------------------
 
@@ -254,6 +262,7 @@ class Journal:
             self._take_lock()
         opened, warnings = files.open_folder(
             self._log_dir, self._competition, self._resume, self._session.launch, self._files, self._is_running)
+        self._found = opened._replace(newest=None)  # its records need memory
         self.previous, problems = read_previous_session(opened)
         if problems:
             warnings.append(f"The journal {self.path} is damaged: {'; '.join(problems)}. {files.COPY}")

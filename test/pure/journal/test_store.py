@@ -506,7 +506,22 @@ def test_damage_is_reported_and_everything_else_continues(journals, tmp_path):
     again.write(BATCH)
     again.close()
     assert before.items() <= contents(path).items(), "what was there is untouched"
-    assert journals().warnings == (), "it is reported once"
+    later = journals()
+    assert later.warnings == (), "this start does not read it"
+    warning, = later.earlier_damage()
+    assert "is damaged: record 2 damaged or missing, between" in warning
+    assert "compare with 'results --journal COPY verify'" in warning
+    assert list(later.earlier_damage()) == [], "it is looked for once"
+
+
+def test_an_early_segment_that_cannot_be_read_is_reported(journals, tmp_path):
+    path = _closed(journals, tmp_path)
+    journals(mono=2.0).close()
+    journal = journals(mono=3.0)
+    for segment in path.glob("journal-000001-*"):
+        segment.unlink()
+    warning, = journal.earlier_damage()
+    assert "journal-000001-" in warning and "cannot be read: No such file or directory" in warning
 
 
 def test_a_state_that_depends_on_a_damaged_record_is_not_used(journals, tmp_path):

@@ -251,6 +251,7 @@ class CoreNode:
         if self._core.open():
             rospy.loginfo("Listening on UDP %s:%d, private channels above; log in %s",
                           self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
+        threading.Thread(target=self._core.check_earlier, name="check of the journal", daemon=True).start()
         self._publish_module_runs()
         self._publish_tick()
         # Exclude the present objects from garbage collection: a full collection of them stops the box for about 15 ms.
