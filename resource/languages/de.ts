@@ -532,6 +532,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Fill in the fields</source>
+        <translation>Füllen Sie die Felder aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Press again: {command}</source>
         <translation>Noch einmal drücken: {command}</translation>
     </message>
@@ -562,18 +567,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Connect</source>
-        <translation>Verbinden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Connect {robot}</source>
         <translation>{robot} verbinden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>▶ START</source>
-        <translation>▶ START</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -599,56 +594,6 @@
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>hold</source>
         <translation>halten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Disconnect</source>
-        <translation>Trennen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>◀ Previous</source>
-        <translation>◀ Voriger</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Next ▶</source>
-        <translation>Nächster ▶</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>‖ Pause</source>
-        <translation>‖ Pause</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>▶ Resume clock</source>
-        <translation>▶ Uhr fortsetzen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Next phase ▶</source>
-        <translation>Nächste Phase ▶</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>◀ Phase</source>
-        <translation>◀ Phase</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Score without a robot</source>
-        <translation>Ohne Roboter werten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>No-show</source>
-        <translation>Nicht angetreten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Team withdrew</source>
-        <translation>Team hat zurückgezogen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -1477,496 +1422,6 @@
         <translation>{zone} ist bereits bei diesem Termin.</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>All OK for start</source>
-        <translation>Bereit zum Starten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Can be restarted. The clock kept running</source>
-        <translation>Kann wieder gestartet werden. Die Uhr lief weiter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Can be restarted. The clock is stopped</source>
-        <translation>Kann wieder gestartet werden. Die Uhr steht</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Clock paused by the referee</source>
-        <translation>Uhr vom Schiedsrichter angehalten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Attempt {number} of {all}</source>
-        <translation>Versuch {number} von {all}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Without a robot: only the referee starts and stops the clock</source>
-        <translation>Ohne Roboter: Nur der Schiedsrichter startet und stoppt die Uhr</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Robot ready to accept connection: {robot}</source>
-        <translation>Roboter bereit zum Verbinden: {robot}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>{number} robots ready to accept connection: {robots}</source>
-        <translation>{number} Roboter bereit zum Verbinden: {robots}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Several robots of team {team} are active ({robots}): choose which one connects</source>
-        <translation>Mehrere Roboter von Team {team} sind aktiv ({robots}): Wählen Sie, welcher sich verbindet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Connected: waiting for the robot&apos;s first message</source>
-        <translation>Verbunden: warte auf die erste Nachricht des Roboters</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Requested the robot to prepare for a new goal</source>
-        <translation>Der Roboter soll sich auf ein neues Ziel vorbereiten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Robot preparing for the task</source>
-        <translation>Der Roboter bereitet sich auf die Aufgabe vor</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Robot prepared, executing (no explicit goal)</source>
-        <translation>Der Roboter ist vorbereitet und arbeitet (ohne ausdrückliches Ziel)</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Robot prepared, goal sent</source>
-        <translation>Der Roboter ist vorbereitet, das Ziel ist gesendet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Robot received the goal, waiting for its result</source>
-        <translation>Der Roboter hat das Ziel, warte auf sein Ergebnis</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Robot fell back to {state}: preparing again</source>
-        <translation>Der Roboter ist auf {state} zurückgefallen: Er bereitet sich neu vor</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Messages saved: {number}</source>
-        <translation>Gespeicherte Nachrichten: {number}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Started: the benchmarking module begins</source>
-        <translation>Gestartet: Das Benchmark-Modul beginnt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Manual operation: {text}</source>
-        <translation>Handeingriff: {text}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Goal completed by the robot</source>
-        <translation>Der Roboter hat das Ziel erledigt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Goal timed out</source>
-        <translation>Zeit des Ziels abgelaufen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Benchmark complete</source>
-        <translation>Der Benchmark ist vollständig</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Benchmark stopped by the referee</source>
-        <translation>Benchmark vom Schiedsrichter gestoppt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Benchmark completed by the robot</source>
-        <translation>Der Roboter hat den Benchmark erledigt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Stopped due to timeout</source>
-        <translation>Gestoppt, weil die Zeit abgelaufen ist</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Benchmark over: every goal timed out</source>
-        <translation>Benchmark vorbei: Die Zeit aller Ziele ist abgelaufen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Stopped: the robot saves no offline data (messages saved stays 0)</source>
-        <translation>Gestoppt: Der Roboter speichert keine Offline-Daten (gespeicherte Nachrichten: weiter 0)</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Stopped: the benchmarking module cannot continue</source>
-        <translation>Gestoppt: Das Benchmark-Modul kann nicht weitermachen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>No-show: the team did not appear</source>
-        <translation>Nicht angetreten: Das Team ist nicht erschienen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The team withdrew</source>
-        <translation>Das Team hat zurückgezogen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>manual operation</source>
-        <translation>Handeingriff</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>the benchmarking module is missing</source>
-        <translation>das Benchmark-Modul fehlt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>by the referee</source>
-        <translation>durch den Schiedsrichter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Already connected</source>
-        <translation>Schon verbunden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Already started</source>
-        <translation>Schon gestartet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>A run is connected: disconnect it first</source>
-        <translation>Ein Lauf ist verbunden: Trennen Sie ihn zuerst</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>A run is running: stop it first</source>
-        <translation>Ein Lauf läuft: Stoppen Sie ihn zuerst</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>No run is running</source>
-        <translation>Es läuft kein Lauf</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The run was started, so its team appeared</source>
-        <translation>Der Lauf wurde gestartet, das Team ist also erschienen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>No run is connected</source>
-        <translation>Kein Lauf ist verbunden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>No run is connected: press connect first</source>
-        <translation>Kein Lauf ist verbunden: Drücken Sie zuerst Verbinden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>No run is connected, so there is nothing to stop</source>
-        <translation>Kein Lauf ist verbunden, also gibt es nichts zu stoppen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The run is not started: disconnect to leave it</source>
-        <translation>Der Lauf ist nicht gestartet: Verlassen Sie ihn mit Trennen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The run is over: disconnect to leave it</source>
-        <translation>Der Lauf ist vorbei: Verlassen Sie ihn mit Trennen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The run is over, but the robot did not answer STOP: stop it by hand</source>
-        <translation>Der Lauf ist vorbei, aber der Roboter hat nicht auf STOPP geantwortet: Halten Sie ihn von Hand an</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The run ended by timeout: disconnect, and connect for a new run</source>
-        <translation>Die Zeit des Laufs ist abgelaufen: Trennen Sie ihn und verbinden Sie sich für einen neuen Lauf</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The run&apos;s time is up (the clock kept running after the stop): disconnect, and connect for a new run</source>
-        <translation>Die Zeit des Laufs ist um (die Uhr lief nach dem Stopp weiter): Trennen Sie ihn und verbinden Sie sich für einen neuen Lauf</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The rules of this benchmark do not allow a restart: disconnect, and connect for a new run</source>
-        <translation>Die Regeln dieses Benchmarks erlauben keinen Neustart: Trennen Sie ihn und verbinden Sie sich für einen neuen Lauf</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The rules of this benchmark do not allow a pause</source>
-        <translation>Die Regeln dieses Benchmarks erlauben keine Pause</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The clock is paused</source>
-        <translation>Die Uhr ist angehalten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The clock is not paused</source>
-        <translation>Die Uhr ist nicht angehalten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>This benchmark has no phases</source>
-        <translation>Dieser Benchmark hat keine Phasen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>This is the first phase</source>
-        <translation>Das ist die erste Phase</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>This is the last phase</source>
-        <translation>Das ist die letzte Phase</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>This is the zone&apos;s first event</source>
-        <translation>Das ist der erste Termin der Zone</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>This is the zone&apos;s last event</source>
-        <translation>Das ist der letzte Termin der Zone</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>No robot of team {team} is active: none of its beacons arrives on UDP port {port}</source>
-        <translation>Kein Roboter von Team {team} ist aktiv: Keines seiner Beacons kommt auf UDP-Port {port} an</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>No robot is active: no beacon arrives on UDP port {port}</source>
-        <translation>Kein Roboter ist aktiv: Kein Beacon kommt auf UDP-Port {port} an</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Robot {robot} is in a run in zone {zone}</source>
-        <translation>Roboter {robot} ist in einem Lauf in Zone {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The box is still listening for another box, for {time} s</source>
-        <translation>Die Box horcht noch {time} s lang auf eine andere Box</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Name the team: the zone may have gone to the event of another one</source>
-        <translation>Nennen Sie das Team: Die Zone kann inzwischen beim Termin eines anderen sein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The current event of zone &apos;{zone}&apos; is of team {team}, not of team {named}: choose the event first</source>
-        <translation>Der aktuelle Termin der Zone „{zone}“ ist von Team {team}, nicht von Team {named}: Wählen Sie zuerst den Termin</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Zone &apos;{zone}&apos; is at another event of team {team} now: choose the event first</source>
-        <translation>Zone „{zone}“ ist jetzt bei einem anderen Termin von Team {team}: Wählen Sie zuerst den Termin</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The event is of team {team} now: choose it again</source>
-        <translation>Der Termin ist jetzt von Team {team}: Wählen Sie ihn erneut</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Listening for another box before transmitting: {time} s</source>
-        <translation>Horche vor dem Senden auf eine andere Box: {time} s</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The setup time of {time} is over</source>
-        <translation>Die Aufbauzeit von {time} ist vorbei</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The {time} of {phase} are over</source>
-        <translation>Die Zeit von {phase} ({time}) ist vorbei</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Robot has not answered on the private channel yet</source>
-        <translation>Der Roboter hat auf dem privaten Kanal noch nicht geantwortet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Robot has not stopped yet: it reports {state}</source>
-        <translation>Der Roboter hat noch nicht gestoppt: Er meldet {state}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The robot did not answer STOP: stop it by hand. The box repeats STOP until the disconnect</source>
-        <translation>Der Roboter hat nicht auf STOPP geantwortet: Halten Sie ihn von Hand an. Die Box wiederholt STOPP, bis Sie trennen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>No message from the robot for {time} s</source>
-        <translation>Seit {time} s keine Nachricht vom Roboter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>No message from the robot for {time} s, but its beacons arrive: its program was restarted, or a firewall blocks the private channel. Check whether it moves</source>
-        <translation>Seit {time} s keine Nachricht vom Roboter, aber seine Beacons kommen an: Sein Programm wurde neu gestartet, oder eine Firewall sperrt den privaten Kanal. Prüfen Sie, ob er sich bewegt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The robot has disappeared: no message for {time} s, and no beacon from its address. It may still be moving, and STOP may not reach it: check it</source>
-        <translation>Der Roboter ist verschwunden: seit {time} s keine Nachricht und kein Beacon von seiner Adresse. Er bewegt sich vielleicht noch, und STOPP erreicht ihn vielleicht nicht: Prüfen Sie ihn</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Clock skew of {robot} is {skew}, but must be below {limit} s: synchronise the robot&apos;s clock</source>
-        <translation>Die Uhr von {robot} weicht um {skew} ab, erlaubt sind weniger als {limit} s: Stellen Sie die Uhr des Roboters</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The core was restarted at {time}, {down} s after its last record</source>
-        <translation>Der Core wurde um {time} neu gestartet, {down} s nach seinem letzten Eintrag</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Benchmarking module not connected: the run is paused until it is back</source>
-        <translation>Benchmark-Modul nicht verbunden: Der Lauf ist pausiert, bis es wieder da ist</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>This is a replay of {run}: nothing here is live, and commands have no effect</source>
-        <translation>Dies ist die Wiedergabe von {run}: nichts hier ist live, und Befehle bewirken nichts</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>NOT CONFIRMED: the standby does not have the last entries: {why}. To continue with one computer, delete &apos;durable: two&apos; in {place} and reload</source>
-        <translation>NICHT BESTÄTIGT: Dem Standby fehlen die letzten Einträge: {why}. Um mit einem Computer fortzufahren, löschen Sie &apos;durable: two&apos; in {place}, und laden Sie neu</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>not confirmed: {why}. To continue with one computer, delete &apos;durable: two&apos; in {place} and reload. It counts, and is saved on this computer: do not enter it again. It is confirmed as soon as the standby has it</source>
-        <translation>nicht bestätigt: {why}. Um mit einem Computer fortzufahren, löschen Sie &apos;durable: two&apos; in {place}, und laden Sie neu. Die Eingabe zählt und ist auf dem Computer der Box gespeichert: Geben Sie sie nicht noch einmal ein. Sie wird bestätigt, sobald der Standby sie hat</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>not confirmed: the box at {address} has taken over, and may not have this entry. Look there, and enter it there if it is missing</source>
-        <translation>nicht bestätigt: Die Box auf {address} hat übernommen und hat diese Eingabe vielleicht nicht. Sehen Sie dort nach, und geben Sie sie dort ein, wenn sie fehlt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>The standby is {standby} now, instead of {other}. If none of you paired it, a stranger has all results and passwords: pair your standby again, and give the teams new passwords</source>
-        <translation>Der Standby ist jetzt {standby} statt {other}. Wenn niemand von Ihnen ihn gekoppelt hat, hat ein Fremder alle Ergebnisse und Passwörter: Koppeln Sie Ihren Standby erneut, und geben Sie den Teams neue Passwörter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>it did not answer within {time} s</source>
-        <translation>Er hat nicht innerhalb von {time} s geantwortet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>node roah_rsbb_backup does not report. Check that it runs</source>
-        <translation>Der Knoten roah_rsbb_backup meldet sich nicht. Prüfen Sie, ob er läuft</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>the copy is being written. If this lasts, its disk or its connection is too slow</source>
-        <translation>Die Kopie wird geschrieben. Wenn das so bleibt, ist ihr Datenträger oder ihre Verbindung zu langsam</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>the journal of this core is not copied yet. If this lasts, start the node roah_rsbb_backup with the log_dir of the core</source>
-        <translation>Das Journal dieses Core ist noch nicht kopiert. Wenn das so bleibt, starten Sie den Knoten roah_rsbb_backup mit dem log_dir des Core</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>no standby is paired yet. Enter on the box: {command}</source>
-        <translation>Es ist noch kein Standby gekoppelt. Geben Sie auf dem Computer der Box ein: {command}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>no standby is connected since this computer took over. Enter &apos;standby rejoin&apos; on the computer that was the box, or pair another computer</source>
-        <translation>Seit dieser Computer übernommen hat, ist kein Standby verbunden. Geben Sie auf dem Computer, der die Box war, &apos;standby rejoin&apos; ein, oder koppeln Sie einen anderen Computer</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>the standby is not connected. It connects by itself: check that it runs, and its cable</source>
-        <translation>Der Standby ist nicht verbunden. Er verbindet sich von selbst: Prüfen Sie, ob er läuft, und sein Kabel</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>the standby reports: {why}</source>
-        <translation>Der Standby meldet: {why}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>the disk is full. Free space for {folder}</source>
-        <translation>Der Datenträger ist voll. Schaffen Sie Platz für {folder}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>its disk failed to save what was written. It is written again, and what was there before stays until that is complete. If this happens again, replace the disk</source>
-        <translation>Sein Datenträger hat nicht gespeichert, was geschrieben wurde. Es wird noch einmal geschrieben, und was vorher da war, bleibt, bis das vollständig ist. Wenn das wieder vorkommt, ersetzen Sie den Datenträger</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>ANOTHER RSBB is transmitting from {address}, and robots obey both: stop it, or take that computer off the network</source>
-        <translation>EINE ANDERE RSBB sendet von {address}, und die Roboter gehorchen beiden: Stoppen Sie sie, oder nehmen Sie diesen Computer vom Netz</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>ANOTHER RSBB was heard at {address}, so this box sends nothing until you press connect. Stop the other box first, or take that computer off the network if it is none of yours</source>
-        <translation>EINE ANDERE RSBB war von {address} zu hören. Diese Box sendet daher nichts, bis Sie Verbinden drücken. Stoppen Sie zuerst die andere Box, oder nehmen Sie diesen Computer vom Netz, wenn er keiner von Ihren ist</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Two robots call themselves {robot}: {address} (confirmed by its password) and {others}. Connect and start use the one that knows the password. Give the other one another robot_name, or take it off the network</source>
-        <translation>Zwei Roboter nennen sich {robot}: {address} (durch sein Passwort bestätigt) und {others}. Verbinden und Starten nehmen den, der das Passwort kennt. Geben Sie dem anderen einen anderen robot_name, oder nehmen Sie ihn vom Netz</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Two robots call themselves {robot}: {address} (confirmed by its password) and {others}. Connect and start use the one that knows the password. Give the other one another robot_name, or take it off the network. Their clocks differ: {skew} and {other}</source>
-        <translation>Zwei Roboter nennen sich {robot}: {address} (durch sein Passwort bestätigt) und {others}. Verbinden und Starten nehmen den, der das Passwort kennt. Geben Sie dem anderen einen anderen robot_name, oder nehmen Sie ihn vom Netz. Ihre Uhren weichen ab: {skew} und {other}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Two robots call themselves {robot}: {address} and {others}. Connect and start use the one that knows the password. Give the other one another robot_name, or take it off the network</source>
-        <translation>Zwei Roboter nennen sich {robot}: {address} und {others}. Verbinden und Starten nehmen den, der das Passwort kennt. Geben Sie dem anderen einen anderen robot_name, oder nehmen Sie ihn vom Netz</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Two robots call themselves {robot}: {address} and {others}. Connect and start use the one that knows the password. Give the other one another robot_name, or take it off the network. Their clocks differ: {skew} and {other}</source>
-        <translation>Zwei Roboter nennen sich {robot}: {address} und {others}. Verbinden und Starten nehmen den, der das Passwort kennt. Geben Sie dem anderen einen anderen robot_name, oder nehmen Sie ihn vom Netz. Ihre Uhren weichen ab: {skew} und {other}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sent.py"/>
-        <source>Beacons of {robot} from {address} show two clocks: somebody forges this address, or two programs there use the name. Start uses the clock of the one that knows the password. Find the other one and take it off the network</source>
-        <translation>Beacons von {robot} von {address} zeigen zwei Uhren: Jemand fälscht diese Adresse, oder zwei Programme dort nutzen den Namen. Starten nimmt die Uhr dessen, der das Passwort kennt. Suchen Sie den anderen, und nehmen Sie ihn vom Netz</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>not attempted</source>
         <translation>nicht versucht</translation>
@@ -2183,6 +1638,16 @@
         <location filename="../../src/roah_rsbb/wording/stop.py"/>
         <source>{robots} did not answer STOP. After the disconnect the box does not repeat it: stop by hand first</source>
         <translation>{robots}: keine Antwort auf STOPP. Nach dem Trennen wiederholt die Box STOPP nicht: Halten Sie zuerst von Hand an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/suggestions.py"/>
+        <source>: did you mean &apos;{choice}&apos;?</source>
+        <translation>: Meinten Sie „{choice}“?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/suggestions.py"/>
+        <source>: there is {choices}</source>
+        <translation>: Es gibt {choices}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/superseded.py"/>
@@ -2564,53 +2029,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Previous in {zone}</source>
-        <translation>Voriger Termin in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Go to the zone&apos;s previous event</source>
-        <translation>Zum vorigen Termin der Zone gehen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Next in {zone}</source>
-        <translation>Nächster Termin in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Go to the zone&apos;s next event</source>
-        <translation>Zum nächsten Termin der Zone gehen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Connect in {zone}</source>
-        <translation>Verbinden in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Open the private channel to the team&apos;s robot</source>
-        <translation>Den privaten Kanal zum Roboter des Teams öffnen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Start in {zone}</source>
-        <translation>Starten in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Start the benchmark (keys: F5 twice)</source>
-        <translation>Den Benchmark starten (Tasten: zweimal F5)</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Disconnect in {zone}</source>
-        <translation>Trennen in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Leave the run and close the channel</source>
-        <translation>Den Lauf verlassen und den Kanal schließen</translation>
+        <source>keys: F5 twice</source>
+        <translation>Tasten: zweimal F5</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -3147,93 +2567,13 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Previous phase in {zone}</source>
-        <translation>Vorige Phase in {zone}</translation>
+        <source>{command} in {zone}</source>
+        <translation>{command} in {zone}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Go back to the phase before; its time continues</source>
-        <translation>Zur vorigen Phase zurückgehen; ihre Zeit läuft weiter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Next phase in {zone}</source>
-        <translation>Nächste Phase in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Go to the next phase</source>
-        <translation>Zur nächsten Phase gehen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Pause in {zone}</source>
-        <translation>Pause in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Stop the clock of the run. The robot does not notice</source>
-        <translation>Die Uhr des Laufs anhalten. Der Roboter merkt davon nichts</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Resume in {zone}</source>
-        <translation>Fortsetzen in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Let the clock of the run continue</source>
-        <translation>Die Uhr des Laufs weiterlaufen lassen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Score sheet in {zone}</source>
-        <translation>Wertungsbogen in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Start and stop the clock yourself. Nothing is sent to a robot</source>
-        <translation>Die Uhr selbst starten und stoppen. An den Roboter wird nichts gesendet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>No-show in {zone}</source>
-        <translation>Nicht angetreten in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>No-show …</source>
-        <translation>Nicht angetreten …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>The team did not appear. Leave this event</source>
-        <translation>Das Team ist nicht erschienen. Diesen Termin verlassen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Did team {team} not appear? The zone leaves this event.</source>
-        <translation>Ist Team {team} nicht erschienen? Die Zone verlässt diesen Termin.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Withdrawal in {zone}</source>
-        <translation>Rückzug in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Team withdrew …</source>
-        <translation>Team hat zurückgezogen …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>The team withdrew. Leave this event</source>
-        <translation>Das Team hat zurückgezogen. Diesen Termin verlassen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Did team {team} withdraw? The zone leaves this event.</source>
-        <translation>Hat Team {team} zurückgezogen? Die Zone verlässt diesen Termin.</translation>
+        <source>Cancel</source>
+        <translation>Abbrechen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
@@ -3370,11 +2710,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
         <source>● live</source>
         <translation>● live</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
-        <source>Cancel</source>
-        <translation>Abbrechen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
@@ -4033,6 +3368,1156 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/rqt/widgets/undo.py"/>
         <source>{group}, by {name}, entry {number} of the history</source>
         <translation>{group}, von {name}, Eintrag {number} des Verlaufs</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <source>its disk failed to save what was written. It is written again, and what was there before stays until that is complete. If this happens again, replace the disk</source>
+        <translation>Sein Datenträger hat nicht gespeichert, was geschrieben wurde. Es wird noch einmal geschrieben, und was vorher da war, bleibt, bis das vollständig ist. Wenn das wieder vorkommt, ersetzen Sie den Datenträger</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <source>another core or copy uses the folder. Use another folder, or end that one</source>
+        <translation>ein anderer Core oder eine andere Kopie benutzt den Ordner. Nehmen Sie einen anderen Ordner, oder beenden Sie jene</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <source>the disk is full. Free space for {folder}</source>
+        <translation>Der Datenträger ist voll. Schaffen Sie Platz für {folder}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <source>{error}. Check the disk or stick of the copy</source>
+        <translation>{error}. Prüfen Sie den Datenträger oder Stick der Kopie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <source>the stick is not mounted. Plug it in again</source>
+        <translation>der Stick ist nicht eingehängt. Stecken Sie ihn wieder ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <source>the folder is missing. Plug the stick in again, or create the folder</source>
+        <translation>der Ordner fehlt. Stecken Sie den Stick wieder ein, oder legen Sie den Ordner an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <source>it was removed. Plug the stick in again</source>
+        <translation>er wurde entfernt. Stecken Sie den Stick wieder ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <source>it was replaced. Plug the stick in again</source>
+        <translation>er wurde ausgetauscht. Stecken Sie den Stick wieder ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
+        <source>A run is connected: disconnect it first</source>
+        <translation>Ein Lauf ist verbunden: Trennen Sie ihn zuerst</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
+        <source>A run is running: stop it first</source>
+        <translation>Ein Lauf läuft: Stoppen Sie ihn zuerst</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
+        <source>run {run} is running: stop it first</source>
+        <translation>Lauf {run} läuft: Stoppen Sie ihn zuerst</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
+        <source>No run is connected</source>
+        <translation>Kein Lauf ist verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
+        <source>{code} is for all robots at once: connect without a robot</source>
+        <translation>{code} ist für alle Roboter zugleich: Verbinden Sie, ohne einen Roboter zu nennen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
+        <source>The run was started, so its team appeared</source>
+        <translation>Der Lauf wurde gestartet, das Team ist also erschienen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/events.py"/>
+        <source>zone &apos;{zone}&apos; has no event &apos;{event}&apos; any more: choose it again</source>
+        <translation>Zone „{zone}“ hat den Termin „{event}“ nicht mehr: Wählen Sie ihn noch einmal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/events.py"/>
+        <source>The event is of team {team} now: choose it again</source>
+        <translation>Der Termin ist jetzt von Team {team}: Wählen Sie ihn erneut</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/events.py"/>
+        <source>The run of {code}, team {team}, round {round}, run {run} is not signed off: confirm to leave it</source>
+        <translation>Der Lauf von {code}, Team {team}, Runde {round}, Lauf {run} ist nicht abgeschlossen: Bestätigen Sie, dass Sie ihn verlassen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/events.py"/>
+        <source>This is the zone&apos;s first event</source>
+        <translation>Das ist der erste Termin der Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/events.py"/>
+        <source>This is the zone&apos;s last event</source>
+        <translation>Das ist der letzte Termin der Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>No run is running</source>
+        <translation>Es läuft kein Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>Already started</source>
+        <translation>Schon gestartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>The rules of this benchmark do not allow a restart: disconnect, and connect for a new run</source>
+        <translation>Die Regeln dieses Benchmarks erlauben keinen Neustart: Trennen Sie ihn und verbinden Sie sich für einen neuen Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>The run ended by timeout: disconnect, and connect for a new run</source>
+        <translation>Die Zeit des Laufs ist abgelaufen: Trennen Sie ihn und verbinden Sie sich für einen neuen Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>The run&apos;s time is up (the clock kept running after the stop): disconnect, and connect for a new run</source>
+        <translation>Die Zeit des Laufs ist um (die Uhr lief nach dem Stopp weiter): Trennen Sie ihn und verbinden Sie sich für einen neuen Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>No run is connected, so there is nothing to stop</source>
+        <translation>Kein Lauf ist verbunden, also gibt es nichts zu stoppen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>The run is not started: disconnect to leave it</source>
+        <translation>Der Lauf ist nicht gestartet: Verlassen Sie ihn mit Trennen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>The run is over, but the robot did not answer STOP: stop it by hand</source>
+        <translation>Der Lauf ist vorbei, aber der Roboter hat nicht auf STOPP geantwortet: Halten Sie ihn von Hand an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>The run is over: disconnect to leave it</source>
+        <translation>Der Lauf ist vorbei: Verlassen Sie ihn mit Trennen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>The rules of this benchmark do not allow a pause</source>
+        <translation>Die Regeln dieses Benchmarks erlauben keine Pause</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>This benchmark has no phases</source>
+        <translation>Dieser Benchmark hat keine Phasen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>The clock is paused</source>
+        <translation>Die Uhr ist angehalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>The clock is not paused</source>
+        <translation>Die Uhr ist nicht angehalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>This is the first phase</source>
+        <translation>Das ist die erste Phase</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>This is the last phase</source>
+        <translation>Das ist die letzte Phase</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/table.py"/>
+        <source>no action &apos;{action}&apos;{hint}</source>
+        <translation>keine Aktion „{action}“{hint}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/table.py"/>
+        <source>Name the team: the zone may have gone to the event of another one</source>
+        <translation>Nennen Sie das Team: Die Zone kann inzwischen beim Termin eines anderen sein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/table.py"/>
+        <source>The current event of zone &apos;{zone}&apos; is of team {team}, not of team {named}: choose the event first</source>
+        <translation>Der aktuelle Termin der Zone „{zone}“ ist von Team {team}, nicht von Team {named}: Wählen Sie zuerst den Termin</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/table.py"/>
+        <source>Zone &apos;{zone}&apos; is at another event of team {team} now: choose the event first</source>
+        <translation>Zone „{zone}“ ist jetzt bei einem anderen Termin von Team {team}: Wählen Sie zuerst den Termin</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/table.py"/>
+        <source>run {run} is not connected in zone &apos;{zone}&apos;</source>
+        <translation>Lauf {run} ist in Zone „{zone}“ nicht verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/box.py"/>
+        <source>This is a replay of {run}: nothing here is live, and commands have no effect</source>
+        <translation>Dies ist die Wiedergabe von {run}: nichts hier ist live, und Befehle bewirken nichts</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/box.py"/>
+        <source>This box is superseded: the box at {address} has taken over. Nothing is sent to robots, and commands are refused. Use the panels of the other box</source>
+        <translation>Diese Box ist abgelöst: Die Box auf {address} hat übernommen. An Roboter wird nichts gesendet, und Befehle werden abgelehnt. Benutzen Sie die Fenster der anderen Box</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>Already connected</source>
+        <translation>Schon verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>The box is still listening for another box, for {time} s</source>
+        <translation>Die Box horcht noch {time} s lang auf eine andere Box</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>The only attempt at this event was made: go to the next event. To allow more, raise &apos;attempts&apos; in benchmarks.yaml</source>
+        <translation>Der einzige Versuch dieses Termins ist gemacht: Gehen Sie zum nächsten Termin. Um mehr zu erlauben, erhöhen Sie „attempts“ in benchmarks.yaml</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>The last of {number} attempts at this event was made: go to the next event. To allow more, raise &apos;attempts&apos; in benchmarks.yaml</source>
+        <translation>Der letzte von {number} Versuchen dieses Termins ist gemacht: Gehen Sie zum nächsten Termin. Um mehr zu erlauben, erhöhen Sie „attempts“ in benchmarks.yaml</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>No robot &apos;{robot}&apos; of team {team} is ready to connect{hint}</source>
+        <translation>Kein Roboter „{robot}“ des Teams {team} ist bereit zum Verbinden{hint}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>No robot of team {team} is active: none of its beacons arrives on UDP port {port}</source>
+        <translation>Kein Roboter von Team {team} ist aktiv: Keines seiner Beacons kommt auf UDP-Port {port} an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>No robot is active: no beacon arrives on UDP port {port}</source>
+        <translation>Kein Roboter ist aktiv: Kein Beacon kommt auf UDP-Port {port} an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>Robot {robot} is in a run in zone {zone}</source>
+        <translation>Roboter {robot} ist in einem Lauf in Zone {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>robot {robot}</source>
+        <translation>Roboter {robot}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>{robot} cannot take part: {why}</source>
+        <translation>{robot} kann nicht teilnehmen: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>it is in a run in zone {zone}</source>
+        <translation>er ist in einem Lauf in Zone {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>its team has no password in the passwords file</source>
+        <translation>sein Team hat kein Passwort in der Passwortdatei</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>it was not heard for {time} s</source>
+        <translation>er wurde seit {time} s nicht gehört</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/candidates.py"/>
+        <source>{robot} is active, but not in this run: disconnect and connect again to include it</source>
+        <translation>{robot} ist aktiv, aber nicht in diesem Lauf: Trennen und verbinden Sie, um ihn aufzunehmen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <source>All UDP ports up to {port} are used up: start the box with another log_dir, whose record of used ports is empty, and if need be with a lower rsbb_port</source>
+        <translation>Alle UDP-Ports bis {port} sind verbraucht: Starten Sie die Box mit einem anderen log_dir, in dem noch keine Ports vermerkt sind, und nötigenfalls mit kleinerem rsbb_port</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <source>All UDP ports up to {port} but {left} are used up, and {number} robots need one each: start the box with another log_dir, whose record of used ports is empty, and if need be with a lower rsbb_port</source>
+        <translation>Alle UDP-Ports bis {port} bis auf {left} sind verbraucht, und {number} Roboter brauchen je einen: Starten Sie die Box mit einem anderen log_dir, in dem noch keine Ports vermerkt sind, und nötigenfalls mit kleinerem rsbb_port</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <source>The beacon may need {size} bytes with {more}, and robots may read only {most}: {remedies}, or raise max_datagram if all robots are known to read more</source>
+        <translation>Der Beacon braucht mit {more} bis zu {size} Byte, und Roboter lesen vielleicht nur {most}: {remedies}, oder erhöhen Sie max_datagram, wenn sicher alle Roboter mehr lesen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <source>one more robot</source>
+        <translation>einem weiteren Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <source>{number} more robots</source>
+        <translation>{number} weiteren Robotern</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <source>leave only {number} of them switched on</source>
+        <translation>lassen Sie nur {number} davon eingeschaltet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <source>end another run first</source>
+        <translation>beenden Sie zuerst einen anderen Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/copies.py"/>
+        <source>not confirmed: {why}. It counts, and is saved on this computer: do not enter it again. It is confirmed as soon as the standby has it</source>
+        <translation>nicht bestätigt: {why}. Die Eingabe zählt und ist auf dem Computer der Box gespeichert: Geben Sie sie nicht noch einmal ein. Sie wird bestätigt, sobald der Standby sie hat</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/copies.py"/>
+        <source>not confirmed: the box at {address} has taken over, and may not have this entry. Look there, and enter it there if it is missing</source>
+        <translation>nicht bestätigt: Die Box auf {address} hat übernommen und hat diese Eingabe vielleicht nicht. Sehen Sie dort nach, und geben Sie sie dort ein, wenn sie fehlt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/copies.py"/>
+        <source>NOT CONFIRMED: the standby does not have the last entries: {why}</source>
+        <translation>NICHT BESTÄTIGT: Dem Standby fehlen die letzten Einträge: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/copies.py"/>
+        <source>{why}. To continue with one computer, delete &apos;durable: two&apos; in {place} and reload</source>
+        <translation>{why}. Um mit einem Computer fortzufahren, löschen Sie &apos;durable: two&apos; in {place}, und laden Sie neu</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/copies.py"/>
+        <source>it did not answer within {time} s</source>
+        <translation>Er hat nicht innerhalb von {time} s geantwortet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/copies.py"/>
+        <source>node roah_rsbb_backup does not report. Check that it runs</source>
+        <translation>Der Knoten roah_rsbb_backup meldet sich nicht. Prüfen Sie, ob er läuft</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/copies.py"/>
+        <source>the journal of this core is not copied yet. If this lasts, start the node roah_rsbb_backup with the log_dir of the core</source>
+        <translation>Das Journal dieses Core ist noch nicht kopiert. Wenn das so bleibt, starten Sie den Knoten roah_rsbb_backup mit dem log_dir des Core</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/copies.py"/>
+        <source>the copy is being written. If this lasts, its disk or its connection is too slow</source>
+        <translation>Die Kopie wird geschrieben. Wenn das so bleibt, ist ihr Datenträger oder ihre Verbindung zu langsam</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/copies.py"/>
+        <source>The copy of the journal ({place}) is {time} s behind: {why}</source>
+        <translation>Die Kopie des Journals ({place}) ist {time} s zurück: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/copies.py"/>
+        <source>The copy of the journal ({place}) is {time} s, {size} kB behind: {why}</source>
+        <translation>Die Kopie des Journals ({place}) ist {time} s, {size} kB zurück: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/link.py"/>
+        <source>Robot has not answered on the private channel yet</source>
+        <translation>Der Roboter hat auf dem privaten Kanal noch nicht geantwortet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/link.py"/>
+        <source>No message from the robot for {time} s</source>
+        <translation>Seit {time} s keine Nachricht vom Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/link.py"/>
+        <source>No message from the robot for {time} s but old ones: check whether its clock is stopped or set back repeatedly</source>
+        <translation>Seit {time} s nur alte Nachrichten vom Roboter: Prüfen Sie, ob seine Uhr steht oder immer wieder zurückgestellt wird</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/link.py"/>
+        <source>No message from the robot for {time} s, but its beacons arrive: its program was restarted, or a firewall blocks the private channel. Check whether it moves</source>
+        <translation>Seit {time} s keine Nachricht vom Roboter, aber seine Beacons kommen an: Sein Programm wurde neu gestartet, oder eine Firewall sperrt den privaten Kanal. Prüfen Sie, ob er sich bewegt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/link.py"/>
+        <source>The robot has disappeared: no message for {time} s, and no beacon from its address. It may still be moving, and STOP may not reach it: check it</source>
+        <translation>Der Roboter ist verschwunden: seit {time} s keine Nachricht und kein Beacon von seiner Adresse. Er bewegt sich vielleicht noch, und STOPP erreicht ihn vielleicht nicht: Prüfen Sie ihn</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/link.py"/>
+        <source>Robot&apos;s times are INVALID: clock skew {skew}, must be below {limit} s: synchronise the robot&apos;s clock</source>
+        <translation>Die Zeiten des Roboters sind UNGÜLTIG: Seine Uhr weicht um {skew} ab, erlaubt sind weniger als {limit} s: Stellen Sie die Uhr des Roboters</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/link.py"/>
+        <source>Messages for this run also come from {host}. They are ignored: the robot is at {address}. Give the other robot another robot_name, or switch it off</source>
+        <translation>Nachrichten für diesen Lauf kommen auch von {host}. Sie zählen nicht: Der Roboter ist auf {address}. Geben Sie dem anderen Roboter einen anderen robot_name, oder schalten Sie ihn aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/link.py"/>
+        <source>Robot&apos;s address changed from {before} to {host}</source>
+        <translation>Die Adresse des Roboters wechselte von {before} zu {host}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/link.py"/>
+        <source>Robot&apos;s clock was set back</source>
+        <translation>Die Uhr des Roboters wurde zurückgestellt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/link.py"/>
+        <source>Robot&apos;s clock was set back by {time} s</source>
+        <translation>Die Uhr des Roboters wurde um {time} s zurückgestellt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/link.py"/>
+        <source>Robot&apos;s clock jumped forward by {time} s</source>
+        <translation>Die Uhr des Roboters sprang um {time} s vor</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/link.py"/>
+        <source>Robot has not stopped yet: it reports {state}</source>
+        <translation>Der Roboter hat noch nicht gestoppt: Er meldet {state}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/skew.py"/>
+        <source>the robot</source>
+        <translation>dem Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/skew.py"/>
+        <source>Clock skew of {robot} is not known yet</source>
+        <translation>Die Uhrabweichung von {robot} ist noch nicht bekannt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/link/skew.py"/>
+        <source>Clock skew of {robot} is {skew}, but must be below {limit} s: synchronise the robot&apos;s clock</source>
+        <translation>Die Uhr von {robot} weicht um {skew} ab, erlaubt sind weniger als {limit} s: Stellen Sie die Uhr des Roboters</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/modules/presence.py"/>
+        <source>Benchmarking module not connected: no node drives {code}. Is roah_rsbb_modules running, and is {code} among its benchmarks?</source>
+        <translation>Das Benchmark-Modul ist nicht verbunden: Kein Knoten führt {code}. Läuft roah_rsbb_modules, und ist {code} unter seinen Benchmarks?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
+        <source>The core was restarted at {time}, {down} s after its last record</source>
+        <translation>Der Core wurde um {time} neu gestartet, {down} s nach seinem letzten Eintrag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
+        <source>The run of {benchmark}, team {team}, that was connected before the restart cannot continue: {why}. Its scores are in the journal: see &apos;rosrun roah_rsbb results&apos;</source>
+        <translation>Der Lauf von {benchmark}, Team {team}, der vor dem Neustart verbunden war, kann nicht weitergehen: {why}. Seine Wertungen sind im Journal: siehe &apos;rosrun roah_rsbb results&apos;</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
+        <source>zone &apos;{zone}&apos; is no longer in the schedule</source>
+        <translation>Zone „{zone}“ steht nicht mehr im Zeitplan</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
+        <source>its event is no longer in the schedule of zone &apos;{zone}&apos;</source>
+        <translation>sein Termin steht nicht mehr im Zeitplan der Zone „{zone}“</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
+        <source>its saved state is invalid ({error})</source>
+        <translation>sein gespeicherter Zustand ist ungültig ({error})</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
+        <source>{text}: the run continues</source>
+        <translation>{text}: Der Lauf geht weiter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
+        <source>{text}: the run continues on the box at {address}</source>
+        <translation>{text}: Der Lauf geht auf der Box auf {address} weiter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>{robot}: {text}</source>
+        <translation>{robot}: {text}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>{doing}, messages saved: {number}</source>
+        <translation>{doing}, gespeicherte Nachrichten: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>Started with {number} of {all} robots</source>
+        <translation>Gestartet mit {number} von {all} Robotern</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>Robots connected: {number} / ready: {ready}</source>
+        <translation>Roboter verbunden: {number} / bereit: {ready}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>Robots preparing: {preparing} / executing: {executing} / stopped: {stopped}</source>
+        <translation>Roboter in Vorbereitung: {preparing} / in Ausführung: {executing} / gestoppt: {stopped}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>left out until it is ready: {why}</source>
+        <translation>ausgelassen, bis er bereit ist: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>will be left out until it is ready: {why}</source>
+        <translation>wird ausgelassen, bis er bereit ist: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>not ready: {why}</source>
+        <translation>nicht bereit: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>ready</source>
+        <translation>bereit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>{number} {end}</source>
+        <translation>{number} {end}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>{end} ({counted})</source>
+        <translation>{end} ({counted})</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>stopped by the referee</source>
+        <translation>vom Schiedsrichter gestoppt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>out of time</source>
+        <translation>Zeit abgelaufen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>saved no offline data</source>
+        <translation>ohne gespeicherte Offline-Daten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>All robots have ended</source>
+        <translation>Alle Roboter sind fertig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>Stopped: no robot saves offline data</source>
+        <translation>Gestoppt: Kein Roboter speichert Offline-Daten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>preparing</source>
+        <translation>bereitet sich vor</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
+        <source>executing</source>
+        <translation>führt aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/by_hand.py"/>
+        <source>Without a robot: only the referee starts and stops the clock</source>
+        <translation>Ohne Roboter: Nur der Schiedsrichter startet und stoppt die Uhr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>Started: the benchmarking module begins</source>
+        <translation>Gestartet: Das Benchmark-Modul beginnt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>Requested the robot to prepare for a new goal</source>
+        <translation>Der Roboter soll sich auf ein neues Ziel vorbereiten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>Robot prepared, goal sent</source>
+        <translation>Der Roboter ist vorbereitet, das Ziel ist gesendet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>Robot received the goal, waiting for its result</source>
+        <translation>Der Roboter hat das Ziel, warte auf sein Ergebnis</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>Benchmark complete</source>
+        <translation>Der Benchmark ist vollständig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>Benchmark complete: {late} of {number} goals timed out</source>
+        <translation>Benchmark vollständig: Für {late} von {number} Zielen war die Zeit abgelaufen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>Stopped: the benchmarking module cannot continue: {why}</source>
+        <translation>Gestoppt: Das Benchmark-Modul kann nicht weitermachen: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>Benchmarking module not connected: the run is paused until it is back</source>
+        <translation>Benchmark-Modul nicht verbunden: Der Lauf ist pausiert, bis es wieder da ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>Manual operation: {text}</source>
+        <translation>Handeingriff: {text}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>Goal completed by the robot</source>
+        <translation>Der Roboter hat das Ziel erledigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>Goal timed out</source>
+        <translation>Zeit des Ziels abgelaufen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>the benchmarking module is missing</source>
+        <translation>das Benchmark-Modul fehlt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>manual operation</source>
+        <translation>Handeingriff</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>Benchmark timeout: {time}</source>
+        <translation>Zeitlimit des Benchmarks: {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
+        <source>Benchmark timeout: {time} (paused)</source>
+        <translation>Zeitlimit des Benchmarks: {time} (angehalten)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/run.py"/>
+        <source>The robot did not answer STOP: stop it by hand. The box repeats STOP until the disconnect</source>
+        <translation>Der Roboter hat nicht auf STOPP geantwortet: Halten Sie ihn von Hand an. Die Box wiederholt STOPP, bis Sie trennen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/run.py"/>
+        <source>The robot has stayed in STOP for {time} s after the start. Its program may not know benchmark {code}, or may not be ready: check the robot&apos;s log</source>
+        <translation>Der Roboter ist {time} s nach dem Start noch in STOP. Vielleicht kennt sein Programm den Benchmark {code} nicht, oder es ist nicht bereit: Sehen Sie in das Log des Roboters</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/run.py"/>
+        <source>The robot has not taken its goal for {time} s. Its program may be too old for the goals of {code}: check the robot&apos;s log</source>
+        <translation>Der Roboter hat sein Ziel seit {time} s nicht angenommen. Vielleicht ist sein Programm zu alt für die Ziele von {code}: Sehen Sie in das Log des Roboters</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/run.py"/>
+        <source>Connected: waiting for the robot&apos;s first message</source>
+        <translation>Verbunden: warte auf die erste Nachricht des Roboters</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/run.py"/>
+        <source>Robot preparing for the task</source>
+        <translation>Der Roboter bereitet sich auf die Aufgabe vor</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/run.py"/>
+        <source>Robot prepared, executing (no explicit goal)</source>
+        <translation>Der Roboter ist vorbereitet und arbeitet (ohne ausdrückliches Ziel)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/run.py"/>
+        <source>Robot fell back to {state}: preparing again</source>
+        <translation>Der Roboter ist auf {state} zurückgefallen: Er bereitet sich neu vor</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/run.py"/>
+        <source>Messages saved: {number}</source>
+        <translation>Gespeicherte Nachrichten: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/times.py"/>
+        <source>by the referee</source>
+        <translation>durch den Schiedsrichter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/times.py"/>
+        <source>The setup time of {time} is over</source>
+        <translation>Die Aufbauzeit von {time} ist vorbei</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/times.py"/>
+        <source>The {time} of {phase} are over</source>
+        <translation>Die Zeit von {phase} ({time}) ist vorbei</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/times.py"/>
+        <source>phase {number} of {all}, {name}</source>
+        <translation>Phase {number} von {all}, {name}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/times.py"/>
+        <source>Phase {number} of {all}, {name}: {desc}</source>
+        <translation>Phase {number} von {all}, {name}: {desc}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
+        <source>Benchmark stopped by the referee</source>
+        <translation>Benchmark vom Schiedsrichter gestoppt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
+        <source>Benchmark completed by the robot</source>
+        <translation>Der Roboter hat den Benchmark erledigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
+        <source>Stopped due to timeout</source>
+        <translation>Gestoppt, weil die Zeit abgelaufen ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
+        <source>Benchmark over: every goal timed out</source>
+        <translation>Benchmark vorbei: Die Zeit aller Ziele ist abgelaufen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
+        <source>Stopped: the robot saves no offline data (messages saved stays 0)</source>
+        <translation>Gestoppt: Der Roboter speichert keine Offline-Daten (gespeicherte Nachrichten: weiter 0)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
+        <source>Stopped: the benchmarking module cannot continue</source>
+        <translation>Gestoppt: Das Benchmark-Modul kann nicht weitermachen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
+        <source>No-show: the team did not appear</source>
+        <translation>Nicht angetreten: Das Team ist nicht erschienen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
+        <source>The team withdrew</source>
+        <translation>Das Team hat zurückgezogen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/views/views.py"/>
+        <source>Listening for another box before transmitting: {time} s</source>
+        <translation>Horche vor dem Senden auf eine andere Box: {time} s</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/views/views.py"/>
+        <source>Several robots of team {team} are active ({robots}): choose which one connects</source>
+        <translation>Mehrere Roboter von Team {team} sind aktiv ({robots}): Wählen Sie, welcher sich verbindet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/views/views.py"/>
+        <source>All OK for start</source>
+        <translation>Bereit zum Starten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/views/views.py"/>
+        <source>Can be restarted. The clock is stopped</source>
+        <translation>Kann wieder gestartet werden. Die Uhr steht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/views/views.py"/>
+        <source>Can be restarted. The clock kept running</source>
+        <translation>Kann wieder gestartet werden. Die Uhr lief weiter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/views/views.py"/>
+        <source>Clock paused by the referee</source>
+        <translation>Uhr vom Schiedsrichter angehalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/views/views.py"/>
+        <source>Attempt {number} of {all}</source>
+        <translation>Versuch {number} von {all}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/views/views.py"/>
+        <source>Robot ready to accept connection: {robot}</source>
+        <translation>Roboter bereit zum Verbinden: {robot}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/views/views.py"/>
+        <source>{number} robots ready to accept connection: {robots}</source>
+        <translation>{number} Roboter bereit zum Verbinden: {robots}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/watches.py"/>
+        <source>ANOTHER RSBB is transmitting from {address}, and robots obey both: stop it, or take that computer off the network</source>
+        <translation>EINE ANDERE RSBB sendet von {address}, und die Roboter gehorchen beiden: Stoppen Sie sie, oder nehmen Sie diesen Computer vom Netz</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/watches.py"/>
+        <source>ANOTHER RSBB was heard at {address}, so this box sends nothing until you press connect. Stop the other box first, or take that computer off the network if it is none of yours</source>
+        <translation>EINE ANDERE RSBB war von {address} zu hören. Diese Box sendet daher nichts, bis Sie Verbinden drücken. Stoppen Sie zuerst die andere Box, oder nehmen Sie diesen Computer vom Netz, wenn er keiner von Ihren ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/watches.py"/>
+        <source>Beacons of {robot} from {address} show two clocks: somebody forges this address, or two programs there use the name. Start uses the clock of the one that knows the password. Find the other one and take it off the network</source>
+        <translation>Beacons von {robot} von {address} zeigen zwei Uhren: Jemand fälscht diese Adresse, oder zwei Programme dort nutzen den Namen. Starten nimmt die Uhr dessen, der das Passwort kennt. Suchen Sie den anderen, und nehmen Sie ihn vom Netz</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/watches.py"/>
+        <source>Two robots call themselves {robot}: {address} (confirmed by its password) and {others}. Connect and start use the one that knows the password. Give the other one another robot_name, or take it off the network</source>
+        <translation>Zwei Roboter nennen sich {robot}: {address} (durch sein Passwort bestätigt) und {others}. Verbinden und Starten nehmen den, der das Passwort kennt. Geben Sie dem anderen einen anderen robot_name, oder nehmen Sie ihn vom Netz</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/watches.py"/>
+        <source>Two robots call themselves {robot}: {address} (confirmed by its password) and {others}. Connect and start use the one that knows the password. Give the other one another robot_name, or take it off the network. Their clocks differ: {skew} and {other}</source>
+        <translation>Zwei Roboter nennen sich {robot}: {address} (durch sein Passwort bestätigt) und {others}. Verbinden und Starten nehmen den, der das Passwort kennt. Geben Sie dem anderen einen anderen robot_name, oder nehmen Sie ihn vom Netz. Ihre Uhren weichen ab: {skew} und {other}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/watches.py"/>
+        <source>Two robots call themselves {robot}: {address} and {others}. Connect and start use the one that knows the password. Give the other one another robot_name, or take it off the network</source>
+        <translation>Zwei Roboter nennen sich {robot}: {address} und {others}. Verbinden und Starten nehmen den, der das Passwort kennt. Geben Sie dem anderen einen anderen robot_name, oder nehmen Sie ihn vom Netz</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/watches.py"/>
+        <source>Two robots call themselves {robot}: {address} and {others}. Connect and start use the one that knows the password. Give the other one another robot_name, or take it off the network. Their clocks differ: {skew} and {other}</source>
+        <translation>Zwei Roboter nennen sich {robot}: {address} und {others}. Verbinden und Starten nehmen den, der das Passwort kennt. Geben Sie dem anderen einen anderen robot_name, oder nehmen Sie ihn vom Netz. Ihre Uhren weichen ab: {skew} und {other}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/zones.py"/>
+        <source>No run is connected: press connect first</source>
+        <translation>Kein Lauf ist verbunden: Drücken Sie zuerst Verbinden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/zones.py"/>
+        <source>no zone &apos;{zone}&apos;{hint}</source>
+        <translation>keine Zone „{zone}“{hint}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Connect</source>
+        <translation>Verbinden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Open the private channel to the team&apos;s robot</source>
+        <translation>Den privaten Kanal zum Roboter des Teams öffnen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Disconnect</source>
+        <translation>Trennen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Leave the run and close the channel</source>
+        <translation>Den Lauf verlassen und den Kanal schließen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>▶ START</source>
+        <translation>▶ START</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Start the run, also after a stop</source>
+        <translation>Den Lauf starten, auch nach einem Stopp</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Stop the run. It stays connected</source>
+        <translation>Den Lauf stoppen. Er bleibt verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>◀ Previous</source>
+        <translation>◀ Voriger</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Go to the zone&apos;s previous event</source>
+        <translation>Zum vorigen Termin der Zone gehen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Next ▶</source>
+        <translation>Nächster ▶</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Go to the zone&apos;s next event</source>
+        <translation>Zum nächsten Termin der Zone gehen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>◀ Phase</source>
+        <translation>◀ Phase</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Go back to the phase before; its time continues</source>
+        <translation>Zur vorigen Phase zurückgehen; ihre Zeit läuft weiter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Next phase ▶</source>
+        <translation>Nächste Phase ▶</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Go to the next phase</source>
+        <translation>Zur nächsten Phase gehen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>‖ Pause</source>
+        <translation>‖ Pause</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Stop the clock of the run. The robot does not notice</source>
+        <translation>Die Uhr des Laufs anhalten. Der Roboter merkt davon nichts</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>▶ Resume clock</source>
+        <translation>▶ Uhr fortsetzen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Let the clock of the run continue</source>
+        <translation>Die Uhr des Laufs weiterlaufen lassen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Score without a robot</source>
+        <translation>Ohne Roboter werten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Start and stop the clock yourself. Nothing is sent to a robot</source>
+        <translation>Die Uhr selbst starten und stoppen. An den Roboter wird nichts gesendet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>No-show</source>
+        <translation>Nicht angetreten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The team did not appear. Leave this event</source>
+        <translation>Das Team ist nicht erschienen. Diesen Termin verlassen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Team withdrew</source>
+        <translation>Team hat zurückgezogen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The team withdrew. Leave this event</source>
+        <translation>Das Team hat zurückgezogen. Diesen Termin verlassen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Choose the event</source>
+        <translation>Termin wählen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Go to this event of the zone&apos;s schedule</source>
+        <translation>Zu diesem Termin im Zeitplan der Zone gehen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Connect in {zone}</source>
+        <translation>Verbinden in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Disconnect in {zone}</source>
+        <translation>Trennen in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Start in {zone}</source>
+        <translation>Starten in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Previous in {zone}</source>
+        <translation>Voriger Termin in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Next in {zone}</source>
+        <translation>Nächster Termin in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Previous phase in {zone}</source>
+        <translation>Vorige Phase in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Next phase in {zone}</source>
+        <translation>Nächste Phase in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Pause in {zone}</source>
+        <translation>Pause in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Resume in {zone}</source>
+        <translation>Fortsetzen in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Score sheet in {zone}</source>
+        <translation>Wertungsbogen in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Did team {team} not appear? The zone leaves this event.</source>
+        <translation>Ist Team {team} nicht erschienen? Die Zone verlässt diesen Termin.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>No-show in {zone}</source>
+        <translation>Nicht angetreten in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Did team {team} withdraw? The zone leaves this event.</source>
+        <translation>Hat Team {team} zurückgezogen? Die Zone verlässt diesen Termin.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Withdrawal in {zone}</source>
+        <translation>Rückzug in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Also a run in progress</source>
+        <translation>Auch einen laufenden Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Also leave a run that is not signed off</source>
+        <translation>Auch einen Lauf verlassen, der nicht abgeschlossen ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>{field}: a text is expected</source>
+        <translation>{field}: Ein Text wird erwartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>{field}: the text has {number} characters, at most {most} are allowed: shorten it</source>
+        <translation>{field}: Der Text hat {number} Zeichen, höchstens {most} sind erlaubt: Kürzen Sie ihn</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>{field}: a whole number from {low} to {high} is expected</source>
+        <translation>{field}: Eine ganze Zahl von {low} bis {high} wird erwartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>{field}: choose one of {choices}</source>
+        <translation>{field}: Wählen Sie aus {choices}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>{field}: yes or no is expected</source>
+        <translation>{field}: Ja oder nein wird erwartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>{field} is missing</source>
+        <translation>{field} fehlt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>The command has no field &apos;{field}&apos;: it has {fields}</source>
+        <translation>Der Befehl hat kein Feld „{field}“: Er hat {fields}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>The command has no field &apos;{field}&apos;: it has none</source>
+        <translation>Der Befehl hat kein Feld „{field}“: Er hat keine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/nodes/core/services.py"/>
+        <source>not saved: {why}. It counts, and is saved as soon as the disk can be written: do not enter it again. Free or repair the disk of log_dir</source>
+        <translation>nicht gespeichert: {why}. Die Eingabe zählt und wird gespeichert, sobald der Datenträger beschrieben werden kann: Geben Sie sie nicht noch einmal ein. Schaffen Sie Platz auf dem Datenträger von log_dir, oder reparieren Sie ihn</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/nodes/core/services.py"/>
+        <source>not saved: internal error. It counts until the box ends. Report the error in the core&apos;s log</source>
+        <translation>nicht gespeichert: interner Fehler. Die Eingabe zählt, bis die Box endet. Melden Sie den Fehler aus dem Log des Cores</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/nodes/core/services.py"/>
+        <source>The values of the fields are not a JSON object, such as {example}</source>
+        <translation>Die Werte der Felder sind kein JSON-Objekt wie {example}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/standby/box_end.py"/>
+        <source>the standby is not connected. It connects by itself: check that it runs, and its cable</source>
+        <translation>Der Standby ist nicht verbunden. Er verbindet sich von selbst: Prüfen Sie, ob er läuft, und sein Kabel</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/standby/box_end.py"/>
+        <source>no standby is connected since this computer took over. Enter &apos;standby rejoin&apos; on the computer that was the box, or pair another computer</source>
+        <translation>Seit dieser Computer übernommen hat, ist kein Standby verbunden. Geben Sie auf dem Computer, der die Box war, &apos;standby rejoin&apos; ein, oder koppeln Sie einen anderen Computer</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/standby/box_end.py"/>
+        <source>no standby is paired yet. Enter on the box: {command}</source>
+        <translation>Es ist noch kein Standby gekoppelt. Geben Sie auf dem Computer der Box ein: {command}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/standby/box_end.py"/>
+        <source>{why} ({error})</source>
+        <translation>{why} ({error})</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/standby/box_end.py"/>
+        <source>The standby is {standby} now, instead of {other}. If none of you paired it, a stranger has all results and passwords: pair your standby again, and give the teams new passwords</source>
+        <translation>Der Standby ist jetzt {standby} statt {other}. Wenn niemand von Ihnen ihn gekoppelt hat, hat ein Fremder alle Ergebnisse und Passwörter: Koppeln Sie Ihren Standby erneut, und geben Sie den Teams neue Passwörter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/standby/remote.py"/>
+        <source>the standby reports: {why}</source>
+        <translation>Der Standby meldet: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/standby/remote.py"/>
+        <source>box and standby have different versions of roah_rsbb. Install the same one on both</source>
+        <translation>Box und Standby haben verschiedene Versionen von roah_rsbb. Installieren Sie auf beiden dieselbe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/standby/remote.py"/>
+        <source>the standby answers nonsense ({error}). Install the same version there</source>
+        <translation>der Standby antwortet Unsinn ({error}). Installieren Sie dort dieselbe Version</translation>
     </message>
 </context>
 </TS>

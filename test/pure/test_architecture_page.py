@@ -124,3 +124,31 @@ def test_the_table_of_topics_has_all_that_the_core_publishes():
 
 def test_files_to_check_are_found():
     assert len(FILES) > 40 and len(METHODS) > 30 and len(CLASSES) > 15 and len(FUNCTIONS) > 5
+
+
+# -- budgets ------------------------------------------------------------------------------------------
+
+
+def budgets() -> Dict[str, int]:
+    """How many lines each folder may have, by the page."""
+    table = re.search(r"^### Budgets$(.*?)^## ", PAGE, re.MULTILINE | re.DOTALL).group(1)
+    rows = re.findall(r"^\| `(\S+)` \| ([\d,]+) \|$", table, re.MULTILINE)
+    return {name: int(number.replace(",", "")) for name, number in rows}
+
+
+def _lines(path: pathlib.Path) -> int:
+    return sum(len(one.read_text(encoding="utf-8").splitlines()) for one in path.rglob("*.py"))
+
+
+FOLDERS = sorted(path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name != "__pycache__")
+
+
+def test_each_folder_has_a_budget():
+    assert set(budgets()) == {*FOLDERS, "src", "test"}
+
+
+@pytest.mark.parametrize("folder", [*FOLDERS, "src", "test"])
+def test_a_folder_keeps_its_budget(folder):
+    """A failure? Delete something, or raise the number in the same change and say why in the commit."""
+    path = ROOT / folder if folder in ("src", "test") else PACKAGE / folder
+    assert _lines(path) <= budgets()[folder]

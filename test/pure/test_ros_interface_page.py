@@ -8,6 +8,8 @@ import pytest
 
 from roah_rsbb.core import run_log
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.fields import Number
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "ros_interface.md").read_text(encoding="utf-8")
@@ -74,3 +76,26 @@ def test_the_default_of_a_setting_is_what_the_page_says(name):
     said = re.search(rf"^\| `{name}` \| (\S+)", PAGE, re.MULTILINE).group(1)
     default = getattr(Settings(), name)
     assert said == (str(default).lower() if isinstance(default, bool) else f"{default:g}")
+
+
+# -- actions ------------------------------------------------------------------------------------------
+
+
+def _row(action):
+    """The line of an action in the table."""
+    fields = ", ".join(
+        f"`{field.name}` ({_kind(field)}{'' if field.required else '; optional'})" for field in action.fields)
+    return f"| `{action.name}`{'*' if action.aims else ''} | {action.label} | {fields} | {action.explanation} |"
+
+
+def _kind(field):
+    if isinstance(field, Number):
+        return f"{field.low} to {field.high} {field.unit}".strip()
+    return {"choice": ", ".join(getattr(field, "choices", ())), "toggle": "true or false"}.get(field.kind, field.kind)
+
+
+def test_the_table_of_actions_is_that_of_the_code():
+    """A failure? Copy the lines that it prints into the page."""
+    rows = ["| action | label | fields | |", "|---|---|---|---|", *map(_row, ACTIONS.values())]
+    table = re.search(r"^## .*?\n### Actions\n(.*?)^## ", PAGE, re.MULTILINE | re.DOTALL).group(1)
+    assert [line for line in table.splitlines() if line.startswith("|")] == rows, "\n" + "\n".join(rows)

@@ -169,6 +169,12 @@ async function give(name, texts, label, more = {}) {
   return answer.status === 200;
 }
 
+// What goes with an action: what is shown, and the values of its fields. A team is the one that is shown.
+function shownOf(zone, action, given = {}) {
+  const team = action.fields.some((field) => field.kind === "team") ? {team: zone.team} : {};
+  return {identity: zone.identity, event_id: action.aims ? zone.event_id : "", ...team, ...given};
+}
+
 // Why the box does not let STOP be pressed in a zone, and whether a robot may be moving there.
 function whyNoStop(name) {
   const zone = state.live && state.live.data["page.zone"];
@@ -232,7 +238,7 @@ function Now({zone, texts, judge}) {
       ${operation && html`<${Operation} key="${zone.identity} ${operation.number}" zone=${zone} texts=${texts} />`}
       ${!judge && zone.robots.length > 0 && html`<div class="controls">${zone.robots.map((robot) => html`
         <${Command} key=${robot} label=${texts.connect_robot.replace("{robot}", () => robot)}
-          act=${() => give("connect_robot", texts, robot, {robot})} />`)}</div>`}
+          act=${() => give("connect", texts, robot, shownOf(zone, texts.actions.connect, {robot}))} />`)}</div>`}
       ${marks.refused.map((mark) => html`<${RefusedMark} key=${mark.id} mark=${mark} marks=${marks} texts=${texts} />`)}
       <div role="status" key=${JSON.stringify([late, operation, mayContinue, zone.todo, zone.warnings, zone.state])}>
         ${late.map((mark) => html`<p class="alarm">${lateText(mark, texts)}</p>`)}
@@ -288,41 +294,86 @@ function Switches({zone, texts}) {
     </section>`;
 }
 
+// Commands that this page lays out itself, beside those that most runs do not need. All others are shown in a row that the
+// table of actions names, with a form if somebody must enter something.
+const PLACED = ["connect", "start", "disconnect", "stop"];
+const ENTERED = ["name", "text", "number", "choice", "toggle"];
+const FILLED = ["team"];
+
 function Commands({zone, texts}) {
-  const next = zone.leaving ? "" : {idle: "connect", connected: "start", ended: "leave"}[zone.phase];
-  const isOver = zone.phase === "ended";
-  const one = (name, more = {}) => ({
-    name, label: texts[name], question: texts.really, reasons: zone.off[name], isMain: name === next,
-    act: () => give(name, texts, texts[name]), ...more,
-  });
-  const twice = (name) => one(name, {isTwice: true, of: `${zone.event} ${zone.identity}`});
-  // A command that hits one team names it, and its event.
-  const ofTeam = (name) => ({
-    ...twice(name), act: () => give(name, texts, texts[name], {team: zone.team, event: zone.event_id}),
-  });
-  // One that leaves the run.
-  const leaves = (command) => ({...command, warning: isMoving(zone) ? zone.leaving : ""});
-  const resumes = zone.off.resume.length === 0;
+  const next = zone.leaving ? "" : {idle: "connect", connected: "start", ended: "disconnect"}[zone.phase];
+  const one = (name, more = {}) => {
+    const action = texts.actions[name];
+    return {
+      name, label: action.label, question: texts.really, reasons: zone.off[name] || [], isMain: name === next,
+      isTwice: action.careful, of: `${zone.event} ${zone.identity}`,
+      warning: action.leaves && isMoving(zone) ? zone.leaving : "",
+      act: () => give(name, texts, action.label, shownOf(zone, action)), ...more,
+    };
+  };
+  const others = Object.entries(texts.actions).filter(([name, {fields}]) => !PLACED.includes(name)
+    && name in zone.off && zone.shown[name] && fields.every(({kind}) => [...ENTERED, ...FILLED].includes(kind)));
+  const isForm = ([, {fields}]) => fields.some(({kind}) => ENTERED.includes(kind));
+  const cells = (row) => others.filter((other) => other[1].row === row && !isForm(other)).map(([name]) => one(name));
   return html`
     <section class="commands">
       <${Cells} commands=${[
         one("connect"),
-        isOver ? {...twice("start"), label: texts.continue, of: "again"} : one("start"),
-        leaves(one("leave", {isTwice: true, of: zone.identity,
-          act: () => give("leave", texts, texts.leave, {identity: zone.identity})})),
-        ...(zone.has_pause ? [one(resumes ? "resume" : "pause")] : []),
-        ...(zone.has_phases ? [one("previous_phase"), one("next_phase")] : []),
+        zone.phase === "ended" ? one("start", {isTwice: true, of: "again", label: texts.continue}) : one("start"),
+        one("disconnect"),
+        ...cells("clock"),
       ]} />
       <details>
         <summary class="short">${texts.more}</summary>
-        <${Cells} commands=${[twice("previous"), twice("next"), ofTeam("open_sheet"), ofTeam("no_show"),
-          leaves(ofTeam("withdrawn"))]} />
+        <${Cells} commands=${cells("more")} />
       </details>
+      ${others.filter(isForm).map(([name, action]) => html`
+        <details key=${name}>
+          <summary class="short">${action.label}</summary>
+          <${Form} key="${zone.event} ${zone.identity}" command=${one(name)} action=${action} zone=${zone} texts=${texts} />
+        </details>`)}
       <details>
         <summary class="short">${texts.stop_reason}</summary>
         <${Reason} key=${zone.identity} zone=${zone} texts=${texts} />
       </details>
     </section>`;
+}
+
+// The fields of an action.
+function Form({command, action, zone, texts}) {
+  const [given, setGiven] = useState({});
+  const fields = action.fields.filter(({kind}) => ENTERED.includes(kind));
+  const set = (name, value) => setGiven((before) => ({...before, [name]: value}));
+  const isMissing = fields.some(({name, required, kind}) => required && kind !== "toggle" && [undefined, ""].includes(given[name]));
+  const act = async () => {
+    if (await give(command.name, texts, action.label, shownOf(zone, action, given))) {
+      setGiven({});
+    }
+  };
+  return html`
+    <div class="form">
+      <p class="facts">${action.explanation}</p>
+      ${fields.map((field) => html`
+        <label key=${field.name}>${field.label}${field.unit ? ` (${field.unit})` : ""}
+          <${Input} field=${field} value=${given[field.name]} set=${(value) => set(field.name, value)} /></label>`)}
+      <${Command} name=${command.name} label=${action.label} act=${act}
+        reasons=${command.reasons.length > 0 || !isMissing ? command.reasons : [texts.fill_in]} />
+    </div>`;
+}
+
+function Input({field, value, set}) {
+  if (field.kind === "toggle") {
+    return html`<input type="checkbox" checked=${Boolean(value)} onChange=${(event) => set(event.target.checked)} />`;
+  }
+  if (field.kind === "choice") {
+    return html`<select value=${value || ""} onChange=${(event) => set(event.target.value)}>
+      ${["", ...field.choices].map((choice) => html`<option key=${choice} value=${choice}>${choice}</option>`)}</select>`;
+  }
+  if (field.kind === "number") {
+    return html`<input type="number" inputmode="numeric" min=${field.low} max=${field.high} value=${value === undefined ? "" : value}
+      onInput=${(event) => set(event.target.value === "" ? undefined : Math.trunc(Number(event.target.value)))} />`;
+  }
+  return html`<input maxlength=${field.characters || 200} value=${value || ""} onInput=${(event) => set(event.target.value)} />`;
 }
 
 function Reason({zone, texts}) {

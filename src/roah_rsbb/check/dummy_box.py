@@ -28,6 +28,7 @@ from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.core import effects
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import Effect
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, RequestKind, RunForModule
@@ -135,7 +136,7 @@ class DummyBox(NetworkDriver):
     async def _halt(self) -> None:
         """Stop the robot, and wait until it reports that it has stopped."""
         with contextlib.suppress(Refused):
-            self.event(self.box.command, ZONE, "stop")
+            self.event(self.box.act, Target(ZONE), "stop")
         await self._stopped()
 
     def scores(self) -> List[str]:
@@ -156,13 +157,10 @@ class DummyBox(NetworkDriver):
         """Press a button as soon as it is possible, and show why it is not."""
         shown: List[str] = []
         while self.gave_up is None:
-            reasons = self.box.commands.reasons_off(self.now(), self.box.zones[ZONE], command)
+            reasons = self.box.actions.off(self.now(), self.box.zones[ZONE], command)
             if not reasons:
                 with contextlib.suppress(Refused):
-                    if command == "connect" and robot:
-                        self.event(self.box.connect_robot, ZONE, robot)
-                    else:
-                        self.event(self.box.command, ZONE, command)
+                    self.event(self.box.act, Target(ZONE), command, "", {"robot": robot} if robot else {})
                     return
             if reasons != shown and "listening" not in "".join(reasons):
                 self._say(f"waiting to {command}: {'; '.join(map(escaped, reasons))}")
@@ -179,7 +177,7 @@ class DummyBox(NetworkDriver):
         for line in self.scores():
             self._say(line)
         with contextlib.suppress(Refused):
-            self.event(self.box.command, ZONE, "disconnect")
+            self.event(self.box.act, Target(ZONE), "disconnect", "", {"running": True})
 
     # -- test bed, module and manual operations --------------------------------------------------------
 

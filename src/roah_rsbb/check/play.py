@@ -16,6 +16,7 @@ from roah_rsbb.check.stalls import Stalls
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.modules.messages import OutcomeKind
 from roah_rsbb.core.referee import Refused
@@ -264,10 +265,8 @@ class Play:
         self.code = code
         unreadable = len(self.record.unreadable)
         began = self.loop.time()
-        if profile_of(code).kind.value == "all robots":
-            self.box.event(self.box.box.command, code, "connect")
-        else:
-            self.box.event(self.box.box.connect_robot, code, self.robot)
+        robot = {} if profile_of(code).kind.value == "all robots" else {"robot": self.robot}
+        self.box.event(self.box.box.act, Target(code), "connect", "", robot)
         if not await self.until(lambda: self.last is not None, ANSWER_S):
             if silence > LEAVE_S:
                 self._not_known()  # the robot was gone already, but the box still listed it
@@ -306,11 +305,12 @@ class Play:
         return max(beacon, reports[-1].mono if reports else self.began)
 
     def _may_connect(self, code: str) -> bool:
-        return not self.box.box.commands.reasons_off(self.box.now(), self.box.box.zones[code], "connect")
+        return not self.box.box.actions.off(self.box.now(), self.box.box.zones[code], "connect")
 
     def press(self, command: str) -> None:
         """Give a referee's command, such as "start", in the connected run. Raises Refused."""
-        self.box.event(self.box.box.command, self.code, command)
+        given = {"running": True} if command == "disconnect" else {}
+        self.box.event(self.box.box.act, Target(self.code), command, "", given)
 
     async def start(self, again: bool = False) -> None:
         """Start the run, and wait until the robot obeys. `again`: after a stop."""

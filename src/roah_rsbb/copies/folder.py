@@ -21,10 +21,16 @@ from roah_rsbb import durable
 from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent, Held, Part, crc_of, intact_size
 from roah_rsbb.journal import file as files
 from roah_rsbb.journal import log
+from roah_rsbb.model.reason import say
 
-_REMEDY = "Check the disk or stick of the copy"
-_NOT_SYNCED = ("its disk failed to save what was written. It is written again, and what was there before stays until "
-               "that is complete. If this happens again, replace the disk")
+_NOT_SYNCED = say("its disk failed to save what was written. It is written again, and what was there before stays "
+                  "until that is complete. If this happens again, replace the disk")
+_IN_USE = say("another core or copy uses the folder. Use another folder, or end that one")
+_FULL = say("the disk is full. Free space for {folder}")
+_FAILED = say("{error}. Check the disk or stick of the copy")
+_NOT_MOUNTED = say("the stick is not mounted. Plug it in again")
+_MISSING = say("the folder is missing. Plug the stick in again, or create the folder")
+_REMOVED, _REPLACED = say("it was removed. Plug the stick in again"), say("it was replaced. Plug the stick in again")
 # The file that says so may lack this much.
 CERTAIN_BYTES = 1 << 20
 # Segments in which an fsync failed, and that were not written again yet. Their drafts say so to later processes.
@@ -51,7 +57,7 @@ class Stick:
         except OSError:
             return  # the folder is missing, which is reported when it is opened
         if self._has_other_device and not has_other:
-            raise CannotWriteCopy("the stick is not mounted. Plug it in again")
+            raise CannotWriteCopy(_NOT_MOUNTED)
         self._has_other_device = has_other
 
 
@@ -67,7 +73,7 @@ class CopyFolder(Copy):
         self._lock: Optional[files.Lock] = None
         with self._writing():
             if not os.path.isdir(folder):
-                raise CannotWriteCopy("the folder is missing. Plug the stick in again, or create the folder")
+                raise CannotWriteCopy(_MISSING)
             self._lock = files.lock(folder)
             self._file = files.identity(f"{self.path}.lock")
             try:
@@ -86,7 +92,7 @@ class CopyFolder(Copy):
     def check(self) -> None:
         """Raise `CannotWriteCopy` if the path no longer leads to this copy."""
         if not os.path.isdir(self.path) or files.identity(f"{self.path}.lock") != self._file:
-            raise CannotWriteCopy("it was removed. Plug the stick in again")
+            raise CannotWriteCopy(_REMOVED)
 
     def write_files(self, beside: FileContent) -> None:
         """Replace files beside the journal. They are on the disk when this returns. Raises `CannotWriteCopy`."""
@@ -150,11 +156,11 @@ class CopyFolder(Copy):
         try:
             yield
         except files.JournalInUse:
-            raise CannotWriteCopy("another core or copy uses the folder. Use another folder, or end that one") from None
+            raise CannotWriteCopy(_IN_USE) from None
         except (files.CannotWriteJournal, OSError) as error:
             if durable.is_full(error):
-                raise CannotWriteCopy(f"the disk is full. Free space for {self._place}") from None
-            raise CannotWriteCopy(f"{getattr(error, 'strerror', None) or error}. {_REMEDY}") from None
+                raise CannotWriteCopy(_FULL(folder=self._place)) from None
+            raise CannotWriteCopy(_FAILED(error=getattr(error, "strerror", None) or str(error))) from None
 
 
 def drop_drafts(folder: str) -> bool:
@@ -170,7 +176,7 @@ def _put(fd: int, part: Part) -> None:
     """Write a part into a file, which ends with it. Raises OSError or `CannotWriteCopy`."""
     size, end = os.fstat(fd).st_size, part.at + len(part.content)
     if size < part.at:
-        raise CannotWriteCopy("it was replaced. Plug the stick in again")
+        raise CannotWriteCopy(_REPLACED)
     log.Files.write(fd, part.content, part.at)
     if size > end:
         os.ftruncate(fd, end)  # a torn end

@@ -85,7 +85,8 @@ class Follower:
         try:
             self._follow()
         except (CannotReadJournal, CannotWriteCopy) as error:
-            self.progress = self.progress._replace(trouble=str(error), missing_bytes=self._missing_bytes())
+            trouble = error.args[0] if error.args else str(error)
+            self.progress = self.progress._replace(trouble=trouble, missing_bytes=self._missing_bytes())
             self.close()
 
     def _work(self) -> None:

@@ -5,11 +5,13 @@ referee that is not possible now raises `Refused` and changes nothing.
 """
 
 import math
-from typing import Callable, List, Mapping, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, List, Mapping, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.core import effects
+from roah_rsbb.core.actions.record import CommandRecord
+from roah_rsbb.core.actions.table import NOTHING, Actions, Target
+from roah_rsbb.core.candidates import Candidates
 from roah_rsbb.core.clock import ClockWatch, Now
-from roah_rsbb.core.commands import CommandRecord, Commands, OfTeam
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.copies import Copies, CopyReport
 from roah_rsbb.core.effects import Effect, Level, Outbox
@@ -18,7 +20,7 @@ from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.messages import Beacon, DevicesState, RobotReport, TabletState
 from roah_rsbb.core.modules.desk import ModuleDesk
 from roah_rsbb.core.modules.presence import Modules
-from roah_rsbb.core.referee import Refused, RunName, cut_note
+from roah_rsbb.core.referee import Refused, cut_note
 from roah_rsbb.core.reload import Reload
 from roah_rsbb.core.restart.restart import BoxSaved, Restart, Saved
 from roah_rsbb.core.robots import ActiveRobots, RobotId
@@ -29,10 +31,14 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import EventKey, Zones, ZoneState
+from roah_rsbb.model.reason import say
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.rulebook.registry import DEVICES, TABLET
-from roah_rsbb.wording import superseded
+
+REPLAY = say("This is a replay of {run}: nothing here is live, and commands have no effect")
+SUPERSEDED = say("This box is superseded: the box at {address} has taken over. Nothing is sent to robots, and commands "
+                 "are refused. Use the panels of the other box")
 
 
 class Box:
@@ -72,8 +78,8 @@ class Box:
         self._reload = Reload(zones, self.robots, self.finished, self._connections, self.copies, outbox)
         self._restart = Restart(zones, self.finished, self._connections, self.watches, outbox)
         self._record = record = CommandRecord(zones, outbox)
-        self.commands = Commands(
-            settings, zones, self.robots, self.watches, self._connections, self.finished, record, outbox)
+        self.candidates = Candidates(settings, zones, self.robots, self.watches, self._connections, self.finished)
+        self.actions = Actions(self.candidates, self._connections, zones, record, outbox)
         self.scores = ScoreDesk(self.tick, zones, self.finished, record, outbox)
         self.judges = JudgeDesk(self.tick, self.scores, record, outbox)
         self.modules = ModuleDesk(self.tick, zones, self._modules, record)
@@ -227,7 +233,7 @@ class Box:
             return []
         zone = self.zones[zone_name]
         of_run = [] if zone.run is None else zone.run.warnings(now) + zone.run.times.warnings()
-        return of_run + self.commands.outsiders(now, zone)
+        return of_run + self.candidates.outsiders(now, zone)
 
     def link_samples(self, now: Now, unreadable: Mapping[int, int]) -> Tuple[Tuple[int, LinkSample], ...]:
         """Return the port of each robot in a run, and its link's quality since the last call. Call this once a second.
@@ -257,7 +263,7 @@ class Box:
 
     def begin_replay(self, run: str) -> None:
         """Show only earlier states of a run from now on. The only warning says so, and every command is refused."""
-        self._replay = f"This is a replay of {run}: nothing here is live, and commands have no effect"
+        self._replay = REPLAY(run=run)
         self._record.close(self._replay)
         self._connections.hears_beacons = False
 
@@ -282,8 +288,7 @@ class Box:
     def stay_superseded(self, by: str) -> None:
         """A standby took over before the restart. Nothing is sent, and the runs stay as they were."""
         self.superseded_by = by
-        self._superseded = (f"{superseded.PREFIX}: the box at {by} has taken over. Nothing is sent to robots, and "
-                            "commands are refused. Use the panels of the other box")
+        self._superseded = SUPERSEDED(address=by)
         self._record.close(self._superseded)
 
     # -- the organiser ------------------------------------------------------------------------------
@@ -305,27 +310,10 @@ class Box:
 
     # -- the referee --------------------------------------------------------------------------------
 
-    def command(
-        self, now: Now, zone_name: str, command: str, who: str = "", reason: str = "", of: Optional[OfTeam] = None,
-    ) -> None:
-        """Carry out one of `commands.COMMANDS`; see `Commands.give`. Raises `Refused`."""
+    def act(self, now: Now, target: Target, action: str, who: str = "", given: Mapping[str, Any] = NOTHING) -> None:
+        """Do one of `model.actions.ACTIONS`; see `Actions.do`. Raises `Refused`."""
         self.tick(now)
-        self.commands.give(now, zone_name, command, who, reason, of)
-
-    def connect_robot(self, now: Now, zone_name: str, robot: str, who: str = "") -> None:
-        """Connect this robot of the event's team; raises `Refused`."""
-        self.tick(now)
-        self.commands.connect_robot(now, zone_name, robot, who)
-
-    def leave_run(self, now: Now, name: RunName, who: str = "") -> None:
-        """Disconnect the named run unless it is running; raises `Refused`."""
-        self.tick(now)
-        self.commands.leave_run(now, name, who)
-
-    def choose_event(self, now: Now, zone_name: str, key: EventKey, unsigned: bool = False, who: str = "") -> None:
-        """Make this event the zone's current one; see `Commands.choose_event`. Raises `Refused`."""
-        self.tick(now)
-        self.commands.choose_event(now, zone_name, key, unsigned, who)
+        self.actions.do(now, target, action, who, given)
 
     # -- the network --------------------------------------------------------------------------------
 

@@ -4,9 +4,18 @@ from typing import Callable, List, NamedTuple, Sequence
 
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, TabletState
 from roah_rsbb.core.robots import RobotId
+from roah_rsbb.model.reason import joined, say
 from roah_rsbb.protocol import WireTime
 
 LAST_PORT = 65535
+NO_PORTS = say("All UDP ports up to {port} are used up: start the box with another log_dir, whose record of used ports "
+               "is empty, and if need be with a lower rsbb_port")
+FEW_PORTS = say("All UDP ports up to {port} but {left} are used up, and {number} robots need one each: start the box "
+                "with another log_dir, whose record of used ports is empty, and if need be with a lower rsbb_port")
+BIG_BEACON = say("The beacon may need {size} bytes with {more}, and robots may read only {most}: {remedies}, or raise "
+                 "max_datagram if all robots are known to read more")
+ONE_MORE, SEVERAL_MORE = say("one more robot"), say("{number} more robots")
+LEAVE_ONLY, END_A_RUN = say("leave only {number} of them switched on"), say("end another run first")
 # The documented firewall rules allow this many UDP ports from rsbb_port: 6666 to 7000.
 PORTS = 335
 # Every referee is warned when no more than this many runs are possible before the last port.
@@ -45,24 +54,19 @@ class Capacity(NamedTuple):
         left = LAST_PORT - self.last_port
         if count <= left:
             return []
-        lack = "are used up" if left <= 0 else f"but {left} are used up, and {count} robots need one each"
-        return [
-            f"All UDP ports up to {LAST_PORT} {lack}: start the box with another log_dir, whose "
-            "record of used ports is empty, and if need be with a lower rsbb_port"
-        ]
+        if left <= 0:
+            return [NO_PORTS(port=LAST_PORT)]
+        return [FEW_PORTS(port=LAST_PORT, left=left, number=count)]
 
     def _beacon_off(self, robots: Sequence[RobotId]) -> List[str]:
         size = self._size(robots) if robots else 0
         if size <= self.max_datagram:
             return []
-        more = "one more robot" if len(robots) == 1 else f"{len(robots)} more robots"
+        more = ONE_MORE if len(robots) == 1 else SEVERAL_MORE(number=len(robots))
         fitting = self._fitting(robots)
-        remedies = [f"leave only {fitting} of them switched on"] if fitting else []
-        remedies += ["end another run first"] if self.listed or not fitting else []
-        return [
-            f"The beacon may need {size} bytes with {more}, and robots may read only {self.max_datagram}: "
-            f"{', '.join(remedies)}, or raise max_datagram if all robots are known to read more"
-        ]
+        remedies: List[str] = [LEAVE_ONLY(number=fitting)] if fitting else []
+        remedies += [END_A_RUN] if self.listed or not fitting else []
+        return [BIG_BEACON(size=size, more=more, most=self.max_datagram, remedies=joined(remedies, ", "))]
 
     def _size(self, robots: Sequence[RobotId]) -> int:
         entries = (

@@ -7,6 +7,7 @@ lost"). They are known by the journal's tickets, which only rise.
 from typing import Dict, List, NamedTuple, Optional
 
 from roah_rsbb.core.clock import Now
+from roah_rsbb.model.reason import say
 from roah_rsbb.rulebook.benchmarks import Config, Durable
 
 # The place of the copy on a second computer.
@@ -19,19 +20,30 @@ SILENT_S = 10.0
 SYNC_S = 2.0
 # The beginning of the answer to an entry that the standby does not have yet.
 NOT_CONFIRMED = "not confirmed: "
+UNCONFIRMED = say("not confirmed: {why}. It counts, and is saved on this computer: do not enter it again. It is "
+                  "confirmed as soon as the standby has it")
+UNCONFIRMED_OLD = say("not confirmed: the box at {address} has taken over, and may not have this entry. Look there, "
+                      "and enter it there if it is missing")
+LAST_ENTRIES = say("NOT CONFIRMED: the standby does not have the last entries: {why}")
+ONE_COMPUTER = say("{why}. To continue with one computer, delete 'durable: two' in {place} and reload")
+NO_ANSWER = say("it did not answer within {time} s")
+NO_REPORT = say("node roah_rsbb_backup does not report. Check that it runs")
+NOT_COPIED = say("the journal of this core is not copied yet. If this lasts, start the node roah_rsbb_backup with the "
+                 "log_dir of the core")
+BEING_WRITTEN = say("the copy is being written. If this lasts, its disk or its connection is too slow")
+BEHIND = say("The copy of the journal ({place}) is {time} s behind: {why}")
+BEHIND_BY = say("The copy of the journal ({place}) is {time} s, {size} kB behind: {why}")
 NO_PORT = "{place}: 'durable: two' needs a standby: start the box with standby_port:=8083, or delete this line"
 
 
 def unconfirmed(why: str) -> str:
     """Return the answer to an entry that the standby does not have yet."""
-    return (f"{NOT_CONFIRMED}{why}. It counts, and is saved on this computer: do not enter it again. It is confirmed "
-            "as soon as the standby has it")
+    return UNCONFIRMED(why=why)
 
 
 def unconfirmed_by_old_box(by: str) -> str:
     """Return the answer to an entry that a box took just before another one, at this address, took over."""
-    return (f"{NOT_CONFIRMED}the box at {by} has taken over, and may not have this entry. Look there, and enter it "
-            "there if it is missing")
+    return UNCONFIRMED_OLD(address=by)
 
 
 class CopyReport(NamedTuple):
@@ -69,13 +81,12 @@ class _Copy:
         """Return why the copy is behind."""
         report = self.report
         if report is None or now.mono - self.heard_mono >= SILENT_S:
-            return "node roah_rsbb_backup does not report. Check that it runs"
+            return NO_REPORT
         if report.trouble:
             return report.trouble
         if not report.is_of_this_box:
-            return ("the journal of this core is not copied yet. If this lasts, start the node roah_rsbb_backup with "
-                    "the log_dir of the core")
-        return "the copy is being written. If this lasts, its disk or its connection is too slow"
+            return NOT_COPIED
+        return BEING_WRITTEN
 
 
 class Copies:
@@ -155,15 +166,15 @@ class Copies:
     def why_not_confirmed(self, now: Now) -> str:
         """Return why the standby does not have an entry, and what to do."""
         copy = self._copies[STANDBY]
-        why = f"it did not answer within {SYNC_S:g} s" if copy.is_connected(now) else copy.why_behind(now)
-        return f"{why}. To continue with one computer, delete 'durable: two' in {self._two_at} and reload"
+        why = NO_ANSWER(time=f"{SYNC_S:g}") if copy.is_connected(now) else copy.why_behind(now)
+        return ONE_COMPUTER(why=why, place=self._two_at)
 
     @property
     def _is_unconfirmed(self) -> bool:
         return self._given_up > self._answered
 
     def _not_confirmed(self, now: Now) -> str:
-        return f"NOT CONFIRMED: the standby does not have the last entries: {self.why_not_confirmed(now)}"
+        return LAST_ENTRIES(why=self.why_not_confirmed(now))
 
     # -- warnings -----------------------------------------------------------------------------------
 
@@ -186,6 +197,7 @@ class Copies:
         if place == STANDBY and self.are_two:
             return self._not_confirmed(now)
         missing = 0 if copy.report is None else copy.report.missing_bytes
-        size = f", {-(-missing // 1000)} kB" if missing else ""
-        return (f"The copy of the journal ({place}) is {now.mono - copy.complete_mono:.0f} s{size} behind: "
-                f"{copy.why_behind(now)}")
+        time, why = f"{now.mono - copy.complete_mono:.0f}", copy.why_behind(now)
+        if not missing:
+            return BEHIND(place=place, time=time, why=why)
+        return BEHIND_BY(place=place, time=time, size=-(-missing // 1000), why=why)

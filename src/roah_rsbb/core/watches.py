@@ -5,6 +5,7 @@ from typing import Dict, List, Optional, Tuple
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.robots import ActiveRobot, Squatter
 from roah_rsbb.core.tablet import HeardTablet
+from roah_rsbb.model.reason import Template, say
 from roah_rsbb.wording import times
 
 # A warning is shown for this long after its last cause.
@@ -16,6 +17,31 @@ TROUBLE_REMEMBER_S = 300.0
 MAX_KEPT = 20
 # If the clocks of two robots of one name differ by this much, the warning includes both skews.
 TWO_CLOCKS_S = 0.1
+
+ANOTHER_BOX = say("ANOTHER RSBB is transmitting from {address}, and robots obey both: stop it, or take that computer "
+                  "off the network")
+HELD = say("ANOTHER RSBB was heard at {address}, so this box sends nothing until you press connect. Stop the other box "
+           "first, or take that computer off the network if it is none of yours")
+# By whether the address is confirmed by its password, and whether their clocks differ.
+RIVALS: Dict[Tuple[bool, bool], Template] = {
+    (True, False): say(
+        "Two robots call themselves {robot}: {address} (confirmed by its password) and {others}. Connect and start use "
+        "the one that knows the password. Give the other one another robot_name, or take it off the network"),
+    (True, True): say(
+        "Two robots call themselves {robot}: {address} (confirmed by its password) and {others}. Connect and start use "
+        "the one that knows the password. Give the other one another robot_name, or take it off the network. Their "
+        "clocks differ: {skew} and {other}"),
+    (False, False): say(
+        "Two robots call themselves {robot}: {address} and {others}. Connect and start use the one that knows the "
+        "password. Give the other one another robot_name, or take it off the network"),
+    (False, True): say(
+        "Two robots call themselves {robot}: {address} and {others}. Connect and start use the one that knows the "
+        "password. Give the other one another robot_name, or take it off the network. Their clocks differ: {skew} and "
+        "{other}"),
+}
+TWO_CLOCKS = say("Beacons of {robot} from {address} show two clocks: somebody forges this address, or two programs "
+                 "there use the name. Start uses the clock of the one that knows the password. Find the other one and "
+                 "take it off the network")
 
 
 class Watches:
@@ -50,8 +76,7 @@ class Watches:
     def foreign_box(self, now: Now, host: str) -> Optional[str]:
         """Warn of another box that transmits: two boxes confuse every robot."""
         return self._keep(
-            now, ("box", host), f"ANOTHER RSBB is transmitting from {host}, and robots obey both: stop it, or take "
-            "that computer off the network", REMEMBER_S)
+            now, ("box", host), ANOTHER_BOX(address=host), REMEMBER_S)
 
     def hold(self, host: str) -> Optional[str]:
         """Send nothing, because of another box. The warning stays until `release`."""
@@ -63,8 +88,7 @@ class Watches:
         self._held_by = ""
 
     def _held_text(self) -> str:
-        return (f"ANOTHER RSBB was heard at {self._held_by}, so this box sends nothing until you press connect. Stop "
-                "the other box first, or take that computer off the network if it is none of yours")
+        return HELD(address=self._held_by)
 
     def rivals(self, now: Now, robot: ActiveRobot) -> Optional[str]:
         """Warn of several hosts that use one robot's name, if there are any."""
@@ -73,12 +97,11 @@ class Watches:
             return None
         hosts = sorted(rivals, key=lambda host: -rivals[host].mono)
         others = " and ".join(hosts[:2]) + (f" and {len(hosts) - 2} more" if len(hosts) > 2 else "")
-        confirmed = " (confirmed by its password)" if robot.host == robot.confirmed_host else ""
-        text = (f"Two robots call themselves {robot.id}: {robot.host}{confirmed} and {others}. Connect and start use "
-                "the one that knows the password. Give the other one another robot_name, or take it off the network")
         mine, theirs = robot.skew.seconds or 0.0, rivals[hosts[0]].skew
-        if abs(mine - theirs) >= TWO_CLOCKS_S:
-            text = f"{text}. Their clocks differ: {times.skew(mine)} and {times.skew(theirs)}"
+        differ = abs(mine - theirs) >= TWO_CLOCKS_S
+        skews = {"skew": times.skew(mine), "other": times.skew(theirs)} if differ else {}
+        text = RIVALS[robot.host == robot.confirmed_host, differ](
+            robot=str(robot.id), address=robot.host, others=others, **skews)
         return self._keep(now, ("rival", robot.id), text, REMEMBER_S)
 
     def two_clocks(self, now: Now, robot: ActiveRobot) -> Optional[str]:
@@ -87,9 +110,7 @@ class Watches:
             return None
         return self._keep(
             now, ("clocks", robot.id),
-            f"Beacons of {robot.id} from {robot.host} show two clocks: somebody forges this address, or two programs "
-            "there use the name. Start uses the clock of the one that knows the password. Find the other one and take "
-            "it off the network", REMEMBER_S)
+            TWO_CLOCKS(robot=str(robot.id), address=robot.host), REMEMBER_S)
 
     def squatter(self, now: Now, squatter: Squatter) -> Optional[str]:
         """Warn of a host that announces more robots than the list accepts."""

@@ -11,13 +11,15 @@ from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalitySta
 from roah_rsbb.core.runs.run import AllRobotsState, Run, RunState, ZoneRun, ZoneRunState
 from roah_rsbb.core.scoring.counting import is_attempt
 from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason, RunRecord
+from roah_rsbb.model.reason import say
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
-from roah_rsbb.rulebook.event_ids import EventKey, key_of
+from roah_rsbb.rulebook.event_ids import EventKey, key_of, known_by
 from roah_rsbb.wording.suggestions import did_you_mean
 
 # A scheduled time that was sent and converted may differ by less than this.
 SAME_TIME_S = 0.001
-NO_RUN = "No run is connected: press connect first"
+NO_RUN = say("No run is connected: press connect first")
+NO_ZONE = say("no zone '{zone}'{hint}")
 _THE_END = frozenset(reason.name.lower() for reason in RAN_TO_THE_END)
 
 
@@ -126,6 +128,12 @@ class Zone:
         if record.event and event.id:
             return record.event == event.id and is_attempt(record, event)
         return record.zone == self.name and self.place_of(key_of_record(record)) == self.index
+
+    def place_named(self, name: str) -> Optional[int]:
+        """Return the place of the event of that id; None: the zone has no such event. One that is not from a file has
+        the id that it would get in one."""
+        return next((place for place, event in enumerate(self.events) if name == (event.id or known_by(event, ()))),
+                    None)
 
     def move(self, by: int) -> None:
         """Go to another event of the schedule. Drop the last run's log, which belongs to the event before."""
@@ -275,7 +283,7 @@ class Zones(Dict[str, Zone]):
         """Return the zone of that name. Raises `Refused` with the existing names if there is none."""
         zone = self.get(name)
         if zone is None:
-            raise Refused([f"no zone '{name}'{did_you_mean(name, self)}"])
+            raise Refused([NO_ZONE(zone=name, hint=did_you_mean(name, self))])
         return zone
 
     def run_in(self, name: str) -> ZoneRun:

@@ -21,6 +21,8 @@ from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.durable import close_to_others
+from roah_rsbb.model import shown
+from roah_rsbb.model.reason import is_made
 from roah_rsbb.msg import CopyQuestion, CopyState
 from roah_rsbb.nodes.handover import Handover
 from roah_rsbb.nodes.standing_by import wait_for_takeover
@@ -67,7 +69,9 @@ class _Reported:
                           self.place, progress.aside)
             self._aside = progress.aside
         behind = math.inf if progress.complete_mono is None else time.monotonic() - progress.complete_mono
-        return CopyState(self.place, progress.journal, behind, progress.missing_bytes, progress.trouble, self._notice())
+        notice = self._notice()
+        return CopyState(self.place, progress.journal, behind, progress.missing_bytes, progress.trouble, notice,
+                         shown.said(filter(is_made, (progress.trouble, notice))))
 
 
 class BackupNode:

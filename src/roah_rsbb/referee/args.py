@@ -2,10 +2,12 @@
 
 import argparse
 import math
-from typing import Callable, Optional, Sequence, TypeVar
+from typing import Any, Callable, Dict, Optional, Sequence, TypeVar
 
-from roah_rsbb.arguments import Parser, number
+from roah_rsbb.arguments import Parser, number, read_by
 from roah_rsbb.core.judges.publication import MAX_OBJECTION_TIME_S
+from roah_rsbb.model.actions import ACTIONS, Action
+from roah_rsbb.model.fields import Field, Number, Team, Toggle
 from roah_rsbb.referee.answers import Operations
 from roah_rsbb.referee.words import BadWord, byte_of, event_wanted, score_wanted
 from roah_rsbb.wording.schedule import Show
@@ -32,26 +34,8 @@ _ZONE = "name of the zone, or the beginning of one name only; case does not matt
 
 _RUN = "a run that is over: 'last', or a part of its name ('runs' lists them)"
 
-_COMMANDS = {
-    "connect": "connect the robot of the zone's event",
-    "start": "start the run, also after a stop",
-    "disconnect": "leave the run; after a completed run the zone moves to its next event",
-    "previous": "go to the previous event of the zone's schedule",
-    "next": "go to the next event of the zone's schedule",
-    "pause": "pause the clock of the run, if the rules of the benchmark allow it; the robot continues",
-    "resume": "let the clock of the run continue",
-    "next-phase": "move the run to its next phase",
-    "previous-phase": "move the run back to the phase before",
-    "open-sheet": "begin a run without a robot: score by hand, start and stop the clock yourself",
-    "no-show": "record that the team did not appear, and leave the event",
-    "withdrawn": "record that the team withdrew, and leave the event",
-}
-
-
-# Those that name the team that they hit, and the number of words for it.
-_OF_TEAM = {"open-sheet": "?", "no-show": None, "withdrawn": None}
-# Those that leave a run.
-_LEAVING = ("disconnect", "withdrawn")
+# Actions that have a command of their own here, with other words.
+_PLACED = ("stop", "choose_event")
 
 
 def _formatter(prog: str) -> argparse.HelpFormatter:
@@ -72,16 +56,9 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(dest="command", metavar="COMMAND")
     _status(commands)
     _watch(commands)
-    for name, text in _COMMANDS.items():
-        one = _add(commands, name, text, [f"{PROG} {name} 'Home A'" + (" Beta" if name in _OF_TEAM else "")])
-        one.add_argument("zone", metavar="ZONE", help=_ZONE)
-        if name == "connect":
-            _robot(one)
-        if name in _OF_TEAM:
-            one.add_argument("team", metavar="TEAM", nargs=_OF_TEAM[name], default="",
-                             help="whom it hits: it is refused if the zone is at the event of another team")
-        if name in _LEAVING:
-            _leaving(one)
+    for action in ACTIONS.values():
+        if action.name not in _PLACED:
+            _action(commands, action)
     _stop(commands)
     _score(commands)
     _sheets(commands)
@@ -93,6 +70,57 @@ def parser() -> argparse.ArgumentParser:
     _reload(commands)
     _pairing(commands)
     return top
+
+
+def _action(commands, action: Action) -> None:
+    """Add an action of the table: what must be entered is a word, what may be is an option."""
+    words = " ".join(_EXAMPLES[field.kind] for field in action.fields if _is_word(field))
+    text = str(action.explanation)
+    one = _add(commands, action.words, text[0].lower() + text[1:], [f"{PROG} {action.words} 'Home A' {words}".rstrip()])
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    for field in action.fields:
+        label, read = str(field.label), read_by(field.parse)
+        if field.name in ALWAYS.get(action.name, {}):
+            continue
+        if _is_word(field):
+            optional: Dict[str, Any] = {} if field.required else {"nargs": "?", "default": ""}
+            one.add_argument(field.name, metavar=field.name.upper(), type=read, help=_word_help(field), **optional)
+        elif isinstance(field, Toggle):
+            one.add_argument(f"--{_dashed(field.name)}", dest=field.name, action="store_true", help=label)
+        else:
+            one.add_argument(f"--{_dashed(field.name)}", dest=field.name, metavar=field.name.upper(), type=read,
+                             default=field.nothing, help=label)
+    if action.leaves:
+        _leaving(one)
+
+
+# What whoever types an action means, without saying it: a run in progress is disconnected, too.
+ALWAYS: Dict[str, Dict[str, Any]] = {"disconnect": {"running": True}}
+# A word for each kind of field, in examples.
+_EXAMPLES = {"name": "r1", "text": "'the reason'", "number": "60", "choice": "yes", "toggle": "yes", "robot": "r1",
+             "team": "Beta", "event": "e1"}
+
+
+def _is_word(field: Field) -> bool:
+    return field.required or isinstance(field, Team)
+
+
+def _word_help(field: Field) -> str:
+    if isinstance(field, Team):
+        return "whom it hits: it is refused if the zone is at the event of another team"
+    if isinstance(field, Number):
+        return f"{field.label}: {field.low} to {field.high} {field.unit}".rstrip()
+    return str(field.label)
+
+
+def _dashed(name: str) -> str:
+    return name.replace("_", "-")
+
+
+def given_in(options: argparse.Namespace, action: Action) -> Dict[str, Any]:
+    """Return the values of an action's fields that were typed."""
+    typed = {field.name: getattr(options, field.name, field.nothing) for field in action.fields}
+    return {**{name: value for name, value in typed.items() if value not in ("", False)}, **ALWAYS.get(action.name, {})}
 
 
 def _add(commands, name: str, text: str, examples: Sequence[str]) -> argparse.ArgumentParser:

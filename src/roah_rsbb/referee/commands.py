@@ -7,8 +7,10 @@ import time
 from typing import Any, Callable, ContextManager, Dict, List, Optional, Tuple
 
 from roah_rsbb.core.referee import Refused
+from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.referee import judges, pairing, sheets, view
 from roah_rsbb.referee.answers import Keyboard, Operations
+from roah_rsbb.referee.args import given_in
 from roah_rsbb.referee.changes import Change, Follower
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.link import Link
@@ -114,20 +116,14 @@ def _stop(_link: Link, options: Any, output: Output) -> Exit:
     return status
 
 
-def _command(link: Link, options, output: Output) -> Exit:
+def _act(link: Link, options: Any, output: Output) -> Exit:
+    """Do an action of the table."""
+    action = ACTIONS[options.command.replace("-", "_")]
+    if action.leaves:
+        _check_stopped(link, options)
     name = _zone_name(link, options.zone)
-    link.command(options.command.replace("-", "_"), name)
+    link.act(action.name, name, given_in(options, action))
     return _say_done(link, name, output, options.command)
-
-
-def _disconnect(link: Link, options, output: Output) -> Exit:
-    _check_stopped(link, options)
-    return _command(link, options, output)
-
-
-def _withdrawn(link: Link, options, output: Output) -> Exit:
-    _check_stopped(link, options)
-    return _command_of(link, options, output)
 
 
 def _check_stopped(link: Link, options: Any) -> None:
@@ -141,20 +137,6 @@ def _check_stopped(link: Link, options: Any) -> None:
         zone = link.box.zone(name)
     if zone is not None and leaving(zone):
         raise Refused([f"{leaving(zone)}. Then give --yes"])
-
-
-def _command_of(link: Link, options, output: Output) -> Exit:
-    name = _zone_name(link, options.zone)
-    link.command_of(options.command.replace("-", "_"), name, options.team)
-    return _say_done(link, name, output, options.command)
-
-
-def _connect(link: Link, options, output: Output) -> Exit:
-    if not options.robot:
-        return _command(link, options, output)
-    name = _zone_name(link, options.zone)
-    link.connect_robot(name, options.robot)
-    return _say_done(link, name, output, "connect")
 
 
 def _say_done(link: Link, name: str, output: Output, command: str) -> Exit:
@@ -377,7 +359,8 @@ def _choose(link: Link, options: Any, output: Any) -> Exit:
     if options.event > len(own):
         raise BadWord(f"zone '{name}' has no event {options.event}: there are 1 to {len(own)} ('schedule' lists them)")
     _check_stopped(link, options)
-    link.choose_event(own[options.event - 1], options.unsigned)
+    event = own[options.event - 1]
+    link.act("choose_event", name, {"event": event.id, "team": event.team, "unsigned": options.unsigned})
     return _say_done(link, name, output, "choose")
 
 
@@ -427,10 +410,8 @@ def _reload_lines(answer: Any) -> List[str]:
 # -- all commands ---------------------------------------------------------------------------------
 
 COMMANDS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
-    "status": _status, "watch": _watch, "connect": _connect, "start": _command, "stop": _stop,
-    "disconnect": _disconnect, "previous": _command, "next": _command, "pause": _command, "resume": _command,
-    "next-phase": _command, "previous-phase": _command, "open-sheet": _command_of, "no-show": _command_of,
-    "withdrawn": _withdrawn, "score": _score, "runs": _runs, "sheet": _sheet,
+    **{action.words: _act for action in ACTIONS.values()},
+    "status": _status, "watch": _watch, "stop": _stop, "score": _score, "runs": _runs, "sheet": _sheet,
     "withdraw": _withdraw, "reason": _reason, "sign-off": _sign_off, "schedule": _schedule, "choose": _choose,
     "done": _done, "switches": _switches, "run": _run, "reload": _reload,
     "judges": judges.judges, "pair": pairing.pair, "devices": pairing.devices,

@@ -4,6 +4,7 @@ A master, a core or a service that does not answer must not stop the referee. Ev
 the error names what does not answer, with the remedy.
 """
 
+import json
 import os
 import time
 import uuid
@@ -19,7 +20,6 @@ from roah_rsbb.msg import (
     RunClocks,
     RunSheet,
     Schedule,
-    ScheduleEvent,
 )
 from roah_rsbb.referee import ros_client
 from roah_rsbb.referee.exits import NoCore
@@ -29,15 +29,13 @@ from roah_rsbb.referee.state import BoxSnapshot, SheetItem, box_of
 from roah_rsbb.referee.words import Entered
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import (
-    ChooseEvent,
-    ConnectRobot,
+    Act,
     DecideJudges,
     DecideJudgesRequest,
     GetClock,
     GetJudging,
     GetJudgingResponse,
     GetRunSheet,
-    LeaveRun,
     ManualOperationAnswer,
     MarkItem,
     MarkItemRequest,
@@ -56,7 +54,6 @@ from roah_rsbb.srv import (
     TeamCodes,
     TeamCodesResponse,
     Zone,
-    ZoneOfTeam,
     ZoneUInt8,
 )
 from roah_rsbb.wording.device import NO_WEB
@@ -241,38 +238,27 @@ class Link:
 
     # -- commands -----------------------------------------------------------------------------------
 
-    def command(self, command: str, zone: str) -> None:
-        """Give a command to a zone; raises `Refused` with the core's reasons, or `NoCore`."""
-        self._call(f"/core/{command}", Zone, zone)
-
-    def command_of(self, command: str, zone: str, team: str) -> None:
-        """Give a command that hits this team, which must be that of the zone's event; raises as `command` does."""
-        self._call(f"/core/{command}", ZoneOfTeam, zone, team, "")
-
-    def connect_robot(self, zone: str, robot: str) -> None:
-        """Connect this robot of the event's team; raises as `command` does."""
-        self._call("/core/connect_robot", ConnectRobot, zone, robot)
+    def act(self, action: str, zone: str, given: Optional[Dict[str, Any]] = None, run: str = "") -> None:
+        """Do one of `model.actions.ACTIONS` in a zone; raises `Refused` with the core's reasons, or `NoCore`. `given`:
+        the values of its fields; `run`: the identity of the run that is meant, empty: whichever is there."""
+        self._call("/core/act", Act, action, zone, run, "", json.dumps(given or {}))
 
     def stop_run(self, zone: str, identity: str) -> None:
-        """Stop the run of that identity; raises as `command` does."""
+        """Stop the run of that identity; raises as `act` does."""
         self._call("/core/stop_run", StopRun, zone, identity)
 
     def try_to_stop(self, zone: str) -> None:
-        """Try once to stop the run in a zone, soon; raises as `command` does. The link need not be open."""
+        """Try once to stop the run in a zone, soon; raises as `act` does. The link need not be open."""
         self._call("/core/stop_run", StopRun, zone, "", soon=True)
 
     def try_clock(self) -> Any:
-        """Return the core's clock, soon, for `shows_after`; raises as `command` does."""
+        """Return the core's clock, soon, for `shows_after`; raises as `act` does."""
         return self._call("/core/clock", GetClock, soon=True).clock
-
-    def leave_run(self, zone: str, identity: str) -> None:
-        """Disconnect the run of that identity, unless it is running; raises as `command` does."""
-        self._call("/core/leave_run", LeaveRun, zone, identity)
 
     def mark(
         self, zone: str, identity: str, item: SheetItem, entered: Optional[Entered], note: str = "", referee: str = ""
     ) -> None:
-        """Mark an item in the run of that identity. Raises as `command` does.
+        """Mark an item in the run of that identity. Raises as `act` does.
 
         `entered`: None if the robot did not try. The core applies the mark once, so it is sent again while the core
         does not answer, for example while it restarts.
@@ -297,7 +283,7 @@ class Link:
                 time.sleep(AGAIN_S)  # there is no event for the start of a core
 
     def withdraw(self, zone: str, identity: str, entry: int, note: str, referee: str) -> None:
-        """Withdraw an entry of the score sheet. An empty identity names the connected run. Raises as `command` does."""
+        """Withdraw an entry of the score sheet. An empty identity names the connected run. Raises as `act` does."""
         self._call("/core/score/withdraw", ScoreWithdraw, zone, identity, entry, note, referee)
 
     def give_reason(self, zone: str, identity: str, end: int, reason: str, referee: str) -> None:
@@ -309,7 +295,7 @@ class Link:
         self._call("/core/sign_off", SignOff, zone, identity, referee)
 
     def reload(self, digest: str, referee: str) -> ReloadResponse:
-        """Check the configuration files, or apply what was listed with this digest. Raises as `command` does."""
+        """Check the configuration files, or apply what was listed with this digest. Raises as `act` does."""
         return self._call("/core/reload", Reload, digest, referee)
 
     def run_sheet(self, zone: str, identity: str) -> RunSheet:
@@ -327,16 +313,16 @@ class Link:
         return [judging_of(one) for one in self._latched(JUDGING_TOPIC, Judgings).runs]
 
     def judging(self, zone: str, identity: str) -> GetJudgingResponse:
-        """Return what the head referee may see of a run; raises as `command` does."""
+        """Return what the head referee may see of a run; raises as `act` does."""
         return self._call("/core/judges", GetJudging, zone, identity, "")
 
     def decide(self, zone: str, identity: str, decision: DecideJudgesRequest) -> None:
-        """Send a decision of the head referee on a run; raises as `command` does."""
+        """Send a decision of the head referee on a run; raises as `act` does."""
         decision.zone, decision.identity = zone, identity
         self._call("/core/judges/decide", DecideJudges, *_fields(decision))
 
     def publication(self, zone: str, identity: str, asked: PublishResultRequest) -> None:
-        """Publish a result, enter an objection or answer it; raises as `command` does."""
+        """Publish a result, enter an objection or answer it; raises as `act` does."""
         asked.zone, asked.identity = zone, identity
         self._call("/core/publication", PublishResult, *_fields(asked))
 
@@ -345,11 +331,6 @@ class Link:
     def schedule(self) -> Schedule:
         """Return the schedule; raises `NoCore`."""
         return self._latched(SCHEDULE_TOPIC, Schedule)
-
-    def choose_event(self, event: ScheduleEvent, unsigned: bool) -> None:
-        """Make an event the current one of its zone; raises as `command` does."""
-        self._call("/core/choose_event", ChooseEvent, event.zone, event.code, event.team, event.round, event.run,
-                   event.schedule, unsigned, event.id)
 
     def _latched(self, topic: str, kind: type) -> Any:
         """Return the latched message of a topic; raises `NoCore`."""
@@ -370,37 +351,37 @@ class Link:
             raise NoCore(f"{topic} was not heard ({error}): {self._why_silent()}") from None
 
     def complete_operation(self, zone: str, operation: int, answer: str) -> None:
-        """Complete the manual operation of this number; 0: the current one. Raises as `command` does."""
+        """Complete the manual operation of this number; 0: the current one. Raises as `act` does."""
         self._call("/core/manual_operation_answer", ManualOperationAnswer, zone, operation, answer)
 
     def press_switch(self, zone: str, switch: int) -> None:
-        """HOMF: a switch changed; raises as `command` does."""
+        """HOMF: a switch changed; raises as `act` does."""
         self._call("/core/omf_switches/button", ZoneUInt8, zone, switch)
 
     def set_damaged(self, zone: str, damaged: int) -> None:
-        """HOMF: set the number of damaged switches; raises as `command` does."""
+        """HOMF: set the number of damaged switches; raises as `act` does."""
         self._call("/core/omf_switches/damaged", ZoneUInt8, zone, damaged)
 
     def confirm_switches(self, zone: str) -> None:
-        """HOMF: confirm what was entered; raises as `command` does."""
+        """HOMF: confirm what was entered; raises as `act` does."""
         self._call("/core/omf_switches/complete", Zone, zone)
 
     # -- phones and tablets ---------------------------------------------------------------------------
 
     def pair(self, role: str, zone: str) -> PairDeviceResponse:
-        """Return a code for a device; raises as `command` does."""
+        """Return a code for a device; raises as `act` does."""
         return self._call("/web/pair", PairDevice, role, zone, why=NO_WEB)
 
     def devices(self) -> List[PairedDevice]:
-        """Return the paired devices; raises as `command` does."""
+        """Return the paired devices; raises as `act` does."""
         return self._call("/web/sessions", PairedDevices, why=NO_WEB).devices
 
     def revoke(self, device: str) -> int:
-        """End the pairing of a device (empty: of all); returns how many. Raises as `command` does."""
+        """End the pairing of a device (empty: of all); returns how many. Raises as `act` does."""
         return self._call("/web/revoke", RevokeDevice, device, why=NO_WEB).revoked
 
     def team_codes(self, renew: bool) -> TeamCodesResponse:
-        """Return the codes of the teams, after giving them new ones if `renew`; raises as `command` does."""
+        """Return the codes of the teams, after giving them new ones if `renew`; raises as `act` does."""
         return self._call("/web/team_codes", TeamCodes, renew, why=NO_WEB)
 
     def _call(self, name: str, kind: type, *request: object, why: str = "", soon: bool = False) -> Any:

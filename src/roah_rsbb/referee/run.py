@@ -132,7 +132,7 @@ class RunScript:
     def _move(self, command: str) -> None:
         """Go to the next or previous event. If the core does not answer, wait for it; the zone stays at its event."""
         try:
-            self._link.command(command, self._plan.zone)
+            self._link.act(command, self._plan.zone)
         except NoCore as gone:
             self._note(f"waiting for the core: {gone}")
             self._until_heard(self._link.now() + GIVE_UP_S)
@@ -213,10 +213,8 @@ class RunScript:
         self._go_to(EventWanted(self._event.code, self._event.round, self._event.run, self._event.team))
 
     def _give(self, command: str) -> None:
-        if command == "connect" and self._plan.robot:
-            self._link.connect_robot(self._plan.zone, self._plan.robot)
-        else:
-            self._link.command(command, self._plan.zone)
+        robot = {"robot": self._plan.robot} if command == "connect" and self._plan.robot else {}
+        self._link.act(command, self._plan.zone, robot)
 
     def _resolve_scores(self) -> None:
         self._scores = []
@@ -294,7 +292,7 @@ class RunScript:
         is_waiting = False
         while True:
             try:
-                self._link.leave_run(self._plan.zone, self._run)
+                self._link.act("disconnect", self._plan.zone, run=self._run)
             except Refused as refused:
                 with contextlib.suppress(NoCore):
                     self._link.settle()

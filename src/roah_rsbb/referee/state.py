@@ -7,16 +7,10 @@ The names of the fields are the names in the JSON output (docs/referee.md) and n
 import json
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.model import shown
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.clock import clock_of, lines
 
-# The commands of the referee, and how the ROS interface spells their fields.
-COMMANDS = {
-    "connect": "connect_off", "start": "start_off", "stop": "stop_off", "disconnect": "disconnect_off",
-    "previous": "prev_off", "next": "next_off",
-    **{name: f"{name}_off" for name in (
-        "pause", "resume", "next_phase", "previous_phase", "open_sheet", "no_show", "withdrawn")},
-}
 IDLE, CONNECTED, RUNNING, ENDED = "idle", "connected", "running", "ended"  # ZoneDetails.phase
 COMPLETED, STOPPED = "completed", "stopped"  # ZoneDetails.end_reason
 
@@ -263,7 +257,7 @@ def _zone(zone, details, run_times: RunTimes) -> ZoneSnapshot:
         messages_saved=details.messages_saved,
         manual_operation=zone.manual_operation,
         warnings=tuple(details.warnings),
-        off={command: list(getattr(details, field)) for command, field in COMMANDS.items()},
+        off={name: [str(reason) for reason in action.off] for name, action in shown.read(details.actions).items()},
         score=items_of(details.items),
         points=sheets.points_of(details.points),
         log_file=details.log_file,
@@ -276,7 +270,7 @@ def _zone(zone, details, run_times: RunTimes) -> ZoneSnapshot:
         by_hand=details.by_hand,
         attempt=details.attempt,
         attempts=details.attempts,
-        robots_to_choose=tuple(details.robots_to_choose),
+        robots_to_choose=shown.robots_to_choose(details),
         not_stopped=tuple(details.not_stopped),
         held=details.held,
         module_status=details.module_status,

@@ -15,6 +15,7 @@ from typing import Callable, List, Optional
 from roah_rsbb.copies.copy import CannotWriteCopy
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.model.reason import say
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.channel import TIMEOUT_S, Channel, Lost, box_context, wake
 from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage, Message
@@ -31,9 +32,13 @@ ACCEPT_AGAIN_S = 0.1
 MAX_NAME = 60
 # Referees are warned for this long of a standby that replaced another one.
 REPLACED_S = 1800.0
-_NOT_CONNECTED = "the standby is not connected. It connects by itself: check that it runs, and its cable"
-_NONE_YET = ("no standby is connected since this computer took over. Enter 'standby rejoin' on the computer that was "
-             "the box, or pair another computer")
+_NOT_CONNECTED = say("the standby is not connected. It connects by itself: check that it runs, and its cable")
+_NONE_YET = say("no standby is connected since this computer took over. Enter 'standby rejoin' on the computer that "
+                "was the box, or pair another computer")
+_NOT_PAIRED = say("no standby is paired yet. Enter on the box: {command}")
+_BROKEN = say("{why} ({error})")
+_REPLACED = say("The standby is {standby} now, instead of {other}. If none of you paired it, a stranger has all "
+                "results and passwords: pair your standby again, and give the teams new passwords")
 
 
 class BoxEnd:
@@ -93,8 +98,7 @@ class BoxEnd:
         standby = self._standby
         if not self.is_paired or not self._is_replaced_lately(standby):
             return ""
-        return (f"The standby is {standby.described} now, instead of {standby.replaced}. If none of you paired it, a "
-                "stranger has all results and passwords: pair your standby again, and give the teams new passwords")
+        return _REPLACED(standby=standby.described, other=standby.replaced)
 
     def close(self) -> None:
         """End all connections."""
@@ -109,7 +113,7 @@ class BoxEnd:
         with self._lock:
             channel = self._channel
         if not self.is_paired:
-            raise CannotWriteCopy(f"no standby is paired yet. Enter on the box: {codes.command(self._log_dir)}")
+            raise CannotWriteCopy(_NOT_PAIRED(command=codes.command(self._log_dir)))
         if channel is None:
             raise CannotWriteCopy(_NONE_YET if self._standby.is_awaited else _NOT_CONNECTED)
         return RemoteCopy(lambda message: self._ask(channel, message), core=self._core, on_taken=self._on_taken)
@@ -120,7 +124,7 @@ class BoxEnd:
             return channel.receive()
         except (Lost, BadMessage) as error:
             self._drop(channel)
-            raise CannotWriteCopy(f"{_NOT_CONNECTED} ({error})") from None
+            raise CannotWriteCopy(_BROKEN(why=_NOT_CONNECTED, error=str(error))) from None
 
     # -- strangers, each in a thread ----------------------------------------------------------------
 

@@ -7,6 +7,7 @@ from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent, Part
 from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.journal import log
 from roah_rsbb.journal.file import boot_id
+from roah_rsbb.model.reason import decode, encode, say
 from roah_rsbb.standby.clocks import ClockDifference
 from roah_rsbb.standby.messages import BadMessage, Message, files_of, held_of, part_of
 
@@ -17,6 +18,10 @@ VERSION = (3, log.VERSION)
 BEAT_S = 0.5
 # In an answer: the standby becomes the box.
 TAKES_OVER = "takes_over"
+
+_REPORTS = say("the standby reports: {why}")
+_VERSIONS = say("box and standby have different versions of roah_rsbb. Install the same one on both")
+_NONSENSE = say("the standby answers nonsense ({error}). Install the same version there")
 
 
 class CoreState(NamedTuple):
@@ -69,7 +74,7 @@ class RemoteCopy(Copy):
         try:
             self.open(held_of(answer))
         except BadMessage as error:
-            raise CannotWriteCopy(f"the standby answers nonsense ({error}). Install the same version there") from None
+            raise CannotWriteCopy(_NONSENSE(error=str(error))) from None
         self.aside = str(answer.get("aside", ""))
 
     def _ask(self, message: Message) -> Message:
@@ -77,7 +82,7 @@ class RemoteCopy(Copy):
         answer = self._ask_raw({**message, "utc": self._utc(), **self._said._asdict()})
         self._heard_mono = self._now()
         if "error" in answer:
-            raise CannotWriteCopy(f"the standby reports: {answer['error']}")
+            raise CannotWriteCopy(_REPORTS(why=decode(answer.get("reason", answer["error"]))))
         if answer.get(TAKES_OVER):
             self._on_taken()
         return answer
@@ -97,7 +102,7 @@ class Receiver:
         try:
             answer = self._carry_out(message)
         except CannotWriteCopy as error:
-            return {"error": str(error)}
+            return {"error": str(error), "reason": encode(error.args[0])}
         self._clocks.hear(_time_in(message), came)
         return answer
 
@@ -111,8 +116,7 @@ class Receiver:
         what = message.get("do")
         if what == OPEN:
             if message.get("version") != list(VERSION):
-                raise CannotWriteCopy("box and standby have different versions of roah_rsbb. Install the same one on "
-                                      "both")
+                raise CannotWriteCopy(_VERSIONS)
             self.close()
             self._copy = CopyFolder(self._folder)
             self._clocks = ClockDifference(self._folder, str(message.get("boot")))

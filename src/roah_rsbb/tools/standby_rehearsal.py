@@ -15,7 +15,7 @@ import threading
 import time
 from typing import Iterator, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.wording import superseded
+from roah_rsbb.core.box import SUPERSEDED
 
 BOX, STANDBY, ROBOT, BROADCAST = "127.0.0.21", "127.0.0.22", "127.0.0.23", "127.255.255.255"
 TEAM, PASSWORD, ZONE = "TestingTeam", "PASSWORD", "Testing TestingTeam"
@@ -152,7 +152,7 @@ def _rehearse(folder: str, cleanup: contextlib.ExitStack, ports: Ports) -> Itera
 
     began = time.monotonic()
     yield "The first box starts again"
-    mono, reason = box().wait(f"({superseded.PREFIX}.*)")
+    mono, reason = box().wait(f"({SUPERSEDED.template.partition(':')[0]}.*)")
     yield f"{mono - began:5.1f} s  {reason}"
 
 

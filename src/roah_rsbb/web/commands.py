@@ -2,22 +2,19 @@
 
 from typing import Any, Dict, NamedTuple, Optional, Tuple
 
+from roah_rsbb.model import fields as model_fields
+from roah_rsbb.model.actions import ACTIONS, STOP
 from roah_rsbb.web.pairing import JUDGE, Session
 
 MAX_TEXT = 500
 _MAX_WHOLE = 2**31 - 1
 
-# The commands of a run in progress, which the core knows by the same names.
-PLAIN = ("connect", "start", "previous", "next", "pause", "resume", "next_phase", "previous_phase", "confirm_switches")
-# Those that hit one team, which they name.
-OF_TEAM = ("open_sheet", "no_show", "withdrawn")
-# Each command, and the type of each of its fields.
+# What a page says of what it shows, with each action of the table: the run, and the event at which it is.
+SHOWN: Dict[str, type] = {"identity": str, "event_id": str}
+# Each command that is not in the table of actions, and the type of each of its fields.
 FIELDS: Dict[str, Dict[str, type]] = {
-    **{name: {} for name in PLAIN},
-    **{name: {"team": str, "event": str} for name in OF_TEAM},
-    "connect_robot": {"robot": str},
     "stop": {"identity": str},
-    "leave": {"identity": str},
+    "confirm_switches": {},
     "stop_reason": {"identity": str, "reason": str},
     "sign_off": {"identity": str},
     "sheet": {"identity": str},
@@ -35,7 +32,6 @@ FIELDS: Dict[str, Dict[str, type]] = {
     "switch": {"number": int},
     "damaged": {"number": int},
 }
-STOP = "stop"
 MARK = "mark"
 SET = 0  # MarkItem.SET
 SHEET = "sheet"
@@ -70,7 +66,8 @@ class Outcome(NamedTuple):
 
 def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:
     """Read a command; raises `BadCommand`. Fields that are missing are empty or 0."""
-    wanted = FIELDS.get(name)
+    action = None if name == STOP else ACTIONS.get(name)
+    wanted = FIELDS.get(name) if action is None else SHOWN
     zone = body.get("zone", "")
     if wanted is None or not isinstance(zone, str):
         raise BadCommand("There is no such command")
@@ -84,6 +81,12 @@ def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:
         if kind is str and not _is_encodable(value):
             raise BadCommand(f"{field} is no text")
         fields[field] = value
+    if action is not None:
+        given = {field.name: body[field.name] for field in action.fields if field.name in body}
+        try:
+            fields["given"] = model_fields.read(action.fields, given)
+        except model_fields.BadValue as bad:
+            raise BadCommand(str(bad)) from None
     return Command(name, zone, session, fields)
 
 

@@ -10,6 +10,7 @@ from roah_rsbb.web import documents, zone_documents
 from roah_rsbb.web.numbered import Document, Key, Numbered
 from roah_rsbb.web.store import Store
 from roah_rsbb.wording import team_page
+from roah_rsbb.wording.said import learn_details
 
 ZONE, CLOCK, ZONES = "page.zone", "page.clock", "page.zones"
 # What STOP needs, without a text: of a zone, or with "" of all zones.
@@ -60,6 +61,7 @@ class Desk(Numbered):
         names = {zone.zone for zone in details.zones}
         for key in [key for key in self._documents if key[0] == STOP and key[1:] and key[1] not in ("", *names)]:
             self._make_one(key, lambda: zone_documents.stop_page([], False))
+        learn_details(details)
         self._details = details
 
     def on_gui(self, mono: float, gui) -> None:
@@ -128,7 +130,7 @@ class Desk(Numbered):
             of_zone = details_of[zone_name]
             clock = next((one for one in (self._clocks.zones if self._clocks else ()) if one.zone == zone_name), None)
             self._make_one((ZONE, language, zone_name), lambda: zone_documents.zone_page(
-                zone, of_zone, details.warnings, clock, self._runs, self._judgings, gui.clock.to_sec()))
+                zone, of_zone, details.warnings, self._runs, self._judgings, gui.clock.to_sec()))
             if clock is not None and clock.identity == of_zone.identity:  # else that of this run has not come yet
                 passed_s = gui.clock.to_sec() - self._clocks.clock.to_sec()
                 self._make_one((CLOCK, language, zone_name), lambda: zone_documents.clock_page(clock, passed_s))

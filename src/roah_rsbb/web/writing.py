@@ -23,7 +23,7 @@ from roah_rsbb.web.zone_documents import own_sheet, sheet_page, side_by_side
 from roah_rsbb.wording import device
 from roah_rsbb.wording.device import role_text
 from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.sent import tr_sent
+from roah_rsbb.wording.said import tr_said
 
 # Browsers take a cookie with this prefix from encrypted pages only.
 COOKIE, ENCRYPTED_COOKIE = "roah_rsbb_session", "__Host-roah_rsbb_session"
@@ -214,7 +214,7 @@ class CommandHandler(FromOwnPage):
             return
         outcome = await self._server.command(command)
         with store.speaking(language):
-            reasons = [tr_sent(reason) for reason in outcome.reasons]
+            reasons = [tr_said(reason) for reason in outcome.reasons]
             if not outcome.is_known:
                 self.refuse(504, *reasons or [tr(device.NO_ANSWER)])
             elif reasons:

@@ -5,39 +5,34 @@ The functions work on anything with the fields of the messages. Texts are in the
 
 from typing import Any, Dict, Iterable, List, Optional
 
+from roah_rsbb.model import shown
 from roah_rsbb.web.documents import Data
 from roah_rsbb.wording import judging, sheets, stop, todo
 from roah_rsbb.wording.clock import Figure, clock_of
 from roah_rsbb.wording.counting import with_counting
-from roah_rsbb.wording.sent import tr_sent
+from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.times import Moments
 
-# The commands by their names here, and the fields of ZoneDetails with the reasons why they are off.
-OFF_FIELDS = {
-    "connect": "connect_off", "start": "start_off", "stop": "stop_off", "leave": "disconnect_off",
-    "previous": "prev_off", "next": "next_off",
-    **{name: f"{name}_off" for name in (
-        "pause", "resume", "next_phase", "previous_phase", "open_sheet", "no_show", "withdrawn")},
-}
 _MARKS = {"idle": "○", "connected": "●", "running": "▶", "ended": "■"}
 # Runs without judges that are over and not signed off. The page is no archive.
 MAX_UNSIGNED = 5
 
 
 def zone_page(
-    zone, details, box_warnings: Iterable[str], clock, runs: List[Any], judgings: List[Any], utc_s: float,
+    zone, details, box_warnings: Iterable[str], runs: List[Any], judgings: List[Any], utc_s: float,
 ) -> Data:
     """Return everything about a zone but its running times.
 
-    `zone`: ZoneState; `details`: ZoneDetails; `clock`: RunClock of the zone, or None; `runs`: RunSummary of all;
+    `zone`: ZoneState; `details`: ZoneDetails; `runs`: RunSummary of all;
     `judgings`: Judging of all.
     """
     unsigned = _unsigned(runs, judgings, zone.zone)
     task = todo.todo(zone, details)
-    reasons = [*details.connect_off, *details.start_off]  # the page shows them beside the commands
+    actions = shown.read(details.actions)
+    reasons = [*actions["connect"].off, *actions["start"].off]  # the page shows them beside the commands
     lines = [line for line in zone.state.split("\n") if line and line not in reasons]
     # Those of the zone first: a robot may be moving. The one that says what to do now is not repeated.
-    warnings = [tr_sent(text) for text in (
+    warnings = [tr_said(text) for text in (
         *(line[len(todo.WARNING):] for line in lines if line.startswith(todo.WARNING)), *box_warnings)]
     mark = _MARKS.get(details.phase, "–")
     moments = Moments(False)
@@ -57,11 +52,10 @@ def zone_page(
         "is_urgent": bool(task.urgency >= todo.Urgency.LOOK),
         "leaving": stop.leaving(details),
         "warnings": [text for text in warnings if text != task.text],
-        "state": [tr_sent(line) for line in lines if not line.startswith(todo.WARNING)],
-        "off": {name: [tr_sent(reason) for reason in getattr(details, field)] for name, field in OFF_FIELDS.items()},
-        "has_pause": bool(details.pause_allowed),
-        "has_phases": clock is not None and clock.phases > 0,
-        "robots": list(details.robots_to_choose),
+        "state": [tr_said(line) for line in lines if not line.startswith(todo.WARNING)],
+        "off": {name: [tr_said(reason) for reason in action.off] for name, action in actions.items()},
+        "shown": {name: action.shown for name, action in actions.items()},
+        "robots": list(shown.robots_to_choose(details)),
         "operation": _operation(zone, details),
         "switches": {"on": list(zone.omf_switches), "damaged": zone.omf_damaged, "to_confirm": bool(zone.omf_complete)}
         if zone.omf else None,
@@ -96,7 +90,7 @@ def stop_page(zones: Iterable[Any], has_all: bool) -> Data:
     """Return what STOP of a device needs, without a text. `zones`: ZoneDetails of those that it may stop; `has_all`:
     these are all zones."""
     return {"all": has_all, "zones": [
-        {"zone": zone.zone, "identity": zone.identity, "running": len(zone.stop_off) == 0,
+        {"zone": zone.zone, "identity": zone.identity, "running": zone.phase == "running",
          "by_hand": bool(zone.by_hand), "not_stopped": len(zone.not_stopped) > 0} for zone in zones]}
 
 

@@ -7,7 +7,7 @@ import enum
 from typing import List, NamedTuple, Optional
 
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.sent import tr_sent
+from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.times import countdown, elapsed
 
 SOON_S = 30.0
@@ -59,7 +59,7 @@ def clock_of(message, passed_s: float) -> Clock:
         goal = _left(tr("Goal: time left"), message.goal_limit.to_sec() - goal_spent_s, message.goal_counting)
     elif message.phase_number:
         goal = _phase(message, passed_s)
-    pause = f"{tr(PAUSED)}: {tr_sent(message.paused)}" if message.paused else ""
+    pause = f"{tr(PAUSED)}: {tr_said(message.paused)}" if message.paused else ""
     if not limit_s:
         return Clock(Figure(tr("Run: time used"), countdown(int(spent_s))), goal, pause)
     used = tr("Used: {time} of {limit}", time=countdown(int(spent_s)), limit=countdown(limit_s))

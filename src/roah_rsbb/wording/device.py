@@ -1,7 +1,8 @@
 """The texts of the pages for paired devices: phones and tablets of referees and judges (docs/web.md, "Pairing")."""
 
-from typing import Dict
+from typing import Any, Dict
 
+from roah_rsbb.model.actions import ACTIONS, Action
 from roah_rsbb.wording import judging, stop
 from roah_rsbb.wording.language import tr, tr_later
 
@@ -43,7 +44,16 @@ def encryption_text(url: str) -> str:
     return "" if url.startswith("https:") else tr(NOT_ENCRYPTED)
 
 
-def page_words() -> Dict[str, str]:
+def action_words(action: Action) -> Dict[str, Any]:
+    """Return what a page needs to show an action, in the language of the reader."""
+    return {
+        "label": tr(action.label), "explanation": tr(action.explanation), "careful": action.careful,
+        "leaves": action.leaves, "aims": action.aims, "row": action.row.value,
+        "fields": [{**field.form(), "label": tr(field.label)} for field in action.fields],
+    }
+
+
+def page_words() -> Dict[str, Any]:
     """Return the fixed texts of the pages, by the names that the pages use."""
     return {
         **{f"role_{name}": tr(text) for name, text in ROLES.items()},
@@ -91,16 +101,15 @@ def page_words() -> Dict[str, str]:
         "unlock": tr("Slide to unlock"),
         "others_quiet": tr("No other zone needs its referee"),
         "close": tr("Close"),
+        "fill_in": tr("Fill in the fields"),
         "really": tr("Press again: {command}", command="{command}"),
         "state": tr("State"), "commands": tr("Commands"), "more": tr("More commands"),
         "sheet": tr("Score sheet"), "time": tr("Time"),
-        "connect": tr("Connect"), "connect_robot": tr("Connect {robot}", robot="{robot}"), "start": tr("▶ START"),
+        "actions": {name: action_words(action) for name, action in ACTIONS.items()},
+        "connect_robot": tr("Connect {robot}", robot="{robot}"),
         "continue": tr("▶ Continue the run"),
         "may_continue": tr("Stopped by mistake? The rules allow a restart: it continues this run."),
-        "stop": tr("■ STOP"), "stop_all": tr("■ STOP ALL"), "hold": tr("hold"), "leave": tr("Disconnect"),
-        "previous": tr("◀ Previous"), "next": tr("Next ▶"), "pause": tr("‖ Pause"), "resume": tr("▶ Resume clock"),
-        "next_phase": tr("Next phase ▶"), "previous_phase": tr("◀ Phase"),
-        "open_sheet": tr("Score without a robot"), "no_show": tr("No-show"), "withdrawn": tr("Team withdrew"),
+        "stop": tr("■ STOP"), "stop_all": tr("■ STOP ALL"), "hold": tr("hold"),
         "stop_way": {way.value: tr(text, zone="{zone}") for way, text in stop.TEXTS.items()},
         "nothing_to_stop": tr("No run is in progress, so there is nothing to stop"),
         "not_stopped": tr("STOP was refused: {reasons}", reasons="{reasons}"),

@@ -4,9 +4,13 @@ import difflib
 import itertools
 from typing import Iterable, Optional
 
+from roah_rsbb.model.reason import say
+
 # Comparing takes long with many choices and long words. No competition has so many teams.
 MAX_CHOICES = 200
 MAX_WORD = 100
+
+DID_YOU_MEAN, THERE_IS = say(": did you mean '{choice}'?"), say(": there is {choices}")
 
 
 def nearest(word: str, choices: Iterable[str]) -> Optional[str]:
@@ -21,5 +25,5 @@ def did_you_mean(word: str, choices: Iterable[str]) -> str:
     choices = list(choices)
     near = nearest(word, choices)
     if near is not None:
-        return f": did you mean '{near}'?"
-    return ": there is " + ", ".join(f"'{choice}'" for choice in choices)
+        return DID_YOU_MEAN(choice=near)
+    return THERE_IS(choices=", ".join(f"'{choice}'" for choice in choices))

@@ -2,6 +2,5 @@
 
 from roah_rsbb.wording.language import tr_later
 
-PREFIX = "This box is superseded"  # of the core's warning and log line
 NOT_LIVE = tr_later("superseded: not live")
 NO_COMMANDS = tr_later("Another box has taken over: commands have no effect here")

@@ -5,9 +5,10 @@ The functions work on anything with the fields of CoreToGui, CoreDetails and Sch
 
 from typing import Any, Dict, List, Optional
 
+from roah_rsbb.model import shown
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.public import ALL_TEAMS, local_time
-from roah_rsbb.wording.sent import tr_sent
+from roah_rsbb.wording.said import tr_said
 
 _NOT_BEGUN = ("next", "later")
 
@@ -40,7 +41,7 @@ def _robot(robot, now: float) -> List[str]:
 
 def _zone(zone, details, now: float) -> str:
     if details.phase == "idle":
-        reasons = "; ".join(tr_sent(reason) for reason in details.connect_off)
+        reasons = "; ".join(tr_said(reason) for reason in shown.off(details, "connect"))
         if reasons:
             return tr("In zone {zone}, connect is off: {reasons}", zone=zone.zone, reasons=reasons)
         return tr("In zone {zone}, the robot can be connected now", zone=zone.zone)

@@ -7,8 +7,9 @@ ZoneDetails; ROS is not imported.
 import enum
 from typing import NamedTuple
 
+from roah_rsbb.model import shown
 from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.sent import tr_sent
+from roah_rsbb.wording.said import tr_said
 
 # How the core marks a line of a zone's state that is a warning.
 WARNING = "WARNING: "
@@ -40,7 +41,7 @@ def todo(zone, details) -> Todo:
         return Todo(
             Urgency.DO, tr("Enter and confirm the switches that the robot changed (OMF Switches)"), len(found))
     if found:
-        return Todo(Urgency.LOOK, tr_sent(found[0]), len(found))
+        return Todo(Urgency.LOOK, tr_said(found[0]), len(found))
     if details is not None and details.held:
         return Todo(Urgency.LOOK, tr("The benchmarking module is not running: the run is paused"))
     return _step(zone, details)
@@ -52,15 +53,15 @@ def _step(zone, details) -> Todo:
     if phase == "running":
         return Todo(Urgency.NONE, details.module_status or tr("The robot is working"))
     if phase == "connected":
-        return _when(zone.start_enabled, tr("Start is possible"), details.start_off)
+        return _when(zone.start_enabled, tr("Start is possible"), shown.off(details, "start"))
     if phase == "ended":
         return Todo(Urgency.POSSIBLE, tr("Score the run, then disconnect"))
     if phase == "idle":
-        return _when(zone.connect_enabled, tr("Connect is possible"), details.connect_off)
-    return Todo(Urgency.NONE, tr_sent(zone.state.partition("\n")[0]))
+        return _when(zone.connect_enabled, tr("Connect is possible"), shown.off(details, "connect"))
+    return Todo(Urgency.NONE, tr_said(zone.state.partition("\n")[0]))
 
 
 def _when(possible: bool, text: str, reasons) -> Todo:
     if possible:
         return Todo(Urgency.POSSIBLE, text)
-    return Todo(Urgency.NONE, tr("Wait: {reasons}", reasons="; ".join(map(tr_sent, reasons))))
+    return Todo(Urgency.NONE, tr("Wait: {reasons}", reasons="; ".join(map(tr_said, reasons))))

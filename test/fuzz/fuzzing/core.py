@@ -9,12 +9,13 @@ from fuzzing.frames import KEY
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
 from helpers.box_driver import BoxDriver, beacon_bytes
+from helpers.commands import COMMANDS, given_with
 from helpers.competition import competition, event
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.core import effects
+from roah_rsbb.core.actions import table
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.effects import RunOpened
 from roah_rsbb.core.link.link import HERE_S
 from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
@@ -234,7 +235,9 @@ class Play:
         )
 
     def _command(self) -> Step:
-        return self._event("command", self.reader.choice((*ZONES, "none")), self.reader.choice(sorted(COMMANDS)))
+        zone, command = self.reader.choice((*ZONES, "none")), self.reader.choice(sorted(COMMANDS))
+        given = given_with(command, self.reader.choice(("", *TEAMS)))
+        return self._event("act", table.Target(zone), command, "", given)
 
     def _score(self) -> Step:
         r = self.reader

@@ -9,6 +9,7 @@ from helpers.journaled import NO_LISTENING, JournaledDriver, box, two_zones
 from helpers.module_player import FakeModules, does_goal
 from roah_rsbb.box.journal import competition as events_of
 from roah_rsbb.core import effects, run_log
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import DevicesState, TabletState
 from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
@@ -328,7 +329,7 @@ def test_a_run_that_is_connected_is_not_among_those_that_are_over(tmp_path):
 def test_who_said_what(tmp_path):
     driver = box(tmp_path)
     robot = driver.connected("tbm")
-    driver.event(driver.box.command, "tbm", "start", "/referee_2")
+    driver.event(driver.box.act, Target("tbm"), "start", "/referee_2")
     entries = driver.journal.entries_of(robot.port)
     said = {entry.who for entry in entries if entry.kind == run_log.CLIENT_STATE}
     assert said == {robot.host}

@@ -3,15 +3,15 @@
 import pytest
 
 from helpers.box_driver import BoxDriver
+from helpers.commands import COMMANDS
 from helpers.competition import competition, event
 from roah_rsbb.core import effects
-from roah_rsbb.core.commands import COMMANDS
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.runs.run import IGNORES_STOP
 from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.core.zones import key_of
 from roah_rsbb.protocol import BoxState, RobotState
 
 
@@ -236,7 +236,7 @@ def test_a_robot_that_does_not_answer_stop_is_the_first_warning_and_the_reason_w
     assert driver.view().warnings[0] == IGNORES_STOP
     assert driver.view().warnings[1].startswith("The robot has disappeared")
     with pytest.raises(Refused, match=f"{IGNORES_STOP}; The run of HGTKMH"):
-        driver.event(driver.box.choose_event, "tbm", key_of(driver.box.zones["tbm"].events[1]))
+        driver.choose(1)
     robot.says(RobotState.STOP)
     assert driver.view().warnings == ()
     assert driver.off("stop") == ["The run is over: disconnect to leave it"]
@@ -341,17 +341,16 @@ def test_disconnect_ends_the_channel_without_a_last_message():
 def test_a_run_by_its_identity_is_left_unless_it_is_running():
     driver = BoxDriver(competition(tbm=["HGTKMH", "HWV"]))
     robot = driver.connected()
-    name = RunName("tbm", driver.run_in().identity)
+    shown = Target("tbm", driver.run_in().identity)
     driver.command("start")
     robot.executes()
     with pytest.raises(Refused, match="is running: stop it first"):
-        driver.event(driver.box.leave_run, name, "Anna")
+        driver.event(driver.box.act, shown, "disconnect", "Anna")
     driver.command("stop")
-    driver.event(driver.box.leave_run, name, "Anna")
+    driver.event(driver.box.act, shown, "disconnect", "Anna")
     assert driver.run_in() is None
     driver.run(2.0)
     driver.connected()
-    for other in (name, RunName("tbm")):
-        with pytest.raises(Refused, match="is not connected in zone 'tbm'"):
-            driver.event(driver.box.leave_run, other)
+    with pytest.raises(Refused, match="is not connected in zone 'tbm'"):
+        driver.event(driver.box.act, shown, "disconnect")
     assert driver.run_in().phase is Phase.CONNECTED

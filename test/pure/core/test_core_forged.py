@@ -8,6 +8,7 @@ from helpers.all_robots import all_robots_box
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition
 from helpers.linked_world import FakeLink, World, assert_legal
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.views import views
@@ -74,7 +75,7 @@ def test_a_robot_takes_part_in_a_run_of_all_robots_whatever_is_forged():
         forger.beacon()
         robot.beacon()
         driver.run(1.0)
-    assert driver.box.commands.outsiders(driver.now, driver.box.zones["tbm"]) == []
+    assert driver.box.candidates.outsiders(driver.now, driver.box.zones["tbm"]) == []
     driver.command("connect")
     assert [member.robot.robot for member in driver.run_in().members()] == ["r1"]
 
@@ -174,7 +175,7 @@ def test_a_robot_that_knows_the_password_is_connected_rather_than_an_invented_on
     ghost.beacon()
     driver.run(1.0)
     robot.beacon()
-    driver.event(driver.box.connect_robot, "tbm", robot.name)
+    driver.event(driver.box.act, Target("tbm"), "connect", "", {"robot": robot.name})
     robot.port = driver.run_in().port
     robot.says(RobotState.STOP)
     driver.command("disconnect")

@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from helpers.box_driver import BoxDriver
+from helpers.commands import COMMANDS
 from helpers.competition import TEAMS, UTC0, competition, event
 from helpers.examples import examples
 from helpers.linked_world import FakeLink, World, assert_legal
 from helpers.random_events import ZONES, apply_event, random_competition, random_events
 from roah_rsbb.core import effects
-from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.link.timeline import Timeline, Verdict
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.records import EndReason, Phase

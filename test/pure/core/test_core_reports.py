@@ -4,9 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from helpers.box_driver import BoxDriver
+from helpers.commands import COMMANDS
 from helpers.competition import competition, event
 from helpers.examples import examples
-from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import RobotState
@@ -59,7 +59,7 @@ class _Side:
             driver.event(driver.box.on_channel_failed, what[0], "in use")
         elif kind == "command":
             try:
-                driver.event(driver.box.command, *what)
+                driver.command(*reversed(what))
             except Refused:
                 return
         else:

@@ -3,8 +3,8 @@
 import pytest
 
 from helpers.box_driver import BoxDriver
+from helpers.commands import COMMANDS
 from roah_rsbb.core import effects
-from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.core.scoring.sheet import Mark

@@ -8,6 +8,7 @@ import pytest
 
 from fuzzing.core import CODES, HOSTS, Play
 from helpers.examples import ALL
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.messages import RobotReport, TabletState
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, ScoreValue
 from roah_rsbb.core.referee import Refused
@@ -44,7 +45,8 @@ def _round(driver, number):
         driver.event(box.modules.on_modules, ModulesState(f"node {name}", (ModuleInfo("HOPF", (name * 50,)),)))
         _progress(driver, name)
         with contextlib.suppress(Refused):
-            driver.event(box.command, "visitor", ("connect", "disconnect")[i % 2])
+            driver.event(box.act, Target("visitor"), ("connect", "disconnect")[i % 2], "",
+                             {"running": True} if i % 2 else {})
         views.ZoneViews(box).look(driver.now)
         views.box_status(box, driver.now)
 

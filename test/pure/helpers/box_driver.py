@@ -1,11 +1,12 @@
 """A Box in simulated time, which jumps from deadline to deadline, and robots that report what a test wants."""
 
-from helpers.competition import UTC0, competition
+from helpers.commands import given_with
+from helpers.competition import UTC0, competition, id_of
 from helpers.effect_rules import EffectRules
 from roah_rsbb.core import effects
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.commands import OF_TEAM, OfTeam
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.records import Phase
@@ -91,8 +92,17 @@ class BoxDriver:
 
     def command(self, command, zone="tbm"):
         """The referee presses a button; raises `Refused`. Those that hit a team name the one that is shown."""
-        of = OfTeam(self.box.zones[zone].event.team) if command in OF_TEAM and zone in self.box.zones else None
-        self.event(self.box.command, zone, command, "", "", of)
+        team = self.box.zones[zone].event.team if zone in self.box.zones else ""
+        self.event(self.box.act, Target(zone), command, "", given_with(command, team))
+
+    def choose(self, place, zone="tbm", unsigned=False, who=""):
+        """The referee chooses an event of the schedule, by its place in it; raises `Refused`."""
+        self.choose_id(id_of(self.box.zones[zone].events[place]), zone, unsigned, who)
+
+    def choose_id(self, event_id, zone="tbm", unsigned=False, who="", team=""):
+        """The referee chooses an event of the schedule, by its id; raises `Refused`."""
+        given = {"event": event_id, "unsigned": unsigned, "team": team}
+        self.event(self.box.act, Target(zone), "choose_event", who, given)
 
     def score(self, group, desc, value, zone="tbm"):
         """The referee marks a scoring item; raises `Refused`."""
@@ -130,7 +140,7 @@ class BoxDriver:
 
     def off(self, command, zone="tbm"):
         """Every reason why a button is off."""
-        return self.box.commands.reasons_off(self.now, self.box.zones[zone], command)
+        return self.box.actions.off(self.now, self.box.zones[zone], command)
 
     def box_state(self, zone="tbm"):
         """The state that the box sends."""

@@ -2,6 +2,7 @@
 
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, StopRecord
 from roah_rsbb.rulebook.benchmarks import NO_RULES, Benchmark, Config, ScheduledEvent, ZonePlan
+from roah_rsbb.rulebook.event_ids import known_by
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 UTC0 = 1_800_000_000.0
@@ -22,6 +23,11 @@ def benchmark(code, timeout=600.0, total_timeout=None, scoring=SCORING, rules=NO
 def event(code="HGTKMH", team="Alpha", round=1, run=1, scheduled=UTC0, **of_benchmark):
     """An event of the schedule."""
     return ScheduledEvent(benchmark(code, **of_benchmark), team, round, run, scheduled)
+
+
+def id_of(event):
+    """The id of an event. One that is not from a file has the one that it would get there."""
+    return event.id or known_by(event, ())
 
 
 def competition(teams=TEAMS, **zones):

@@ -11,7 +11,7 @@ def _fits(kind, value):
     if kind is LogKind.UINT8:
         return type(value) is int and 0 <= value <= 255
     if kind is LogKind.STRING:
-        return type(value) is str
+        return isinstance(value, str)
     if kind is LogKind.SCORE:
         return [type(part) for part in value] == [str, str, int] and -2**31 <= value[2] < 2**31
     return value is None

@@ -7,8 +7,10 @@ stopped, restarted, never started, corrected or not signed off.
 import os
 import random
 
+from helpers.commands import given_with
 from helpers.config_files import SHIPPED
 from roah_rsbb.box import journal as core_journal
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
@@ -94,7 +96,7 @@ class _Competition:
         self._pass_time(max(1.0, began.mono + SLOT_S + self._random.uniform(-10.0, 30.0) - self._now.mono))
 
     def _start(self, zones):
-        while any(self._box.commands.reasons_off(self._now, self._box.zones[name], "start") for name in zones):
+        while any(self._box.actions.off(self._now, self._box.zones[name], "start") for name in zones):
             self._second()
         self._command("start", zones)
 
@@ -128,7 +130,7 @@ class _Competition:
             if run.message.state is BoxState.WAITING_RESULT:
                 self._report(run, RobotState.RESULT_TX)
         self._second()
-        self._command("stop", [name for name in zones if not self._box.commands.reasons_off(
+        self._command("stop", [name for name in zones if not self._box.actions.off(
             self._now, self._box.zones[name], "stop")])
 
     # -- the box ------------------------------------------------------------------------------------
@@ -141,7 +143,7 @@ class _Competition:
 
     def _command(self, command, zones=None):
         for zone in self._box.zones if zones is None else zones:
-            self._event(self._box.command, zone, command)
+            self._event(self._box.act, Target(zone), command, "", given_with(command))
 
     def _pass_time(self, seconds):
         self._now = self._now.later(seconds)

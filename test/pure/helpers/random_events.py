@@ -4,8 +4,9 @@ import operator
 
 from hypothesis import strategies as st
 
+from helpers.commands import COMMANDS, given_with
 from helpers.competition import TEAMS, competition, event
-from roah_rsbb.core.commands import COMMANDS
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.sheet import Mark
@@ -51,7 +52,8 @@ def random_events(draw):
     kind = draw(st.sampled_from(["command"] * 6 + ["report"] * 6 + ["beacon"] * 3 + ["score", "other", "pass", "set"]))
     zone = draw(st.sampled_from([*ZONES, "d"]))
     if kind == "command":
-        return "command", (zone, draw(st.sampled_from(sorted(COMMANDS))))
+        command = draw(st.sampled_from(sorted(COMMANDS)))
+        return "act", (Target(zone), command, "", given_with(command, draw(st.sampled_from([*TEAMS, ""]))))
     if kind == "report":
         return "on_robot_report", (
             draw(PORTS), draw(HOSTS), draw(_reports(st.none() | st.tuples(INT64, INT64))), draw(WAITED))

@@ -3,9 +3,9 @@
 from typing import Callable, Dict, List, Optional
 
 from roah_rsbb.core.referee import Refused
+from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.state import (
-    COMMANDS,
     CONNECTED,
     ENDED,
     IDLE,
@@ -45,7 +45,7 @@ def zone(**fields) -> ZoneSnapshot:
         zone="Home A", event=EVENTS[0], phase=IDLE, identity="", end_reason="", timer_s=600.0,
         state=("Robot ready",), robot="", port=0, box_state="", robot_state="", skew_s=None,
         last_message_utc_s=None, messages_saved=0, manual_operation="", warnings=(),
-        off={command: [] for command in COMMANDS}, score=(), log_file="", log="", online_data="",
+        off={command: [] for command in ACTIONS}, score=(), log_file="", log="", online_data="",
         times=RunTimes(("Time limit of the run 10:00",), "", 600.0, 0.0, False, 0, 60.0, 0.0, False, 0.0),
     )
     return default._replace(**fields)
@@ -201,11 +201,15 @@ class FakeLink:
             if self._details[0] > clock:
                 return self.box
 
-    def command(self, command: str, name: str) -> None:
-        """Carry a command out as the core would."""
-        self._call(command, name)
-        if self.zone.off[command]:
-            raise Refused(self.zone.off[command])
+    def act(self, action: str, name: str, given: Optional[dict] = None, run: str = "") -> None:
+        """Do an action as the core would: in this run, if one is named, and with this robot."""
+        self._call(action, name)
+        if run and run != self.zone.identity:
+            raise Refused([f"run {run} is not connected"])
+        if action == "disconnect" and self.zone.phase == RUNNING:
+            raise Refused([f"run {run} is running: stop it first"])
+        if self.zone.off[action]:
+            raise Refused(self.zone.off[action])
         {
             "connect": self.connect,
             "start": lambda: self.change(phase=RUNNING),
@@ -213,27 +217,15 @@ class FakeLink:
             "disconnect": lambda: self.change(**NO_RUN),
             "next": lambda: self._move(1),
             "previous": lambda: self._move(-1),
-        }[command]()
-
-    def connect_robot(self, name: str, robot: str) -> None:
-        """As the core: this robot, and no other one."""
-        self.command("connect", name)
-        self.change(robot=robot)
+        }[action]()
+        if given:
+            self.change(**given)
 
     def stop_run(self, name: str, identity: str) -> None:
         """As the core: only the run of that identity."""
         self._call("stop_run", name)
         if identity == self.zone.identity and self.zone.phase == RUNNING:
             self.end("stopped")
-
-    def leave_run(self, name: str, identity: str) -> None:
-        """As the core: only the run of that identity, and never a running one."""
-        self._call("leave_run", name)
-        if not identity or identity != self.zone.identity:
-            raise Refused([f"run {identity} is not connected"])
-        if self.zone.phase == RUNNING:
-            raise Refused([f"run {identity} is running: stop it first"])
-        self.change(**NO_RUN)
 
     def _call(self, command: str, name: str) -> None:
         assert name == self.zone.zone
@@ -296,5 +288,5 @@ class FakeLink:
             "previous": [] if idle and index > 0 else ["first event"],
             "next": [] if idle and index < len(EVENTS) - 1 else ["last event"],
         }
-        own = {command: own.get(command, ["Not in this test"]) for command in COMMANDS}
-        return fresh._replace(off={command: own[command] + extra.get(command, []) for command in COMMANDS})
+        own = {command: own.get(command, ["Not in this test"]) for command in ACTIONS}
+        return fresh._replace(off={command: own[command] + extra.get(command, []) for command in ACTIONS})

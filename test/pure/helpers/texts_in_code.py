@@ -11,7 +11,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 PACKAGE = ROOT / "src" / "roah_rsbb"
 # The folders whose texts windows show.
 FOLDERS = ("wording", "rqt")
-MARKS = ("tr", "tr_later")
+# What is shown in other languages: texts of windows, and reasons, wherever they are made.
+SAY = "say"
+MARKS = ("tr", "tr_later", SAY)
 
 # Calls whose texts no window shows: log lines, errors of programs, command lines, formats.
 NOT_SHOWN = {
@@ -70,7 +72,23 @@ def marked() -> Dict[str, str]:
     for path in files():
         for text in find_in(path).marked:
             found.setdefault(text.text, text.place)
+    for text in said():
+        found.setdefault(text.text, text.place)
     return found
+
+
+@functools.lru_cache(maxsize=None)
+def said() -> List[Text]:
+    """Return the templates of all reasons, in the order of the files, as often as they are registered."""
+    return [text for path in sorted(PACKAGE.rglob("*.py")) for text in _said_in(path)]
+
+
+def _said_in(path: pathlib.Path) -> List[Text]:
+    source = path.read_text(encoding="utf-8")
+    place = path.relative_to(PACKAGE).as_posix()
+    return [Text(node.args[0].value, place, node.lineno) for node in ast.walk(ast.parse(source))
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == SAY and node.args
+            and isinstance(node.args[0], ast.Constant)]
 
 
 def literals(source: str) -> List[str]:
@@ -155,7 +173,7 @@ class _Visitor(ast.NodeVisitor):
 
     def visit_Call(self, node: ast.Call) -> None:
         name = _name(node.func)
-        if name in MARKS:
+        if name in MARKS and not (name == SAY and isinstance(node.func, ast.Attribute)):  # a panel says something
             self._mark(node)
         elif name in NOT_SHOWN:
             self._skip(node.func)
@@ -253,7 +271,7 @@ def _constants(tree: ast.Module) -> Dict[str, FrozenSet[str]]:
         if not isinstance(node, (ast.Assign, ast.AnnAssign)) or node.value is None:
             continue
         inner = [one for one in ast.walk(node.value) if isinstance(one, ast.Call)]
-        later = [call.args[0] for call in inner if _name(call.func) == "tr_later"]
+        later = [call.args[0] for call in inner if _name(call.func) in ("tr_later", SAY) and call.args]
         for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
             if isinstance(target, ast.Name) and later:
                 texts = frozenset(one.value for one in later if isinstance(one, ast.Constant))

@@ -5,12 +5,13 @@ import os
 
 import pytest
 
+from helpers.commands import COMMANDS
 from helpers.competition import DOOR
 from helpers.journaled import NO_LISTENING, JournaledDriver
 from helpers.jury import Jury, judged
 from helpers.replayed import LOOK_S, ReplayedCompetition, SetClock
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.views import views
 from roah_rsbb.core.views.explained import explanations
@@ -20,7 +21,7 @@ from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuratio
 from roah_rsbb.wording.replay import PREFIX, is_replay
 
 # What depends on things that the journal does not have, or on the commands, which are off.
-NOT_COMPARED = {"off", "state", "warnings", "robots_to_choose", "module"}
+NOT_COMPARED = {"actions", "state", "warnings", "said", "module"}
 TIMES = {"timer", "clock", "robot"}
 CLOCK_TIMES = ("elapsed", "goal_elapsed", "setup_elapsed", "phase_elapsed", "after_stop")
 
@@ -120,10 +121,10 @@ def test_all_commands_are_refused_with_the_reason(played):
     reason = ("This is a replay of HCFGAC, team Alpha, round 1, run 1: nothing here is live, and commands have no "
               "effect")
     for view in views.ZoneViews(box.box).look(box.now):
-        assert view.off == ((reason,),) * len(COMMANDS)
+        assert [view.reasons_off(command) for command in COMMANDS] == [(reason,)] * len(COMMANDS)
     for command in COMMANDS:
         with pytest.raises(Refused) as refused:
-            box.box.commands.give(box.now, "tbm", command)
+            box.box.actions.do(box.now, Target("tbm"), command)
         assert refused.value.reasons == [reason]
     assert views.box_status(box.box, Now(0.0, 0.0)) == reason
     assert driver.troubles is not None

@@ -9,6 +9,7 @@ import pytest
 from helpers.competition import competition
 from roah_rsbb.comm import frame, sockets
 from roah_rsbb.comm.ciphers import Cipher, Key
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -74,10 +75,10 @@ class Field:
 
     def off(self, command):
         box = self.driver.box
-        return box.commands.reasons_off(self.driver.now(), box.zones["tbm"], command)
+        return box.actions.off(self.driver.now(), box.zones["tbm"], command)
 
     def press(self, command):
-        self.driver.event(self.driver.box.command, "tbm", command)
+        self.driver.event(self.driver.box.act, Target("tbm"), command)
 
 
 def _set(field, skew):

@@ -7,6 +7,7 @@ from helpers.simulated_air import Air, SimulatedLoop
 from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -42,7 +43,7 @@ def test_a_held_box_sends_no_beacon_until_a_robot_is_connected():
     robot_says()
     assert heard == []
     assert box.is_held
-    driver.event(box.command, "tbm", "connect")
+    driver.event(box.act, Target("tbm"), "connect")
     passes(0.5)
     assert set(heard) == {(pb.RoahRsbbBeacon, BOX)}
     passes(5.0)

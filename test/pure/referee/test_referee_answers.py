@@ -236,4 +236,4 @@ def test_a_run_that_needs_a_human_is_left():
     outcome, _ = _run(link, Operations.AUTOMATIC)
     assert outcome.status is Exit.NOT_COMPLETED
     assert "asked 10 times in a row: No pose" in outcome.text
-    assert link.commands[-2:] == ["stop_run", "leave_run"]
+    assert link.commands[-2:] == ["stop_run", "disconnect"]

@@ -32,7 +32,7 @@ def test_a_run_from_connect_to_disconnect(link):
     link.at(5, lambda: link.end("completed"))
     outcome, reported = _run(link)
     assert (outcome.status, outcome.text) == (Exit.OK, "the run is completed")
-    assert link.commands == ["connect", "start", "leave_run"]
+    assert link.commands == ["connect", "start", "disconnect"]
     assert outcome.zone.end_reason == "completed"
     assert [what for kind, what in reported if kind == "state"] == ["connected", "running", "ended", "idle"]
 
@@ -63,7 +63,7 @@ def test_a_start_that_stays_impossible_leaves_no_run_behind(link):
     link.block("start", "Skew")
     outcome, _ = _run(link, wait_s=3.0)
     assert (outcome.status, outcome.text) == (Exit.REFUSED, "refused: Skew")
-    assert link.commands == ["connect", "leave_run"]
+    assert link.commands == ["connect", "disconnect"]
 
 
 def test_a_refusal_although_the_button_was_on_is_waited_out(link):
@@ -109,7 +109,7 @@ def test_a_run_that_ends_otherwise_did_not_complete(link, reason, text):
     outcome, _ = _run(link)
     assert outcome.status is Exit.NOT_COMPLETED
     assert text in outcome.text
-    assert link.commands[-1] == "leave_run"
+    assert link.commands[-1] == "disconnect"
 
 
 def test_a_run_that_another_referee_stops_stays_for_that_one(link):
@@ -152,7 +152,7 @@ def test_scores_are_set_once_the_run_is_started(link):
 def test_a_wrong_score_is_reported_before_the_start(link, score, status):
     outcome, _ = _run(link, scores=(score,))
     assert outcome.status is status
-    assert link.commands == ["connect", "leave_run"]
+    assert link.commands == ["connect", "disconnect"]
 
 
 def test_a_score_that_cannot_be_set_does_not_end_the_run(link):
@@ -181,7 +181,7 @@ def test_the_zone_is_moved_to_the_event(link, start, wanted, run, steps):
     link.at(5, lambda: link.end("completed"))
     outcome, _ = _run(link, event=event_wanted(wanted))
     assert outcome.zone.event.run == run
-    assert link.commands == [*steps, "connect", "start", "leave_run"]
+    assert link.commands == [*steps, "connect", "start", "disconnect"]
 
 
 def test_an_event_that_is_not_there_leaves_the_zone_where_it_was(link):
@@ -203,7 +203,7 @@ def test_a_restart_on_the_way_to_the_event_is_waited_out(link):
     assert outcome.status is Exit.OK
     assert outcome.zone.event.code == "HCFGAC"
     assert [what for kind, what in reported if kind == "note"] == ["waiting for the core: silent"]
-    assert link.commands == ["next", "next", "next", "next", "next", "connect", "start", "leave_run"]
+    assert link.commands == ["next", "next", "next", "next", "next", "connect", "start", "disconnect"]
 
 
 def test_a_zone_that_another_referee_moves_is_not_connected(link):
@@ -226,7 +226,7 @@ def test_a_core_that_begins_at_its_first_event_again_is_moved_back(link):
     link.at(15, lambda: link.end("completed"))
     outcome, _ = _run(link)
     assert outcome.zone.event == EVENTS[2]
-    assert link.commands == ["next", "next", "connect", "start", "leave_run"]
+    assert link.commands == ["next", "next", "connect", "start", "disconnect"]
 
 
 def test_a_move_after_a_restart_is_another_referees(link):
@@ -265,7 +265,7 @@ def test_a_restart_before_the_start_loses_nothing(link):
     link.at(12, lambda: link.end("completed"))
     outcome, _ = _run(link, scores=(("door", "1"),))
     assert outcome.status is Exit.OK
-    assert link.commands == ["connect", "connect", "start", "leave_run"]
+    assert link.commands == ["connect", "connect", "start", "disconnect"]
     assert link.scores == {"Detects the door": 1}
 
 
@@ -293,7 +293,7 @@ def test_a_core_that_was_gone_and_then_refuses_is_a_refusal(link):
 
 @pytest.mark.parametrize("answers", [[None], [NoCore("gone"), None]])
 def test_a_core_lost_during_the_disconnect_is_awaited(link, answers):
-    link.answers["leave_run"] = answers
+    link.answers["disconnect"] = answers
     link.at(5, lambda: link.end("completed"))
     outcome, reported = _run(link)
     assert (outcome.status, outcome.text, link.zone.phase) == (Exit.OK, "the run is completed", "idle")
@@ -301,7 +301,7 @@ def test_a_core_lost_during_the_disconnect_is_awaited(link, answers):
 
 
 def test_a_core_that_disconnected_before_it_could_answer(link):
-    link.answers["leave_run"] = [NoCore("gone")]
+    link.answers["disconnect"] = [NoCore("gone")]
     link.at(5, lambda: link.end("completed"))
     link.at(6, link.restart)
     outcome, _ = _run(link)
@@ -309,7 +309,7 @@ def test_a_core_that_disconnected_before_it_could_answer(link):
 
 
 def test_a_run_that_could_not_be_disconnected_is_a_failure(link):
-    link.answers["leave_run"] = [NoCore("gone")] * 100
+    link.answers["disconnect"] = [NoCore("gone")] * 100
     link.at(5, lambda: link.end("completed"))
     outcome, _ = _run(link)
     assert outcome.status is Exit.NO_CORE
@@ -347,7 +347,7 @@ def test_an_interrupt_stops_the_run_and_leaves_it(link):
     link.at(5, _interrupt)
     outcome, _ = _run(link)
     assert (outcome.status, outcome.text) == (Exit.INTERRUPTED, "interrupted, the run was stopped")
-    assert link.commands == ["connect", "start", "stop_run", "leave_run"]
+    assert link.commands == ["connect", "start", "stop_run", "disconnect"]
     assert outcome.zone.end_reason == "stopped"
 
 
@@ -356,7 +356,7 @@ def test_an_interrupt_before_the_start_disconnects(link):
     link.at(5, _interrupt)
     outcome, _ = _run(link)
     assert outcome.status is Exit.INTERRUPTED
-    assert link.commands == ["connect", "leave_run"]
+    assert link.commands == ["connect", "disconnect"]
 
 
 def test_an_interrupt_before_connect_changes_nothing(link):
@@ -393,7 +393,7 @@ def test_details_that_are_always_late(link, late_s):
     link.at(8, lambda: link.end("completed"))
     outcome, reported = _run(link, scores=(("door", "1"),))
     assert (outcome.status, outcome.text) == (Exit.OK, "the run is completed")
-    assert link.commands == ["connect", "start", "leave_run"]
+    assert link.commands == ["connect", "start", "disconnect"]
     assert link.scores == {"Detects the door": 1}
     assert not [what for kind, what in reported if kind == "note"]
 
@@ -407,7 +407,7 @@ def test_details_of_any_delay(link, seed):
         link.at(link.time + 12, lambda: link.end("completed"))
         outcome, _ = _run(link, event=event_wanted("HCFGAC/1/4" if number == 2 else "HGTKMH"))
         assert (outcome.status, outcome.text) == (Exit.OK, "the run is completed")
-        assert (link.zone.phase, link.commands[-3:]) == ("idle", ["connect", "start", "leave_run"])
+        assert (link.zone.phase, link.commands[-3:]) == ("idle", ["connect", "start", "disconnect"])
 
 
 def test_late_details_of_a_refused_connect(link):
@@ -417,7 +417,7 @@ def test_late_details_of_a_refused_connect(link):
     outcome, _ = _run(link)
     assert outcome.status is Exit.REFUSED
     assert "another referee was quicker" in outcome.text
-    assert "leave_run" not in link.commands
+    assert "disconnect" not in link.commands
 
 
 # -- only its own run -----------------------------------------------------------------------------
@@ -539,7 +539,7 @@ def test_an_interrupted_run_is_left_when_its_robot_has_stopped(link):
     link.at(5.9, lambda: link.change(not_stopped=()))
     outcome, _ = _run(link)
     assert (outcome.status, outcome.text) == (Exit.INTERRUPTED, "interrupted, the run was stopped")
-    assert link.commands[-2:] == ["stop_run", "leave_run"]
+    assert link.commands[-2:] == ["stop_run", "disconnect"]
 
 
 def test_an_interrupted_run_whose_robot_does_not_stop_stays_connected(link):
@@ -571,7 +571,7 @@ def test_a_run_that_ended_by_itself_is_left_when_its_robot_has_stopped(link):
     link.at(5, lambda: link.change(phase="ended", end_reason="completed", not_stopped=("mbot",)))
     link.at(5.8, lambda: link.change(not_stopped=()))
     outcome, _ = _run(link)
-    assert (outcome.status, outcome.text, link.commands[-1]) == (Exit.OK, "the run is completed", "leave_run")
+    assert (outcome.status, outcome.text, link.commands[-1]) == (Exit.OK, "the run is completed", "disconnect")
 
 
 def test_a_core_that_falls_silent_while_its_robot_stops_does_not_end_the_script_with_a_fault(link):

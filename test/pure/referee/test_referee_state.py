@@ -6,10 +6,24 @@ from types import SimpleNamespace
 
 import pytest
 
+from helpers.commands import actions_text
 from helpers.referee_box import UTC0, box, robot, running_zone
+from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.fields import Choice
 from roah_rsbb.referee import sheets
-from roah_rsbb.referee import state as referee_state
-from roah_rsbb.referee.state import SheetItem, as_json, box_of
+from roah_rsbb.referee.state import (
+    BoxSnapshot,
+    EventSnapshot,
+    ManualOperation,
+    ModuleScoreLine,
+    RobotSnapshot,
+    RunTimes,
+    SheetItem,
+    SwitchesSnapshot,
+    ZoneSnapshot,
+    as_json,
+    box_of,
+)
 
 
 class Seconds(float):
@@ -56,8 +70,8 @@ def _details(**fields):
         "operation_choices": [], "operation_asks_text": False, "held": False, "module_status": "", "module_scores": [],
         "robots_preparing": 0, "robots_executing": 0, "robots_stopped": 0, "robots": [],
         "items": ITEMS, "points": SimpleNamespace(total="", groups=[]),
-        "by_hand": False, "attempt": 0, "attempts": 0, "robots_to_choose": [], "not_stopped": [],
-        **{field: [f"why no {field}"] for field in referee_state.COMMANDS.values()},
+        "by_hand": False, "attempt": 0, "attempts": 0, "not_stopped": [],
+        "actions": actions_text({name: [f"why no {name}"] for name in ACTIONS}),
     }
     return SimpleNamespace(box_uuid="u", warnings=["box"], zones=[SimpleNamespace(**{**default, **fields})])
 
@@ -81,8 +95,8 @@ def test_the_messages_make_one_snapshot():
     assert zone.event == ("HWV", "Name", "What", "T", 2, 3, UTC0 + 60, 600.0)
     assert (zone.phase, zone.port, zone.timer_s, zone.state) == ("running", 6667, 12.5, ("first", "second"))
     assert (zone.skew_s, zone.last_message_utc_s, zone.messages_saved) == (-0.15, UTC0 - 1, 7)
-    assert zone.off["previous"] == ["why no prev_off"]
-    assert zone.off["connect"] == ["why no connect_off"]
+    assert zone.off["previous"] == ["why no previous"]
+    assert zone.off["connect"] == ["why no connect"]
     assert zone.score == (
         SheetItem(1, "Good", "door", "bool", 1), SheetItem(2, "Good", "things", "uint", 3),
         SheetItem(3, "Bad", "bumps", "uint", 0),
@@ -193,9 +207,9 @@ def test_json_has_the_names_of_the_fields_all_the_way_down():
 def test_the_documentation_names_every_field():
     text = (pathlib.Path(__file__).resolve().parents[3] / "docs" / "referee.md").read_text(encoding="utf-8")
     kinds = (
-        referee_state.BoxSnapshot, referee_state.RobotSnapshot, referee_state.ZoneSnapshot, referee_state.EventSnapshot,
-        referee_state.SheetItem, referee_state.ManualOperation, referee_state.SwitchesSnapshot,
-        referee_state.ModuleScoreLine, referee_state.RunTimes, sheets.RunLine, sheets.Sheet, sheets.HistoryEntry,
+        BoxSnapshot, RobotSnapshot, ZoneSnapshot, EventSnapshot,
+        SheetItem, ManualOperation, SwitchesSnapshot,
+        ModuleScoreLine, RunTimes, sheets.RunLine, sheets.Sheet, sheets.HistoryEntry,
         sheets.RunEnd,
     )
     missing = [f"{kind.__name__}.{field}" for kind in kinds for field in kind._fields if f"`{field}`" not in text]
@@ -205,7 +219,9 @@ def test_the_documentation_names_every_field():
 def test_phases_setup_time_and_attempts_are_in_the_snapshot():
     clocks = _clocks(phases=3, phase_number=2, phase_name="Serve", phase_limit=Seconds(60), phase_elapsed=Seconds(10),
                      goal=0)
-    details = _details(by_hand=True, attempt=1, attempts=2, robots_to_choose=["a", "b"],
+    label = ACTIONS["connect"].fields[0].label
+    off, robots = {"no_show": ["why no no_show"]}, (Choice("robot", label, False, ("a", "b")),)
+    details = _details(by_hand=True, attempt=1, attempts=2, actions=actions_text(off, fields={"connect": robots}),
                        not_stopped=["a of team T"])
     zone, = box_of(_gui(_zone_state()), details, clocks).zones
     assert (zone.by_hand, zone.attempt, zone.attempts, zone.robots_to_choose) == (True, 1, 2, ("a", "b"))
@@ -216,4 +232,4 @@ def test_phases_setup_time_and_attempts_are_in_the_snapshot():
     setup = _clocks(phase="connected", setup_limit=Seconds(60), setup_elapsed=Seconds(10), setup_counting=True)
     zone, = box_of(_gui(_zone_state()), _details(phase="connected"), setup).zones
     assert (zone.times.setup_limit_s, zone.times.setup_elapsed_s, zone.times.setup_counting) == (60.0, 10.5, True)
-    assert zone.off["no_show"] == ["why no no_show_off"]
+    assert zone.off["no_show"] == ["why no no_show"]

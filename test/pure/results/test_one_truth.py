@@ -22,7 +22,6 @@ from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.counting import Choice, Why, attempts_of, rulings
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.core.views.schedule import schedule
-from roah_rsbb.core.zones import key_of
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.checklist import checklist
 from roah_rsbb.results.dataset import _run_rows
@@ -118,7 +117,7 @@ class Organised:
 
     def _choose(self, zone, place):
         events = self.driver.box.zones[zone].events
-        self.driver.event(self.driver.box.choose_event, zone, key_of(events[place % len(events)]), True)
+        self.driver.choose(place % len(events), zone, True)
 
     def _sign(self, number):
         found = self.driver.box.finished.records()

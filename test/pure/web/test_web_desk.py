@@ -5,11 +5,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from helpers.commands import actions_text
 from helpers.public_messages import NOW, Time
 from roah_rsbb.web import zone_documents
 from roah_rsbb.web.desk import NO_STOP, STOP, Desk
 from roah_rsbb.web.store import Store
-from roah_rsbb.web.zone_documents import OFF_FIELDS
 
 MONO = 50.0
 KEY = ("page.zone", "en", "Home")
@@ -27,13 +27,14 @@ def gui(clock=NOW, **of_zone):
 
 
 def details(**of_zone):
-    zone = dict(zone="Home", phase="running", end_reason="", identity="run 1", event="kx2", robot="R", by_hand=False,
-                held=False, module_status="", pause_allowed=False, robots_to_choose=[], operation=0,
-                operation_choices=[], operation_asks_text=False, not_stopped=["R"], items=[],
-                points=SimpleNamespace(total="", groups=[]),
-                **{field: [] for field in OFF_FIELDS.values()})
-    zone["start_off"] = ["Already started"]
-    return SimpleNamespace(warnings=[], zones=[SimpleNamespace(**{**zone, **of_zone})])
+    zone = {
+        "zone": "Home", "phase": "running", "end_reason": "", "identity": "run 1", "event": "kx2", "robot": "R",
+        "by_hand": False, "held": False, "module_status": "", "operation": 0, "said": "", "operation_choices": [],
+        "operation_asks_text": False, "not_stopped": ["R"], "items": [],
+        "points": SimpleNamespace(total="", groups=[]),
+        "actions": actions_text({"start": of_zone.pop("start_off", ["Already started"])}),
+    }
+    return SimpleNamespace(warnings=[], said="", zones=[SimpleNamespace(**{**zone, **of_zone})])
 
 
 def clocks(identity="run 1", elapsed=10.0, clock=NOW):
@@ -186,7 +187,7 @@ def test_stop_needs_three_values_and_no_text(desk):
     assert data(desk, (STOP, "Home")) == {"all": False, "zones": [
         {"zone": "Home", "identity": "run 1", "running": True, "by_hand": False, "not_stopped": True}]}
     assert data(desk, (STOP, ""))["all"] and data(desk, NO_STOP) == {"all": False, "zones": []}
-    desk.on_details(details(stop_off=["The run is over"], not_stopped=[]))
+    desk.on_details(details(phase="ended", not_stopped=[]))
     assert (data(desk, (STOP, ""))["zones"][0]["running"], data(desk, (STOP, "Home"))["zones"][0]["not_stopped"]) == (
         False, False)
 

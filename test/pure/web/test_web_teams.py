@@ -7,6 +7,7 @@ from urllib.parse import quote
 
 import pytest
 
+from helpers.commands import actions_text
 from helpers.http_clients import HOST, HttpClients
 from helpers.public_messages import NOW, Time, board, details, event, result, run, standing
 from roah_rsbb.web.kept_file import open_kept
@@ -34,9 +35,10 @@ def gui(team=TEAM, skew=0.25, heard=NOW - 2.0):
 
 
 def core_details(phase="idle", off=("Robot not active",), last=0.0):
-    zones = [SimpleNamespace(zone=name, phase=phase, connect_off=list(off), last_message=Time(last),
+    zones = [SimpleNamespace(zone=name, phase=phase, actions=actions_text({"connect": off}), said="",
+                             last_message=Time(last),
                              robot_state="EXECUTING") for name in ("Home", "Lab")]
-    return SimpleNamespace(zones=zones)
+    return SimpleNamespace(zones=zones, said="")
 
 
 # -- codes ------------------------------------------------------------------------------------------

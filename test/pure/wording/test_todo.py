@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+from helpers.commands import actions_text
 from roah_rsbb.wording.todo import Urgency, todo
 
 
@@ -12,7 +13,8 @@ def zone(**fields):
 
 
 def details(phase, **fields):
-    known = {"phase": phase, "held": False, "module_status": "", "start_off": [], "connect_off": []}
+    off = {"start": fields.pop("start_off", ()), "connect": fields.pop("connect_off", ())}
+    known = {"phase": phase, "held": False, "module_status": "", "actions": actions_text(off)}
     return SimpleNamespace(**{**known, **fields})
 
 

@@ -11,6 +11,8 @@ from support.programs import Program, own
 from support.robots import BOX, CONFIG
 from support.waiting import wait_until
 
+from roah_rsbb.model import shown
+
 EARLY_BOX, LATER_BOX = "127.0.0.5", "127.0.0.6"
 LISTENING_S = 5.0
 
@@ -47,7 +49,9 @@ class TestTwoBoxes(BoxCase):
         wait_until(lambda: warning in other.details.warnings, "so do all others")
         second.wait_printed("[ERROR]")
         self.robot("Zeta")
-        other.wait_details("Two boxes", lambda d: not d.connect_off, "it listened for long enough, and connects robots")
+        other.wait_details(
+            "Two boxes", lambda d: not shown.off(d, "connect"),
+            "it listened for long enough, and connects robots")
         self.assertNotIn(EARLY_BOX, {host for _, host in listener.heard}, "it only listened")
         self.assertFalse([warning for warning in self.box.details.warnings if EARLY_BOX in warning])
 

@@ -3,6 +3,7 @@
 Everything expected here is written out, because teams and referees rely on it: it never follows the code.
 """
 
+import json
 import unittest
 from typing import Optional
 
@@ -52,13 +53,8 @@ SERVICES = {
 }
 ZONE_COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next", "manual_operation_complete",
                  "omf_switches/complete")
-# Those of this package, for rules that the original does not know.
-OWN_COMMANDS = ("pause", "resume", "next_phase", "previous_phase")
-# … and that hit one team, which they name.
-TEAM_COMMANDS = ("open_sheet", "no_show", "withdrawn")
 CORE_SERVICES = {
-    **{f"/core/{command}": "roah_rsbb/Zone" for command in (*ZONE_COMMANDS, *OWN_COMMANDS)},
-    **{f"/core/{command}": "roah_rsbb/ZoneOfTeam" for command in TEAM_COMMANDS},
+    **{f"/core/{command}": "roah_rsbb/Zone" for command in ZONE_COMMANDS},
     "/core/set_score": "roah_rsbb/ZoneScore",
     "/core/omf_switches/damaged": "roah_rsbb/ZoneUInt8",
     "/core/omf_switches/button": "roah_rsbb/ZoneUInt8",
@@ -150,9 +146,9 @@ class TestSchedule(BoxCase):
     def events(self, schedule: Optional[msg.Schedule] = None) -> list:
         return [event for event in (schedule or self.heard[-1]).events if event.zone == self.ZONE]
 
-    def choose(self, event: msg.ScheduleEvent, **other: object) -> None:
-        fields = {name: getattr(event, name) for name in ("zone", "code", "team", "round", "run", "schedule")}
-        self.box.call("choose_event", srv.ChooseEvent, *{**fields, **other}.values(), False, "")
+    def choose(self, listed: msg.ScheduleEvent, **other: object) -> None:
+        fields = {"zone": listed.zone, "team": listed.team, "event": listed.id, **other}
+        self.box.call("act", srv.Act, "choose_event", fields.pop("zone"), "", "", json.dumps(fields))
 
     def test_an_event_is_chosen(self) -> None:
         schedule = self.heard[-1]
@@ -171,8 +167,8 @@ class TestSchedule(BoxCase):
 
     def test_an_event_that_is_not_in_the_schedule(self) -> None:
         event = self.events()[1]
-        for other, why in (({"team": "Nobody"}, "has no event"), ({"run": 9}, "has no event"),
-                           ({"zone": "x"}, "no zone 'x'"), ({"schedule": rospy.Time(1)}, "has no event")):
+        for other, why in (({"team": "Nobody"}, "is of team .* now"), ({"event": "e9"}, "has no event 'e9'"),
+                           ({"zone": "x"}, "no zone 'x'"), ({"event": ""}, "Event is missing")):
             with self.subTest(other), self.assertRaisesRegex(Refusal, why):
                 self.choose(event, **other)
         self.assertTrue(self.events()[0].current)
@@ -180,7 +176,7 @@ class TestSchedule(BoxCase):
 
 class TestServices(BoxCase):
     def test_names_and_types(self) -> None:
-        for name, kind in (*CORE_SERVICES.items(), ("/core/connect_robot", "roah_rsbb/ConnectRobot")):
+        for name, kind in (*CORE_SERVICES.items(), ("/core/act", "roah_rsbb/Act")):
             with self.subTest(name):
                 rospy.wait_for_service(name, 30)
                 self.assertEqual(rosservice.get_service_type(name), kind)
@@ -201,8 +197,7 @@ class TestServices(BoxCase):
     def test_an_unknown_zone_is_named_with_the_nearest_known(self) -> None:
         for name, kind in CORE_SERVICES.items():
             kind = getattr(srv, kind.split("/")[1])
-            rest = {srv.Zone: (), srv.ZoneScore: (Score("g", "d", 1),), srv.ZoneUInt8: (1,),
-                    srv.ZoneOfTeam: ("TestingTeam", "")}[kind]
+            rest = {srv.Zone: (), srv.ZoneScore: (Score("g", "d", 1),), srv.ZoneUInt8: (1,)}[kind]
             for zone, why in (("Task Benchmark", "no zone 'Task Benchmark': did you mean 'Task Benchmarks'?"),
                               ("", "no zone '': there is 'Testing TestingTeam', 'Task Benchmarks', "
                                    "'Functionality Benchmarks'")):

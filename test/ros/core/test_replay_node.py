@@ -20,6 +20,7 @@ from support.programs import Program, own, run
 from support.waiting import wait_until
 
 from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.model import shown
 from roah_rsbb.msg import CoreDetails, Judgings, PublicExplained
 from roah_rsbb.nodes.replay import live_core
 from roah_rsbb.wording.replay import PREFIX
@@ -87,7 +88,8 @@ class TestReplay(OwnCoreCase):
         phases = [phase for phase, _ in itertools.groupby(zone.phase for zone in zones)]
         self.assertEqual(phases, ["connected", "running", "ended", "idle"])
         for zone in zones:
-            self.assertEqual((zone.zone, zone.stop_off, zone.connect_off), ("Home", [REASON], [REASON]))
+            self.assertEqual((zone.zone, shown.off(zone, "stop"), shown.off(zone, "connect")),
+                             ("Home", (REASON,), (REASON,)))
         *_, ended = (zone for zone in zones if zone.phase == "ended")
         self.assertEqual((ended.identity, ended.end_reason, ended.robot_state), (identity, "stopped", "STOP"))
         self.assertEqual(messages[0].warnings, [REASON])

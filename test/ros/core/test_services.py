@@ -4,6 +4,7 @@ import unittest
 
 import rospy
 
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.copies import unconfirmed
 from roah_rsbb.core.referee import Refused, RunName
@@ -13,9 +14,9 @@ from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.msg import Score
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.srv import (
+    Act,
     GetClock,
     GetRunSheet,
-    LeaveRun,
     ManualOperationAnswer,
     MarkItem,
     MarkItemRequest,
@@ -62,8 +63,7 @@ class _Box:
     def __init__(self) -> None:
         self.happened = []
         self.refuses = False
-        self.command = _Part(self, "").command
-        self.leave_run = _Part(self, "").leave_run
+        self.act = _Part(self, "").act
         self.scores = _Part(self, "scores.")
         self.modules = _Part(self, "modules.")
 
@@ -125,11 +125,11 @@ class TestServices(unittest.TestCase):
         for name in ("connect", "disconnect", "start", "stop", "previous", "next"):
             with self.subTest(name):
                 self.box.happened = []
-                self.assertEqual(self.call(name, Zone, "Home"), [("command", NOW, "Home", name, self.node)])
+                given = {"running": True} if name == "disconnect" else {}
+                self.assertEqual(self.call(name, Zone, "Home"), [("act", NOW, Target("Home"), name, self.node, given)])
         for name, kind, request, event in (
             ("stop_run", StopRun, (RUN.identity,), ("scores.stop", NOW, RUN, self.node)),
-            ("leave_run", LeaveRun, (RUN.identity,), ("leave_run", NOW, RUN, self.node)),
-            ("stop_run", StopRun, ("",), ("scores.stop", NOW, RunName("Home"), self.node)),
+                        ("stop_run", StopRun, ("",), ("scores.stop", NOW, RunName("Home"), self.node)),
             ("manual_operation_complete", Zone, (), ("modules.complete_operation", NOW, "Home", 0, "", self.node)),
             ("manual_operation_answer", ManualOperationAnswer, (3, "yes"),
              ("modules.complete_operation", NOW, "Home", 3, "yes", self.node)),
@@ -141,6 +141,18 @@ class TestServices(unittest.TestCase):
                 self.box.happened = []
                 self.assertEqual(self.call(name, kind, "Home", *request), [event])
 
+    def test_an_action_has_the_run_and_the_event_that_its_caller_sees(self) -> None:
+        rospy.wait_for_service("/core/act", 30)
+        act = rospy.ServiceProxy("/core/act", Act)
+        act("no_show", "Home", RUN.identity, "e1", '{"team": "Alpha"}')
+        act("start", "Home", "", "", "")
+        self.assertEqual(self.box.happened, [
+            ("act", NOW, Target("Home", RUN.identity, "e1"), "no_show", self.node, {"team": "Alpha"}),
+            ("act", NOW, Target("Home"), "start", self.node, {})])
+        for broken in ("[]", "{", "7", "[" * 400):
+            with self.assertRaisesRegex(rospy.ServiceException, "not a JSON object, such as"):
+                act("start", "Home", "", "", broken)
+
     def test_what_a_referee_writes_down_is_on_the_standby_when_the_call_returns(self) -> None:
         type(self).waits = True
         self.addCleanup(setattr, type(self), "waits", False)
@@ -148,7 +160,7 @@ class TestServices(unittest.TestCase):
         self.assertEqual(self.call("sign_off", SignOff, "Home", RUN.identity, ""),
                          [event, "on disk", "on the standby"])
         self.box.happened = []
-        self.assertEqual(self.call("start", Zone, "Home"), [("command", NOW, "Home", "start", self.node)])
+        self.assertEqual(self.call("start", Zone, "Home"), [("act", NOW, Target("Home"), "start", self.node, {})])
 
     def test_what_a_referee_writes_down_is_on_the_disk_when_the_call_returns(self) -> None:
         named = f"Anna ({self.node})"

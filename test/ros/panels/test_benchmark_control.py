@@ -10,6 +10,7 @@ from support.gui_testing import QMessageBox, Qt, QTest, answer, click, limit, qu
 from support.panel_case import BUMPS, DOOR, PanelCase
 
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.model import shown
 from roah_rsbb.rqt.model import calls, model
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.widgets import basic
@@ -97,7 +98,7 @@ class TestBenchmarkControl(PanelCase):
 
     def test_one_of_several_robots_connects(self) -> None:
         wait_until(lambda: len(self.panel.more.robots) == 2, "both robots are listed")
-        robot = self.client.model.zone_details.robots_to_choose[1]
+        robot = shown.robots_to_choose(self.client.model.zone_details)[1]
         self.panel.more.robots[1].trigger()
         wait_until(lambda: self.client.model.zone_details.robot == robot, "this robot is connected")
         wait_until(lambda: not self.panel.more.robots, "there is no choice any more")

@@ -26,6 +26,7 @@ from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.judges import JudgesPanel
 
 ROS_TESTS = pathlib.Path(__file__).resolve().parents[1]
+PURE_TESTS = ROS_TESTS.parent / "pure"
 LAUNCH = ROS_TESTS.parents[1] / "launch"
 PYTHONPATH = os.environ["PYTHONPATH"]
 # The other cases in this folder open each panel but this one without a window around it, and
@@ -53,7 +54,8 @@ class TestPrograms(unittest.TestCase):
         return program
 
     def start_core(self) -> Program:
-        return self.start(sys.executable, "-m", "support.fakes.core", PYTHONPATH=f"{ROS_TESTS}:{PYTHONPATH}")
+        paths = f"{ROS_TESTS}:{PURE_TESTS}:{PYTHONPATH}"
+        return self.start(sys.executable, "-m", "support.fakes.core", PYTHONPATH=paths)
 
     def pid_of(self, node: str) -> int:
         return xmlrpc.client.ServerProxy(rosgraph.Master("/t").lookupNode(node)).getPid("/t")[2]

@@ -5,9 +5,10 @@ import unittest
 from typing import Any, Optional
 
 from helpers.box_driver import BoxDriver
+from helpers.commands import COMMANDS
 from helpers.competition import competition, event
-from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.views.public import PublicResults, public_view
+from roah_rsbb.model import shown
 from roah_rsbb.msg import CoreDetails, CoreToGui, RunClock, RunClocks, ZoneState
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.public_convert import public_details
@@ -200,9 +201,9 @@ class TestRules(unittest.TestCase):
                          (30.0, 4.0, True, 2))
         self.assertEqual(self.zone().timer.to_sec(), 26.0)
         details = received(self.messages.details(self.driver.now)).zones[0]
-        self.assertEqual((details.by_hand, details.pause_allowed), (True, True))
+        self.assertEqual((details.by_hand, shown.of(details, "pause").shown), (True, True))
         self.assertEqual((details.attempt, details.attempts), (1, 2))
-        self.assertEqual((details.no_show_off, details.pause_off), ([], ["No run is running"]))
+        self.assertEqual((shown.off(details, "no_show"), shown.off(details, "pause")), ((), ("No run is running",)))
         self.driver.command("start")
         self.driver.run(4.0)
         clock = self.clock()
@@ -216,4 +217,5 @@ class TestRules(unittest.TestCase):
         for name in ("r2", "r1"):
             self.driver.robot(name=name).beacon()
         self.zone()
-        self.assertEqual(set(received(self.messages.details(self.driver.now)).zones[0].robots_to_choose), {"r1", "r2"})
+        details = received(self.messages.details(self.driver.now)).zones[0]
+        self.assertEqual(set(shown.robots_to_choose(details)), {"r1", "r2"})

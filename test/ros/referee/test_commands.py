@@ -378,7 +378,7 @@ class TestRun(WithCore):
         self.assertEqual(run.wait_ended(), 0)
         self.assertEqual((result["ok"], result["end_reason"], result["event"]["code"]), (True, "completed", "HWV"))
         self.assertEqual(result["score"][0]["value"], 1)
-        self.assertEqual([call[0] for call in self.core.calls], ["next", "connect", "start", "score", "leave_run"])
+        self.assertEqual([call[0] for call in self.core.calls], ["next", "connect", "start", "score", "disconnect"])
 
     def test_its_text_ends_with_score_sheet_and_verdict(self) -> None:
         run = self.start("run", "Home A")
@@ -414,7 +414,7 @@ class TestRun(WithCore):
             run.signal(number)
             self.assertEqual(run.event("result")["end_reason"], "stopped")
             self.assertEqual(run.wait_ended(), 130)
-            self.assertEqual([call[0] for call in self.core.calls[-2:]], ["stop_run", "leave_run"])
+            self.assertEqual([call[0] for call in self.core.calls[-2:]], ["stop_run", "disconnect"])
 
     def test_a_terminal_that_is_closed_leaves_the_run_as_it_is(self) -> None:
         run = self._running()

@@ -300,7 +300,7 @@ class TestStopAtAPrompt(StopCase):
 
     def test_a_stop_while_the_start_hangs(self) -> None:
         """The core may carry out the start after the STOP."""
-        self.core.held = "command"
+        self.core.held = "act"
         run = self.terminal("run", "Home A")
         self.core.answer_gate.clear()
         wait_until(lambda: ("connect", "Home A") in self.core.calls, "connect is on its way")
@@ -352,7 +352,7 @@ class TestStopAtAPrompt(StopCase):
         self.running("Home A", "Home B")
         for word, zone in (("Stop home b", "Home B"), ("stop", "Home A")):
             with self.subTest(word=word):
-                self.core.held = "command"
+                self.core.held = "act"
                 self.core.answer_gate.clear()
                 pause = self.terminal("pause", "home a", **GERMAN)
                 pause.wait_shown("type 'stop'")

@@ -1,5 +1,6 @@
 """The core as a referee's program sees it: its topics, followed, and its services, called."""
 
+import json
 import re
 import time
 from typing import Any, Callable, ClassVar, List, Optional, TypeVar
@@ -7,10 +8,11 @@ from typing import Any, Callable, ClassVar, List, Optional, TypeVar
 import rospy
 from std_msgs.msg import Empty
 
-from roah_rsbb.core.commands import OF_TEAM
+from helpers.commands import given_with
+from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, Score, ZoneDetails, ZoneState
 from roah_rsbb.ros import refusals
-from roah_rsbb.srv import Zone, ZoneOfTeam, ZoneScore
+from roah_rsbb.srv import Act, Zone, ZoneScore
 from support.connections import wait_sends
 from support.waiting import LIMIT_S, happened, wait_until
 
@@ -153,11 +155,13 @@ class BoxClient:
 
     def command(self, command: str, zone: str) -> None:
         """Give a command to a zone; raises `Refusal`. Those that hit a team name the one that is shown."""
-        if command in OF_TEAM:
-            self.wait_current()
-            self.call(command, ZoneOfTeam, zone, self.last_zone(zone).team, self.last_details(zone).event)
-        else:
+        action = ACTIONS.get(command)
+        if action is None or action.is_original:
             self.call(command, Zone, zone)
+            return
+        self.wait_current()
+        event = self.last_details(zone).event if action.aims else ""
+        self.call("act", Act, command, zone, "", event, json.dumps(given_with(command, self.last_zone(zone).team)))
 
     def set_score(self, zone: str, group: str, desc: str, value: int) -> None:
         """Mark a scoring item; raises `Refusal`."""

@@ -221,7 +221,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertEqual({entry.who for entry in history}, {f"Anna, Linux ({GATEWAY})"})
         self.shot("ended", page)
         identity = self.box.zone_details(ZONE).identity
-        self.press_twice(page, "leave", "Press again")
+        self.press_twice(page, "disconnect", "Press again")
         self.phase("idle")
         self.open_over(page)
         page.wait(f"live.data['page.zone'].unsigned[0].identity === {json.dumps(identity)}", "this run is listed first")

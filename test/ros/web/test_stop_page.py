@@ -136,8 +136,12 @@ class TestStopInEveryState(PhoneCase):
     def enter(self, gateway: FakeGateway, page: Page, name: str) -> None:
         """Bring the box and the page into a state."""
         of_zones, opening, can_stop = STATES[name]
-        gateway.set(**{"operation": "", "warning": "", "end_reason": "", "not_stopped": [], **of_zones})
+        # Each state is one of another run: while the STOP of a run is not answered, a second touch repeats nothing.
+        run = gateway.zones[0].run + 1
+        gateway.set(**{"run": run, "operation": "", "warning": "", "end_reason": "", "not_stopped": [], **of_zones})
         page.wait(f"document.querySelector('.run.{of_zones['phase']}') !== null", name)
+        if of_zones["phase"] != "idle":
+            page.wait(f"live.data['page.zone'].identity.endsWith(' {run}')", "it is that run")
         page.wait(f"document.querySelector('{STOP}').ariaDisabled === '{json.dumps(not can_stop)}'", "STOP")
         page.wait("(document.querySelector('.now.operation') !== null) === "
                   + json.dumps(bool(of_zones.get("operation"))), "the manual operation")
@@ -453,7 +457,7 @@ class TestOthersStop(PhoneCase):
     """A robot that did not answer a STOP which this phone did not send."""
 
     WHYS = "document.querySelector('.commands .whys').textContent"
-    IS_NEXT = "document.querySelector('button[data-command=leave]').matches('.main')"
+    IS_NEXT = "document.querySelector('button[data-command=disconnect]').matches('.main')"
     WARNED = "R2D2 did not answer STOP. After the disconnect the box does not repeat it: stop by hand first"
 
     def test_every_line_says_so_and_disconnect_is_not_the_next_command(self) -> None:
@@ -467,9 +471,9 @@ class TestOthersStop(PhoneCase):
         self.assertTrue(page.get(self.WHYS).startswith(f"⚠ Disconnect: {self.WARNED}"))
         self.assertIn(f"⚠ Team withdrew: {self.WARNED}",
                       page.get("document.querySelector('details .whys').textContent"))
-        page.wait(CLICKED.format("button[data-command=leave]"), "once")
-        page.wait(CLICKED.format("button[data-command=leave]"), "it is allowed to whoever knows it")
-        gateway.wait_given("leave", "Home A")
+        page.wait(CLICKED.format("button[data-command=disconnect]"), "once")
+        page.wait(CLICKED.format("button[data-command=disconnect]"), "it is allowed to whoever knows it")
+        gateway.wait_given("disconnect", "Home A")
         gateway.set(phase="ended", end_reason="stopped", not_stopped=[])
         page.wait(f"document.querySelector('.stopsaid.alarm') === null && {self.IS_NEXT} "
                   f"&& !{self.WHYS}.includes('STOP')", "this robot has stopped")

@@ -2,7 +2,8 @@
 
 import itertools
 
-from roah_rsbb.core.commands import COMMANDS, OF_TEAM, OfTeam
+from helpers.commands import COMMANDS, given_with
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.scoring.sheet import Mark
@@ -75,8 +76,7 @@ class Referee:
     def _command(self, zone, command):
         def call(core):
             team = core.box.zones[zone].event.team
-            of = OfTeam(team) if command in OF_TEAM else None
-            return core.box.command, (zone, command, "Anna", "", of)
+            return core.box.act, (Target(zone), command, "Anna", given_with(command, team))
         self._call(f"{command} {zone}", call)
 
     def _mark(self, zone, run):

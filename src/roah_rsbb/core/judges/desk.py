@@ -3,8 +3,8 @@
 from typing import Callable, List, NamedTuple, Optional, Tuple, Union
 
 from roah_rsbb.core import effects
+from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.commands import CommandRecord
 from roah_rsbb.core.effects import Outbox
 from roah_rsbb.core.judges.judges import Verdict
 from roah_rsbb.core.referee import Refused, RunName, checked_note, checked_who

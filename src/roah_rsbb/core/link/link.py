@@ -10,9 +10,10 @@ from typing import Callable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.link.record import LinkRecorder, LinkSample
-from roah_rsbb.core.link.skew import SkewEstimate, SkewSample, skew_off, within
+from roah_rsbb.core.link.skew import THE_ROBOT, SkewEstimate, SkewSample, skew_off, within
 from roah_rsbb.core.link.timeline import Timeline, TimelineState, Verdict
 from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.model.reason import say
 from roah_rsbb.protocol import RobotState, WireTime, wire_ns, wire_seconds
 from roah_rsbb.wording import times
 
@@ -34,7 +35,22 @@ OLD_REPORTED = 3
 # The warning about an unreadable datagram is shown for this long, or until a readable datagram arrives.
 BAD_S = 10.0
 
-NO_ANSWER = "Robot has not answered on the private channel yet"
+NO_ANSWER = say("Robot has not answered on the private channel yet")
+SILENT = say("No message from the robot for {time} s")
+OLD_ONLY = say("No message from the robot for {time} s but old ones: check whether its clock is stopped or set back "
+               "repeatedly")
+BEACONS_ONLY = say("No message from the robot for {time} s, but its beacons arrive: its program was restarted, or a "
+                   "firewall blocks the private channel. Check whether it moves")
+GONE = say("The robot has disappeared: no message for {time} s, and no beacon from its address. It may still be "
+           "moving, and STOP may not reach it: check it")
+INVALID = say("Robot's times are INVALID: clock skew {skew}, must be below {limit} s: synchronise the robot's clock")
+RIVAL = say("Messages for this run also come from {host}. They are ignored: the robot is at {address}. Give the other "
+            "robot another robot_name, or switch it off")
+MOVED = say("Robot's address changed from {before} to {host}")
+SET_BACK = say("Robot's clock was set back")
+SET_BACK_BY = say("Robot's clock was set back by {time} s")
+JUMPED = say("Robot's clock jumped forward by {time} s")
+NOT_STOPPED = say("Robot has not stopped yet: it reports {state}")
 
 
 class Silence(enum.Enum):
@@ -251,10 +267,7 @@ class RobotLink:
         if self._bad is not None and now.mono - self._bad_mono <= BAD_S:
             found.append(self._bad)
         if self.last is not None and not self.times_valid and self.skew is not None:
-            found.append(
-                f"Robot's times are INVALID: clock skew {times.skew(self.skew)}, "
-                f"must be below {self._allowed_skew:.3f} s: synchronise the robot's clock"
-            )
+            found.append(INVALID(skew=times.skew(self.skew), limit=f"{self._allowed_skew:.3f}"))
         if self._step is not None and now.mono - self._step_mono <= REMEMBER_S:
             found.append(self._step)
         if self._moved is not None and now.mono - self._moved_mono <= REMEMBER_S:
@@ -269,9 +282,9 @@ class RobotLink:
             reasons = [NO_ANSWER]
             return reasons + [w for w in self.warnings(now) if w not in reasons]
         reasons = self.warnings(now)[:1] if self.is_silent(now) else []
-        reasons += skew_off("the robot", self.skew, self._allowed_skew)
+        reasons += skew_off(THE_ROBOT, self.skew, self._allowed_skew)
         if self.robot_state is not RobotState.STOP:
-            reasons.append(f"Robot has not stopped yet: it reports {self.last.state.name}")
+            reasons.append(NOT_STOPPED(state=self.last.state.name))
         return reasons
 
     def _heard_mono(self) -> float:
@@ -289,17 +302,8 @@ class RobotLink:
     def _silence_text(self, now: Now, silence: Silence) -> str:
         if self.last_heard is None:
             return NO_ANSWER
-        seconds = now.mono - self.last_heard.mono
-        text = f"No message from the robot for {seconds:.0f} s"
-        if silence is Silence.OLD_ONLY:
-            return f"{text} but old ones: check whether its clock is stopped or set back repeatedly"
-        if silence is Silence.BEACONS_ONLY:
-            return (f"{text}, but its beacons arrive: its program was restarted, or a firewall blocks the private "
-                    "channel. Check whether it moves")
-        if silence is Silence.GONE:
-            return (f"The robot has disappeared: no message for {seconds:.0f} s, and no beacon from its address. It "
-                    "may still be moving, and STOP may not reach it: check it")
-        return text
+        text = {Silence.OLD_ONLY: OLD_ONLY, Silence.BEACONS_ONLY: BEACONS_ONLY, Silence.GONE: GONE}.get(silence, SILENT)
+        return text(time=f"{now.mono - self.last_heard.mono:.0f}")
 
     def _is_elsewhere(self, now: Now, host: str) -> bool:
         """Whether a message comes from another host than the robot, while the robot is still heard."""
@@ -310,27 +314,25 @@ class RobotLink:
         if self._rival is not None and now.mono - self._rival_mono <= REMEMBER_S:
             return ()
         self._rival_mono = now.mono
-        self._rival = (f"Messages for this run also come from {host}. They are ignored: the robot is at {self.host}. "
-                       "Give the other robot another robot_name, or switch it off")
+        self._rival = RIVAL(host=host, address=self.host)
         return (self._rival,)
 
     def _note_host(self, now: Now, before: str, host: str) -> List[str]:
         """Report a changed address, at most once per interval: two robots of one name change it with every message."""
         if self._moved is not None and now.mono - self._moved_mono <= REMEMBER_S:
             return []
-        self._moved, self._moved_mono = f"Robot's address changed from {before} to {host}", now.mono
+        self._moved, self._moved_mono = MOVED(before=before, host=host), now.mono
         return [self._moved]
 
     def _note_clock(self, now: Now, verdict: Verdict, report: RobotReport) -> List[str]:
         """Take the skew sample, and update the link record. Return what to report of the robot's clock."""
         sample = wire_seconds(report.time) - now.utc
         before = self.skew
-        step = None
+        step: Optional[str] = None
         if verdict is Verdict.CLOCK_SET_BACK:
-            amount = "" if before is None else f" by {before - sample:.3f} s"
-            step = f"Robot's clock was set back{amount}"
+            step = SET_BACK if before is None else SET_BACK_BY(time=f"{before - sample:.3f}")
         elif before is not None and self._skew.count >= SURE_SAMPLES and sample - before > JUMP_S:
-            step = f"Robot's clock jumped forward by {sample - before:.3f} s"
+            step = JUMPED(time=f"{sample - before:.3f}")
         if step is not None:
             self._step, self._step_mono = step, now.mono
             self._skew.restart()

@@ -10,12 +10,16 @@ from collections import deque
 from typing import Deque, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.restart.saved import Mono
+from roah_rsbb.model.reason import say
 from roah_rsbb.wording import times
 
 # Three beacons: after this long, a corrected clock has replaced all old samples.
 WINDOW_S = 2.5
 # For robots that send every few milliseconds, this many samples are enough.
 MAX_SAMPLES = 64
+THE_ROBOT = say("the robot")
+UNKNOWN = say("Clock skew of {robot} is not known yet")
+TOO_BIG = say("Clock skew of {robot} is {skew}, but must be below {limit} s: synchronise the robot's clock")
 
 
 class SkewSample(NamedTuple):
@@ -74,6 +78,5 @@ def skew_off(whose: str, skew: Optional[float], allowed: float) -> List[str]:
     if within(skew, allowed):
         return []
     if skew is None:
-        return [f"Clock skew of {whose} is not known yet"]
-    return [f"Clock skew of {whose} is {times.skew(skew)}, but must be below {allowed:.3f} s: "
-            "synchronise the robot's clock"]
+        return [UNKNOWN(robot=whose)]
+    return [TOO_BIG(robot=whose, skew=times.skew(skew), limit=f"{allowed:.3f}")]

@@ -3,8 +3,8 @@
 from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.core import run_log
+from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.commands import CommandRecord
 from roah_rsbb.core.modules.messages import ModulesState, RunForModule
 from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.referee import Refused, RunName

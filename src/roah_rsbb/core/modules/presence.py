@@ -9,11 +9,14 @@ from typing import Dict, List, NamedTuple, Optional
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress
+from roah_rsbb.model.reason import say
 
 # Seconds: four messages in a row are missing.
 GONE_S = 2.0
 # No competition has more nodes. The limit keeps a fault from growing.
 MAX_NODES = 32
+NO_DRIVER = say("Benchmarking module not connected: no node drives {code}. Is roah_rsbb_modules running, and is {code} "
+                "among its benchmarks?")
 
 
 class _HeardNode(NamedTuple):
@@ -66,8 +69,7 @@ class Modules:
         """Return why no run of a functionality benchmark can be started in a zone; empty: one can."""
         driver = self.driver(now, code, zone)
         if driver is None:
-            return [f"Benchmarking module not connected: no node drives {code}. Is roah_rsbb_modules running, and is "
-                    f"{code} among its benchmarks?"]
+            return [NO_DRIVER(code=code)]
         return list(driver.info.problems)
 
     def warnings(self, now: Now, code: str, zone: str) -> List[str]:

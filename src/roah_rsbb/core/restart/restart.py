@@ -21,8 +21,17 @@ from roah_rsbb.core.scoring.counting import with_events
 from roah_rsbb.core.scoring.records import Phase, RunRecord
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones, ZoneState, is_same
+from roah_rsbb.model.reason import say
 from roah_rsbb.rulebook.benchmarks import Config, ScheduledEvent, ZonePlan
 from roah_rsbb.wording import times
+
+RESTARTED = say("The core was restarted at {time}, {down} s after its last record")
+CONTINUES, CONTINUES_AT = say("{text}: the run continues"), say("{text}: the run continues on the box at {address}")
+LOST = say("The run of {benchmark}, team {team}, that was connected before the restart cannot continue: {why}. Its "
+           "scores are in the journal: see 'rosrun roah_rsbb results'")
+ZONE_GONE = say("zone '{zone}' is no longer in the schedule")
+EVENT_GONE = say("its event is no longer in the schedule of zone '{zone}'")
+INVALID = say("its saved state is invalid ({error})")
 
 
 class BoxSaved(NamedTuple):
@@ -63,7 +72,7 @@ class Restart:
         for name, state in saved.zones.items():
             zone = self._zones.get(name)
             if zone is None:
-                self._lost(now, state, f"zone '{name}' is no longer in the schedule")
+                self._lost(now, state, ZONE_GONE(zone=name))
             else:
                 self._try_to_resume(now, zone, state, saved.earlier.get(state.version))
         runs = self._zones.runs()
@@ -73,10 +82,10 @@ class Restart:
                 self._give_up(record, saved.utc)
         if runs:
             down = max(0.0, now.utc - saved.utc)
-            text = f"The core was restarted at {times.time_with_zone(now.utc)}, {down:.0f} s after its last record"
-            where = f" on the box at {by}" if by else ""
+            text = RESTARTED(time=times.time_with_zone(now.utc), down=f"{down:.0f}")
+            continuing_text = CONTINUES_AT(text=text, address=by) if by else CONTINUES(text=text)
             for run in runs:
-                run.warn(now, f"{text}: the run continues{where}" if run.phase is Phase.RUNNING else text)
+                run.warn(now, continuing_text if run.phase is Phase.RUNNING else text)
             self._watches.restarted(now, text)
             self._outbox.emit(effects.SendBeacon())
 
@@ -114,20 +123,19 @@ class Restart:
             elif is_there:
                 self._connections.reopen(now, zone, state)
             else:
-                self._lost(now, state, f"its event is no longer in the schedule of zone '{zone.name}'")
+                self._lost(now, state, EVENT_GONE(zone=zone.name))
         except Exception as error:
             # One zone's invalid state must stop neither the other zones nor every new start.
             self._outbox.drop_since(place)
             zone.run = None
-            self._lost(now, state, f"its saved state is invalid ({type(error).__name__}: {error})")
+            self._lost(now, state, INVALID(error=f"{type(error).__name__}: {error}"))
 
     def _lost(self, now: Now, state: ZoneState, why: str) -> None:
         """Report a run that cannot continue. Its scores are in the journal."""
         if not state.has_run:
             return
         event = state.event
-        text = (f"The run of {event.benchmark}, team {event.team}, that was connected before the restart cannot "
-                f"continue: {why}. Its scores are in the journal: see 'rosrun roah_rsbb results'")
+        text = LOST(benchmark=event.benchmark, team=event.team, why=why)
         if self._watches.trouble(now, text):
             self._outbox.notice(Level.ERROR, text)
 

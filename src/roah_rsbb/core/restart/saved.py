@@ -59,6 +59,8 @@ def freeze(value: Any) -> Any:
     """Convert a state to JSON values. Fields with their default value are omitted."""
     if value is None or value.__class__ in (bool, int, float, str):
         return value
+    if isinstance(value, str):
+        return str(value)  # a reason is saved in English
     if isinstance(value, enum.Enum):
         return value.name
     if isinstance(value, Decimal):

@@ -20,6 +20,7 @@ from roah_rsbb.core.runs.run import AllRobotsState, Assignment, Run, RunContext,
 from roah_rsbb.core.runs.times import RunTimes
 from roah_rsbb.core.scoring.book import BookState
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
+from roah_rsbb.model.reason import joined, say
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.benchmarks import NO_RULES
 
@@ -35,22 +36,30 @@ class Counts(NamedTuple):
     stopped: int
 
 
+OF_ROBOT = say("{robot}: {text}")
+LEFT_OUT, WILL_BE_LEFT_OUT = say("left out until it is ready: {why}"), say("will be left out until it is ready: {why}")
+NOT_READY, READY = say("not ready: {why}"), say("ready")
+DOING = say("{doing}, messages saved: {number}")
+STARTED_WITH = say("Started with {number} of {all} robots")
+CONNECTED = say("Robots connected: {number} / ready: {ready}")
+COUNTS = say("Robots preparing: {preparing} / executing: {executing} / stopped: {stopped}")
+COUNTED, WHOLE_END = say("{number} {end}"), say("{end} ({counted})")
 # How the ends of the members are worded where they are counted.
 ENDS: Dict[EndReason, str] = {
-    EndReason.COMPLETED: "completed",
-    EndReason.STOPPED: "stopped by the referee",
-    EndReason.TIMEOUT: "out of time",
-    EndReason.NO_MESSAGES_SAVED: "saved no offline data",
+    EndReason.COMPLETED: say("completed"),
+    EndReason.STOPPED: say("stopped by the referee"),
+    EndReason.TIMEOUT: say("out of time"),
+    EndReason.NO_MESSAGES_SAVED: say("saved no offline data"),
 }
 # How the end of the whole run is worded.
 WHOLE_ENDS: Dict[EndReason, str] = {
-    EndReason.COMPLETED: "All robots have ended",
+    EndReason.COMPLETED: say("All robots have ended"),
     EndReason.STOPPED: EndReason.STOPPED.value,
     EndReason.TIMEOUT: EndReason.TIMEOUT.value,
-    EndReason.NO_MESSAGES_SAVED: "Stopped: no robot saves offline data",
+    EndReason.NO_MESSAGES_SAVED: say("Stopped: no robot saves offline data"),
 }
 DOINGS: Dict[BoxState, str] = {
-    BoxState.STOP: "stopped", BoxState.PREPARE: "preparing", BoxState.WAITING_RESULT: "executing",
+    BoxState.STOP: say("stopped"), BoxState.PREPARE: say("preparing"), BoxState.WAITING_RESULT: say("executing"),
 }
 
 
@@ -69,11 +78,11 @@ class MemberRun(Run):
     def leave_out(self, now: Now) -> None:
         """Note that the others start without this robot, which is not ready."""
         self.state.phase, self.state.end_reason = Phase.CONNECTED, None
-        self.say(now, Level.WARNING, f"left out until it is ready: {self.why_not_ready(now)}")
+        self.say(now, Level.WARNING, LEFT_OUT(why=self.why_not_ready(now)))
 
     def why_not_ready(self, now: Now) -> str:
         """Return why the robot cannot be started now; empty: it can."""
-        return "; ".join(self.link.not_ready(now))
+        return joined(self.link.not_ready(now))
 
     def on_report(self, now: Now, host: str, report: RobotReport, arrival: Now) -> bool:
         """See `Run.on_report`."""
@@ -85,9 +94,9 @@ class MemberRun(Run):
         """Return what the robot is doing, in a few words."""
         if self.phase is Phase.CONNECTED:
             why = self.why_not_ready(now)
-            return f"not ready: {why}" if why else "ready"
+            return NOT_READY(why=why) if why else READY
         done = DOINGS[self.message.state] if self.end_reason is None else ENDS[self.end_reason]
-        return f"{done}, messages saved: {self.link.messages_saved}"
+        return DOING(doing=done, number=self.link.messages_saved)
 
     def _time_out(self, now: Now) -> None:
         """Do nothing: the whole run rings the bell, once."""
@@ -168,7 +177,7 @@ class AllRobotsRun(ZoneRun):
                 member.leave_out(now)
             else:
                 member.start(now)
-        self.state.desc = f"Started with {len(self._in_phase(Phase.RUNNING))} of {len(self._members)} robots"
+        self.state.desc = STARTED_WITH(number=len(self._in_phase(Phase.RUNNING)), all=len(self._members))
         self.say(now, Level.INFO, self.desc)
 
     def stop(self, now: Now, by: By = NOBODY) -> None:
@@ -213,8 +222,8 @@ class AllRobotsRun(ZoneRun):
         self.state.phase, self.state.end_reason = Phase.ENDED, reason
         self._settled_mono = now.mono + SETTLE_S
         ends = [member.end_reason for member in self._in_phase(Phase.ENDED)]
-        counted = [f"{ends.count(end)} {text}" for end, text in ENDS.items() if end in ends]
-        self.state.desc = f"{WHOLE_ENDS[reason]} ({', '.join(counted)})"
+        counted = [COUNTED(number=ends.count(end), end=text) for end, text in ENDS.items() if end in ends]
+        self.state.desc = WHOLE_END(end=WHOLE_ENDS[reason], counted=joined(counted, ", "))
         self._note_end(now, self.desc, by)
         self.say(now, Level.INFO, self.desc)
 
@@ -225,18 +234,19 @@ class AllRobotsRun(ZoneRun):
         waiting = [member for member in self._members if member.why_not_ready(now)]
         if now.mono >= self._settled_mono and len(waiting) < len(self._members):
             return []
-        return [f"{member.robot}: {member.why_not_ready(now)}" for member in waiting]
+        return [OF_ROBOT(robot=str(member.robot), text=member.why_not_ready(now)) for member in waiting]
 
     def warnings(self, now: Now) -> List[str]:
         """See `ZoneRun`; each with its robot's name."""
-        return [f"{member.robot}: {text}" for member in self._members for text in self._warnings_of(member, now)]
+        return [OF_ROBOT(robot=str(member.robot), text=text)
+                for member in self._members for text in self._warnings_of(member, now)]
 
     def _warnings_of(self, member: MemberRun, now: Now) -> List[str]:
         if self.phase is Phase.RUNNING:
             if member.phase is Phase.CONNECTED:
-                return [f"left out until it is ready: {member.why_not_ready(now)}"]
+                return [LEFT_OUT(why=member.why_not_ready(now))]
         elif now.mono >= self._settled_mono and not self.clock.is_over(now) and member.why_not_ready(now):
-            return member.ignores_stop(now) + [f"will be left out until it is ready: {member.why_not_ready(now)}"]
+            return member.ignores_stop(now) + [WILL_BE_LEFT_OUT(why=member.why_not_ready(now))]
         saved_nothing = member.end_reason is EndReason.NO_MESSAGES_SAVED
         return ([member.desc] if saved_nothing else []) + member.warnings(now)
 
@@ -244,10 +254,10 @@ class AllRobotsRun(ZoneRun):
         """See `ZoneRun`."""
         if self.phase is Phase.CONNECTED:
             ready = sum(1 for member in self._members if not member.why_not_ready(now))
-            return [f"Robots connected: {len(self._members)} / ready: {ready}"]
+            return [CONNECTED(number=len(self._members), ready=ready)]
         counts = self.counts()
         return [
-            f"Robots preparing: {counts.preparing} / executing: {counts.executing} / stopped: {counts.stopped}"
+            COUNTS(preparing=counts.preparing, executing=counts.executing, stopped=counts.stopped)
         ]
 
     def counts(self) -> Counts:
@@ -258,7 +268,7 @@ class AllRobotsRun(ZoneRun):
 
     def robots(self, now: Now) -> List[str]:
         """Return a line for each robot: its name and what it is doing."""
-        return [f"{member.robot}: {member.doing(now)}" for member in self._members]
+        return [OF_ROBOT(robot=str(member.robot), text=member.doing(now)) for member in self._members]
 
     def _robot_names(self) -> Tuple[str, ...]:
         return tuple(str(member.robot) for member in self._members)

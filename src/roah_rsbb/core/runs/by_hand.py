@@ -12,7 +12,10 @@ from roah_rsbb.core.runs.clock import CountdownState
 from roah_rsbb.core.runs.run import Run, RunContext, ZoneRun, ZoneRunState, identity_of
 from roah_rsbb.core.scoring.book import BookState
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
+from roah_rsbb.model.reason import say
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent
+
+BY_HAND = say("Without a robot: only the referee starts and stops the clock")
 
 
 class HandRun(ZoneRun):
@@ -92,7 +95,7 @@ class HandRun(ZoneRun):
 
     def status_lines(self, now: Now) -> List[str]:
         """See `ZoneRun`."""
-        return ["Without a robot: only the referee starts and stops the clock"]
+        return [BY_HAND]
 
     def _robot_names(self) -> Tuple[str, ...]:
         return ()

@@ -27,15 +27,29 @@ from roah_rsbb.core.modules.texts import goal_json, result_text, scores_json
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs.machine import Reaction, react
 from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, GoalState, RunningGoal, Switches, SwitchesState, check_answer
-from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState
+from roah_rsbb.core.runs.run import EXECUTING, FELL_BACK, Assignment, Run, RunContext, RunState
 from roah_rsbb.core.scoring.book import Marked
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
+from roah_rsbb.model.reason import say
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT
 from roah_rsbb.rulebook.registry import ResultForm
 
 # No benchmark has more steps. A module with more is out of control.
 MAX_STEPS = 2000
+
+BEGINS = say("Started: the benchmarking module begins")
+NEW_GOAL = say("Requested the robot to prepare for a new goal")
+GOAL_SENT = say("Robot prepared, goal sent")
+GOAL_TAKEN = say("Robot received the goal, waiting for its result")
+COMPLETED, TIMED_OUT = say("Goal completed by the robot"), say("Goal timed out")
+COMPLETE = say("Benchmark complete")
+COMPLETE_BUT = say("Benchmark complete: {late} of {number} goals timed out")
+FAILED = say("Stopped: the benchmarking module cannot continue: {why}")
+MODULE_MISSING, OPERATION = say("the benchmarking module is missing"), say("manual operation")
+HELD = say("Benchmarking module not connected: the run is paused until it is back")
+ASKED = say("Manual operation: {text}")
+LEFT, PAUSED_LEFT = say("Benchmark timeout: {time}"), say("Benchmark timeout: {time} (paused)")
 
 
 @dataclass
@@ -105,7 +119,7 @@ class FunctionalityRun(Run):
         """Begin a new attempt. The module begins again, too."""
         self.of_module = FunctionalityState(self.attempt + 1)
         self.switches, self._goal, self._node, self._progress = None, None, "", None
-        self._set_state(now, BoxState.STOP, "Started: the benchmarking module begins")
+        self._set_state(now, BoxState.STOP, BEGINS)
         self._changed()
 
     def _score_changed(self, now: Now, marked: Marked) -> None:
@@ -211,7 +225,7 @@ class FunctionalityRun(Run):
             self.of_module.kept = progress.kept
             self._changed()
         if progress.failed:
-            self._end(now, EndReason.MODULE_FAILED, f"{EndReason.MODULE_FAILED.value}: {progress.failed}")
+            self._end(now, EndReason.MODULE_FAILED, FAILED(why=progress.failed))
         elif self._open_request() is not None:
             return
         elif progress.finished and _number(progress) == len(self.steps):
@@ -228,14 +242,14 @@ class FunctionalityRun(Run):
         if late and late == len(ends):
             self._end(now, EndReason.GOALS_TIMED_OUT)
         elif late:
-            self._end(now, EndReason.COMPLETED, f"Benchmark complete: {late} of {len(ends)} goals timed out")
+            self._end(now, EndReason.COMPLETED, COMPLETE_BUT(late=late, number=len(ends)))
         else:
-            self._end(now, EndReason.COMPLETED, "Benchmark complete")
+            self._end(now, EndReason.COMPLETED, COMPLETE)
 
     def _open(self, now: Now, request: Request) -> None:
         problem = self._problem(request)
         if problem:
-            self._end(now, EndReason.MODULE_FAILED, f"{EndReason.MODULE_FAILED.value}: {problem}")
+            self._end(now, EndReason.MODULE_FAILED, FAILED(why=problem))
             return
         self.steps.append(Step(request))
         if request.kind is RequestKind.NOTE:
@@ -299,7 +313,7 @@ class FunctionalityRun(Run):
             self.switches = Switches(self.of_module.switches)
         self._emit(effects.RunLogged(self.port, run_log.GOAL, goal_json(request)))
         self._set_pauses(now)
-        self._set_state(now, BoxState.PREPARE, "Requested the robot to prepare for a new goal")
+        self._set_state(now, BoxState.PREPARE, NEW_GOAL)
 
     def _step(self, now: Now, report: RobotReport) -> None:
         """React to a message of the robot, if there is a goal. Between goals, the robot waits."""
@@ -313,13 +327,13 @@ class FunctionalityRun(Run):
                 goal.state.told = now
                 self._changed()
             if explicit:
-                self._set_state(now, BoxState.GOAL_TX, "Robot prepared, goal sent", goal.message)
+                self._set_state(now, BoxState.GOAL_TX, GOAL_SENT, goal.message)
             else:
-                self._set_state(now, BoxState.WAITING_RESULT, "Robot prepared, executing (no explicit goal)")
+                self._set_state(now, BoxState.WAITING_RESULT, EXECUTING)
         elif reaction is Reaction.AWAIT_RESULT:
-            self._set_state(now, BoxState.WAITING_RESULT, "Robot received the goal, waiting for its result")
+            self._set_state(now, BoxState.WAITING_RESULT, GOAL_TAKEN)
         elif reaction is Reaction.RETRY:
-            self._set_state(now, BoxState.PREPARE, f"Robot fell back to {report.state.name}: preparing again")
+            self._set_state(now, BoxState.PREPARE, FELL_BACK(state=report.state.name))
         elif reaction is Reaction.GOAL_DONE:
             self._goal_done(now, goal, result_text(report))
 
@@ -341,7 +355,7 @@ class FunctionalityRun(Run):
         ))
 
     def _close_goal(self, outcome: RequestOutcome) -> None:
-        self.state.desc = "Goal timed out" if outcome.kind is OutcomeKind.TIMED_OUT else "Goal completed by the robot"
+        self.state.desc = TIMED_OUT if outcome.kind is OutcomeKind.TIMED_OUT else COMPLETED
         self._goal = self.of_module.goal = None
         self._answer(outcome)
 
@@ -401,8 +415,8 @@ class FunctionalityRun(Run):
     def why_paused(self) -> str:
         """See `ZoneRun`."""
         if self.held:
-            return "the benchmarking module is missing"
-        return "manual operation" if self.asked is not None else super().why_paused
+            return MODULE_MISSING
+        return OPERATION if self.asked is not None else super().why_paused
 
     def start_off(self, now: Now) -> List[str]:
         """Return why the run cannot be started. Reasons of the module come first."""
@@ -412,7 +426,7 @@ class FunctionalityRun(Run):
         """Return the referee's warnings. Those of the robot come first: it may be moving."""
         found = super().warnings(now)
         if self.held:
-            found.append("Benchmarking module not connected: the run is paused until it is back")
+            found.append(HELD)
         found += self._modules.warnings(now, self.event.benchmark.code, self.zone)
         if self._progress is not None:
             found += self._progress.warnings
@@ -428,11 +442,11 @@ class FunctionalityRun(Run):
         lines: List[str] = []
         if self.phase is Phase.RUNNING:
             if self.asked is not None:
-                lines.append(f"Manual operation: {self.asked.text}")
+                lines.append(ASKED(text=self.asked.text))
             if self.clock.limit != NO_LIMIT:
                 minutes, seconds = divmod(int(self.clock.left(now)), 60)
-                paused = " (paused)" if self.clock.paused else ""
-                lines.append(f"Benchmark timeout: {minutes:02d}:{seconds:02d}{paused}")
+                left = PAUSED_LEFT if self.clock.paused else LEFT
+                lines.append(left(time=f"{minutes:02d}:{seconds:02d}"))
         return lines + ([self.module_status] if self.module_status else []) + super().status_lines(now)
 
 

@@ -28,6 +28,7 @@ from roah_rsbb.core.scoring.book import BookState, Marked, RunBook
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, ItemRecord, Phase, RunRecord, ScoreValue
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, value_text
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.reason import say
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Restarts, ScheduledEvent
 from roah_rsbb.rulebook.scoring import WHOLE
@@ -41,7 +42,16 @@ DROPPED_PERIOD_S = 10.0
 # seconds, the referee gets a hint.
 STUCK = {BoxState.PREPARE: RobotState.STOP, BoxState.GOAL_TX: RobotState.WAITING_GOAL}
 STUCK_S = 10.0
-IGNORES_STOP = "The robot did not answer STOP: stop it by hand. The box repeats STOP until the disconnect"
+IGNORES_STOP = say("The robot did not answer STOP: stop it by hand. The box repeats STOP until the disconnect")
+STAYS_IN_STOP = say("The robot has stayed in STOP for {time} s after the start. Its program may not know benchmark "
+                    "{code}, or may not be ready: check the robot's log")
+NO_GOAL_TAKEN = say("The robot has not taken its goal for {time} s. Its program may be too old for the goals of "
+                    "{code}: check the robot's log")
+WAITING = say("Connected: waiting for the robot's first message")
+PREPARING = say("Robot preparing for the task")
+EXECUTING = say("Robot prepared, executing (no explicit goal)")
+FELL_BACK = say("Robot fell back to {state}: preparing again")
+SAVED = say("Messages saved: {number}")
 
 
 class OnlineField(NamedTuple):
@@ -467,7 +477,7 @@ class Run(ZoneRun):
         self._emit(effects.RunOpened(self.port, self.robot.team, self.event.round, self.event.run, name))
         self.times.connected(now)
         self._record_changed(now)
-        self._set_state(now, BoxState.STOP, "Connected: waiting for the robot's first message")
+        self._set_state(now, BoxState.STOP, WAITING)
 
     def resume(self) -> None:
         """Continue in the saved state."""
@@ -492,7 +502,7 @@ class Run(ZoneRun):
         self._begin(now)
 
     def _begin(self, now: Now) -> None:
-        self._set_state(now, BoxState.PREPARE, "Robot preparing for the task")
+        self._set_state(now, BoxState.PREPARE, PREPARING)
 
     def stop(self, now: Now, by: By = NOBODY) -> None:
         """See `ZoneRun`."""
@@ -566,10 +576,9 @@ class Run(ZoneRun):
     def _step(self, now: Now, report: RobotReport) -> None:
         reaction = react(self.message.state, report.state, explicit_goal=False)
         if reaction is Reaction.EXECUTE:
-            self._set_state(now, BoxState.WAITING_RESULT, "Robot prepared, executing (no explicit goal)")
+            self._set_state(now, BoxState.WAITING_RESULT, EXECUTING)
         elif reaction is Reaction.RETRY:
-            self._set_state(now, BoxState.PREPARE,
-                             f"Robot fell back to {report.state.name}: preparing again")
+            self._set_state(now, BoxState.PREPARE, FELL_BACK(state=report.state.name))
         elif reaction is Reaction.GOAL_DONE:
             self._end(now, EndReason.COMPLETED)
 
@@ -690,11 +699,9 @@ class Run(ZoneRun):
             return []
         code = self.event.benchmark.code
         if state is BoxState.PREPARE:
-            return [f"The robot has stayed in STOP for {waited_s:.0f} s after the start. Its program may not know "
-                    f"benchmark {code}, or may not be ready: check the robot's log"]
-        return [f"The robot has not taken its goal for {waited_s:.0f} s. Its program may be too old for the goals of "
-                f"{code}: check the robot's log"]
+            return [STAYS_IN_STOP(time=f"{waited_s:.0f}", code=code)]
+        return [NO_GOAL_TAKEN(time=f"{waited_s:.0f}", code=code)]
 
     def status_lines(self, now: Now) -> List[str]:
         """Return the status lines for the referee besides `desc` and the warnings."""
-        return [] if self.robot_state is None else [f"Messages saved: {self.link.messages_saved}"]
+        return [] if self.robot_state is None else [SAVED(number=self.link.messages_saved)]

@@ -11,11 +11,16 @@ from typing import List, NamedTuple, Optional, Tuple
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.runs.clock import Countdown, CountdownState
 from roah_rsbb.core.scoring.records import PhaseTime
+from roah_rsbb.model.reason import say
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule
 from roah_rsbb.wording import times
 
 # Why the clock is paused.
-BY_REFEREE = "by the referee"
+BY_REFEREE = say("by the referee")
+SETUP_OVER = say("The setup time of {time} is over")
+PHASE_OVER = say("The {time} of {phase} are over")
+PHASE = say("phase {number} of {all}, {name}")
+IN_PHASE = say("Phase {number} of {all}, {name}: {desc}")
 
 
 @dataclass
@@ -151,20 +156,20 @@ class RunTimes:
         return found + ([self._phase_text()] if is_over else [])
 
     def _setup_text(self) -> str:
-        return f"The setup time of {times.countdown(self.rules.setup_time)} is over"
+        return SETUP_OVER(time=times.countdown(self.rules.setup_time))
 
     def _phase_text(self) -> str:
-        return f"The {times.countdown(self._rule.limit)} of {self.phase_name()} are over"
+        return PHASE_OVER(time=times.countdown(self._rule.limit), phase=self.phase_name())
 
     def phase_name(self) -> str:
         """Return the current phase in words; empty: none."""
         number = self.state.phase
-        return f"phase {number} of {len(self.rules.phases)}, {self._rule.name}" if number else ""
+        return PHASE(number=number, all=len(self.rules.phases), name=self._rule.name) if number else ""
 
     def described(self, desc: str) -> str:
         """Return the description of a state, with the current phase."""
-        name = self.phase_name()
-        return f"{name[0].upper()}{name[1:]}: {desc}" if name else desc
+        number = self.state.phase
+        return IN_PHASE(number=number, all=len(self.rules.phases), name=self._rule.name, desc=desc) if number else desc
 
     def phase(self, now: Now) -> Optional[PhaseView]:
         """Return the current phase; None: there is none."""

@@ -3,8 +3,8 @@
 from typing import Callable, Dict, List, NamedTuple, Optional, Set, Tuple, Union
 
 from roah_rsbb.core import effects
+from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.commands import CommandRecord
 from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.referee import Refused, RunName, checked_note, checked_who
 from roah_rsbb.core.runs.run import ZoneRun

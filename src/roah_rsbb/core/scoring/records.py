@@ -6,6 +6,7 @@ The core updates it with every change, and the journal keeps it. Results and exp
 import enum
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.model.reason import say
 from roah_rsbb.rulebook.scoring import Key, SheetForm
 from roah_rsbb.wording.sheets import item_value
 
@@ -21,14 +22,14 @@ class Phase(enum.Enum):
 class EndReason(enum.Enum):
     """Why a run ended. The text is shown to the referee."""
 
-    STOPPED = "Benchmark stopped by the referee"
-    COMPLETED = "Benchmark completed by the robot"
-    TIMEOUT = "Stopped due to timeout"
-    GOALS_TIMED_OUT = "Benchmark over: every goal timed out"
-    NO_MESSAGES_SAVED = "Stopped: the robot saves no offline data (messages saved stays 0)"
-    MODULE_FAILED = "Stopped: the benchmarking module cannot continue"
-    NO_SHOW = "No-show: the team did not appear"
-    WITHDRAWN = "The team withdrew"
+    STOPPED = say("Benchmark stopped by the referee")
+    COMPLETED = say("Benchmark completed by the robot")
+    TIMEOUT = say("Stopped due to timeout")
+    GOALS_TIMED_OUT = say("Benchmark over: every goal timed out")
+    NO_MESSAGES_SAVED = say("Stopped: the robot saves no offline data (messages saved stays 0)")
+    MODULE_FAILED = say("Stopped: the benchmarking module cannot continue")
+    NO_SHOW = say("No-show: the team did not appear")
+    WITHDRAWN = say("The team withdrew")
 
 
 # With these ends, the team had no score to earn.

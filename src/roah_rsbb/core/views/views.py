@@ -4,7 +4,6 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.modules.messages import Request, RequestKind, ScoreValue
 from roah_rsbb.core.robots import ActiveRobot
 from roah_rsbb.core.runs.all_robots import AllRobotsRun, Counts
@@ -16,13 +15,27 @@ from roah_rsbb.core.scoring.points import Counted
 from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.core.zones import Zone
+from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.fields import Choice
+from roah_rsbb.model.reason import is_made, joined, say
+from roah_rsbb.model.shown import Shown
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, Restarts, ScheduledEvent
 from roah_rsbb.rulebook.scoring import SheetForm
 
 # The phase of a zone without a run.
 IDLE = "idle"
 
-_COMMAND_INDEX = {command: index for index, command in enumerate(COMMANDS)}
+_INDEX = {name: index for index, name in enumerate(ACTIONS)}
+
+LISTENS = say("Listening for another box before transmitting: {time} s")
+SEVERAL = say("Several robots of team {team} are active ({robots}): choose which one connects")
+ALL_OK = say("All OK for start")
+STOPPED = say("Can be restarted. The clock is stopped")
+KEPT_RUNNING = say("Can be restarted. The clock kept running")
+PAUSED = say("Clock paused by the referee")
+ATTEMPT = say("Attempt {number} of {all}")
+ONE_READY = say("Robot ready to accept connection: {robot}")
+READY = say("{number} robots ready to accept connection: {robots}")
 
 
 class RobotView(NamedTuple):
@@ -113,7 +126,7 @@ class ZoneView(NamedTuple):
     timeout: float  # seconds: of a goal or of the run; may be `NO_LIMIT`
     timer: float  # seconds left; without a limit, seconds counted
     state: str  # for the referee, one or more lines
-    off: Tuple[Tuple[str, ...], ...]  # for each of COMMANDS, in their order, the reasons why it is refused
+    actions: Tuple[Shown, ...]  # for each of ACTIONS, in their order
     log: str
     online_data: str
     scoring: Tuple[ScoreGroup, ...]
@@ -129,12 +142,18 @@ class ZoneView(NamedTuple):
     all_robots: Optional[AllRobotsView]  # of a run of all robots
     by_hand: bool = False  # the run has no robot
     attempt: int = 0  # number of this or the next run of the event; 0: the rules do not count attempts
-    robots_to_choose: Tuple[str, ...] = ()  # names of the team's robots if the referee must choose one
     not_stopped: Tuple[str, ...] = ()  # robots of the run that do not report STOP
+    said: Tuple[str, ...] = ()  # the reasons among `state` and `warnings` that are made of values
 
-    def reasons_off(self, command: str) -> Tuple[str, ...]:
-        """Return why a command would be refused; empty: it is allowed."""
-        return self.off[_COMMAND_INDEX[command]]
+    def reasons_off(self, action: str) -> Tuple[str, ...]:
+        """Return why the button of an action is off; empty: it is on."""
+        return self.actions[_INDEX[action]].off
+
+    @property
+    def robots_to_choose(self) -> Tuple[str, ...]:
+        """Names of the team's robots if the referee must choose one; else none."""
+        field = self.actions[_INDEX["connect"]].fields[0]
+        return field.choices if isinstance(field, Choice) else ()
 
     def without_time(self) -> "ZoneView":
         """Return the view without values that change even when nothing happens."""
@@ -160,8 +179,8 @@ def box_status(box: Box, now: Now) -> str:
     """Return the box's state in one line: OK, what it is doing, or its warnings."""
     left = box.listening_left(now)
     if left > 0 and not box.is_held:
-        return f"Listening for another box before transmitting: {left:.0f} s"
-    return "; ".join(box.warnings(now)) or "OK"
+        return LISTENS(time=f"{left:.0f}")
+    return joined(box.warnings(now)) or "OK"
 
 
 class ZoneViews:
@@ -211,7 +230,7 @@ def coming_events(box: Box) -> List[ScheduleLine]:
 
 def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
     run = zone.run
-    off = tuple(tuple(box.commands.reasons_off(now, zone, command)) for command in COMMANDS)
+    actions = tuple(_action(box, zone, name, now) for name in ACTIONS)
     log, online_data = _texts(zone)
     view = ZoneView(
         zone=zone.name,
@@ -219,7 +238,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         timeout=zone.event.benchmark.limit if run is None else run.limit(),
         timer=timer_of(zone, now),
         state="",
-        off=off,
+        actions=actions,
         log=log,
         online_data=online_data,
         scoring=() if run is None else run.sheet.groups(),
@@ -234,11 +253,17 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         robot=robot_of(run),
         all_robots=_all_robots(run, now) if isinstance(run, AllRobotsRun) else None,
         by_hand=isinstance(run, HandRun),
-        attempt=box.commands.attempt(zone) if zone.event.benchmark.rules.attempts else 0,
-        robots_to_choose=box.commands.robots_to_choose(now, zone),
+        attempt=box.candidates.attempt(zone) if zone.event.benchmark.rules.attempts else 0,
         not_stopped=() if run is None else run.not_stopped(),
     )
-    return view._replace(state="\n".join(_state_lines(box, zone, view, now)))
+    lines = _state_lines(box, zone, view, now)
+    said = [*lines, *view.warnings]
+    return view._replace(state="\n".join(lines), said=tuple(text for text in said if is_made(text)))
+
+
+def _action(box: Box, zone: Zone, name: str, now: Now) -> Shown:
+    action = box.actions[name]
+    return Shown(tuple(box.actions.off(now, zone, name)), action.shown(zone), action.form(now, zone))
 
 
 def _end(run: ZoneRun) -> str:
@@ -321,34 +346,34 @@ def _state_lines(box: Box, zone: Zone, view: ZoneView, now: Now) -> List[str]:
     """Return the lines for the referee: warnings and requests first."""
     run = zone.run
     if run is None:
-        lines = list(view.reasons_off("connect")) or [_ready(box.commands.robots_to_connect(now, zone))]
+        lines = list(view.reasons_off("connect")) or [_ready(box.candidates.to_connect(now, zone))]
         if view.robots_to_choose:
             names = ", ".join(view.robots_to_choose)
-            lines.append(f"Several robots of team {zone.event.team} are active ({names}): choose which one connects")
+            lines.append(SEVERAL(team=zone.event.team, robots=names))
         return lines + _attempt_lines(view) + _warning_lines(view, lines)
     lines = [] if run.phase is Phase.CONNECTED else [run.desc]
     if run.phase is not Phase.RUNNING:
         reasons = view.reasons_off("start")
         if run.phase is Phase.CONNECTED:
-            lines.extend(reasons or ("All OK for start",))
+            lines.extend(reasons or (ALL_OK,))
         elif not reasons:
             stops = run.times.rules.restarts is Restarts.CLOCK_STOPS
-            lines.append(f"Can be restarted. The clock {'is stopped' if stops else 'kept running'}")
+            lines.append(STOPPED if stops else KEPT_RUNNING)
     elif run.times.state.paused:
-        lines.append("Clock paused by the referee")
+        lines.append(PAUSED)
     lines += run.status_lines(now) + _attempt_lines(view)
     return lines + _warning_lines(view, lines)
 
 
 def _attempt_lines(view: ZoneView) -> List[str]:
     most = view.event.benchmark.rules.attempts
-    return [f"Attempt {view.attempt} of {most}"] if 0 < view.attempt <= most else []
+    return [ATTEMPT(number=view.attempt, all=most)] if 0 < view.attempt <= most else []
 
 
 def _ready(robots: Sequence[ActiveRobot]) -> str:
     if len(robots) == 1:
-        return f"Robot ready to accept connection: {robots[0].id}"
-    return f"{len(robots)} robots ready to accept connection: {', '.join(str(robot.id) for robot in robots)}"
+        return ONE_READY(robot=str(robots[0].id))
+    return READY(number=len(robots), robots=", ".join(str(robot.id) for robot in robots))
 
 
 def _warning_lines(view: ZoneView, lines: List[str]) -> List[str]:

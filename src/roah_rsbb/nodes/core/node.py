@@ -39,6 +39,7 @@ from roah_rsbb.durable import close_to_others
 from roah_rsbb.journal.file import DamagedJournal, Resume, boot_id
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.store import Journal
+from roah_rsbb.model import shown
 from roah_rsbb.msg import (
     CopyQuestion,
     CopyState,
@@ -284,8 +285,9 @@ class CoreNode:
         self._ros.post(lambda: self._event(self._box.on_devices_status, message.connected, message.text))
 
     def _on_copy(self, message: CopyState) -> None:
+        trouble, notice = shown.restored((message.trouble, message.notice), message.said)
         report = CopyReport(message.place, message.journal == self._core.store.identity, message.behind,
-                            message.missing_bytes, message.trouble, message.notice)
+                            message.missing_bytes, trouble, notice)
         self._ros.post(lambda: self._take_copy(report))
 
     def _take_copy(self, report: CopyReport) -> None:

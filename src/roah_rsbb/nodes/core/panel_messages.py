@@ -7,10 +7,12 @@ from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.commands import OWN_COMMANDS
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.views import views
 from roah_rsbb.core.zones import Zone
+from roah_rsbb.model import shown
+from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.reason import is_made
 from roah_rsbb.msg import CoreDetails, CoreToGui, RobotInfo, RunClock, RunClocks, ZoneDetails, ZoneState
 from roah_rsbb.nodes.core.score_convert import group_message, has_old_form, points_message, score_message, sheet_items
 from roah_rsbb.nodes.core.serialised import (
@@ -50,7 +52,7 @@ class PanelMessages:
         self._views = views.ZoneViews(box)
         self._robots: Dict[RobotId, Serialised] = {}
         self._zones: Dict[str, _Zone] = {}
-        self._warnings: List[str] = []
+        self._warnings: Tuple[List[str], str] = [], ""
         self._details_due_in = self._clocks_due_in = 0  # ticks
 
     def to_gui(self, now: Now, log_files: Mapping[int, str]) -> CoreToGui:
@@ -80,8 +82,9 @@ class PanelMessages:
         Call `to_gui` with the same `now` first.
         """
         warnings = self._box.warnings(now)
-        if warnings != self._warnings:
-            self._warnings, self._details_due_in = warnings, 0
+        status = views.box_status(self._box, now)
+        if (warnings, status) != self._warnings:
+            self._warnings, self._details_due_in = (warnings, status), 0
         self._details_due_in -= 1
         if self._details_due_in >= 0:
             return None
@@ -92,6 +95,7 @@ class PanelMessages:
             clock=ros_time(now.utc),
             box_uuid=self._box_uuid,
             warnings=warnings,
+            said=shown.said(filter(is_made, [*warnings, status])),
         )
 
     def renew(self) -> None:
@@ -229,18 +233,11 @@ def _zone_details(view: views.ZoneView, log_file: str) -> ZoneDetails:
         zone=view.zone,
         event=view.event.id,
         phase=view.phase,
-        connect_off=view.reasons_off("connect"),
-        disconnect_off=view.reasons_off("disconnect"),
-        start_off=view.reasons_off("start"),
-        stop_off=view.reasons_off("stop"),
-        prev_off=view.reasons_off("previous"),
-        next_off=view.reasons_off("next"),
-        **{f"{command}_off": view.reasons_off(command) for command in OWN_COMMANDS},
-        pause_allowed=view.event.benchmark.rules.pause,
+        actions=shown.written(zip(ACTIONS, view.actions)),
+        said=shown.said(view.said),
         by_hand=view.by_hand,
         attempt=view.attempt,
         attempts=view.event.benchmark.rules.attempts,
-        robots_to_choose=view.robots_to_choose,
         warnings=view.warnings,
     )
     if not view.identity:

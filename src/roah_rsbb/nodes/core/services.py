@@ -1,20 +1,22 @@
 """The services of the core node (docs/ros_interface.md, "Core node"): each is one event for the box."""
 
-from typing import Any, Callable, List, Optional, Tuple
+import json
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import rospy
 
 from roah_rsbb.box import standby_answers
+from roah_rsbb.core.actions.table import NOTHING, Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.commands import COMMANDS, OF_TEAM, OfTeam
 from roah_rsbb.core.judges.desk import Judging
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.core.scoring.desk import MarkOutcome
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.core.zones import EventKey
+from roah_rsbb.model.actions import ACTIONS, STOP
+from roah_rsbb.model.reason import say
 from roah_rsbb.nodes.core import judging_convert
 from roah_rsbb.nodes.core.results_convert import sheet_message
 from roah_rsbb.ros import refusals, texts
@@ -22,8 +24,7 @@ from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.ros.times import ros_time
 from roah_rsbb.srv import (
-    ChooseEvent,
-    ConnectRobot,
+    Act,
     DecideJudges,
     DecideJudgesRequest,
     GetClock,
@@ -32,7 +33,6 @@ from roah_rsbb.srv import (
     GetJudgingResponse,
     GetRunSheet,
     GetRunSheetResponse,
-    LeaveRun,
     ManualOperationAnswer,
     MarkItem,
     MarkItemRequest,
@@ -47,15 +47,28 @@ from roah_rsbb.srv import (
     SubmitSheet,
     TakeBackMark,
     Zone,
-    ZoneOfTeam,
     ZoneScore,
     ZoneUInt8,
 )
 
 # The answer if a result counts, but is not on the disk yet.
-NOT_SAVED = ("not saved: {}. It counts, and is saved as soon as the disk can be written: do not enter it again. "
-             "Free or repair the disk of log_dir")
-NOT_RECORDED = "not saved: internal error. It counts until the box ends. Report the error in the core's log"
+NOT_SAVED = say("not saved: {why}. It counts, and is saved as soon as the disk can be written: do not enter it again. "
+                "Free or repair the disk of log_dir")
+NO_OBJECT = say("The values of the fields are not a JSON object, such as {example}")(example='{"robot": "r1"}')
+NOT_RECORDED = say("not saved: internal error. It counts until the box ends. Report the error in the core's log")
+
+
+# What the callers of the original services mean, which cannot say it: *disconnect* also ends a run in progress.
+ORIGINAL_GIVEN: Dict[str, Dict[str, Any]] = {"disconnect": {"running": True}}
+
+
+class _Acted(NamedTuple):
+    """A call that was carried out."""
+
+    ticket: Optional[int]  # of the journal; None: the record failed
+    of_standby: Optional[standby_answers.Answer]  # None: the answer does not wait for the standby
+    answer: object
+    with_values: bool  # the caller wants reasons as values
 
 
 class CoreServices:
@@ -81,20 +94,14 @@ class CoreServices:
         self._why_not_saved = why_not_saved
         self._ask_standby = ask_standby
         self._renew = renew
-        for command in COMMANDS:
-            if command not in OF_TEAM:
-                self._serve(command, Zone, lambda r, c=command: (box.command, r.zone, c, who_of(r)),
-                            is_urgent=command == "stop")
-        for command in OF_TEAM:
-            self._serve(command, ZoneOfTeam, lambda r, c=command: (
-                box.command, r.zone, c, who_of(r), "", OfTeam(r.team, r.event)))
+        for action in ACTIONS.values():
+            if action.is_original:
+                self._serve(action.name, Zone, lambda r, action=action: (
+                    box.act, Target(r.zone), action.name, who_of(r), ORIGINAL_GIVEN.get(action.name, NOTHING)
+                ), is_urgent=action.name == STOP)
+        self._serve("act", Act, lambda r: (
+            box.act, Target(r.zone, r.run, r.event), r.action, who_of(r), given_in(r.given)))
         self._serve("stop_run", StopRun, lambda r: (box.scores.stop, _run_of(r), who_of(r)), is_urgent=True)
-        self._serve("connect_robot", ConnectRobot, lambda r: (box.connect_robot, r.zone, r.robot, who_of(r)))
-        self._serve("leave_run", LeaveRun, lambda r: (box.leave_run, _run_of(r), who_of(r)))
-        self._serve("choose_event", ChooseEvent, lambda r: (
-            box.choose_event, r.zone, EventKey(r.code, r.team, r.round, r.run, r.schedule.to_sec(), r.id), r.unsigned,
-            who_of(r),
-        ))
         self._serve("manual_operation_complete", Zone, lambda r: (
             box.modules.complete_operation, r.zone, 0, "", who_of(r)
         ))
@@ -162,27 +169,28 @@ class CoreServices:
         """
         answer_of = answer_of or (lambda request: service._response_class())
 
-        def act(request: object) -> Tuple[Optional[int], Optional[standby_answers.Answer], object]:
+        def act(request: object) -> _Acted:
             self._ticket()  # discards earlier internal errors: only this event counts
             self._event(*event_of(request))
             ticket = self._ticket()
             # The standby is asked at once: it writes while the disk of this computer does.
             of_standby = self._ask_standby(ticket) if durable and ticket is not None else None
-            return ticket, of_standby, answer_of(request)
+            return _Acted(ticket, of_standby, answer_of(request), wants_values(request))
 
-        def wait(acted: Tuple[Optional[int], Optional[standby_answers.Answer], object]) -> object:
-            ticket, of_standby, answer = acted
-            if ticket is None:
-                raise rospy.ServiceException(NOT_RECORDED)
-            why = self._why_not_saved(ticket)
-            if why:
-                raise rospy.ServiceException(NOT_SAVED.format(why))
-            unconfirmed = standby_answers.wait(of_standby)
-            if unconfirmed:
-                raise rospy.ServiceException(unconfirmed)
-            return answer
+        def wait(acted: _Acted) -> object:
+            trouble = self._trouble(acted)
+            if trouble:
+                raise rospy.ServiceException(refusals.error_text([trouble], acted.with_values))
+            return acted.answer
 
-        self._add(name, service, act if durable else lambda r: act(r)[2], wait if durable else None, is_urgent)
+        self._add(name, service, act if durable else lambda r: act(r).answer, wait if durable else None, is_urgent)
+
+    def _trouble(self, acted: "_Acted") -> str:
+        """Wait until what was done is on the disks. Return why it is not; empty: it is."""
+        if acted.ticket is None:
+            return NOT_RECORDED
+        why = self._why_not_saved(acted.ticket)
+        return NOT_SAVED(why=why) if why else standby_answers.wait(acted.of_standby)
 
     def _add(self, name: str, service: type, handle: Callable[[Any], object],
              wait: Optional[Callable[[Any], object]] = None, is_urgent: bool = False) -> None:
@@ -194,7 +202,7 @@ class CoreServices:
             try:
                 return handle(request)
             except Refused as refused:
-                raise rospy.ServiceException(refusals.error_text(refused.reasons)) from None
+                raise rospy.ServiceException(refusals.error_text(refused.reasons, wants_values(request))) from None
 
         self._services.add(f"/core/{name}", service, checked, wait, is_urgent)
 
@@ -221,6 +229,22 @@ class CoreServices:
     def _ruled(self, now: Now, name: RunName) -> Tuple[RunRecord, Optional[Why]]:
         record = self._box.scores.record_of(now, name)
         return record, self._box.scores.why(now, record.identity)
+
+
+def wants_values(request: Any) -> bool:
+    """Whether the caller wants reasons as values."""
+    return (getattr(request, "_connection_header", None) or {}).get(refusals.HEADER) == refusals.VALUES
+
+
+def given_in(text: str) -> Dict[str, Any]:
+    """Return the values of an action's fields in a request to /core/act. Raises `Refused`."""
+    try:
+        given = json.loads(text or "{}")
+    except (ValueError, RecursionError):
+        given = None
+    if not isinstance(given, dict):
+        raise Refused([NO_OBJECT])
+    return given
 
 
 def who_of(request: Any, referee: str = "") -> str:

@@ -1,6 +1,7 @@
 """The calls to the core that paired devices ask for. They are made in threads, because rospy's calls block."""
 
 import asyncio
+import json
 import threading
 from typing import Any, Callable, Dict, NamedTuple, Tuple
 
@@ -8,16 +9,16 @@ import genpy
 import rospy
 
 from roah_rsbb.core.copies import NOT_CONFIRMED
+from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.ros import refusals
 from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.known_services import KnownService
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.srv import (
-    ConnectRobot,
+    Act,
     DecideJudges,
     GetJudging,
     GetRunSheet,
-    LeaveRun,
     ManualOperationAnswer,
     MarkItem,
     PublishResult,
@@ -28,10 +29,9 @@ from roah_rsbb.srv import (
     SubmitSheet,
     TakeBackMark,
     Zone,
-    ZoneOfTeam,
     ZoneUInt8,
 )
-from roah_rsbb.web.commands import OF_TEAM, PLAIN, STOP, Command, Outcome
+from roah_rsbb.web.commands import STOP, Command, Outcome
 
 # A later answer is ignored. The page of a device waits a little longer.
 TIMEOUT_S = 5.0
@@ -51,6 +51,11 @@ class _Call(NamedTuple):
 
 def _zone(command: Command) -> Tuple[Any, ...]:
     return (command.zone,)
+
+
+def _action(command: Command) -> Tuple[Any, ...]:
+    fields = command.fields
+    return command.name, command.zone, fields["identity"], fields["event_id"], json.dumps(fields["given"])
 
 
 def _mark(command: Command) -> Tuple[Any, ...]:
@@ -76,12 +81,9 @@ def _publication(action: int) -> Callable[[Command], Tuple[Any, ...]]:
 
 
 CALLS: Dict[str, _Call] = {
-    **{name: _Call(name, Zone, _zone) for name in PLAIN},
-    **{name: _Call(name, ZoneOfTeam, _fields("team", "event")) for name in OF_TEAM},
+    **{name: _Call("act", Act, _action) for name in ACTIONS},
     "confirm_switches": _Call("omf_switches/complete", Zone, _zone),
-    "connect_robot": _Call("connect_robot", ConnectRobot, _fields("robot")),
     "stop": _Call("stop_run", StopRun, _fields("identity")),
-    "leave": _Call("leave_run", LeaveRun, _fields("identity")),
     "stop_reason": _Call("stop_reason", StopReason, lambda c: (
         c.zone, c.fields["identity"], 0, c.fields["reason"], c.session.who)),
     "sign_off": _Call("sign_off", SignOff, _fields("identity", with_who=True)),
@@ -137,7 +139,8 @@ class CoreCalls:
 
 def _outcome(command: Command) -> Outcome:
     call = CALLS[command.name]
-    proxy = KnownService(f"/core/{call.service}", call.kind, headers={REFEREE_HEADER: command.session.who})
+    proxy = KnownService(f"/core/{call.service}", call.kind, headers={
+        REFEREE_HEADER: command.session.who, refusals.HEADER: refusals.VALUES})
     try:
         answer = proxy(*call.request(command))
     except rospy.ServiceException as error:

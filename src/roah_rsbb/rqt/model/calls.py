@@ -16,7 +16,7 @@ from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.srv import GetClock, MarkItem, MarkItemRequest, MarkItemResponse
 from roah_rsbb.wording.device import NO_WEB
 from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.sent import tr_sent
+from roah_rsbb.wording.said import tr_said
 
 # Timeout of a call. A later answer is ignored.
 TIMEOUT_S = 5.0
@@ -121,7 +121,8 @@ class Calls(QObject):
         threading.Thread(target=self._work, args=(token, what, job), name=what, daemon=True).start()
 
     def _headers(self) -> Dict[str, str]:
-        return {REFEREE_HEADER: self._referee.name} if self._referee.name else {}
+        who = {REFEREE_HEADER: self._referee.name} if self._referee.name else {}
+        return {refusals.HEADER: refusals.VALUES, **who}
 
     def forget(self, owner: object) -> None:
         """Deliver nothing more to `owner`, which is closing."""
@@ -180,4 +181,4 @@ def failure_text(raised: str) -> str:
     """Return the core's reasons, or what to check if there was no answer."""
     if raised.endswith("unavailable") or raised.startswith(_UNREACHED):
         return tr("no answer: {why} ({error})", why=_missing(raised), error=raised)
-    return "; ".join(map(tr_sent, refusals.reasons(raised)))
+    return "; ".join(map(tr_said, refusals.reasons(raised)))

@@ -27,6 +27,7 @@ from roah_rsbb.wording.clock import Clock, clock_of
 from roah_rsbb.wording.judging import Judging, judgings_of
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.replay import NO_COMMANDS, is_replay
+from roah_rsbb.wording.said import learn_details
 
 GUI_TOPIC = "/core/to_gui"
 DETAILS_TOPIC = "/core/details"
@@ -226,11 +227,6 @@ class Model(QObject):
             return None  # of the previous run: the two topics are from different moments
         return clock_of(message, self.clock_s - self._clocks.clock.to_sec())
 
-    def has_phases(self, zone_name: str) -> bool:
-        """Return whether the benchmark of a zone's event has phases."""
-        clocks = () if self._clocks is None else self._clocks.zones
-        return any(clock.zone == zone_name and clock.phases > 0 for clock in clocks)
-
     def unsaved_of(self, identity: str) -> UnsavedParts:
         """Return the parts of a run's record that the core could not write to the disk yet."""
         runs = () if self._unsaved is None else self._unsaved.runs
@@ -282,6 +278,8 @@ class Model(QObject):
         if topic in (GUI_TOPIC, DETAILS_TOPIC) and before is not None and before.clock == received.message.clock:
             return False
         setattr(self, _FIELDS[topic], received.message)
+        if topic == DETAILS_TOPIC:
+            learn_details(received.message)
         self._heard_at[topic] = received.mono
         if topic == GUI_TOPIC:
             self.box_clock.sample(received.mono, self.clock_s)

@@ -3,13 +3,17 @@
 Key: F5 twice starts, whichever panel of the process has the focus. STOP is in the strip below all panels.
 """
 
+import json
 from functools import partial
-from typing import Dict, FrozenSet, NamedTuple, Optional, Tuple
+from typing import Any, Dict, FrozenSet, Optional, Tuple
 
+from roah_rsbb.model import shown
+from roah_rsbb.model.actions import ACTIONS, Action
+from roah_rsbb.model.fields import Team
 from roah_rsbb.msg import RunSummary, ZoneDetails, ZoneState
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels.history import RunSheets, why_fixed
-from roah_rsbb.rqt.panels.more_commands import WHATS, Command, MoreMenu, RuleButtons
+from roah_rsbb.rqt.panels.more_commands import ActionForm, MoreMenu, RuleButtons, entered, what_text, why_off
 from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel, ask, keep_true
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
 from roah_rsbb.rqt.qt import (
@@ -27,10 +31,10 @@ from roah_rsbb.rqt.widgets import basic, phases
 from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
 from roah_rsbb.rqt.widgets.run_times import RunTimes
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
-from roah_rsbb.srv import ConnectRobot, StopReason, Zone, ZoneOfTeam
+from roah_rsbb.srv import Act, StopReason
 from roah_rsbb.wording import sheets, stop
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.sent import tr_sent
+from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.todo import WARNING
 
 REASON = tr_later("Reason for the stop")
@@ -101,31 +105,11 @@ class StopReasonLine(QLineEdit):
         )
 
 
-class _Command(NamedTuple):
-    """A command of the zone: its names in services, messages, button and message fields."""
-
-    service: str
-    what: str
-    label: str
-    explanation: str
-    field: str  # <field>_enabled in ZoneState, <field>_off in ZoneDetails
-
-
-COMMANDS = {
-    c.service: c
-    for c in (
-        _Command("previous", tr_later("Previous in {zone}"), tr_later("◀ Previous"),
-                 tr_later("Go to the zone's previous event"), "prev"),
-        _Command("next", tr_later("Next in {zone}"), tr_later("Next ▶"),
-                 tr_later("Go to the zone's next event"), "next"),
-        _Command("connect", tr_later("Connect in {zone}"), tr_later("Connect"),
-                 tr_later("Open the private channel to the team's robot"), "connect"),
-        _Command("start", tr_later("Start in {zone}"), tr_later("▶ START"),
-                 tr_later("Start the benchmark (keys: F5 twice)"), "start"),
-        _Command("disconnect", tr_later("Disconnect in {zone}"), tr_later("Disconnect"),
-                 tr_later("Leave the run and close the channel"), "disconnect"),
-    )
-}
+# The actions that have a place of their own here.
+COMMANDS = {name: ACTIONS[name] for name in ("previous", "next", "connect", "start", "disconnect")}
+SMALL = ("previous", "next")
+ENABLED = {"previous": "prev"}  # <name>_enabled in ZoneState, where it has another name
+START_KEYS = tr_later("keys: F5 twice")
 NO_ZONE = tr_later("This zone is not in the schedule. Choose a zone above.")
 
 # The usual next command of each phase is highlighted while it is possible, and nothing must be done before.
@@ -163,8 +147,8 @@ class BenchmarkControlPanel(Panel):
         self._answer = Answer()
         self.reason = StopReasonLine(self, self._answer)
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
-        self.rules = RuleButtons(self._press)
-        self.more = MoreMenu(self._connect_robot, self._press_in_menu, self._pair)
+        self.rules = RuleButtons(self._ask)
+        self.more = MoreMenu(self._connect_robot, self._ask, self._pair)
         keys = QToolButton()
         keys.setText("?")
         keys.setToolTip(tr("All keys (key: ?)"))
@@ -218,10 +202,10 @@ class BenchmarkControlPanel(Panel):
         grid.setColumnStretch(0, 1)
         return grid
 
-    def _button(self, command: _Command) -> basic.CommandButton:
-        factor = 1.0 if command.field in ("prev", "next") else 1.3
-        button = basic.CommandButton(tr(command.label), tr(command.explanation), factor)
-        button.clicked.connect(lambda: self._press(command.service))
+    def _button(self, action: Action) -> basic.CommandButton:
+        explanation = tr(action.explanation) + (f" ({tr(START_KEYS)})" if action.name == "start" else "")
+        button = basic.CommandButton(tr(action.label), explanation, 1.0 if action.name in SMALL else 1.3)
+        button.clicked.connect(lambda: self._press(action.name))
         return button
 
     def _key(self, key: str, service: str) -> TwiceKey:
@@ -243,10 +227,10 @@ class BenchmarkControlPanel(Panel):
         else:
             self._show_event(zone)
             self._show_run(zone, details)
-        for command in COMMANDS.values():
-            self._show_button(command, zone, details)
+        for name in COMMANDS:
+            self._show_button(name, zone, details)
         silent = tr(NO_ZONE) if zone is None else self.model.why_old(tr(SILENT))
-        self.rules.show_details(details, self.model.has_phases(self.model.zone_name), silent)
+        self.rules.show_details(details, silent)
         self.more.show_details(details, silent)
         self.reason.show_run()
         self._start_key.forget()
@@ -306,35 +290,35 @@ class BenchmarkControlPanel(Panel):
         of_box = list(self.model.details.warnings) if self.model.details else []
         lines = [line for line in state.splitlines() if line]
         warnings = [line[len(WARNING):] for line in lines if line.startswith(WARNING)] + of_box
-        self.state.show_lines([(tr_sent(text), True) for text in warnings]
-                              + [(tr_sent(line), False) for line in lines if not line.startswith(WARNING)])
+        self.state.show_lines([(tr_said(text), True) for text in warnings]
+                              + [(tr_said(line), False) for line in lines if not line.startswith(WARNING)])
 
-    def _show_button(self, command: _Command, zone: Optional[ZoneState], details: Optional[ZoneDetails]) -> None:
-        button = self.buttons[command.service]
+    def _show_button(self, name: str, zone: Optional[ZoneState], details: Optional[ZoneDetails]) -> None:
+        button = self.buttons[name]
         if zone is None:
             button.allow(False, [tr(NO_ZONE) if self.model.gui else tr("Waiting for the core")])
             return
         if self.model.is_old:
             button.allow(False, [self.model.why_old(tr(SILENT))])
             return
-        allowed = getattr(zone, f"{command.field}_enabled")
-        reasons = getattr(details, f"{command.field}_off") if details else ()
-        is_next = details is not None and not stop.leaving(details)
-        tone = NEXT_STEP.get((details.phase, command.service)) if is_next else None
-        button.allow(allowed, [tr_sent(reason) for reason in reasons], tone)
+        if details is None:  # they come a moment later
+            button.allow(getattr(zone, f"{ENABLED.get(name, name)}_enabled"), [tr("Waiting for the core")])
+            return
+        reasons = why_off(details, name, "")
+        button.allow(not reasons, reasons, None if stop.leaving(details) else NEXT_STEP.get((details.phase, name)))
 
     # -- commands -----------------------------------------------------------------------------------
 
-    def _press(self, service: str) -> None:
+    def _press(self, name: str) -> None:
         """A button was clicked, or its key pressed twice."""
         zone = self.model.zone_name
         question, why = self._leaving(zone)
-        if service == "disconnect" and why:
-            box = ask(self, question, why, tr(COMMANDS[service].label),
+        if name == "disconnect" and why:
+            box = ask(self, question, why, tr(COMMANDS[name].label),
                       partial(self._disconnect, zone, self.model.identity_of(zone)))
             keep_true(box, self.model, partial(self._leaving, zone))
         else:
-            self._send(service, zone)
+            self._send(ACTIONS[name], zone)
 
     def _leaving(self, zone: str) -> Tuple[str, str]:
         """Return the question before the run in a zone is left, and why it is asked; empty: it is not."""
@@ -350,58 +334,62 @@ class BenchmarkControlPanel(Panel):
     def _disconnect(self, zone: str, asked: str) -> None:
         """Disconnect the run that the referee was asked about, and no other one. `asked`: its identity."""
         if self.model.identity_of(zone) == asked:
-            self._send("disconnect", zone)
+            self._send(ACTIONS["disconnect"], zone, {"running": True})
         else:
             self._answer.warn(tr("Not disconnected: another run is in {zone} now", zone=zone))
 
-    def _press_in_menu(self, command: Command) -> None:
+    def _ask(self, action: Action) -> None:
+        """An action of the row or the menu was chosen: ask what it needs, and what its table says, then do it."""
         zone, details, event = self.model.zone_name, self.model.zone_details, self.model.zone
         if details is None or event is None:
             return
-        if not command.question:
-            self._send_from_menu(command.service, zone, event.team, details.event)
-            return
-        text = "\n\n".join(filter(None, [stop.leaving(details), tr(command.question, team=event.team)]))
-        ask(self, tr(command.label).rstrip(" …"), text, tr(command.label).rstrip(" …"),
-            partial(self._send_if_same, command.service, zone, (event.team, details.event, details.identity)))
+        fields = entered(shown.of(details, action.name).fields)
+        same = partial(self._send_if_same, action, zone, (event.team, details.event, details.identity))
+        if fields:
+            basic.show_dialog(ActionForm(self, action, what_text(action, zone), fields, same))
+        elif action.question:
+            text = "\n\n".join(filter(None, [
+                stop.leaving(details) if action.leaves else "", tr(action.question, team=event.team)]))
+            ask(self, tr(action.label), text, tr(action.label), same)
+        else:
+            self._send(action, zone)
 
-    def _send_if_same(self, service: str, zone: str, asked: Tuple[str, str, str]) -> None:
-        """Give the command if the zone is still at the event and the run that the referee was asked about. The core
-        checks the event again."""
+    def _send_if_same(
+        self, action: Action, zone: str, asked: Tuple[str, str, str], given: Optional[Dict[str, Any]] = None,
+    ) -> None:
+        """Do an action if the zone is still at the event and the run that the referee was asked about. The core checks
+        it again."""
         event, details = self.model.zone, self.model.zone_details
         now = None if event is None or details is None else (event.team, details.event, details.identity)
         if self.model.zone_name == zone and now == asked:
-            self._send_from_menu(service, zone, *asked[:2])
+            self._send(action, zone, given)
         else:
             self._answer.warn(tr("Not done: {zone} is at another event now", zone=zone))
-
-    def _send_from_menu(self, service: str, zone: str, team: str, event: str) -> None:
-        what = tr(WHATS[service], zone=zone)
-        self._answer.say(f"{what} …")
-        self.client.calls.service(
-            self, f"/core/{service}", ZoneOfTeam, (zone, team, event),
-            lambda outcome: self._answer.show_outcome(what, outcome))
 
     def _pair(self) -> None:
         basic.show_alone(PairDialog(self, self.client.calls, self.client.moments, self.model.zone_name))
 
     def _connect_robot(self, robot: str) -> None:
         zone = self.model.zone_name
-        what = tr("Connect {robot} in {zone}", robot=robot, zone=zone)
-        self._answer.say(f"{what} …")
-        self.client.calls.service(
-            self, "/core/connect_robot", ConnectRobot, (zone, robot),
-            lambda outcome: self._answer.show_outcome(what, outcome))
+        self._send(ACTIONS["connect"], zone, {"robot": robot}, tr("Connect {robot} in {zone}", robot=robot, zone=zone))
 
-    def _send(self, service: str, zone: str) -> None:
-        what = tr(COMMANDS[service].what if service in COMMANDS else WHATS[service], zone=zone)
-        button = self.buttons.get(service) or self.rules.buttons[service]
-        button.hold()
+    def _send(
+        self, action: Action, zone: str, given: Optional[Dict[str, Any]] = None, what: str = "",
+    ) -> None:
+        """Do an action in the zone that is shown. `given`: the values of its fields."""
+        what = what or what_text(action, zone)
+        button = self.buttons.get(action.name) or self.rules.buttons.get(action.name)
+        if button is not None:
+            button.hold()
         self._answer.say(f"{what} …")
 
-        def done(outcome) -> None:
+        def done(outcome: CallOutcome) -> None:
             self._answer.show_outcome(what, outcome)
-            if outcome.error:
+            if outcome.error and button is not None:
                 button.let_go()
 
-        self.client.calls.service(self, f"/core/{service}", Zone, (zone,), done)
+        event, details = self.model.zone, self.model.details_of(zone)
+        team = {"team": event.team} if event is not None and any(isinstance(f, Team) for f in action.fields) else {}
+        seen = details.event if details is not None and action.aims else ""
+        self.client.calls.service(self, "/core/act", Act, (
+            action.name, zone, self.model.identity_of(zone), seen, json.dumps({**team, **(given or {})})), done)

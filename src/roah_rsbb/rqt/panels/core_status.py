@@ -19,7 +19,7 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
 from roah_rsbb.srv import Reload
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.sent import tr_sent
+from roah_rsbb.wording.said import tr_said
 
 SHUTDOWN = "roah_rsbb_shutdown"
 RELOAD = "/core/reload"
@@ -79,8 +79,8 @@ class CoreStatusPanel(Panel):
         warnings = list(details.warnings) if details else []
         # The status may only repeat these warnings in one line.
         is_repeated = bool(warnings) and gui.status == "; ".join(warnings)
-        status = [] if is_repeated else [(tr_sent(gui.status), gui.status != "OK")]
-        self.notices.show_lines(status + [(tr_sent(w), True) for w in warnings])
+        status = [] if is_repeated else [(tr_said(gui.status), gui.status != "OK")]
+        self.notices.show_lines(status + [(tr_said(w), True) for w in warnings])
         phases = [d.phase for d in details.zones] if details else []
         values = {
             "addr": gui.addr,

@@ -1,90 +1,169 @@
-"""Commands of Benchmark Control that most runs do not need: phases and pauses, runs without a robot, the choice of a
-robot (docs/referee.md, "Setup time, phases, pauses" and "Without a robot").
+"""Actions for which Benchmark Control has no place of its own: a row beside the clock, and a menu. They are made from
+the table of actions (docs/referee.md, "Setup time, phases, pauses" and "Without a robot").
 """
 
-from typing import Callable, NamedTuple, Optional, Sequence
+from typing import Any, Callable, Dict, Optional, Sequence, Tuple
 
+from roah_rsbb.model import fields as model_fields
+from roah_rsbb.model import shown
+from roah_rsbb.model.actions import ACTIONS, Action, Row
+from roah_rsbb.model.fields import BadValue, Choice, Event, Field, Number, Robot, Team, Toggle
 from roah_rsbb.msg import ZoneDetails
-from roah_rsbb.rqt.qt import QAction, QHBoxLayout, QMenu, Qt, QToolButton, QWidget
+from roah_rsbb.rqt.qt import (
+    QAction,
+    QCheckBox,
+    QComboBox,
+    QDialog,
+    QDialogButtonBox,
+    QFormLayout,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QMenu,
+    QSpinBox,
+    Qt,
+    QToolButton,
+    QWidget,
+)
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.sent import tr_sent
+from roah_rsbb.wording.language import tr
+from roah_rsbb.wording.said import tr_reason, tr_said
+
+# Actions that panels lay out by hand: Benchmark Control, the strip with STOP, Schedule.
+PLACED = ("previous", "next", "connect", "start", "disconnect", "stop", "choose_event")
+# A paused clock is easily forgotten.
+HIGHLIGHTED = ("resume",)
+# Width that shows a typed text, in units of the desktop's font.
+WIDE_EMS = 28
 
 
-class Command(NamedTuple):
-    """A command of the zone: its names in services, messages and labels. `<service>_off` of ZoneDetails has the reasons
-    why it is refused."""
-
-    service: str
-    what: str
-    label: str
-    explanation: str
-    question: str = ""  # asked before it is given; empty: it is given at once
+def others(row: Row) -> Sequence[Action]:
+    """Return the actions that no panel lays out by hand, for a row."""
+    return [action for action in ACTIONS.values() if action.name not in PLACED and action.row is row]
 
 
-RULE_COMMANDS = (
-    Command("previous_phase", tr_later("Previous phase in {zone}"), tr_later("◀ Phase"),
-            tr_later("Go back to the phase before; its time continues")),
-    Command("next_phase", tr_later("Next phase in {zone}"), tr_later("Next phase ▶"),
-            tr_later("Go to the next phase")),
-    Command("pause", tr_later("Pause in {zone}"), tr_later("‖ Pause"),
-            tr_later("Stop the clock of the run. The robot does not notice")),
-    Command("resume", tr_later("Resume in {zone}"), tr_later("▶ Resume clock"),
-            tr_later("Let the clock of the run continue")),
-)
-SHEET_COMMANDS = (
-    Command("open_sheet", tr_later("Score sheet in {zone}"), tr_later("Score without a robot"),
-            tr_later("Start and stop the clock yourself. Nothing is sent to a robot")),
-    Command("no_show", tr_later("No-show in {zone}"), tr_later("No-show …"),
-            tr_later("The team did not appear. Leave this event"),
-            tr_later("Did team {team} not appear? The zone leaves this event.")),
-    Command("withdrawn", tr_later("Withdrawal in {zone}"), tr_later("Team withdrew …"),
-            tr_later("The team withdrew. Leave this event"),
-            tr_later("Did team {team} withdraw? The zone leaves this event.")),
-)
-WHATS = {command.service: command.what for command in (*RULE_COMMANDS, *SHEET_COMMANDS)}
+def what_text(action: Action, zone: str) -> str:
+    """Return what an answer is about."""
+    return tr(action.what, zone=zone) if action.what else tr("{command} in {zone}", command=tr(action.label), zone=zone)
 
 
-def why_off(details: Optional[ZoneDetails], service: str, silent: str) -> Sequence[str]:
-    """Return why a command is refused now; empty: it is allowed. `silent`: the core is not heard."""
+def why_off(details: Optional[ZoneDetails], name: str, silent: str) -> Sequence[str]:
+    """Return why an action is off now; empty: it is on. `silent`: the core is not heard."""
     if details is None or silent:
         return [silent or tr("Waiting for the core")]
-    return [tr_sent(reason) for reason in getattr(details, f"{service}_off")]
+    return [tr_said(reason) for reason in shown.off(details, name)]
+
+
+def entered(fields: Sequence[Field]) -> Tuple[Field, ...]:
+    """Return the fields that somebody must enter. The team is the one that is shown."""
+    return tuple(field for field in fields if not isinstance(field, Team))
+
+
+def is_offered(action: Action) -> bool:
+    """Whether a form can offer all fields of an action. Robots and events are chosen elsewhere."""
+    return not any(isinstance(field, (Event, Robot)) for field in action.fields)
+
+
+class ActionForm(QDialog):
+    """Asks for the fields of an action, and calls `then` with their values."""
+
+    def __init__(
+        self, parent: QWidget, action: Action, what: str, fields: Sequence[Field],
+        then: Callable[[Dict[str, Any]], None],
+    ) -> None:
+        """`what`: what is done where, for the heading."""
+        super().__init__(parent)
+        self.setWindowTitle(what)
+        self.setAttribute(Qt.WA_DeleteOnClose)
+        self._fields, self._then = fields, then
+        form = QFormLayout(self)
+        heading = basic.enlarged(QLabel(what, wordWrap=True), 1.2, bold=True)
+        heading.setTextFormat(Qt.PlainText)
+        heading.setMinimumWidth(round(WIDE_EMS * basic.em()))
+        form.addRow(heading)
+        form.addRow(QLabel(tr(action.explanation), wordWrap=True))
+        self.editors: Dict[str, QWidget] = {}
+        for field in fields:
+            self.editors[field.name] = _editor(field)
+            form.addRow(tr(field.label), self.editors[field.name])
+        self.problem = QLabel(wordWrap=True)
+        self.problem.hide()
+        form.addRow(self.problem)
+        buttons = QDialogButtonBox()
+        self.yes = buttons.addButton(tr(action.label), QDialogButtonBox.AcceptRole)
+        self.cancel = buttons.addButton(tr("Cancel"), QDialogButtonBox.RejectRole)
+        buttons.accepted.connect(self._accept)
+        buttons.rejected.connect(self.reject)
+        form.addRow(buttons)
+        next(iter(self.editors.values())).setFocus()
+
+    def _accept(self) -> None:
+        try:
+            given = model_fields.read(
+                self._fields, {name: _entry(editor) for name, editor in self.editors.items()})
+        except BadValue as bad:
+            self.problem.setText(f"⚠ {tr_reason(bad.reason)}")
+            self.problem.show()
+            return
+        self.accept()
+        self._then(given)
+
+
+def _editor(field: Field) -> QWidget:
+    if isinstance(field, Toggle):
+        return QCheckBox()
+    if isinstance(field, Choice):
+        box = QComboBox()
+        box.addItems([*([] if field.required else [""]), *field.choices])
+        return box
+    if isinstance(field, Number):
+        number = QSpinBox()
+        number.setRange(field.low, field.high)
+        number.setSuffix(f" {field.unit}" if field.unit else "")
+        return number
+    return QLineEdit(maxLength=field.most)
+
+
+def _entry(editor: QWidget) -> Any:
+    if isinstance(editor, QCheckBox):
+        return editor.isChecked()
+    if isinstance(editor, QComboBox):
+        return editor.currentText()
+    return editor.value() if isinstance(editor, QSpinBox) else editor.text().strip()
 
 
 class RuleButtons(QWidget):
     """Phases and pause, in a row that is only visible where the benchmark has such rules."""
 
-    def __init__(self, press: Callable[[str], None]) -> None:
+    def __init__(self, press: Callable[[Action], None]) -> None:
         super().__init__()
-        self.buttons = {}
+        self.buttons: Dict[str, basic.CommandButton] = {}
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
-        for command in RULE_COMMANDS:
-            button = basic.CommandButton(tr(command.label), tr(command.explanation), 1.1)
-            button.clicked.connect(lambda _checked=False, service=command.service: press(service))
+        for action in others(Row.CLOCK):
+            dots = " …" if entered(action.fields) else ""
+            button = basic.CommandButton(tr(action.label) + dots, tr(action.explanation), 1.1)
+            button.clicked.connect(lambda _checked=False, action=action: press(action))
             row.addWidget(button, 1)
-            self.buttons[command.service] = button
+            self.buttons[action.name] = button
         self.hide()
 
-    def show_details(self, details: Optional[ZoneDetails], has_phases: bool, silent: str) -> None:
+    def show_details(self, details: Optional[ZoneDetails], silent: str) -> None:
         """Show what is possible now. `silent`: why nothing is; empty: the core is heard."""
-        has_pause = details is not None and details.pause_allowed
-        is_paused = has_pause and not details.resume_off
-        visible = {"previous_phase": has_phases, "next_phase": has_phases, "pause": has_pause and not is_paused,
-                   "resume": is_paused}
-        for service, button in self.buttons.items():
-            reasons = why_off(details, service, silent)
-            button.allow(not reasons, reasons, basic.READY if service == "resume" else None)
-            button.setVisible(visible[service])
-        self.setVisible(has_phases or has_pause)
+        is_visible = False
+        for name, button in self.buttons.items():
+            reasons = why_off(details, name, silent)
+            button.allow(not reasons, reasons, basic.READY if name in HIGHLIGHTED else None)
+            button.setVisible(details is not None and shown.of(details, name).shown)
+            is_visible = is_visible or not button.isHidden()
+        self.setVisible(is_visible)
 
 
 class MoreMenu(QToolButton):
-    """The team's robots to choose from, the commands for runs without a robot, and pairing."""
+    """The team's robots to choose from, the actions without a place of their own, and pairing."""
 
     def __init__(
-        self, connect_robot: Callable[[str], None], press: Callable[[Command], None], pair: Callable[[], None],
+        self, connect_robot: Callable[[str], None], press: Callable[[Action], None], pair: Callable[[], None],
     ) -> None:
         super().__init__()
         self.setText("⋯")
@@ -98,31 +177,32 @@ class MoreMenu(QToolButton):
         self._menu.setToolTipsVisible(True)
         self._robots: Sequence[str] = ()
         self.robots: Sequence[QAction] = ()  # one for each of the team's robots
-        self.actions_of = {}
-        for command in SHEET_COMMANDS:
-            action = self._menu.addAction(tr(command.label))
-            action.triggered.connect(lambda _checked=False, command=command: press(command))
-            self.actions_of[command.service] = action
+        self.actions_of: Dict[str, QAction] = {}
+        for action in filter(is_offered, others(Row.MORE)):
+            dots = " …" if action.question or entered(action.fields) else ""
+            entry = self._menu.addAction(tr(action.label) + dots)
+            entry.triggered.connect(lambda _checked=False, action=action: press(action))
+            self.actions_of[action.name] = entry
         self._menu.addSeparator()
         self.pair = self._menu.addAction(tr("Pair a phone …"))
         self.pair.setToolTip(basic.tip(tr("Let a phone or tablet act as a referee; list and end pairings")))
         self.pair.triggered.connect(lambda: pair())
-        self._line = self._menu.insertSeparator(self.actions_of["open_sheet"])
+        self._line = self._menu.insertSeparator(next(iter(self.actions_of.values())))
         self._line.setVisible(False)
         self.setMenu(self._menu)
 
     def show_details(self, details: Optional[ZoneDetails], silent: str) -> None:
         """Show what is possible now. An open menu does not change its entries, only what is possible."""
-        robots = () if details is None or silent else tuple(details.robots_to_choose)
+        robots = () if details is None or silent else shown.robots_to_choose(details)
         if robots != self._robots and not self._menu.isVisible():
             self._show_robots(robots)
-        for action in self.robots:
-            action.setEnabled(bool(robots))
-        for command in SHEET_COMMANDS:
-            reasons = why_off(details, command.service, silent)
-            action = self.actions_of[command.service]
-            action.setEnabled(not reasons)
-            action.setToolTip(basic.tip("\n".join(reasons) or tr(command.explanation)))
+        for entry in self.robots:
+            entry.setEnabled(bool(robots))
+        for name, entry in self.actions_of.items():
+            reasons = why_off(details, name, silent)
+            entry.setEnabled(not reasons)
+            entry.setToolTip(basic.tip("\n".join(reasons) or tr(ACTIONS[name].explanation)))
+            entry.setVisible(details is None or shown.of(details, name).shown)
 
     def _show_robots(self, robots: Sequence[str]) -> None:
         for action in self.robots:

@@ -14,7 +14,7 @@ from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.module_scores import by_group
-from roah_rsbb.wording.sent import tr_sent
+from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.times import Moments
 
 NO_RUNS = tr_later("This zone has no run yet.")
@@ -118,7 +118,7 @@ class ResultsPanel(RefereePanel):
         self.stops.show_rows([] if sheet is None else [
             Row(number, (
                 str(number), moments.time_of_day(stop.time.to_sec()), sheets.person(stop.who) or "–",
-                tr_sent(stop.desc), sheets.stop_reason(stop.reason, stop.reason_by, stop.who),
+                tr_said(stop.desc), sheets.stop_reason(stop.reason, stop.reason_by, stop.who),
             ), tips=("", moments.tip(stop.time.to_sec()), sheets.node_of(stop.who), "", sheets.node_of(stop.reason_by)))
             for number, stop in enumerate(sheet.stops, 1)
         ])
@@ -184,7 +184,7 @@ class ResultsPanel(RefereePanel):
             return
         number = self.stops.chosen or len(sheet.stops)
         stop = sheet.stops[number - 1]
-        end = f"{self.client.moments.time_of_day(stop.time.to_sec())}: {tr_sent(stop.desc)}"
+        end = f"{self.client.moments.time_of_day(stop.time.to_sec())}: {tr_said(stop.desc)}"
         dialog = NoteDialog(
             self, tr("Reason"), end, tr("Why"), tr("Save"),
             lambda reason: self._send(

@@ -1,12 +1,13 @@
 """Schedule: all events of all zones, with results, sign-offs and estimated times (docs/referee.md, "Schedule")."""
 
+import json
 from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.qt import QAbstractItemView, QComboBox, QHBoxLayout, QPushButton, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
-from roah_rsbb.srv import ChooseEvent
+from roah_rsbb.srv import Act
 from roah_rsbb.wording import schedule, sheets, stop
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.schedule import Event, EventFilter, Show
@@ -169,8 +170,8 @@ class SchedulePanel(Panel):
             return
         self._answer.say(f"{what} …")
         self.client.calls.service(
-            self, "/core/choose_event", ChooseEvent,
-            (event.zone, event.code, event.team, event.round, event.run, line.schedule, left is not None, line.id),
+            self, "/core/act", Act, ("choose_event", event.zone, "", "", json.dumps(
+                {"event": line.id, "team": event.team, "unsigned": left is not None})),
             lambda outcome: self._answer.show_outcome(what, outcome),
         )
 

@@ -12,7 +12,6 @@ from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.counting import Why, rulings
 from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.views.schedule import EventState, schedule
-from roah_rsbb.core.zones import key_of
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules
 from roah_rsbb.rulebook.changes import changes
@@ -163,9 +162,8 @@ def test_results_stay_with_an_event_that_moves_in_time():
     assert states(driver)[1] is EventState.DONE
     # Another attempt at it is not signed off, so leaving the event has to be confirmed.
     driver.command("previous")
-    key = key_of(driver.box.zones["tbm"].events[1])
     with pytest.raises(Refused, match="not signed off"):
-        driver.event(driver.box.choose_event, "tbm", key)
+        driver.choose(1)
 
 
 # -- ids --------------------------------------------------------------------------------------------
@@ -202,8 +200,7 @@ def test_an_event_is_known_by_its_id(moved):
     reload(driver, competition(**zones))
     line, = (line for line in schedule(driver.box, driver.now) if line.event.id == "x")
     assert line.last.identity == first.identity
-    key = key_of(line.event)
-    driver.event(driver.box.choose_event, zone, key, True)
+    driver.choose_id("x", zone, True)
     assert driver.view(zone).attempt == 2
     second = attempt(driver, zone)
     assert (second.event, first.event) == ("x", "x")
@@ -252,11 +249,10 @@ def test_a_run_of_tomorrow_with_the_same_numbers_is_another_event():
 
 def test_a_chosen_event_whose_team_changed_is_refused():
     driver = BoxDriver(competition(tbm=[with_id("x"), with_id("y", run=2)]))
-    key = key_of(driver.box.zones["tbm"].events[1])
     reload(driver, competition(tbm=[with_id("x"), with_id("y", run=2, team="Beta")]))
     with pytest.raises(Refused, match="The event is of team Beta now"):
-        driver.event(driver.box.choose_event, "tbm", key)
-    driver.event(driver.box.choose_event, "tbm", key._replace(team="Beta", run=9, scheduled=0.0))
+        driver.choose_id("y", team="Alpha")
+    driver.choose_id("y", team="Beta")
     assert driver.box.zones["tbm"].event.id == "y"
 
 
@@ -287,7 +283,7 @@ def test_an_event_is_chosen_while_a_run_has_an_event_that_was_removed(chosen):
         driver.command(command)
     events = {e.id: e for e in driver.box.zones["tbm"].events}
     reload(driver, competition(tbm=[events["y"], events["z"]]))
-    driver.event(driver.box.choose_event, "tbm", key_of(events[chosen]), True)
+    driver.choose_id(chosen, unsigned=True)
     assert driver.box.zones["tbm"].event.id == {"x": "y", "z": "z"}[chosen]
 
 

@@ -7,14 +7,13 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import DOOR, UTC0, competition, event
 from roah_rsbb.core import effects
-from roah_rsbb.core.commands import OfTeam
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.core.views.schedule import EventState, schedule
 from roah_rsbb.core.views.views import coming_events
-from roah_rsbb.core.zones import key_of
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 
@@ -172,7 +171,7 @@ def test_the_referee_chooses_one_of_several_robots():
     assert driver.view().robots_to_choose == ("r1", "r2")
     assert "Several robots of team Alpha are active (r1, r2): choose which one connects" in driver.view().state
     driver.taken()
-    driver.event(driver.box.connect_robot, "tbm", "r2", "Anna")
+    driver.event(driver.box.act, Target("tbm"), "connect", "Anna", {"robot": "r2"})
     assert driver.run_in().robot == ("Alpha", "r2")
     assert driver.view().robots_to_choose == ()
     recorded, = driver.taken(effects.Recorded)
@@ -188,16 +187,16 @@ def test_without_a_choice_the_first_robot_connects():
 def test_a_robot_that_does_not_exist_is_refused():
     driver = two_robots()
     with pytest.raises(Refused, match="No robot 'r3' of team Alpha is ready to connect: there is 'r1', 'r2'"):
-        driver.event(driver.box.connect_robot, "tbm", "r3")
+        driver.event(driver.box.act, Target("tbm"), "connect", "", {"robot": "r3"})
     with pytest.raises(Refused, match="for all robots at once"):
         all_robots = BoxDriver(competition(all=[event("HSUF", team="ALL")]))
-        all_robots.event(all_robots.box.connect_robot, "all", "r1")
+        all_robots.event(all_robots.box.act, Target("all"), "connect", "", {"robot": "r1"})
     assert driver.run_in() is None
 
 
 def test_one_robot_is_no_choice():
     driver = two_robots()
-    driver.event(driver.box.connect_robot, "tbm", "r1")
+    driver.event(driver.box.act, Target("tbm"), "connect", "", {"robot": "r1"})
     driver.command("disconnect")
     driver = BoxDriver(competition(**TWO))
     driver.robot().beacon()
@@ -212,17 +211,17 @@ def test_one_robot_is_no_choice():
 
 
 @pytest.mark.parametrize("command", ["no_show", "withdrawn", "open_sheet"])
-@pytest.mark.parametrize("of, why", [
-    (OfTeam("Beta"), "is of team Alpha, not of team Beta: choose the event first"),
-    (OfTeam("Alpha", "y"), "is at another event of team Alpha now"),
+@pytest.mark.parametrize("team, shown, why", [
+    ("Beta", "", "is of team Alpha, not of team Beta: choose the event first"),
+    ("Alpha", "y", "is at another event of team Alpha now"),
 ])
-def test_a_command_that_hits_another_team_is_refused(command, of, why):
+def test_a_command_that_hits_another_team_is_refused(command, team, shown, why):
     """After a refused choose, the wrong team was withdrawn."""
     driver = BoxDriver(competition(tbm=[dataclasses.replace(event(), id="x"), event("HWV", team="Beta", run=2)]))
     with pytest.raises(Refused, match=why):
-        driver.event(driver.box.command, "tbm", command, "Anna", "", of)
+        driver.event(driver.box.act, Target("tbm", event=shown), command, "Anna", {"team": team})
     assert (driver.run_in(), driver.box.finished.records()) == (None, [])
-    driver.event(driver.box.command, "tbm", command, "Anna", "", OfTeam("Alpha", "x"))
+    driver.event(driver.box.act, Target("tbm", event="x"), command, "Anna", {"team": "Alpha"})
     assert (driver.run_in() is not None) is (command == "open_sheet")
 
 
@@ -230,7 +229,7 @@ def test_a_command_that_hits_another_team_is_refused(command, of, why):
 def test_a_final_command_without_a_team_is_refused(command):
     driver = BoxDriver(competition(tbm=[event()]))
     with pytest.raises(Refused, match="Name the team"):
-        driver.event(driver.box.command, "tbm", command)
+        driver.event(driver.box.act, Target("tbm"), command)
 
 
 # -- what follows -------------------------------------------------------------------------------------
@@ -242,7 +241,7 @@ DAY = [dataclasses.replace(event(code, run=run, scheduled=UTC0 + 600.0 * run), i
 @pytest.mark.parametrize("command", ["no_show", "withdrawn"])
 def test_an_event_without_its_team_is_not_offered_as_the_next_one(command):
     driver = BoxDriver(competition(tbm=DAY))
-    driver.event(driver.box.choose_event, "tbm", key_of(DAY[1]))
+    driver.choose(1)
     driver.command(command)
     assert driver.box.zones["tbm"].event == DAY[2]
     driver.command("previous")

@@ -10,6 +10,7 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import BUMPS, DOOR, OBJECTS, competition, event
 from helpers.module_player import started
 from roah_rsbb.core import effects, run_log
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.modules.messages import ScoreValue
 from roah_rsbb.core.referee import MAX_NOTE, MAX_WHO, Refused, RunName
 from roah_rsbb.core.restart.saved import freeze
@@ -82,14 +83,14 @@ def test_a_record_follows_a_run_through_its_life(driver):
     started_utc = driver.now.utc
     robot.lives(20.0)
     assert (_record(driver).started_utc, _record(driver).elapsed_s) == (started_utc, pytest.approx(20.0))
-    driver.event(driver.box.command, "tbm", "stop", "Anna", "in the way of the camera")
+    driver.event(driver.box.act, Target("tbm"), "stop", "Anna", {"reason": "in the way of the camera"})
     robot.lives(5.0)
     record = _record(driver)
     assert (record.end_reason, record.elapsed_s) == ("stopped", pytest.approx(20.0))
     driver.command("start")
     assert (_record(driver).end_reason, len(_record(driver).stops)) == ("", 1)
     driver.run(10.0)
-    driver.event(driver.box.command, "tbm", "disconnect", "Ben")
+    driver.event(driver.box.act, Target("tbm"), "disconnect", "Ben", {"running": True})
     (record,) = driver.box.finished.records()
     assert (record.end_reason, record.closed_utc, record.elapsed_s) == (
         "stopped", driver.now.utc, pytest.approx(35.0)
@@ -169,7 +170,7 @@ def test_all_robots_have_one_record():
     record = _record(driver)
     assert record.robots == ("r1 of team Alpha", "r2 of team Beta", "r3 of team Gamma")
     driver.run(10.0)
-    driver.event(driver.box.command, "tbm", "stop", "Anna", "fire alarm")
+    driver.event(driver.box.act, Target("tbm"), "stop", "Anna", {"reason": "fire alarm"})
     reported = driver.taken(effects.RecordChanged)
     assert {effect.record.identity for effect in reported} == {identity}
     (stop,) = reported[-1].record.stops
@@ -243,7 +244,7 @@ def test_typed_text_is_one_line_and_bounded(driver):
 
 def test_no_stop_is_refused_for_many_words(driver):
     robot = driver.executing()
-    driver.event(driver.box.command, "tbm", "stop", "Anna", "z" * 10_000)
+    driver.event(driver.box.act, Target("tbm"), "stop", "Anna", {"reason": "z" * 10_000})
     assert driver.box_state() is BoxState.STOP
     assert _record(driver).stops[0].reason == "z" * MAX_NOTE
     assert robot.port == driver.run_in().port
@@ -270,7 +271,7 @@ def test_a_reason_can_be_typed_after_the_stop_also_of_an_earlier_one(driver):
 
 def test_stops_are_bounded_and_those_with_a_reason_stay_longest(driver):
     robot = driver.executing()
-    driver.event(driver.box.command, "tbm", "stop", "Anna", "the first")
+    driver.event(driver.box.act, Target("tbm"), "stop", "Anna", {"reason": "the first"})
     for _ in range(MAX_STOPS + 5):
         robot.says(RobotState.STOP)
         driver.command("start")
@@ -343,7 +344,7 @@ def _done(driver):
 def test_every_command_is_on_record_before_what_it_leads_to(driver):
     driver.robot().beacon()
     driver.taken()
-    driver.event(driver.box.command, "tbm", "connect", "/panel")
+    driver.event(driver.box.act, Target("tbm"), "connect", "/panel")
     first = driver.taken()[0]
     run = driver.run_in()
     assert first == ("tbm", run.identity, run.port, "command", {"command": "connect"}, "/panel")
@@ -352,7 +353,7 @@ def test_every_command_is_on_record_before_what_it_leads_to(driver):
 def test_a_command_that_is_refused_is_on_record_with_the_reasons(driver):
     driver.taken()
     with pytest.raises(Refused) as refused:
-        driver.event(driver.box.command, "tbm", "start", "/panel")
+        driver.event(driver.box.act, Target("tbm"), "start", "/panel")
     assert _done(driver) == [
         ("tbm", "", None, "command", {"command": "start", "refused": refused.value.reasons}, "/panel")
     ]
@@ -395,7 +396,7 @@ def test_wrong_names_cannot_fill_the_disk(driver):
 def test_a_run_of_all_robots_has_no_port_of_its_own():
     driver, robots = all_connected()
     driver.taken()
-    driver.event(driver.box.command, "tbm", "start", "Anna")
+    driver.event(driver.box.act, Target("tbm"), "start", "Anna")
     (done,) = _done(driver)
     assert (done.identity, done.port) == (driver.run_in().identity, None)
 

@@ -7,7 +7,6 @@ from helpers.competition import UTC0, competition, event
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.schedule import NO_LIMIT_S, SETUP_S, schedule, slot_lengths
-from roah_rsbb.core.zones import key_of
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, ZonePlan
 
 MINUTE = 60.0
@@ -39,7 +38,7 @@ def at(driver, minute):
 
 
 def choose(driver, index, zone="tbm", unsigned=False):
-    driver.event(driver.box.choose_event, zone, key_of(driver.box.zones[zone].events[index]), unsigned, "Anna")
+    driver.choose(index, zone, unsigned, "Anna")
 
 
 def a_run(driver, end=True):
@@ -233,11 +232,8 @@ def test_a_completed_run_is_left_for_the_event_that_was_chosen():
 
 def test_an_event_that_the_schedule_does_not_have():
     driver = BoxDriver(competition(tbm=day(0, 15)))
-    key = key_of(driver.box.zones["tbm"].events[1])
-    for wrong in (key._replace(run=9), key._replace(scheduled=key.scheduled + 1.0), key._replace(team="Gamma")):
-        with pytest.raises(Refused, match="has no event"):
-            driver.event(driver.box.choose_event, "tbm", wrong)
+    with pytest.raises(Refused, match="zone 'tbm' has no event 'x' any more: choose it again"):
+        driver.choose_id("x")
     with pytest.raises(Refused, match="no zone 'tmb': did you mean 'tbm'"):
-        driver.event(driver.box.choose_event, "tmb", key)
-    driver.event(driver.box.choose_event, "tbm", key._replace(scheduled=key.scheduled + 1e-6))
-    assert driver.box.zones["tbm"].index == 1
+        driver.choose_id("x", "tmb")
+    assert driver.box.zones["tbm"].index == 0

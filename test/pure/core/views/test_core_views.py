@@ -3,8 +3,8 @@
 import pytest
 
 from helpers.box_driver import BoxDriver
+from helpers.commands import COMMANDS
 from helpers.competition import UTC0, competition, event
-from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.views import views
 from roah_rsbb.protocol import RobotState
 

@@ -6,6 +6,7 @@ import rospy
 from support.fakes.modules import ModulesCase
 
 from roah_rsbb.core.modules.messages import Progress, Request, RequestKind
+from roah_rsbb.model import shown
 from roah_rsbb.msg import ModulesState
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot.goals import Pose
@@ -19,13 +20,16 @@ class TestModulesThatComeAndGo(ModulesCase):
         self.box.connect("Gone")
         off = "Benchmarking module not connected: no node drives HGMF"
         self.box.wait_details(
-            "Gone", lambda d: d.robot_state == "STOP" and len(d.start_off) == 1 and off in d.start_off[0],
+            "Gone", lambda d: d.robot_state == "STOP" and len(shown.off(d, "start")) == 1 and off in shown.off(d,
+            "start")[0],
             "the robot is heard, and start is off for the module only",
         )
         self.assertIn("no node drives HGMF", self.box.refusal("start", "Gone"))
         problem = "HGMF.yaml:7: found x; expected y"
         self.fbm = self.modules("HGMF", problems=(problem,))
-        self.box.wait_details("Gone", lambda d: list(d.start_off) == [problem], "start is off for what is wrong")
+        self.box.wait_details(
+            "Gone", lambda d: list(shown.off(d, "start")) == [problem],
+            "start is off for what is wrong")
         self.fbm.drives("HGMF")
         self.box.start("Gone")
         self.fbm.wait_attempt("Gone")

@@ -10,6 +10,7 @@ from support.robots import RSBB_PORT, listed, wire
 from support.waiting import wait_until
 
 from roah_rsbb.comm.ciphers import Cipher
+from roah_rsbb.model import shown
 from roah_rsbb.msg import DevicesState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
@@ -291,7 +292,9 @@ class TestTwoZonesAtOnce(BoxCase):
 
         self.box.wait_zone("Two", lambda z: z.team == "Epsilon", "the next event is one of the busy team")
         busy = "Robot Robot of team Epsilon is in a run in zone One"
-        self.box.wait_details("Two", lambda d: list(d.connect_off) == [busy], "connect is off, with the reason")
+        self.box.wait_details(
+            "Two", lambda d: list(shown.off(d, "connect")) == [busy],
+            "connect is off, with the reason")
         self.assertEqual(self.box.refusal("connect", "Two"), busy)
 
         epsilon.let("execute")

@@ -6,6 +6,7 @@ from support.box_case import LISTENER, BoxCase
 from support.robots import BOX, RSBB_PORT, host_of, listed
 from support.waiting import wait_until
 
+from roah_rsbb.model import shown
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.effects import Problem
 
@@ -28,7 +29,9 @@ class TestTime(BoxCase):
                          "the run ended by timeout")
         robot.wait_state(RobotState.STOP)
         why = "The run ended by timeout: disconnect, and connect for a new run"
-        box.wait_details("Timeout", lambda d: list(d.start_off) == [why], "that is the only reason why start is off")
+        box.wait_details(
+            "Timeout", lambda d: list(shown.off(d, "start")) == [why],
+            "that is the only reason why start is off")
         self.assertFalse(box.zone("Timeout").start_enabled)
         self.assertEqual(box.refusal("start", "Timeout"), why)
         log = self.leave("Timeout")
@@ -94,7 +97,9 @@ class TestClocks(BoxCase):
         box = self.box
         wait_until(lambda: box.robot(team) and abs(box.robot(team).skew.to_sec() - skew) < 0.04,
                    lambda: f"team {team} is seen with its skew: {box.gui.active_robots}")
-        box.wait_details(zone, lambda d: any("Clock skew" in reason for reason in d.connect_off), "the skew is shown")
+        box.wait_details(
+            zone, lambda d: any("Clock skew" in reason for reason in shown.off(d, "connect")),
+            "the skew is shown")
         self.assertFalse(box.zone(zone).connect_enabled)
         self.assertRegex(
             box.refusal("connect", zone),
@@ -140,7 +145,8 @@ class TestClocks(BoxCase):
         box.command("stop", "Clock")
         robot.wait_state(RobotState.STOP)
         box.wait_details(
-            "Clock", lambda d: len(d.start_off) == 1 and "Clock skew of the robot is +7.0" in d.start_off[0],
+            "Clock",
+            lambda d: len(shown.off(d, "start")) == 1 and "Clock skew of the robot is +7.0" in shown.off(d, "start")[0],
             "start is off for the skew, and for nothing else",
         )
         self.assertIn("synchronise the robot's clock", box.refusal("start", "Clock"))
@@ -173,7 +179,8 @@ class TestRobots(BoxCase):
         port = box.connect("Stranger")
         wait_until(lambda: Problem.WRONG_PASSWORD in robot.reports, lambda: f"the robot notices: {robot.reports}")
         box.wait_details(
-            "Stranger", lambda d: any("password" in reason for reason in d.start_off), "the referee sees the reason"
+            "Stranger",
+            lambda d: any("password" in reason for reason in shown.off(d, "start")), "the referee sees the reason"
         )
         refusal = box.refusal("start", "Stranger")
         self.assertIn("Robot has not answered on the private channel yet", refusal)
@@ -201,7 +208,7 @@ class TestRobots(BoxCase):
         box.command("disconnect", "Silent")
         back.close()
         gone = f"No robot of team Iota is active: none of its beacons arrives on UDP port {RSBB_PORT}"
-        box.wait_details("Silent", lambda d: list(d.connect_off) == [gone], "connect is off for that")
+        box.wait_details("Silent", lambda d: list(shown.off(d, "connect")) == [gone], "connect is off for that")
         self.assertEqual(box.refusal("connect", "Silent"), gone)
 
     def test_datagrams_that_cannot_be_read(self) -> None:

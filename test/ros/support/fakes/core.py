@@ -14,6 +14,9 @@ from unittest import mock
 
 import rospy
 
+from helpers.commands import given_with
+from roah_rsbb.core.actions.base import ZoneAction
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now, one_moment
 from roah_rsbb.core.effects import RecordChanged
@@ -25,6 +28,7 @@ from roah_rsbb.core.scoring.book import RunBook
 from roah_rsbb.core.scoring.records import EndReason
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
@@ -73,12 +77,19 @@ _ANSWERS = {
     BoxState.STOP: RobotState.STOP, BoxState.PREPARE: RobotState.WAITING_GOAL,
     BoxState.WAITING_RESULT: RobotState.EXECUTING,
 }
+
+
+def _acted(zone: str, action: str, given: Any) -> tuple:
+    """An action as tests see it."""
+    if action == "choose_event":
+        return action, zone, EVENTS[int(given["event"].rpartition("e")[2]) - 1][0], given.get("unsigned", False)
+    return action, zone, *(given[name] for name in ("team", "robot") if given.get(name))
+
+
 # The method of the box that a service calls -> the call as tests see it.
 _CALLS: Dict[str, Callable[..., tuple]] = {
-    "command": lambda zone, command, who, reason="", of=None: (command, zone, *([of.team] if of else [])),
+    "act": lambda target, action, who, given: _acted(target.zone, action, given),
     "stop": lambda run, who: ("stop_run", run.zone),
-    "leave_run": lambda run, who: ("leave_run", run.zone),
-    "choose_event": lambda zone, key, unsigned, who: ("choose_event", zone, key.benchmark, unsigned),
     "mark": lambda run, mark, who: ("score", run.zone, mark.group, mark.desc, mark.value),
     "mark_once": lambda run, mark, who: (
         "score", run.zone, mark.group, mark.desc,
@@ -174,7 +185,7 @@ class FakeZone:
     def command(self, *commands: str) -> None:
         """Some referee gives commands."""
         for command in commands:
-            self._core.event(self._core.box.command, self.name, command, "/referee")
+            self._core.event(self._core.box.act, Target(self.name), command, "/referee", given_with(command))
 
     def mark(self, mark: Mark, who: str, identity: str = "") -> None:
         """Some referee marks an item."""
@@ -302,19 +313,25 @@ class FakeCore:
     def _new_box(self, zones: tuple) -> Box:
         benchmarks = {code: Benchmark(code, name, desc, s, s, self._items, judges=self._judges)
                       for code, name, desc, _, s in EVENTS}
-        events = tuple(
-            ScheduledEvent(benchmarks[code], team, 1, number + 1, SCHEDULE_START + 1800.0 * number)
-            for number, (code, _, _, team, _) in enumerate(EVENTS)
-        )
-        plans = tuple(ZonePlan(name, events) for name in zones)
+        plans = tuple(ZonePlan(zone, tuple(
+            ScheduledEvent(benchmarks[code], team, 1, number, SCHEDULE_START + 1800.0 * (number - 1),
+                           f"z{place}e{number}")
+            for number, (code, _, _, team, _) in enumerate(EVENTS, 1)
+        )) for place, zone in enumerate(zones))
         config = Config(benchmarks, dict.fromkeys(ROBOTS, "a password"), plans)
         box = Box(config, Settings(listen_duration=0.0, auto_next=False), lambda beacon: 100)
-        reasons_off, warnings_of = box.commands.reasons_off, box.warnings_of
-        box.commands.reasons_off = lambda now, zone, command: (
-            reasons_off(now, zone, command) + self.zones[zone.name].extra_off.get(command, []))
+        for name in ACTIONS:
+            self._add_reasons(box.actions[name])
+        warnings_of = box.warnings_of
         box.warnings_of = lambda now, name: warnings_of(now, name) + self.zones[name].warnings
         box.warnings = lambda now: list(self.box_warnings)
         return box
+
+    def _add_reasons(self, action: ZoneAction) -> None:
+        """Let an action also be off for the reasons of the test."""
+        own = action.off
+        action.off = lambda now, zone, given: (
+            own(now, zone, given) + self.zones[zone.name].extra_off.get(action.name, []))
 
     def close(self) -> None:
         """The test case is over."""

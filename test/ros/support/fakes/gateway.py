@@ -10,6 +10,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import genpy
 
+from helpers.commands import actions_text
 from roah_rsbb.msg import CoreDetails, CoreToGui, RunClock, RunClocks, ScoreItem, ZoneDetails, ZoneState
 from roah_rsbb.web.commands import Command, Outcome
 from roah_rsbb.web.pairing import Grant
@@ -80,7 +81,7 @@ class Zone:
         elif name == "stop" and self.phase == "running":
             self.phase, self.operation, self.end_reason = "ended", "", "stopped"
             self.not_stopped = [] if self.stops else ["R2D2"]
-        elif name == "leave":
+        elif name == "disconnect":
             self.phase, self.values, self.not_stopped = "idle", [0] * len(ITEMS), []
         elif name == "operation":
             self.operation = ""
@@ -93,12 +94,13 @@ class Zone:
         message = ZoneDetails(zone=self.name, phase=self.phase, identity=self.identity,
                               end_reason=self.end_reason if self.phase == "ended" else "",
                               robot="" if self.phase == "idle" else "R2D2", not_stopped=self.not_stopped)
+        off: Dict[str, List[str]] = {}
         if self.phase != "running":
-            message.stop_off = [NO_ANSWER if self.is_moving else NOT_RUNNING[self.phase]]
+            off["stop"] = [NO_ANSWER if self.is_moving else NOT_RUNNING[self.phase]]
         for name, phase in (("connect", "idle"), ("start", "connected"), ("disconnect", "connected")):
             if self.phase not in (phase, "ended" if name != "connect" else phase):
-                setattr(message, f"{name}_off", [f"{name} is not possible in phase {self.phase}"])
-        message.pause_off = message.resume_off = ["The rules of this benchmark do not allow a pause"]
+                off[name] = [f"{name} is not possible in phase {self.phase}"]
+        message.actions = actions_text(off, hidden=("pause", "resume", "next_phase", "previous_phase"))
         if self.operation:
             message.operation, message.operation_choices = 7, self.choices
             message.operation_asks_text = not self.choices

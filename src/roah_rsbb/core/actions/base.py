@@ -1,0 +1,62 @@
+"""What all actions have, and what they get."""
+
+import abc
+from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
+
+from roah_rsbb.core.candidates import Candidates
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.connections import Connections
+from roah_rsbb.core.referee import RunName
+from roah_rsbb.core.scoring.records import By
+from roah_rsbb.core.zones import Zone
+from roah_rsbb.model.actions import ACTIONS, Action
+from roah_rsbb.model.fields import Field
+
+Given = Mapping[str, Any]  # the values of an action's fields, all of them
+
+
+class Parts(NamedTuple):
+    """What actions may use of the box."""
+
+    candidates: Candidates
+    connections: Connections
+
+
+class ZoneAction(abc.ABC):
+    """An action in a zone. `off`, `refused` and `do` get the values of all fields of the action."""
+
+    name: str  # in `model.actions`
+
+    def __init__(self, parts: Parts) -> None:
+        self._candidates = parts.candidates
+        self._connections = parts.connections
+
+    @property
+    def action(self) -> Action:
+        """What faces know of it."""
+        return ACTIONS[self.name]
+
+    def shown(self, zone: Zone) -> bool:
+        """Whether faces show it in this zone, beside what they lay out themselves."""
+        return True
+
+    def form(self, now: Now, zone: Zone) -> Tuple[Field, ...]:
+        """Return its fields as they are now."""
+        return self.action.fields
+
+    @abc.abstractmethod
+    def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
+        """Return every reason why its button is off; empty: it is on."""
+
+    def refused(self, now: Now, zone: Zone, target: RunName, given: Given) -> List[str]:
+        """Return every reason why a call of it is refused; empty: it is done. `target`: the run that the caller
+        means."""
+        return self.off(now, zone, given)
+
+    @abc.abstractmethod
+    def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
+        """Carry it out. Nothing is off, or refused."""
+
+    def recorded(self, zone: Zone, given: Given) -> Dict[str, Any]:
+        """Return what the journal keeps of the fields."""
+        return dict(given)

@@ -1,0 +1,157 @@
+"""The clock of a run: start, stop, pause, phases."""
+
+from typing import List
+
+from roah_rsbb.core.actions.base import Given, ZoneAction
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.referee import RunName
+from roah_rsbb.core.scoring.records import By, EndReason, Phase
+from roah_rsbb.core.zones import NO_RUN, Zone
+from roah_rsbb.model.reason import say
+from roah_rsbb.rulebook.benchmarks import Restarts
+
+NOT_RUNNING = say("No run is running")
+STARTED = say("Already started")
+NO_RESTART = say("The rules of this benchmark do not allow a restart: disconnect, and connect for a new run")
+TIMED_OUT = say("The run ended by timeout: disconnect, and connect for a new run")
+TIME_UP = say("The run's time is up (the clock kept running after the stop): disconnect, and connect for a new run")
+NOTHING_TO_STOP = say("No run is connected, so there is nothing to stop")
+NOT_STARTED = say("The run is not started: disconnect to leave it")
+NO_ANSWER = say("The run is over, but the robot did not answer STOP: stop it by hand")
+OVER = say("The run is over: disconnect to leave it")
+NO_PAUSE = say("The rules of this benchmark do not allow a pause")
+PAUSED, NOT_PAUSED = say("The clock is paused"), say("The clock is not paused")
+NO_PHASES = say("This benchmark has no phases")
+FIRST, LAST = say("This is the first phase"), say("This is the last phase")
+
+
+class Start(ZoneAction):
+    """Start the run, or continue it after a stop."""
+
+    name = "start"
+
+    def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
+        """See `ZoneAction`."""
+        run = zone.run
+        if run is None:
+            return [NO_RUN]
+        if run.phase is Phase.RUNNING:
+            return [STARTED]
+        if run.phase is Phase.ENDED and run.times.rules.restarts is Restarts.NOT_ALLOWED:
+            return [NO_RESTART]
+        reasons: List[str] = []
+        if run.end_reason is EndReason.TIMEOUT:
+            reasons.append(TIMED_OUT)
+        elif run.clock.is_over(now):
+            reasons.append(TIME_UP)
+        return reasons + run.start_off(now)
+
+    def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
+        """See `ZoneAction`."""
+        assert zone.run is not None, "it was checked before"
+        zone.run.start(now)
+
+
+class Stop(ZoneAction):
+    """Stop the run. A call that names the run has a way of its own (`ScoreDesk.stop`)."""
+
+    name = "stop"
+
+    def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
+        """See `ZoneAction`."""
+        if zone.run is None:
+            return [NOTHING_TO_STOP]
+        if zone.run.phase is Phase.CONNECTED:
+            return [NOT_STARTED]
+        if zone.run.phase is Phase.RUNNING:
+            return []
+        return [NO_ANSWER] if zone.run.ignores_stop(now) else [OVER]
+
+    def refused(self, now: Now, zone: Zone, target: RunName, given: Given) -> List[str]:
+        """Nothing to stop is no error where a run is connected: scripts for the original box rely on it."""
+        return [] if zone.run is not None else self.off(now, zone, given)
+
+    def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
+        """See `ZoneAction`."""
+        if zone.run is not None and zone.run.phase is Phase.RUNNING:
+            zone.run.stop(now, by)
+
+
+class Pause(ZoneAction):
+    """Pause the clock of the run, if its rules allow it."""
+
+    name = "pause"
+
+    def shown(self, zone: Zone) -> bool:
+        """See `ZoneAction`."""
+        return zone.event.benchmark.rules.pause and not _is_paused(zone)
+
+    def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
+        """See `ZoneAction`."""
+        if not zone.event.benchmark.rules.pause:
+            return [NO_PAUSE]
+        if zone.run is None or zone.run.phase is not Phase.RUNNING:
+            return [NOT_RUNNING]
+        return [PAUSED] if _is_paused(zone) else []
+
+    def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
+        """See `ZoneAction`."""
+        assert zone.run is not None, "it was checked before"
+        zone.run.pause(now, True)
+
+
+class Resume(ZoneAction):
+    """Let the clock of the run continue."""
+
+    name = "resume"
+
+    def shown(self, zone: Zone) -> bool:
+        """See `ZoneAction`."""
+        return _is_paused(zone)
+
+    def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
+        """See `ZoneAction`."""
+        return [] if _is_paused(zone) else [NOT_PAUSED]
+
+    def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
+        """See `ZoneAction`."""
+        assert zone.run is not None, "it was checked before"
+        zone.run.pause(now, False)
+
+
+class NextPhase(ZoneAction):
+    """Go to the next phase of a task."""
+
+    name = "next_phase"
+    by = 1
+
+    def shown(self, zone: Zone) -> bool:
+        """See `ZoneAction`."""
+        return bool(zone.event.benchmark.rules.phases)
+
+    def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
+        """See `ZoneAction`."""
+        phases = zone.event.benchmark.rules.phases
+        if not phases:
+            return [NO_PHASES]
+        if zone.run is None or zone.run.phase is not Phase.RUNNING:
+            return [NOT_RUNNING]
+        if 1 <= zone.run.times.state.phase + self.by <= len(phases):
+            return []
+        return [LAST] if self.by > 0 else [FIRST]
+
+    def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
+        """See `ZoneAction`."""
+        assert zone.run is not None, "it was checked before"
+        zone.run.go_to_phase(now, zone.run.times.state.phase + self.by)
+
+
+class PreviousPhase(NextPhase):
+    """Go back to the phase before."""
+
+    name = "previous_phase"
+    by = -1
+
+
+def _is_paused(zone: Zone) -> bool:
+    return zone.run is not None and zone.run.times.state.paused

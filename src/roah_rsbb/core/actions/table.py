@@ -1,0 +1,113 @@
+"""The table of all actions in a zone: every call is checked, recorded and carried out here."""
+
+import contextlib
+from types import MappingProxyType
+from typing import Any, Dict, List, Mapping, NamedTuple, Tuple, Type
+
+from roah_rsbb.core.actions import connecting, events, running
+from roah_rsbb.core.actions.base import Parts, ZoneAction
+from roah_rsbb.core.actions.record import CommandRecord
+from roah_rsbb.core.candidates import Candidates
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.connections import Connections
+from roah_rsbb.core.effects import Outbox
+from roah_rsbb.core.referee import Refused, RunName, checked_who, cut_note
+from roah_rsbb.core.scoring.records import By
+from roah_rsbb.core.zones import Zone, Zones
+from roah_rsbb.model import fields
+from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.reason import say
+from roah_rsbb.wording.suggestions import did_you_mean
+
+# What each action of `model.actions` does.
+KINDS: Tuple[Type[ZoneAction], ...] = (
+    connecting.Connect, connecting.Disconnect, running.Start, running.Stop, events.Previous, events.Next,
+    running.PreviousPhase, running.NextPhase, running.Pause, running.Resume,
+    connecting.OpenSheet, connecting.NoShow, connecting.Withdrawn, events.ChooseEvent,
+)
+
+NO_ACTION = say("no action '{action}'{hint}")
+NO_TEAM = say("Name the team: the zone may have gone to the event of another one")
+OTHER_TEAM = say("The current event of zone '{zone}' is of team {team}, not of team {named}: choose the event first")
+OTHER_EVENT = say("Zone '{zone}' is at another event of team {team} now: choose the event first")
+OTHER_RUN = say("run {run} is not connected in zone '{zone}'")
+
+
+NOTHING: Mapping[str, Any] = MappingProxyType({})  # what is given with an action without fields
+
+
+class Target(NamedTuple):
+    """What the caller of an action sees: it is refused where that is not so any more."""
+
+    zone: str
+    run: str = ""  # identity of the run that is connected; empty: any, or none
+    event: str = ""  # id of the current event; empty: any
+
+
+class Actions:
+    """All actions in a zone."""
+
+    def __init__(
+        self, candidates: Candidates, connections: Connections, zones: Zones, record: CommandRecord, outbox: Outbox,
+    ) -> None:
+        self._zones = zones
+        self._record = record
+        self._outbox = outbox
+        self._all: Dict[str, ZoneAction] = {
+            kind.name: kind(Parts(candidates, connections)) for kind in KINDS}
+
+    def __getitem__(self, name: str) -> ZoneAction:
+        return self._all[name]
+
+    def off(self, now: Now, zone: Zone, name: str) -> List[str]:
+        """Return every reason why the button of an action is off now; empty: it is on."""
+        if self._record.closed:
+            return [self._record.closed]
+        nothing = {field.name: field.nothing for field in ACTIONS[name].fields}
+        return self._all[name].off(now, zone, nothing)
+
+    def do(self, now: Now, target: Target, name: str, who: str = "", given: Mapping[str, Any] = NOTHING) -> None:
+        """Carry out an action. `given`: the values of its fields by their names, as in JSON. Raises `Refused`."""
+        if name not in self._all:
+            raise Refused([NO_ACTION(action=cut_note(name), hint=did_you_mean(name, self._all))])
+        action, run = self._all[name], RunName(target.zone, target.run)
+        recorded = {field.name: given[field.name] for field in action.action.fields if is_plain(given.get(field.name))}
+        zone = self._zones.get(target.zone)
+        if zone is not None:
+            with contextlib.suppress(fields.BadValue):  # it is refused below
+                recorded = action.recorded(zone, fields.read(action.action.fields, given))
+        with self._record.of(run, who, name, **{key: value for key, value in recorded.items() if value is not False}):
+            zone = self._zones.named(target.zone)
+            try:
+                values = fields.read(action.action.fields, given)
+            except fields.BadValue as bad:
+                raise Refused([_name_the_team(name, bad.reason, given)]) from None
+            team = values["team"] if action.action.aims else ""
+            reasons = _elsewhere(zone, target, team) or action.refused(now, zone, run, values)
+            if reasons:
+                raise Refused(reasons)
+            self._outbox.mark_changed(zone.name)
+            action.do(now, zone, By(checked_who(who), cut_note(values.get("reason", ""))), values)
+
+
+def is_plain(value: object) -> bool:
+    """Whether a value of JSON is one that a field may have."""
+    return isinstance(value, (str, int))
+
+
+def _name_the_team(name: str, reason: str, given: Mapping[str, Any]) -> str:
+    """Return why a call is refused: what hits a team names it, and says why."""
+    needs_team = any(field.name == "team" and field.required for field in ACTIONS[name].fields)
+    return NO_TEAM if needs_team and not given.get("team") else reason
+
+
+def _elsewhere(zone: Zone, target: Target, team: str) -> List[str]:
+    """Return why the zone does not show what the caller means; empty: it does."""
+    event = zone.event
+    if target.run and (zone.run is None or zone.run.identity != target.run):
+        return [OTHER_RUN(run=target.run, zone=zone.name)]
+    if team and team != event.team:
+        return [OTHER_TEAM(zone=zone.name, team=event.team, named=cut_note(team))]
+    if target.event and target.event != event.id:
+        return [OTHER_EVENT(zone=zone.name, team=event.team)]
+    return []

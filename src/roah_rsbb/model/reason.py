@@ -1,0 +1,110 @@
+"""Reasons: sentences of the box as values, which a face shows in its own language.
+
+`say` registers a template where it is used, once. Called with its values it gives a `Reason`, which is the English
+sentence, and knows its template and its values: a face translates the template, and nobody searches a sentence for
+them. A template without places is a reason itself.
+"""
+
+from typing import Any, Dict, Iterable, List, Mapping, Sequence, Union
+
+# A reason in JSON: the English text if it has no values, else its template and them.
+Encoded = Union[str, List[Any]]
+
+
+class Reason(str):
+    """A sentence in English, with the template and the values of which it is made."""
+
+    template: str
+    values: Mapping[str, Any]
+
+    def __new__(cls, template: str, values: Mapping[str, Any]) -> "Reason":
+        """Make a sentence. `values`: numbers, texts, and other reasons; a wrong one leaves the places of the template
+        as they are, because no text may prevent a STOP."""
+        try:
+            text = template.format(**values) if values else template
+        except Exception:
+            text = template
+        made = super().__new__(cls, text)
+        made.template, made.values = template, values
+        return made
+
+    def __reduce__(self) -> Any:
+        """A copy has the template and the values, too."""
+        return Reason, (self.template, dict(self.values))
+
+
+class Template(Reason):
+    """A sentence with places for values; without places, it is a reason itself."""
+
+    def __new__(cls, template: str) -> "Template":  # type: ignore[misc]
+        """Return the template of that text."""
+        return super().__new__(cls, template, {})  # type: ignore[return-value]
+
+    def __reduce__(self) -> Any:
+        """A copy is the same template."""
+        return Template, (str(self),)
+
+    def __call__(self, **values: Any) -> Reason:
+        """Return the sentence with these values in its places."""
+        return Reason(self.template, values)
+
+
+def say(template: str) -> Template:
+    """Register a sentence for the translators (`tools/update_languages` finds it here), and return it."""
+    return Template(template)
+
+
+def reason_of(text: str) -> Reason:
+    """Return a text as a reason. A text that is none, such as one of a robot, is the same in every language."""
+    return text if isinstance(text, Reason) else Reason("{text}", {"text": text})
+
+
+def is_made(text: str) -> bool:
+    """Whether a text is a reason that is made of values."""
+    return isinstance(text, Reason) and bool(text.values)
+
+
+def joined(reasons: Sequence[str], between: str = "; ") -> str:
+    """Return several reasons as one."""
+    if len(reasons) == 1:
+        return reasons[0]
+    return Reason(between.join(f"{{r{number}}}" for number in range(len(reasons))),
+                  {f"r{number}": reason for number, reason in enumerate(reasons)})
+
+
+def encode(text: str) -> Encoded:
+    """Return a reason for JSON."""
+    if not isinstance(text, Reason) or not text.values:
+        return str(text)
+    return [text.template, {name: _encoded(value) for name, value in text.values.items()}]
+
+
+def _encoded(value: Any) -> Any:
+    if isinstance(value, Reason):
+        return encode(value) if value.values else [value.template, {}]
+    return value if isinstance(value, (bool, int, float, str)) or value is None else str(value)
+
+
+def encoded(texts: Iterable[str]) -> List[Encoded]:
+    """Return reasons for JSON."""
+    return [encode(text) for text in texts]
+
+
+def decode(found: Any) -> Reason:
+    """Return the reason in JSON. Something else that a newer program may send becomes a text."""
+    if isinstance(found, str):
+        return Template(found)
+    if _is_reason(found):
+        values: Dict[str, Any] = {name: decode(value) if _is_reason(value) else value
+                                  for name, value in found[1].items()}
+        return Reason(found[0], values)
+    return reason_of(str(found))
+
+
+def _is_reason(found: Any) -> bool:
+    return isinstance(found, list) and len(found) == 2 and isinstance(found[0], str) and isinstance(found[1], dict)
+
+
+def decoded(found: Iterable[Any]) -> List[Reason]:
+    """Return the reasons in JSON."""
+    return [decode(one) for one in found]

@@ -1,0 +1,20 @@
+"""The referee's commands in a zone, and what a face gives with them."""
+
+from roah_rsbb.model import shown
+from roah_rsbb.model.actions import ACTIONS
+
+# Those that need no choice of an event.
+COMMANDS = tuple(name for name in ACTIONS if name != "choose_event")
+
+
+def given_with(command, team=""):
+    """What a face gives with a command of the referee who sees the event of a team."""
+    names = {field.name for field in ACTIONS[command].fields}
+    return {**({"team": team} if team and "team" in names else {}), **({"running": True} if "running" in names else {})}
+
+
+def actions_text(off=None, hidden=(), fields=None):
+    """The actions of a zone as ZoneDetails has them. `off`: by name, the reasons why each is off."""
+    return shown.written((name, shown.Shown(
+        tuple((off or {}).get(name, ())), name not in hidden, (fields or {}).get(name, action.fields),
+    )) for name, action in ACTIONS.items())

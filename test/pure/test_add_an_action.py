@@ -1,0 +1,195 @@
+"""The walk "Add an action" of docs/architecture.md, on a copy of the sources: a new action touches no face."""
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import textwrap
+from typing import Iterator, NamedTuple
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+WALK = re.search(r"^## Add an action$.*?^## ", PAGE, re.MULTILINE | re.DOTALL).group(0)
+BLOCK = re.compile(
+    r"^ *<!-- in (?P<file>\S+), (?P<how>before|instead of): (?P<anchor>.*?) -->\n *```python\n(?P<code>.*?)^ *```$",
+    re.MULTILINE | re.DOTALL)
+
+
+class Step(NamedTuple):
+    """A change of a file."""
+
+    file: str
+    how: str
+    anchor: str
+    code: str
+
+
+def steps() -> Iterator[Step]:
+    """The changes of the walk, in their order."""
+    for found in BLOCK.finditer(WALK):
+        code = "\n".join(line[3:] for line in found["code"].splitlines())  # without the indentation of the list
+        yield Step(found["file"], found["how"], found["anchor"].replace("\\n", "\n"), code)
+
+
+def applied(text: str, step: Step) -> str:
+    """The text of a file after a step."""
+    assert text.count(step.anchor) == 1, f"{step.file} contains this {text.count(step.anchor)} times: {step.anchor}"
+    return text.replace(step.anchor, step.code if step.how == "instead of" else f"{step.code}\n{step.anchor}")
+
+
+@pytest.fixture(scope="module", name="tree")
+def _tree(tmp_path_factory):
+    """A copy of the sources with the new action."""
+    made = tmp_path_factory.mktemp("tree")
+    shutil.copytree(ROOT / "src" / "roah_rsbb", made / "roah_rsbb", ignore=shutil.ignore_patterns("__pycache__"))
+    for step in steps():
+        path = made / "roah_rsbb" / step.file
+        path.write_text(applied(path.read_text("utf-8"), step), "utf-8")
+    return made
+
+
+def run(tree, program):
+    """What a program prints as JSON with the copy."""
+    others = (path for path in sys.path if path and "src" not in path.split("/"))
+    paths = [str(tree), str(ROOT / "test" / "pure"), *others]
+    done = subprocess.run([sys.executable, "-c", LINK + textwrap.dedent(program)], stdout=subprocess.PIPE, text=True,
+                          check=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(paths),
+                                           "QT_QPA_PLATFORM": "offscreen"})
+    return json.loads(done.stdout)
+
+
+# The generated modules of the messages, where the package is built.
+BUILT = ROOT / "build" / "devel" / "lib" / "python3" / "dist-packages" / "roah_rsbb"
+LINK = f"""
+import json
+import roah_rsbb
+roah_rsbb.__path__.append({str(BUILT)!r})
+"""
+needs_ros = pytest.mark.skipif(not (BUILT / "msg").exists(), reason="the package is not built")
+pytestmark = pytest.mark.long
+
+
+def test_the_walk_changes_no_face():
+    files = {step.file for step in steps()}
+    assert {file.split("/")[0] for file in files} == {"model", "core"}
+
+
+def test_the_core_does_it_records_it_and_keeps_it_over_a_restart(tree):
+    found = run(tree, """
+        from helpers.box_driver import BoxDriver
+        from helpers.competition import competition
+        from roah_rsbb.core import effects
+        from roah_rsbb.core.actions.table import Target
+        from roah_rsbb.core.referee import Refused
+        from roah_rsbb.core.restart.saved import freeze, thaw
+        from roah_rsbb.core.zones import ZoneState
+        driver = BoxDriver(competition(tbm=["HGTKMH"]))
+        found = {"idle": driver.off("extend")}
+        driver.executing()
+        driver.taken()
+        driver.event(driver.box.act, Target("tbm"), "extend", "Anna", {"seconds": 60, "reason": "the door was stuck"})
+        found["recorded"] = [e.value for e in driver.taken(effects.Recorded)]
+        found["limit"] = driver.view().clock.limit
+        for given in ({"seconds": 601, "reason": "x"}, {"seconds": 60}, {"seconds": True, "reason": "x"}):
+            try:
+                driver.event(driver.box.act, Target("tbm"), "extend", "Anna", given)
+            except Refused as refused:
+                found.setdefault("refused", []).append(refused.reasons)
+        driver.run(630.0)
+        found["after the old limit"] = driver.view().phase
+        state = thaw(ZoneState, json.loads(json.dumps(freeze(driver.box.zones["tbm"].saved()))))
+        found["kept"] = state.run.clock.extra
+        driver.run(40.0)
+        found["after the new one"] = driver.view().phase
+        print(json.dumps(found))
+    """)
+    assert found == {
+        "idle": ["No run is running"], "limit": 660.0, "kept": 60.0,
+        "recorded": [{"command": "extend", "seconds": 60, "reason": "the door was stuck"}],
+        "refused": [["How long: a whole number from 1 to 600 is expected"], ["Reason is missing"],
+                    ["How long: a whole number from 1 to 600 is expected"]],
+        "after the old limit": "running", "after the new one": "ended",
+    }
+
+
+@needs_ros
+def test_the_terminal_has_it_with_its_arguments_and_help(tree):
+    found = run(tree, """
+        import contextlib, io
+        from roah_rsbb.model.actions import ACTIONS
+        from roah_rsbb.referee import args, commands
+        typed = args.parser().parse_args(["extend", "Home", "60", "the door was stuck"])
+        said = io.StringIO()
+        for words in (["extend", "--help"], ["extend", "Home", "601", "x"]):
+            with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+                with contextlib.suppress(SystemExit):
+                    args.parser().parse_args(words)
+        given = args.given_in(typed, ACTIONS["extend"])
+        print(json.dumps([given, commands.COMMANDS["extend"].__name__, said.getvalue()]))
+    """)
+    assert found[:2] == [{"seconds": 60, "reason": "the door was stuck"}, "_act"]
+    assert "Give the run more time." in found[2] and "How long: 1 to 600 s" in found[2]
+    assert "How long: a whole number from 1 to 600 is expected" in found[2]
+
+
+@needs_ros
+def test_the_gateway_takes_it_and_gives_the_page_its_form(tree):
+    found = run(tree, """
+        from roah_rsbb.nodes.web.core_calls import CALLS
+        from roah_rsbb.web.commands import command_of, may
+        from roah_rsbb.web.pairing import Grant, Session
+        from roah_rsbb.wording.device import page_words
+        body = {"zone": "Home", "identity": "run 1", "seconds": 60, "reason": "why"}
+        answers = []
+        for role in ("referee", "judge"):
+            session = Session("id", Grant(role, ""), "Anna", "phone", 0.0)
+            command = command_of("extend", body, session)
+            answers.append(may(command))
+        print(json.dumps([answers, CALLS["extend"].request(command), page_words()["actions"]["extend"]]))
+    """)
+    answers, request, words = found
+    assert answers == [True, False]
+    assert request[:4] == ["extend", "Home", "run 1", ""]
+    assert json.loads(request[4]) == {"seconds": 60, "reason": "why"}
+    assert (words["label"], words["row"]) == ("More time", "clock")
+    assert [(field["kind"], field["label"]) for field in words["fields"]] == [
+        ("number", "How long"), ("text", "Reason")]
+
+
+@needs_ros
+def test_the_panel_has_a_button_and_a_form(tree):
+    found = run(tree, """
+        from roah_rsbb.model.actions import ACTIONS
+        from roah_rsbb.rqt.panels.more_commands import ActionForm, RuleButtons, entered, what_text
+        from roah_rsbb.rqt.qt import QApplication
+        app = QApplication([])
+        pressed, given = [], []
+        row = RuleButtons(pressed.append)
+        row.buttons["extend"].setEnabled(True)
+        row.buttons["extend"].click()
+        action = pressed[0]
+        form = ActionForm(None, action, what_text(action, "Home"), entered(action.fields), given.append)
+        form.editors["seconds"].setValue(90)
+        form.yes.click()
+        problem = form.problem.text()
+        form.editors["reason"].setText("the door")
+        form.yes.click()
+        print(json.dumps([action.name, form.windowTitle(), row.buttons["extend"].text(), problem, given]))
+    """)
+    assert found == ["extend", "More time in Home", "More time …", "⚠ Reason is missing",
+                     [{"seconds": 90, "reason": "the door"}]]
+
+
+def test_what_is_not_translated_and_not_in_the_documentation_is_missed(tree):
+    """The tests of catalogues and pages compare with these."""
+    found = run(tree, """
+        from roah_rsbb.model.actions import ACTIONS
+        print(json.dumps([str(ACTIONS["extend"].label), str(ACTIONS["extend"].explanation)]))
+    """)
+    catalogue = (ROOT / "resource" / "languages" / "de.ts").read_text("utf-8")
+    assert not any(f"<source>{text}</source>" in catalogue for text in found)

@@ -1,0 +1,72 @@
+"""The referee's page has every action of the table, also those for which it has no place of its own."""
+
+import pathlib
+from typing import Any
+from unittest import mock
+
+from support.browser import NeedsBrowser
+from support.fakes.gateway import FakeGateway
+
+from roah_rsbb.model.actions import ACTIONS, Action, Row
+from roah_rsbb.model.fields import Choice, Number, Text, Toggle
+from roah_rsbb.model.reason import say
+from web.test_stop_page import CLICKED
+
+SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
+NEW = {
+    "extend": Action(
+        "extend", say("More time"), say("Give the run more time"),
+        (Number("seconds", say("How long"), low=1, high=600, unit="s"), Text("reason", say("Reason")),
+         Choice("who", say("Who asked"), required=False, choices=("team", "jury")),
+         Toggle("quiet", say("Without a sound"), required=False))),
+    "call_jury": Action("call_jury", say("Call the jury"), say("The jury comes to this zone"), row=Row.CLOCK),
+    "cross_out": Action("cross_out", say("Cross the event out"), say("It is not repeated"), careful=True, aims=True),
+}
+FORM = "document.querySelector('.form')"
+ACT = f"{FORM}.querySelector('button[data-command=extend]')"
+
+
+class TestActions(NeedsBrowser):
+    def setUp(self) -> None:
+        super().setUp()
+        patched = mock.patch.dict(ACTIONS, NEW)
+        patched.start()
+        self.addCleanup(patched.stop)
+        self.gateway = FakeGateway()
+        self.addCleanup(self.gateway.close)
+        self.gateway.set(phase="running")
+
+    def given(self, name: str) -> Any:
+        """The fields of the command that was given."""
+        self.gateway.wait_given(name, "Home A")
+        return next(fields for given, _, fields in self.gateway.given if given == name)
+
+    def test_an_action_with_fields_has_a_form(self) -> None:
+        page = self.gateway.phone(self.browser, (390, 844))
+        page.wait(f"{FORM} !== null", "the form is there")
+        page.get(f"{FORM}.closest('details').open = true, {FORM}.scrollIntoView({{block: 'center'}})")
+        self.assertIn("Give the run more time", page.get(f"{FORM}.textContent"))
+        self.assertTrue(page.get(f"{ACT}.disabled"), "what is required is missing")
+        SHOTS.mkdir(parents=True, exist_ok=True)
+        page.screenshot(SHOTS / "action_form.png")
+        page.fill(".form input[type=number]", "90")
+        page.fill(".form input[maxlength]", "the door")
+        page.get(f"{FORM}.querySelector('input[type=checkbox]').click()")
+        page.get(f"(choice => (choice.value = 'jury', choice.dispatchEvent(new Event('change', {{bubbles: true}}))))"
+                 f"({FORM}.querySelector('select'))")
+        page.wait(f"!{ACT}.disabled", "it may be done now")
+        page.wait(CLICKED.format(".form button[data-command=extend]"), "it is done")
+        self.assertEqual(self.given("extend"), {
+            "identity": "Home A run 1", "event_id": "",
+            "given": {"seconds": 90, "reason": "the door", "who": "jury", "quiet": True}})
+        page.wait(f"{FORM}.querySelector('input[type=number]').value === ''", "it is done, and the form is empty again")
+
+    def test_an_action_without_fields_is_a_button_in_its_row(self) -> None:
+        page = self.gateway.phone(self.browser, (390, 844))
+        page.wait(CLICKED.format(".commands > .cells [data-command=call_jury]"), "it is beside the clock")
+        self.assertEqual(self.given("call_jury")["given"], {})
+        page.wait(CLICKED.format(".commands details [data-command=cross_out]"), "it is in the menu")
+        page.wait("document.querySelector('[data-command=cross_out]').textContent.includes('Press again')", "it asks")
+        self.assertEqual(self.gateway.count("cross_out"), 0)
+        page.wait(CLICKED.format("[data-command=cross_out]"), "once more")
+        self.given("cross_out")
