@@ -17,7 +17,7 @@ from urllib.parse import urlparse
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
-sys.path.insert(0, str(ROOT / "test" / "ros"))
+sys.path[:0] = [str(ROOT / "test" / "ros"), str(ROOT / "test" / "pure")]
 
 import comm_nodes  # noqa: E402
 import copying  # noqa: E402

@@ -9,6 +9,8 @@ from typing import List, NamedTuple
 
 from table import quantile
 
+from helpers.commands import given_with
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
@@ -62,7 +64,7 @@ class World:
     def command(self, command: str) -> None:
         """The referees give the same command to all zones."""
         for zone in self.box.zones:
-            self.box.command(self.now, zone, command)
+            self.box.act(self.now, Target(zone), command, "", given_with(command))
 
     def pass_time(self, seconds: float) -> None:
         self.now = self.now.later(seconds)

@@ -12,7 +12,7 @@ import time
 from typing import Callable, List
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.append(str(HERE.parent / "test" / "net"))
+sys.path += [str(HERE.parent / "test" / "net"), str(HERE.parent / "test" / "pure")]
 
 from crew import RSBB_PORT  # noqa: E402
 from namespaces import NoRight, address  # noqa: E402

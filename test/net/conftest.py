@@ -6,7 +6,7 @@ import sys
 import pytest
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "ros")]
+sys.path[:0] = [str(HERE), str(HERE.parent / "ros"), str(HERE.parent / "pure")]
 _MEASURED = []
 
 
