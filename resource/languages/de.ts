@@ -1007,41 +1007,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/judging.py"/>
-        <source>Settle</source>
-        <translation>Entscheiden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/judging.py"/>
-        <source>Hand back: look again</source>
-        <translation>Zurückgeben: noch einmal prüfen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/judging.py"/>
-        <source>Withdraw the sheet</source>
-        <translation>Bogen zurückziehen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/judging.py"/>
-        <source>Do not wait for missing judges</source>
-        <translation>Nicht auf fehlende Jurymitglieder warten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/judging.py"/>
-        <source>Publish as provisional</source>
-        <translation>Als vorläufig veröffentlichen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/judging.py"/>
-        <source>Enter an objection</source>
-        <translation>Einspruch eintragen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/judging.py"/>
-        <source>Time for objections</source>
-        <translation>Zeit für Einsprüche</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/judging.py"/>
         <source>Uphold the objection</source>
         <translation>Dem Einspruch stattgeben</translation>
     </message>
@@ -4211,6 +4176,16 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Number</source>
+        <translation>Nummer</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Text</source>
+        <translation>Text</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Connect</source>
         <translation>Verbinden</translation>
     </message>
@@ -4346,6 +4321,141 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Withdraw the entry</source>
+        <translation>Eintrag zurücknehmen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The entry of the score sheet no longer counts; others stay</source>
+        <translation>Der Eintrag des Wertungsbogens zählt nicht mehr; andere bleiben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Take back the mark</source>
+        <translation>Wertung zurücknehmen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>A mark that set an item no longer counts</source>
+        <translation>Eine Wertung, die einen Punkt gesetzt hat, zählt nicht mehr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Record why it ended</source>
+        <translation>Festhalten, warum er endete</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Possible until the run is signed off</source>
+        <translation>Möglich, bis der Lauf abgeschlossen ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The score sheet of a run that is over becomes final</source>
+        <translation>Der Wertungsbogen eines beendeten Laufs wird endgültig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The judge&apos;s own sheet is locked</source>
+        <translation>Der eigene Bogen wird gesperrt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Settle</source>
+        <translation>Entscheiden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The head referee gives the item on which judges differ its value</source>
+        <translation>Der Hauptschiedsrichter gibt dem Punkt seinen Wert, bei dem die Juroren abweichen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Hand back: look again</source>
+        <translation>Zurückgeben: noch einmal prüfen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The judge looks again, and submits again</source>
+        <translation>Der Juror sieht noch einmal hin und gibt noch einmal ab</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Withdraw the sheet</source>
+        <translation>Bogen zurückziehen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The judge&apos;s sheet no longer counts; another can take its place</source>
+        <translation>Der Bogen zählt nicht mehr; ein anderer kann seinen Platz einnehmen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Do not wait for missing judges</source>
+        <translation>Nicht auf fehlende Jurymitglieder warten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The run is scored with the sheets that are there</source>
+        <translation>Der Lauf wird mit den vorhandenen Bögen gewertet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Publish as provisional</source>
+        <translation>Als vorläufig veröffentlichen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Objections are possible for some time; -1: as the benchmarks file says</source>
+        <translation>Einsprüche sind eine Zeit lang möglich; -1: wie die Benchmark-Datei sagt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Enter an objection</source>
+        <translation>Einspruch eintragen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>To a provisional result</source>
+        <translation>Gegen ein vorläufiges Ergebnis</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The sheet is corrected separately</source>
+        <translation>Der Bogen wird gesondert berichtigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Of a benchmarking module; without a number: the current one</source>
+        <translation>Eines Benchmark-Moduls; ohne Nummer: der aktuelle</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>A switch changed</source>
+        <translation>Ein Schalter hat sich geändert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Toggle the mark of a switch, counted from 1</source>
+        <translation>Die Markierung eines Schalters umstellen, von 1 gezählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Set how many switches were damaged</source>
+        <translation>Angeben, wie viele Schalter beschädigt wurden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Confirm the switches</source>
+        <translation>Schalter bestätigen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>All switches that the robot changed are entered</source>
+        <translation>Alle Schalter, die der Roboter geändert hat, sind eingetragen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Connect in {zone}</source>
         <translation>Verbinden in {zone}</translation>
     </message>
@@ -4423,6 +4533,21 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Also leave a run that is not signed off</source>
         <translation>Auch einen Lauf verlassen, der nicht abgeschlossen ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Mark</source>
+        <translation>Wertung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Time for objections</source>
+        <translation>Zeit für Einsprüche</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Upheld</source>
+        <translation>Stattgegeben</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/fields.py"/>

@@ -11,7 +11,7 @@ from support.waiting import wait_until
 
 from box import SPEECH, Box
 from roah_rsbb.msg import ZoneDetails
-from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneUInt8
+from roah_rsbb.srv import Zone, ZoneUInt8
 
 # Seconds, on a machine that does much else, with an outage in between.
 LIMIT_S = 240.0
@@ -102,7 +102,7 @@ class Referee:
                 break
             if details.operation > done:
                 done = details.operation
-                box.call("manual_operation_answer", ManualOperationAnswer, zone, done, "")
+                box.act("operation", zone, operation=done)
             else:
                 self._enter_switches()
         wait_until(

@@ -16,7 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
 WALK = re.search(r"^## Add an action$.*?^## ", PAGE, re.MULTILINE | re.DOTALL).group(0)
 BLOCK = re.compile(
-    r"^ *<!-- in (?P<file>\S+), (?P<how>before|instead of): (?P<anchor>.*?) -->\n *```python\n(?P<code>.*?)^ *```$",
+    r"^ *<!-- in (?P<file>\S+), (?P<how>before|instead of): (?P<anchor>.*?) -->\n *```text\n(?P<code>.*?)^ *```$",
     re.MULTILINE | re.DOTALL)
 
 

@@ -5,7 +5,6 @@ import {Twice} from "/assets/buttons.js";
 import {send} from "/assets/commands.js";
 import {Sheet} from "/assets/sheet.js";
 
-const HAND_BACK = 0, WITHDRAW = 1, WAIVE = 2, SETTLE = 3;
 const AGAIN_MS = 2000;
 
 // What the box answers about a run, asked again after each change; null: no answer yet. Of revision 0 there is nothing to ask.
@@ -190,7 +189,7 @@ export function Publication({zone, run, give, texts}) {
 
 export function HeadReferee({zone, run, give, texts}) {
   const answer = useAnswer(zone, run);
-  const decide = (decision, label, more) => give("decide", texts, label, {identity: run.identity, decision, ...more});
+  const decide = (name, label, more) => give(name, texts, label, {identity: run.identity, ...more});
   return html`
     <section class="judging" data-run=${run.identity}>
       <h2>${texts.judges}</h2>
@@ -200,17 +199,17 @@ export function HeadReferee({zone, run, give, texts}) {
       ${answer && answer.judged.length > 0 && html`
         <ul>${answer.judged.map((one) => html`
           <${Judged} key="${run.identity}/${one.item.group}/${one.item.desc}" one=${one} texts=${texts}
-            settle=${(item, value, reason) => decide(SETTLE, texts.settle, {group: item.group, desc: item.desc, ...value, reason})} />`)}</ul>`}
+            settle=${(item, value, reason) => decide("settle", texts.settle, {group: item.group, desc: item.desc, ...value, reason})} />`)}</ul>`}
       <details>
         <summary>${texts.judges_more}</summary>
         ${run.missing > 0 && !run.waiver && html`<${Reasoned} name="waive" label=${texts.waive} texts=${texts}
-          act=${(reason) => decide(WAIVE, texts.waive, {reason})} />`}
+          act=${(reason) => decide("waive", texts.waive, {reason})} />`}
         ${run.judges.map((one) => html`
           <div key=${one.judge}><h3>${one.judge}</h3>
             ${one.submitted && html`<${Reasoned} name="hand_back" label=${texts.hand_back} texts=${texts}
-              act=${(reason) => decide(HAND_BACK, texts.hand_back, {judge: one.judge, reason})} />`}
+              act=${(reason) => decide("hand_back", texts.hand_back, {judge: one.judge, reason})} />`}
             <${Reasoned} name="withdraw" label=${texts.withdraw_sheet} texts=${texts}
-              act=${(reason) => decide(WITHDRAW, texts.withdraw_sheet, {judge: one.judge, reason})} /></div>`)}
+              act=${(reason) => decide("withdraw_sheet", texts.withdraw_sheet, {judge: one.judge, reason})} /></div>`)}
       </details>
       ${answer && html`<${Objections} run=${run} objections=${answer.objections} give=${give} texts=${texts} />`}
     </section>`;

@@ -8,6 +8,7 @@ import math
 from typing import Any, Callable, List, Mapping, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.core import effects
+from roah_rsbb.core.actions.entries import Entries
 from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.actions.table import NOTHING, Actions, Target
 from roah_rsbb.core.candidates import Candidates
@@ -31,6 +32,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import EventKey, Zones, ZoneState
+from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.model.reason import say
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.benchmarks import Config
@@ -83,6 +85,7 @@ class Box:
         self.scores = ScoreDesk(self.tick, zones, self.finished, record, outbox)
         self.judges = JudgeDesk(self.tick, self.scores, record, outbox)
         self.modules = ModuleDesk(self.tick, zones, self._modules, record)
+        self.entries = Entries(self.scores, self.judges, self.modules, record)
         # Time.
         self._clock = ClockWatch()
         self._clock_set_mono = -math.inf  # when a step of the box's clock was noticed last
@@ -311,9 +314,9 @@ class Box:
     # -- the referee --------------------------------------------------------------------------------
 
     def act(self, now: Now, target: Target, action: str, who: str = "", given: Mapping[str, Any] = NOTHING) -> None:
-        """Do one of `model.actions.ACTIONS`; see `Actions.do`. Raises `Refused`."""
+        """Do one of `model.actions.EVERY`; see `Actions.do`. Raises `Refused`."""
         self.tick(now)
-        self.actions.do(now, target, action, who, given)
+        (self.entries if action in ENTRIES else self.actions).do(now, target, action, who, given)
 
     # -- the network --------------------------------------------------------------------------------
 

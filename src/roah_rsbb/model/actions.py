@@ -9,8 +9,11 @@ import enum
 from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
-from roah_rsbb.model.fields import Event, Field, Robot, Team, Text, Toggle
+from roah_rsbb.model.fields import Event, Field, Number, Robot, Team, Text, Toggle
 from roah_rsbb.model.reason import Template, say
+
+# Roles of paired devices.
+REFEREES, JUDGES = ("referee", "organiser"), ("judge",)
 
 
 class Row(enum.Enum):
@@ -28,7 +31,8 @@ class Action:
     label says it. `question`: asked before it is done, with the place {team}. `careful`: a phone asks for a second
     press. `leaves`: it leaves the run, so whoever does it must know that a robot of the run did not answer STOP
     (`wording.stop.leaving`). `aims`: it is meant for the event that is shown, and refused at another one.
-    `is_original`: the original box has it as a service, whose name and type are fixed.
+    `is_original`: the original box has it as a service, whose name and type are fixed. `durable`: its answer waits
+    until it is on the disk. `roles`: of devices that may do it.
     """
 
     name: str
@@ -42,6 +46,8 @@ class Action:
     aims: bool = False
     is_original: bool = False
     row: Row = Row.MORE
+    durable: bool = False
+    roles: Tuple[str, ...] = REFEREES
 
     @property
     def words(self) -> str:
@@ -50,6 +56,10 @@ class Action:
 
 
 _TEAM = say("Team")
+_JUDGE, _NOTE, _REASON, _TEXT = say("Judge"), say("Note"), say("Reason"), say("Text")
+_NUMBER = say("Number")
+# A time for objections that is left to the benchmarks file.
+BY_THE_FILE_S = -1
 
 _ALL = (
     Action("connect", say("Connect"), say("Open the private channel to the team's robot"),
@@ -88,5 +98,48 @@ _ALL = (
 )
 # All actions in a zone, in the order in which faces have them.
 ACTIONS: Dict[str, Action] = {action.name: action for action in _ALL}
+# What is entered for one run, in progress or over, and for a benchmarking module. Faces lay it out by hand, beside what
+# it is about; marks are not here, because they are sent again until the box has them.
+_ENTRIES = (
+    Action("withdraw", say("Withdraw the entry"), say("The entry of the score sheet no longer counts; others stay"),
+           (Number("entry", _NUMBER, low=1), Text("note", _NOTE, required=False)), durable=True),
+    Action("take_back", say("Take back the mark"), say("A mark that set an item no longer counts"),
+           (Field("id", say("Mark")), Text("note", _NOTE, required=False)), durable=True),
+    Action("stop_reason", say("Record why it ended"), say("Possible until the run is signed off"),
+           (Text("reason", _REASON, required=False), Number("stop", _NUMBER, required=False)), durable=True),
+    Action("sign_off", say("Sign off"), say("The score sheet of a run that is over becomes final"), durable=True),
+    Action("submit", say("Submit the sheet"), say("The judge's own sheet is locked"),
+           (Field("judge", _JUDGE), Field("device", say("Device"), required=False)), durable=True, roles=JUDGES),
+    Action("settle", say("Settle"), say("The head referee gives the item on which judges differ its value"),
+           (Text("group", say("Group"), required=False), Text("desc", say("Item")),
+            Number("value", say("Value"), required=False, low=-2**31), Text("text", _TEXT, required=False),
+            Toggle("not_attempted", say("Not attempted"), required=False), Text("reason", _REASON, required=False)),
+           durable=True),
+    Action("hand_back", say("Hand back: look again"), say("The judge looks again, and submits again"),
+           (Field("judge", _JUDGE), Text("reason", _REASON, required=False)), durable=True),
+    Action("withdraw_sheet", say("Withdraw the sheet"),
+           say("The judge's sheet no longer counts; another can take its place"),
+           (Field("judge", _JUDGE), Text("reason", _REASON, required=False)), durable=True),
+    Action("waive", say("Do not wait for missing judges"), say("The run is scored with the sheets that are there"),
+           (Text("reason", _REASON, required=False),), durable=True),
+    Action("publish", say("Publish as provisional"),
+           say("Objections are possible for some time; -1: as the benchmarks file says"),
+           (Number("seconds", say("Time for objections"), required=False, low=BY_THE_FILE_S, unit="s",
+                   default=BY_THE_FILE_S),), durable=True),
+    Action("object", say("Enter an objection"), say("To a provisional result"),
+           (Text("by", say("Who objects"), required=False), Text("text", _TEXT, required=False)), durable=True),
+    Action("answer", say("Answer the objection"), say("The sheet is corrected separately"),
+           (Number("number", _NUMBER), Toggle("upheld", say("Upheld"), required=False),
+            Text("text", _TEXT, required=False)), durable=True),
+    Action("operation", say("Manual operation complete"),
+           say("Of a benchmarking module; without a number: the current one"),
+           (Number("operation", _NUMBER, required=False), Text("answer", say("Answer"), required=False))),
+    Action("switch", say("A switch changed"), say("Toggle the mark of a switch, counted from 1"),
+           (Number("number", _NUMBER),)),
+    Action("damaged", say("Damaged switches"), say("Set how many switches were damaged"), (Number("number", _NUMBER),)),
+    Action("confirm_switches", say("Confirm the switches"), say("All switches that the robot changed are entered")),
+)
+ENTRIES: Dict[str, Action] = {action.name: action for action in _ENTRIES}
+EVERY: Dict[str, Action] = {**ACTIONS, **ENTRIES}
 # STOP has a way of its own in every face and in the core, with nothing of this table in it.
 STOP = "stop"

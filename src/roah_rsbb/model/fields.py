@@ -88,14 +88,19 @@ class Text(Field):
 
 @dataclass(frozen=True)
 class Number(Field):
-    """A whole number from `low` to `high`, which an optional field that is left out has, too. `unit`: such as s."""
+    """A whole number from `low` to `high`. `unit`: such as s; `default`: of one that was left out."""
 
     low: int = 0
     high: int = 2**31 - 1
     unit: str = ""
+    default: int = 0
 
     kind: ClassVar[str] = "number"
-    nothing: ClassVar[Any] = 0
+
+    @property
+    def nothing(self) -> int:  # type: ignore[override]
+        """See `Field`."""
+        return self.default
 
     def read(self, value: Any) -> Any:
         """See `Field`."""
@@ -112,7 +117,7 @@ class Number(Field):
 
     def form(self) -> Dict[str, Any]:
         """See `Field`."""
-        return {**super().form(), "low": self.low, "high": self.high, "unit": self.unit}
+        return {**super().form(), "low": self.low, "high": self.high, "unit": self.unit, "default": self.default}
 
 
 @dataclass(frozen=True)
@@ -200,11 +205,11 @@ def read(fields: Sequence[Field], given: Mapping[str, Any]) -> Dict[str, Any]:
 
 def _read(field: Field, given: Mapping[str, Any]) -> Any:
     value = given.get(field.name, field.nothing)
-    if value != field.nothing or (field.required and isinstance(field, (Number, Toggle)) and field.name in given):
+    if value != field.nothing or type(value) is not type(field.nothing):
         return field.read(value)
-    if field.required:
+    if field.required and not (isinstance(field, (Number, Toggle)) and field.name in given):
         raise BadValue(MISSING(field=field.label))
-    return field.nothing
+    return field.read(value) if field.required else field.nothing
 
 
 def _is_encodable(text: str) -> bool:

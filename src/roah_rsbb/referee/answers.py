@@ -53,7 +53,7 @@ class Automatic:
         if operation is not None and operation.number != self._done:
             self._complete(zone, operation)
         if zone.switches is not None and zone.switches.to_confirm:
-            _ignoring_others(lambda: self._link.confirm_switches(zone.zone))
+            _ignoring_others(lambda: self._link.act("confirm_switches", zone.zone))
 
     def _complete(self, zone: ZoneSnapshot, operation: ManualOperation) -> None:
         again = operation.text == self._text
@@ -61,7 +61,8 @@ class Automatic:
             return
         if again and self._in_a_row >= MAX_IN_A_ROW:
             raise GivenUp(f"asked {self._in_a_row} times in a row: {operation.text}")
-        if not _ignoring_others(lambda: self._link.complete_operation(zone.zone, operation.number, "")):
+        given = {"operation": operation.number, "answer": ""}
+        if not _ignoring_others(lambda: self._link.act("operation", zone.zone, given)):
             return
         self._note(f"completed without a human referee: {operation.text}")
         self._in_a_row = self._in_a_row + 1 if again else 1
@@ -104,7 +105,7 @@ class Typed:
         try:
             if zone.operation is not None:
                 answer = answer_of(line, zone.operation)
-                self._link.complete_operation(zone.zone, zone.operation.number, answer)
+                self._link.act("operation", zone.zone, {"operation": zone.operation.number, "answer": answer})
                 self._done = asked
             elif self._enter_switches(zone, line):
                 self._done = asked
@@ -116,11 +117,11 @@ class Typed:
         """Return whether the switches are confirmed."""
         entered = switches_of(line)
         for switch in entered.pressed:
-            self._link.press_switch(zone.zone, switch)
+            self._link.act("switch", zone.zone, {"number": switch})
         if entered.damaged is not None:
-            self._link.set_damaged(zone.zone, entered.damaged)
+            self._link.act("damaged", zone.zone, {"number": entered.damaged})
         if entered.confirmed:
-            self._link.confirm_switches(zone.zone)
+            self._link.act("confirm_switches", zone.zone)
         return entered.confirmed
 
 

@@ -182,18 +182,18 @@ def _done(link: Link, options, output: Output) -> Exit:
         raise Refused(["no manual operation is requested now"])
     if options.operation not in (None, operation.number):
         raise Refused([f"operation {options.operation} is over; the current one is: {operation.text}"])
-    link.complete_operation(name, operation.number, answer_of(options.answer, operation))
+    link.act("operation", name, {"operation": operation.number, "answer": answer_of(options.answer, operation)})
     return _say_done(link, name, output, "done")
 
 
 def _switches(link: Link, options, output: Output) -> Exit:
     name = _zone_name(link, options.zone)
     for switch in options.press:
-        link.press_switch(name, switch)
+        link.act("switch", name, {"number": switch})
     if options.damaged is not None:
-        link.set_damaged(name, options.damaged)
+        link.act("damaged", name, {"number": options.damaged})
     if options.confirm:
-        link.confirm_switches(name)
+        link.act("confirm_switches", name)
     return _say_done(link, name, output, "switches")
 
 
@@ -277,14 +277,14 @@ def _score_with_words(link: Link, options: Any, output: Any) -> Exit:
 def _withdraw(link: Link, options: Any, output: Any) -> Exit:
     """Withdraw an entry of the history."""
     zone, run = _which(link, options)
-    link.withdraw(zone, _identity(run), options.entry, options.note, options.referee)
+    link.act("withdraw", zone, {"entry": options.entry, "note": options.note}, _identity(run), options.referee)
     return _show(link, zone, run, "withdraw", output)
 
 
 def _reason(link: Link, options: Any, output: Any) -> Exit:
     """Record why a run was stopped."""
     zone, run = _which(link, options)
-    link.give_reason(zone, _identity(run), options.end, options.text, options.referee)
+    link.act("stop_reason", zone, {"reason": options.text, "stop": options.end}, _identity(run), options.referee)
     return _show(link, zone, run, "reason", output)
 
 
@@ -299,7 +299,7 @@ def _sign_off(link: Link, options: Any, output: Any) -> Exit:
             output.lines(sheets.sheet_lines(_fetched(link, zone, run), output.style))
             if not _is_yes(keyboard, output, f"Sign off as {escaped(options.referee)}? The sheet becomes final. [y/N]"):
                 raise Refused(["not signed off: the question was not answered with yes"])
-        link.sign_off(zone, _identity(run), options.referee)
+        link.act("sign_off", zone, {}, _identity(run), options.referee)
         return _show(link, zone, run, "sign-off", output)
 
 

@@ -10,7 +10,6 @@ from roah_rsbb.referee.sheets import RunLine, pick_run
 from roah_rsbb.referee.state import SheetItem, items_of
 from roah_rsbb.referee.view import BOLD, YELLOW, Style
 from roah_rsbb.referee.words import NOT_ATTEMPTED, BadWord, Entered, pick_item, pick_zone, value_of
-from roah_rsbb.srv import DecideJudgesRequest, PublishResultRequest
 from roah_rsbb.wording import judging, sheets
 from roah_rsbb.wording.judging import Judged, Judging, ObjectionLine
 from roah_rsbb.wording.texts import escaped
@@ -89,10 +88,8 @@ def _settle(link: Link, options: Any, output: Output) -> Exit:
     item = pick_item(options.item, items_of(link.judging(which.judging.zone, which.judging.identity).items))
     is_not = options.value.lower() in NOT_ATTEMPTED
     value = Entered() if is_not else settled_value(options.value, item)
-    link.decide(which.judging.zone, which.judging.identity, DecideJudgesRequest(
-        decision=DecideJudgesRequest.SETTLE, group=item.group, desc=item.item, value=value.value, text=value.text,
-        not_attempted=is_not, reason=options.reason, referee=options.referee))
-    return _show(link, which, options, output)
+    return _act(link, which, options, output, "settle", group=item.group, desc=item.item, value=value.value,
+                text=value.text, not_attempted=is_not, reason=options.reason)
 
 
 def settled_value(word: str, item: SheetItem) -> Entered:
@@ -106,41 +103,38 @@ def settled_value(word: str, item: SheetItem) -> Entered:
     return Entered(text=value.added) if item.type in ("decimal", "rating") else Entered(int(value.added))
 
 
-def _decision(number: int) -> Callable[[Link, Any, Output], Exit]:
-    def decide(link: Link, options: Any, output: Output) -> Exit:
-        which = _which(link, options)
-        link.decide(which.judging.zone, which.judging.identity, DecideJudgesRequest(
-            decision=number, judge=getattr(options, "judge", ""), reason=options.reason, referee=options.referee))
-        return _show(link, which, options, output)
-
-    return decide
-
-
-def _publish(link: Link, options: Any, output: Output) -> Exit:
-    seconds = judging.BY_THE_FILE_S if options.minutes is None else 60.0 * options.minutes
-    return _publication(link, options, output, action=PublishResultRequest.PUBLISH, seconds=seconds)
-
-
-def _object(link: Link, options: Any, output: Output) -> Exit:
-    return _publication(
-        link, options, output, action=PublishResultRequest.OBJECT, by=options.objector, text=options.text)
-
-
-def _answer(link: Link, options: Any, output: Output) -> Exit:
-    return _publication(link, options, output, action=PublishResultRequest.ANSWER, number=options.number,
-                        upheld=options.verdict == "uphold", text=options.text)
-
-
-def _publication(link: Link, options: Any, output: Output, **asked: Any) -> Exit:
-    which = _which(link, options)
-    link.publication(which.judging.zone, which.judging.identity,
-                     PublishResultRequest(referee=options.referee, **asked))
+def _act(link: Link, which: Any, options: Any, output: Output, action: str, **given: Any) -> Exit:
+    """Do an action of the table, and show what became of the run."""
+    link.act(action, which.judging.zone, given, which.judging.identity, options.referee)
     return _show(link, which, options, output)
 
 
+def _of_judge(action: str) -> Callable[[Link, Any, Output], Exit]:
+    return lambda link, options, output: _act(
+        link, _which(link, options), options, output, action, judge=options.judge, reason=options.reason)
+
+
+def _waive(link: Link, options: Any, output: Output) -> Exit:
+    return _act(link, _which(link, options), options, output, "waive", reason=options.reason)
+
+
+def _publish(link: Link, options: Any, output: Output) -> Exit:
+    seconds = judging.BY_THE_FILE_S if options.minutes is None else round(60.0 * options.minutes)
+    return _act(link, _which(link, options), options, output, "publish", seconds=seconds)
+
+
+def _object(link: Link, options: Any, output: Output) -> Exit:
+    return _act(link, _which(link, options), options, output, "object", by=options.objector, text=options.text)
+
+
+def _answer(link: Link, options: Any, output: Output) -> Exit:
+    return _act(link, _which(link, options), options, output, "answer", number=options.number,
+                upheld=options.verdict == "uphold", text=options.text)
+
+
 _ACTIONS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
-    "list": _list, "settle": _settle, "hand-back": _decision(DecideJudgesRequest.HAND_BACK),
-    "withdraw": _decision(DecideJudgesRequest.WITHDRAW), "end-waiting": _decision(DecideJudgesRequest.WAIVE),
+    "list": _list, "settle": _settle, "hand-back": _of_judge("hand_back"),
+    "withdraw": _of_judge("withdraw_sheet"), "end-waiting": _waive,
     "publish": _publish, "object": _object, "answer": _answer,
 }
 

@@ -30,31 +30,21 @@ from roah_rsbb.referee.words import Entered
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import (
     Act,
-    DecideJudges,
-    DecideJudgesRequest,
     GetClock,
     GetJudging,
     GetJudgingResponse,
     GetRunSheet,
-    ManualOperationAnswer,
     MarkItem,
     MarkItemRequest,
     PairDevice,
     PairDeviceResponse,
     PairedDevices,
-    PublishResult,
-    PublishResultRequest,
     Reload,
     ReloadResponse,
     RevokeDevice,
-    ScoreWithdraw,
-    SignOff,
-    StopReason,
     StopRun,
     TeamCodes,
     TeamCodesResponse,
-    Zone,
-    ZoneUInt8,
 )
 from roah_rsbb.wording.device import NO_WEB
 from roah_rsbb.wording.judging import Judging, judging_of
@@ -238,10 +228,15 @@ class Link:
 
     # -- commands -----------------------------------------------------------------------------------
 
-    def act(self, action: str, zone: str, given: Optional[Dict[str, Any]] = None, run: str = "") -> None:
-        """Do one of `model.actions.ACTIONS` in a zone; raises `Refused` with the core's reasons, or `NoCore`. `given`:
-        the values of its fields; `run`: the identity of the run that is meant, empty: whichever is there."""
-        self._call("/core/act", Act, action, zone, run, "", json.dumps(given or {}))
+    def act(
+        self, action: str, zone: str, given: Optional[Dict[str, Any]] = None, run: str = "", referee: str = "",
+    ) -> None:
+        """Do one of `model.actions.EVERY`; raises `Refused` with the core's reasons, or `NoCore`.
+
+        `given`: the values of its fields; `run`: the identity of the run that is meant, empty: whichever is there;
+        `referee`: who does it.
+        """
+        self._call("/core/act", Act, action, zone, run, "", json.dumps(given or {}), referee)
 
     def stop_run(self, zone: str, identity: str) -> None:
         """Stop the run of that identity; raises as `act` does."""
@@ -282,18 +277,6 @@ class Link:
                     raise
                 time.sleep(AGAIN_S)  # there is no event for the start of a core
 
-    def withdraw(self, zone: str, identity: str, entry: int, note: str, referee: str) -> None:
-        """Withdraw an entry of the score sheet. An empty identity names the connected run. Raises as `act` does."""
-        self._call("/core/score/withdraw", ScoreWithdraw, zone, identity, entry, note, referee)
-
-    def give_reason(self, zone: str, identity: str, end: int, reason: str, referee: str) -> None:
-        """Record why the run was stopped; `end` counts from 1, 0: the last one. See `withdraw`."""
-        self._call("/core/stop_reason", StopReason, zone, identity, end, reason, referee)
-
-    def sign_off(self, zone: str, identity: str, referee: str) -> None:
-        """Sign a score sheet off; see `withdraw`."""
-        self._call("/core/sign_off", SignOff, zone, identity, referee)
-
     def reload(self, digest: str, referee: str) -> ReloadResponse:
         """Check the configuration files, or apply what was listed with this digest. Raises as `act` does."""
         return self._call("/core/reload", Reload, digest, referee)
@@ -315,16 +298,6 @@ class Link:
     def judging(self, zone: str, identity: str) -> GetJudgingResponse:
         """Return what the head referee may see of a run; raises as `act` does."""
         return self._call("/core/judges", GetJudging, zone, identity, "")
-
-    def decide(self, zone: str, identity: str, decision: DecideJudgesRequest) -> None:
-        """Send a decision of the head referee on a run; raises as `act` does."""
-        decision.zone, decision.identity = zone, identity
-        self._call("/core/judges/decide", DecideJudges, *_fields(decision))
-
-    def publication(self, zone: str, identity: str, asked: PublishResultRequest) -> None:
-        """Publish a result, enter an objection or answer it; raises as `act` does."""
-        asked.zone, asked.identity = zone, identity
-        self._call("/core/publication", PublishResult, *_fields(asked))
 
     # -- the schedule -------------------------------------------------------------------------------
 
@@ -349,22 +322,6 @@ class Link:
                 feed.close()
         except RosError as error:
             raise NoCore(f"{topic} was not heard ({error}): {self._why_silent()}") from None
-
-    def complete_operation(self, zone: str, operation: int, answer: str) -> None:
-        """Complete the manual operation of this number; 0: the current one. Raises as `act` does."""
-        self._call("/core/manual_operation_answer", ManualOperationAnswer, zone, operation, answer)
-
-    def press_switch(self, zone: str, switch: int) -> None:
-        """HOMF: a switch changed; raises as `act` does."""
-        self._call("/core/omf_switches/button", ZoneUInt8, zone, switch)
-
-    def set_damaged(self, zone: str, damaged: int) -> None:
-        """HOMF: set the number of damaged switches; raises as `act` does."""
-        self._call("/core/omf_switches/damaged", ZoneUInt8, zone, damaged)
-
-    def confirm_switches(self, zone: str) -> None:
-        """HOMF: confirm what was entered; raises as `act` does."""
-        self._call("/core/omf_switches/complete", Zone, zone)
 
     # -- phones and tablets ---------------------------------------------------------------------------
 
@@ -406,7 +363,3 @@ class Link:
             why = str(error) if isinstance(error, Late) else f"cannot be reached ({error})"
             return f"ROS master at {uri} {why}: {START}, or set ROS_MASTER_URI to the box's computer"
         return "" if is_there else f"no core at the ROS master {uri}: {START}"
-
-
-def _fields(request: Any) -> List[Any]:
-    return [getattr(request, name) for name in request.__slots__]

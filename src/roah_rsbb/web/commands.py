@@ -3,7 +3,7 @@
 from typing import Any, Dict, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model import fields as model_fields
-from roah_rsbb.model.actions import ACTIONS, STOP
+from roah_rsbb.model.actions import EVERY, JUDGES, STOP
 from roah_rsbb.web.pairing import JUDGE, Session
 
 MAX_TEXT = 500
@@ -14,23 +14,10 @@ SHOWN: Dict[str, type] = {"identity": str, "event_id": str}
 # Each command that is not in the table of actions, and the type of each of its fields.
 FIELDS: Dict[str, Dict[str, type]] = {
     "stop": {"identity": str},
-    "confirm_switches": {},
-    "stop_reason": {"identity": str, "reason": str},
-    "sign_off": {"identity": str},
     "sheet": {"identity": str},
     "mark": {"identity": str, "id": str, "group": str, "desc": str, "change": int, "value": int, "text": str,
              "judge": str, "note": str},
     "judging": {"identity": str},
-    "submit": {"identity": str},
-    "decide": {"identity": str, "decision": int, "judge": str, "group": str, "desc": str, "value": int, "text": str,
-               "not_attempted": bool, "reason": str},
-    "publish": {"identity": str, "seconds": int},
-    "object": {"identity": str, "by": str, "text": str},
-    "answer": {"identity": str, "number": int, "upheld": bool, "text": str},
-    "take_back": {"identity": str, "id": str},
-    "operation": {"operation": int, "answer": str},
-    "switch": {"number": int},
-    "damaged": {"number": int},
 }
 MARK = "mark"
 SET = 0  # MarkItem.SET
@@ -38,8 +25,8 @@ SHEET = "sheet"
 FIELDS["judge_mark"] = FIELDS[MARK]
 # What is asked of the judges of a run: its answer depends on the role.
 JUDGING = "judging"
-# What judges do with their own sheets, each of which belongs to the name that was typed when the device was paired.
-_OF_JUDGES = ("judge_mark", "submit")
+# What a judge marks on the own sheet, which belongs to the name that was typed when the device was paired.
+JUDGE_MARK = "judge_mark"
 
 
 class BadCommand(Exception):
@@ -66,7 +53,7 @@ class Outcome(NamedTuple):
 
 def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:
     """Read a command; raises `BadCommand`. Fields that are missing are empty or 0."""
-    action = None if name == STOP else ACTIONS.get(name)
+    action = None if name == STOP else EVERY.get(name)
     wanted = FIELDS.get(name) if action is None else SHOWN
     zone = body.get("zone", "")
     if wanted is None or not isinstance(zone, str):
@@ -82,7 +69,9 @@ def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:
             raise BadCommand(f"{field} is no text")
         fields[field] = value
     if action is not None:
-        given = {field.name: body[field.name] for field in action.fields if field.name in body}
+        # What a judge does is done under the name that was typed when the device was paired.
+        known = {**body, "judge": session.person, "device": session.device} if action.roles == JUDGES else body
+        given = {field.name: known[field.name] for field in action.fields if field.name in known}
         try:
             fields["given"] = model_fields.read(action.fields, given)
         except model_fields.BadValue as bad:
@@ -95,8 +84,10 @@ def may(command: Command) -> bool:
     grant = command.session.grant
     if not command.zone or not grant.allows(command.zone):
         return False
-    if command.name in _OF_JUDGES:
+    if command.name == JUDGE_MARK:
         return grant.role == JUDGE
+    if command.name != STOP and command.name in EVERY:
+        return grant.role in EVERY[command.name].roles
     # A judge gives ratings under the name that was typed when the device was paired. That nothing was attempted is no
     # rating: it would count for the whole item.
     return grant.role != JUDGE or command.name == JUDGING or (

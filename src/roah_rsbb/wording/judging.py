@@ -7,6 +7,7 @@ Panel, terminal and pages show this model of /core/judging and of the answer of 
 
 from typing import Any, Callable, Iterable, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.model.actions import BY_THE_FILE_S, ENTRIES
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 
@@ -24,11 +25,9 @@ OPEN_OBJECTIONS = tr_later("objections to answer: {number}")
 UPHELD, REJECTED = tr_later("upheld"), tr_later("rejected")
 NOT_OVER = tr_later("The run is still connected")
 # What the head referee does. Buttons have these names.
-SETTLE, HAND_BACK = tr_later("Settle"), tr_later("Hand back: look again")
-WITHDRAW, WAIVE = tr_later("Withdraw the sheet"), tr_later("Do not wait for missing judges")
-PUBLISH, OBJECT = tr_later("Publish as provisional"), tr_later("Enter an objection")
-OBJECTION_TIME = tr_later("Time for objections")
-BY_THE_FILE_S = -1.0  # PublishResult.seconds: the time for objections that the benchmarks file gives
+SETTLE, HAND_BACK, WITHDRAW, WAIVE, PUBLISH, OBJECT = (
+    ENTRIES[name].label for name in ("settle", "hand_back", "withdraw_sheet", "waive", "publish", "object"))
+OBJECTION_TIME = ENTRIES["publish"].fields[0].label
 _OBJECTION_MINUTES = (5, 10, 15, 30, 60)
 UPHOLD, REJECT = tr_later("Uphold the objection"), tr_later("Reject the objection")
 

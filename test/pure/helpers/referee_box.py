@@ -3,7 +3,7 @@
 from typing import Callable, Dict, List, Optional
 
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.actions import ACTIONS, ENTRIES
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.state import (
     CONNECTED,
@@ -203,6 +203,9 @@ class FakeLink:
 
     def act(self, action: str, name: str, given: Optional[dict] = None, run: str = "") -> None:
         """Do an action as the core would: in this run, if one is named, and with this robot."""
+        if action in ENTRIES:
+            self._enter(action, given or {})
+            return
         self._call(action, name)
         if run and run != self.zone.identity:
             raise Refused([f"run {run} is not connected"])
@@ -247,25 +250,15 @@ class FakeLink:
         self.scores[item.item] = value
         self.change(score=tuple(i._replace(value=value) if i.item == item.item else i for i in self.zone.score))
 
-    def complete_operation(self, name: str, operation: int, answer: str) -> None:
-        """Answer the current request. As in the core, the number must be right."""
-        self._give("complete", operation, answer)
-        if self.zone.operation is None or self.zone.operation.number != operation:
-            raise Refused(["that manual operation is over"])
-        self.change(operation=None)
-
-    def press_switch(self, name: str, switch: int) -> None:
-        """A switch changed."""
-        self._give("press", switch)
-
-    def set_damaged(self, name: str, damaged: int) -> None:
-        """So many are damaged."""
-        self._give("damaged", damaged)
-
-    def confirm_switches(self, name: str) -> None:
-        """All was entered."""
-        self._give("confirm")
-        self.change(switches=None)
+    def _enter(self, action: str, given: dict) -> None:
+        """What a benchmarking module asked for. As in the core, the number of an operation must be right."""
+        self._give(action, *given.values())
+        if action == "operation":
+            if self.zone.operation is None or self.zone.operation.number != given["operation"]:
+                raise Refused(["that manual operation is over"])
+            self.change(operation=None)
+        elif action == "confirm_switches":
+            self.change(switches=None)
 
     def _give(self, *what: object) -> None:
         answer = (self.answers.get(what[0]) or [None]).pop(0)

@@ -56,7 +56,7 @@ def test_each_operation_is_completed_once_with_its_usual_answer():
     table.asks(PLACE)  # an old message once more
     table.asks(None)
     table.asks(AGAIN)
-    assert table.link.given == [("complete", 1, ""), ("complete", 2, "")]
+    assert table.link.given == [("operation", 1, ""), ("operation", 2, "")]
     assert table.notes == ["completed without a human referee: Place it", "completed without a human referee: No pose"]
 
 
@@ -65,17 +65,17 @@ def test_switches_are_confirmed_when_the_robot_has_finished():
     table.asks(switches=TO_CONFIRM._replace(to_confirm=False))
     assert table.link.given == []
     table.asks(switches=TO_CONFIRM)
-    assert table.link.given == [("confirm",)]
+    assert table.link.given == [("confirm_switches",)]
 
 
 @pytest.mark.parametrize("error", [Refused(["over"]), NoCore("gone")])
 def test_what_does_not_work_is_tried_again(error):
     table = Table(Automatic)
-    table.link.answers["complete"] = [error, None]
+    table.link.answers["operation"] = [error, None]
     table.asks(PLACE)
     assert (table.link.given, table.notes) == ([], [])
     table.looks()
-    assert table.link.given == [("complete", 1, "")]
+    assert table.link.given == [("operation", 1, "")]
 
 
 def test_the_same_thing_again_is_waited_for_and_not_for_ever():
@@ -111,11 +111,11 @@ def test_enter_completes_what_is_asked_and_nothing_else():
     table.looks(5)
     assert table.link.given == []
     table.types("", "")
-    assert table.link.given == [("complete", 1, "")]
+    assert table.link.given == [("operation", 1, "")]
     table.asks(AGAIN)
     assert table.notes[1:] == ["type try again, skip, or the beginning of one (Enter: try again)"]
     table.types("SK")
-    assert table.link.given[1:] == [("complete", 2, "skip")]
+    assert table.link.given[1:] == [("operation", 2, "skip")]
 
 
 @pytest.mark.parametrize("ahead", [True, False])
@@ -141,7 +141,7 @@ def test_an_invalid_answer_is_reported_and_asked_again():
     table.looks()
     assert table.notes[2] == table.notes[0]
     table.types("skip")
-    assert table.link.given == [("complete", 2, "skip")]
+    assert table.link.given == [("operation", 2, "skip")]
 
 
 @pytest.mark.parametrize(("operation", "prompt", "line", "answer"), [
@@ -155,7 +155,7 @@ def test_an_answer_may_be_typed(operation, prompt, line, answer):
     table.asks(operation)
     assert table.notes == [prompt]
     table.types(line)
-    assert table.link.given == [("complete", 1, answer)]
+    assert table.link.given == [("operation", 1, answer)]
 
 
 def test_switches_are_entered_and_confirmed():
@@ -163,12 +163,12 @@ def test_switches_are_entered_and_confirmed():
     table.asks(switches=TO_CONFIRM)
     assert "damaged" in table.notes[0]
     table.types("2 3 2", "damaged 1")
-    assert table.link.given == [("press", 2), ("press", 3), ("press", 2), ("damaged", 1)]
+    assert table.link.given == [("switch", 2), ("switch", 3), ("switch", 2), ("damaged", 1)]
     table.types("two")
     assert table.notes[1] == "not done: 'two' is not a number from 0 to 255"
     table.looks()
     table.types("", "2")
-    assert table.link.given[4:] == [("confirm",)]
+    assert table.link.given[4:] == [("confirm_switches",)]
 
 
 def test_a_script_may_answer_ahead():
@@ -178,19 +178,19 @@ def test_a_script_may_answer_ahead():
         table.asks(operation)
         table.looks(3)
         table.asks(None)
-    assert table.link.given == [("complete", 1, ""), ("complete", 2, "skip"), ("complete", 3, "")]
+    assert table.link.given == [("operation", 1, ""), ("operation", 2, "skip"), ("operation", 3, "")]
 
 
 def test_another_referee_may_be_quicker():
     table = Table(Typed)
     table.asks(PLACE)
-    table.link.answers["complete"] = [Refused(["that manual operation is over"])]
+    table.link.answers["operation"] = [Refused(["that manual operation is over"])]
     table.types("")
     assert table.notes[1] == "not done: that manual operation is over"
     table.asks(None)
     table.asks(AGAIN)
     table.types("")
-    assert table.link.given == [("complete", 2, "")]
+    assert table.link.given == [("operation", 2, "")]
 
 
 # -- in a run ---------------------------------------------------------------------------------------
@@ -210,7 +210,7 @@ def test_a_run_with_manual_operations():
     link.at(7, lambda: link.end("completed"))
     outcome, notes = _run(link, Operations.AUTOMATIC)
     assert outcome.status is Exit.OK
-    assert link.given == [("complete", 1, ""), ("complete", 2, "")]
+    assert link.given == [("operation", 1, ""), ("operation", 2, "")]
     assert notes[0] == "completed without a human referee: Place it"
 
 

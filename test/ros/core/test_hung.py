@@ -25,7 +25,7 @@ from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.file import FILE_NAME, holder_of
 from roah_rsbb.signs_of_life import SIGN
-from roah_rsbb.srv import GetRunSheet, ManualOperationAnswer, ScoreMark, SignOff, StopRun
+from roah_rsbb.srv import GetRunSheet, ScoreMark, StopRun
 
 HOME, ARENA = "Home", "Arena"
 ITEM = ("Penalized Behaviors", "Bumps into the furniture")
@@ -171,9 +171,9 @@ class TestHungCore(OwnCoreCase):
         box.wait_phase(HOME, "idle")
         wait_until(lambda: self.sheet().summary.closed.to_sec(), "the run is over")
         self.mark()
-        if not self.hang("sign-off in flight", lambda: box.call("sign_off", SignOff, HOME, self.identity, "Anna")):
+        if not self.hang("sign-off in flight", lambda: box.act("sign_off", HOME, self.identity, "Anna")):
             with contextlib.suppress(Refusal):
-                box.call("sign_off", SignOff, HOME, self.identity, "Anna")
+                box.act("sign_off", HOME, self.identity, "Anna")
         self.assertTrue(self.sheet().summary.signed_by)
         self.hang("next event")
         self.assertTrue(self.sheet().summary.signed_by, "an acknowledged sign-off stays")
@@ -193,7 +193,7 @@ class TestHungCore(OwnCoreCase):
         self.box.wait_details(ARENA, lambda d: d.operation == 1, "the referee is asked")
         self.hang("manual operation")
         self.box.wait_details(ARENA, lambda d: d.phase == "running" and d.operation == 1, "the referee is still asked")
-        self.box.call("manual_operation_answer", ManualOperationAnswer, ARENA, 1, "done")
+        self.box.act("operation", ARENA, operation=1, answer="done")
         self.assertEqual(modules.wait_outcome(ARENA).answer, "done")
 
 

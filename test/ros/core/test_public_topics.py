@@ -11,7 +11,6 @@ from support.box_client import Refusal
 from support.waiting import LIMIT_S, happened, wait_until
 
 from roah_rsbb.msg import PublicBoard, PublicDetails, Results
-from roah_rsbb.srv import SignOff
 
 DOOR = ("Achievements", "Detects the door whose state has changed")
 FIRST = calendar.timegm((2015, 12, 31, 9, 0, 0))
@@ -96,7 +95,7 @@ class TestPublicDetails(BoxCase):
 
     def sign_off(self) -> None:
         runs = rospy.wait_for_message("/core/results", Results, LIMIT_S).runs
-        rospy.ServiceProxy("/core/sign_off", SignOff)("Home", runs[0].identity, "Anna")
+        self.box.act("sign_off", "Home", runs[0].identity, "Anna")
 
     def standing(self) -> None:
         boards: List[PublicBoard] = []

@@ -17,13 +17,9 @@ from roah_rsbb.srv import (
     Act,
     GetClock,
     GetRunSheet,
-    ManualOperationAnswer,
     MarkItem,
     MarkItemRequest,
     ScoreMark,
-    ScoreWithdraw,
-    SignOff,
-    StopReason,
     StopRun,
     Zone,
     ZoneScore,
@@ -129,10 +125,8 @@ class TestServices(unittest.TestCase):
                 self.assertEqual(self.call(name, Zone, "Home"), [("act", NOW, Target("Home"), name, self.node, given)])
         for name, kind, request, event in (
             ("stop_run", StopRun, (RUN.identity,), ("scores.stop", NOW, RUN, self.node)),
-                        ("stop_run", StopRun, ("",), ("scores.stop", NOW, RunName("Home"), self.node)),
+            ("stop_run", StopRun, ("",), ("scores.stop", NOW, RunName("Home"), self.node)),
             ("manual_operation_complete", Zone, (), ("modules.complete_operation", NOW, "Home", 0, "", self.node)),
-            ("manual_operation_answer", ManualOperationAnswer, (3, "yes"),
-             ("modules.complete_operation", NOW, "Home", 3, "yes", self.node)),
             ("omf_switches/button", ZoneUInt8, (4,), ("modules.press_switch", NOW, "Home", 4, self.node)),
             ("omf_switches/damaged", ZoneUInt8, (2,), ("modules.damage_switches", NOW, "Home", 2, self.node)),
             ("omf_switches/complete", Zone, (), ("modules.complete_switches", NOW, "Home", self.node)),
@@ -144,21 +138,20 @@ class TestServices(unittest.TestCase):
     def test_an_action_has_the_run_and_the_event_that_its_caller_sees(self) -> None:
         rospy.wait_for_service("/core/act", 30)
         act = rospy.ServiceProxy("/core/act", Act)
-        act("no_show", "Home", RUN.identity, "e1", '{"team": "Alpha"}')
-        act("start", "Home", "", "", "")
+        act("no_show", "Home", RUN.identity, "e1", '{"team": "Alpha"}', "Anna")
+        act("start", "Home", "", "", "", "")
         self.assertEqual(self.box.happened, [
-            ("act", NOW, Target("Home", RUN.identity, "e1"), "no_show", self.node, {"team": "Alpha"}),
+            ("act", NOW, Target("Home", RUN.identity, "e1"), "no_show", f"Anna ({self.node})", {"team": "Alpha"}),
             ("act", NOW, Target("Home"), "start", self.node, {})])
         for broken in ("[]", "{", "7", "[" * 400):
             with self.assertRaisesRegex(rospy.ServiceException, "not a JSON object, such as"):
-                act("start", "Home", "", "", broken)
+                act("start", "Home", "", "", broken, "")
 
     def test_what_a_referee_writes_down_is_on_the_standby_when_the_call_returns(self) -> None:
         type(self).waits = True
         self.addCleanup(setattr, type(self), "waits", False)
-        event = ("scores.sign_off", NOW, RUN, self.node)
-        self.assertEqual(self.call("sign_off", SignOff, "Home", RUN.identity, ""),
-                         [event, "on disk", "on the standby"])
+        event = ("act", NOW, Target(*RUN), "sign_off", self.node, {})
+        self.assertEqual(self.call("act", Act, "sign_off", *RUN, "", "", ""), [event, "on disk", "on the standby"])
         self.box.happened = []
         self.assertEqual(self.call("start", Zone, "Home"), [("act", NOW, Target("Home"), "start", self.node, {})])
 
@@ -171,11 +164,8 @@ class TestServices(unittest.TestCase):
              ("scores.mark", NOW, RUN, Mark("G", "d", 2, False, "note"), named)),
             ("score", ScoreMark, ("Home", "", "G", "d", 0, True, "", "", "", ""),
              ("scores.mark", NOW, RunName("Home"), Mark("G", "d", 0, True), self.node)),
-            ("score/withdraw", ScoreWithdraw, (*RUN, 7, "why", "Anna"),
-             ("scores.withdraw", NOW, RUN, 7, named, "why")),
-            ("stop_reason", StopReason, (*RUN, 2, "fire", "Anna"),
-             ("scores.give_stop_reason", NOW, RUN, "fire", named, 2)),
-            ("sign_off", SignOff, (*RUN, "Anna"), ("scores.sign_off", NOW, RUN, named)),
+            ("act", Act, ("withdraw", *RUN, "", '{"entry": 7}', "Anna"),
+             ("act", NOW, Target(*RUN), "withdraw", named, {"entry": 7})),
         ):
             with self.subTest(name):
                 self.box.happened = []
@@ -210,8 +200,7 @@ class TestServices(unittest.TestCase):
         self.box.refuses = True
         reasons = r'\["first reason", "second reason"\]'
         for name, kind, request in (
-            ("stop", Zone, ("Home",)), ("sign_off", SignOff, (*RUN, "Anna")),
-            ("score/withdraw", ScoreWithdraw, (*RUN, 7, "", "")),
+            ("stop", Zone, ("Home",)), ("act", Act, ("sign_off", *RUN, "", "", "Anna")),
         ):
             with self.subTest(name), self.assertRaisesRegex(rospy.ServiceException, reasons):
                 self.call(name, kind, *request)
@@ -221,14 +210,14 @@ class TestServices(unittest.TestCase):
         type(self).disk_trouble = "the disk is full"
         self.addCleanup(setattr, type(self), "disk_trouble", "")
         with self.assertRaisesRegex(rospy.ServiceException, "not saved: the disk is full. It counts"):
-            self.call("sign_off", SignOff, *RUN, "Anna")
+            self.call("act", Act, "sign_off", *RUN, "", "", "Anna")
 
     def test_a_score_that_the_standby_does_not_have_is_not_confirmed(self) -> None:
         type(self).standby_trouble, type(self).waits = unconfirmed("no standby"), True
         self.addCleanup(setattr, type(self), "standby_trouble", "")
         self.addCleanup(setattr, type(self), "waits", False)
         with self.assertRaisesRegex(rospy.ServiceException, "not confirmed: no standby. It counts, and is saved on"):
-            self.call("sign_off", SignOff, *RUN, "Anna")
+            self.call("act", Act, "sign_off", *RUN, "", "", "Anna")
         self.box.happened = []
         self.call("stop", Zone, "Home")
         self.assertEqual(len(self.box.happened), 1)

@@ -135,7 +135,7 @@ class TestOmfSwitches(PanelCase):
         self.assertFalse(panel.complete.isEnabled())
         self.zone.switches_asked = True
         click(panel.complete)
-        self.wait_call("switches complete", "Home A")
+        self.wait_call("confirm_switches", "Home A")
 
     def test_a_refusal_is_shown(self) -> None:
         self.zone.switches = set()

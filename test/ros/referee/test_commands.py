@@ -247,7 +247,7 @@ class TestCommands(WithCore):
         done = self.called("switches", "Home A", "--press", "2", "--press", "3", "--damaged", "1", "--confirm")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(self.core.calls, [("switch", "Home A", 2), ("switch", "Home A", 3), ("damaged", "Home A", 1),
-                                           ("switches complete", "Home A")])
+                                           ("confirm_switches", "Home A")])
         self.assertIn("switches that are on: 1, 3; damaged: 1\n", done.stdout)
 
     def test_colour_on_a_terminal_only_and_not_where_it_is_unwanted(self) -> None:

@@ -8,7 +8,7 @@ from support.box_case import BoxCase
 from support.referee_program import called
 from support.waiting import wait_until
 
-from roah_rsbb.srv import MarkItem, MarkItemRequest, SubmitSheet
+from roah_rsbb.srv import MarkItem, MarkItemRequest
 
 HALL = "Hall"
 OBJECTS, EMPTY, SHOW = ("Table", "Objects put away"), ("Table", "Table is empty"), ("Show", "Presentation")
@@ -40,7 +40,7 @@ class TestJudges(BoxCase):
         self.mark(judge, OBJECTS, objects)
         if rating:
             self.mark(judge, SHOW, text=rating)
-        self.box.call("judge/submit", SubmitSheet, HALL, self.identity, judge, "")
+        self.box.act("submit", HALL, self.identity, judge=judge)
 
     def judges(self, action: str, *words: str, status: int = 0) -> str:
         """Call `referee judges ACTION Hall`; returns what it prints."""

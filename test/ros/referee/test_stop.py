@@ -249,7 +249,7 @@ class TestStopAtAPrompt(StopCase):
         wait_until(lambda: self.zone.phase == "running", "it runs")
         self.zone.asked = Asked(1, "Place the mug")
         run.wait_shown("press Enter when it is done")
-        self.core.held = "complete_operation"
+        self.core.held = "operation"
         self.core.answer_gate.clear()
         run.type("")
         wait_until(lambda: ("operation", "Home A", 1, "") in self.core.calls, "the answer is on its way")
@@ -300,7 +300,7 @@ class TestStopAtAPrompt(StopCase):
 
     def test_a_stop_while_the_start_hangs(self) -> None:
         """The core may carry out the start after the STOP."""
-        self.core.held = "act"
+        self.core.held = "connect"
         run = self.terminal("run", "Home A")
         self.core.answer_gate.clear()
         wait_until(lambda: ("connect", "Home A") in self.core.calls, "connect is on its way")
@@ -352,7 +352,7 @@ class TestStopAtAPrompt(StopCase):
         self.running("Home A", "Home B")
         for word, zone in (("Stop home b", "Home B"), ("stop", "Home A")):
             with self.subTest(word=word):
-                self.core.held = "act"
+                self.core.held = "pause"
                 self.core.answer_gate.clear()
                 pause = self.terminal("pause", "home a", **GERMAN)
                 pause.wait_shown("type 'stop'")

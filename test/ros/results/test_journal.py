@@ -17,7 +17,7 @@ from support.waiting import LIMIT_S, wait_until
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.srv import ScoreMark, SignOff, StopReason
+from roah_rsbb.srv import ScoreMark
 
 ZONE = "Home"
 DOOR = ("Achievements", "Detects the door whose state has changed")
@@ -80,10 +80,10 @@ class TestResults(ResultsCase):
         self.box.command("stop", ZONE)
         self.box.wait_phase(ZONE, "ended")
         robot.wait_did("stop")
-        self.box.call("stop_reason", StopReason, ZONE, identity, 0, "the door was locked", "Anna")
+        self.box.act("stop_reason", ZONE, identity, "Anna", reason="the door was locked")
         self.wait_link(port, answers=4)  # PREPARE, WAITING_RESULT, what was notified, and STOP
         self.box.command("disconnect", ZONE)
-        self.box.call("sign_off", SignOff, ZONE, identity, "Chief")
+        self.box.act("sign_off", ZONE, identity, "Chief")
         self.over(identity, port)
 
     def over(self, identity: str, port: int) -> None:

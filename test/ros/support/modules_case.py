@@ -9,7 +9,6 @@ from typing import Callable, Dict, List, Tuple
 import rospy
 
 from roah_rsbb.msg import ModulesState
-from roah_rsbb.srv import ManualOperationAnswer
 from support.box_case import BoxCase
 from support.programs import Program, own
 from support.robots import BROADCAST, CONFIG, PASSWORDS, RSBB_PORT, Robot, host_of
@@ -39,7 +38,7 @@ class FunctionalityCase(BoxCase):
     def answer(self, zone: str, after: int = 0, answer: str = "") -> int:
         """Complete the next manual operation after that number; returns its number."""
         number = self.box.wait_details(zone, lambda d: d.operation > after and d.operation, "the referee is asked")
-        self.box.call("manual_operation_answer", ManualOperationAnswer, zone, number, answer)
+        self.box.act("operation", zone, operation=number, answer=answer)
         return number
 
     def conduct(self, zone: str, switches: Callable[[], None] = lambda: None) -> Tuple[Scores, RunLog]:

@@ -25,11 +25,7 @@ from roah_rsbb.srv import (
     MarkItem,
     MarkItemRequest,
     PairDevice,
-    PublishResult,
-    PublishResultRequest,
     RevokeDevice,
-    SignOff,
-    SubmitSheet,
 )
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -584,7 +580,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertEqual([(one.value, one.text) for one in sheet.items], [(3, ""), (1, ""), (7, "7.5")])
         self.assertIn("the video shows three", [entry.note for entry in sheet.history])
         with self.assertRaises(rospy.ServiceException) as refused:
-            rospy.ServiceProxy("/core/sign_off", SignOff)(HALL, identity, "Hugo")
+            self.box.act("sign_off", HALL, identity, "Hugo")
         self.assertIn("publish the result as provisional first", str(refused.exception))
 
     def submit(self, identity: str, judge: str, objects: int) -> None:
@@ -593,7 +589,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
             self.box.call("judge/mark", MarkItem, MarkItemRequest(
                 zone=HALL, identity=identity, id=str(uuid.uuid4()), group="Show" if "text" in change else "Table",
                 desc=desc, change=MarkItemRequest.SET, referee=judge, role="judge", **change))
-        self.box.call("judge/submit", SubmitSheet, HALL, identity, judge, "")
+        self.box.act("submit", HALL, identity, judge=judge)
 
     def give_reason(self, page: Page, form: str, reason: str) -> None:
         """Type a reason into a form, and touch its button."""
@@ -640,8 +636,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
                          ("Epsilon", "the cup was away", False, "it was there"))
         self.press_twice(head, "sign_off", "Press again")
         head.wait(f"{TEXT}.includes('objections are possible until')", "the page says why it is not final")
-        self.box.call("publication", PublishResult, PublishResultRequest(
-            zone=HALL, identity=identity, action=PublishResultRequest.PUBLISH, seconds=0.0, referee="Hugo"))
+        self.box.act("publish", HALL, identity, "Hugo", seconds=0)
         head.wait(f"{TEXT}.includes('the time for objections is over')", "the limit is over")
         self.press_twice(head, "sign_off", "Press again")
         head.wait(f"document.querySelector({json.dumps(run.strip())}) === null", "the result is final")

@@ -15,7 +15,7 @@ from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.core.scoring.desk import MarkOutcome
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.model.actions import ACTIONS, STOP
+from roah_rsbb.model.actions import ACTIONS, EVERY, STOP
 from roah_rsbb.model.reason import say
 from roah_rsbb.nodes.core import judging_convert
 from roah_rsbb.nodes.core.results_convert import sheet_message
@@ -25,27 +25,17 @@ from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.ros.times import ros_time
 from roah_rsbb.srv import (
     Act,
-    DecideJudges,
-    DecideJudgesRequest,
     GetClock,
     GetClockResponse,
     GetJudging,
     GetJudgingResponse,
     GetRunSheet,
     GetRunSheetResponse,
-    ManualOperationAnswer,
     MarkItem,
     MarkItemRequest,
     MarkItemResponse,
-    PublishResult,
-    PublishResultRequest,
     ScoreMark,
-    ScoreWithdraw,
-    SignOff,
-    StopReason,
     StopRun,
-    SubmitSheet,
-    TakeBackMark,
     Zone,
     ZoneScore,
     ZoneUInt8,
@@ -99,14 +89,9 @@ class CoreServices:
                 self._serve(action.name, Zone, lambda r, action=action: (
                     box.act, Target(r.zone), action.name, who_of(r), ORIGINAL_GIVEN.get(action.name, NOTHING)
                 ), is_urgent=action.name == STOP)
-        self._serve("act", Act, lambda r: (
-            box.act, Target(r.zone, r.run, r.event), r.action, who_of(r), given_in(r.given)))
         self._serve("stop_run", StopRun, lambda r: (box.scores.stop, _run_of(r), who_of(r)), is_urgent=True)
         self._serve("manual_operation_complete", Zone, lambda r: (
             box.modules.complete_operation, r.zone, 0, "", who_of(r)
-        ))
-        self._serve("manual_operation_answer", ManualOperationAnswer, lambda r: (
-            box.modules.complete_operation, r.zone, r.operation, r.answer, who_of(r)
         ))
         self._serve("omf_switches/button", ZoneUInt8, lambda r: (box.modules.press_switch, r.zone, r.data, who_of(r)))
         self._serve("omf_switches/damaged", ZoneUInt8, lambda r: (
@@ -128,17 +113,8 @@ class CoreServices:
         self._serve("mark", MarkItem, lambda r: (
             box.scores.mark_once, _run_of(r), mark_of(r), who_of(r, r.referee)
         ), durable=True, answer_of=self._marked)
-        self._serve("score/withdraw", ScoreWithdraw, lambda r: (
-            box.scores.withdraw, _run_of(r), r.number, who_of(r, r.referee), r.note
-        ), durable=True)
-        self._serve("take_back", TakeBackMark, lambda r: (
-            box.scores.take_back, _run_of(r), r.id, who_of(r, r.referee), r.note
-        ), durable=True)
-        self._serve("stop_reason", StopReason, lambda r: (
-            box.scores.give_stop_reason, _run_of(r), r.reason, who_of(r, r.referee), r.stop
-        ), durable=True)
-        self._serve("sign_off", SignOff, lambda r: (
-            box.scores.sign_off, _run_of(r), who_of(r, r.referee)
+        self._serve("act", Act, lambda r: (
+            box.act, Target(r.zone, r.run, r.event), r.action, who_of(r, r.referee), given_in(r.given)
         ), durable=True)
         self._serve_judges(box)
         self._add("run_sheet", GetRunSheet, self._run_sheet)
@@ -148,11 +124,6 @@ class CoreServices:
         self._serve("judge/mark", MarkItem, lambda r: (
             box.judges.mark, _run_of(r), mark_of(r), r.referee
         ), durable=True, answer_of=lambda r: _marked(box.judges.outcome(_run_of(r), mark_of(r), r.referee)))
-        self._serve("judge/submit", SubmitSheet, lambda r: (
-            box.judges.submit, _run_of(r), r.judge, r.device
-        ), durable=True)
-        self._serve("judges/decide", DecideJudges, lambda r: _decision(box, r), durable=True)
-        self._serve("publication", PublishResult, lambda r: _publication(box, r), durable=True)
         self._add("judges", GetJudging, self._judging)
 
     def _serve(
@@ -174,8 +145,9 @@ class CoreServices:
             self._event(*event_of(request))
             ticket = self._ticket()
             # The standby is asked at once: it writes while the disk of this computer does.
-            of_standby = self._ask_standby(ticket) if durable and ticket is not None else None
-            return _Acted(ticket, of_standby, answer_of(request), wants_values(request))
+            waits = durable and is_durable(request)
+            of_standby = self._ask_standby(ticket) if waits and ticket is not None else None
+            return _Acted(ticket if waits else 0, of_standby, answer_of(request), wants_values(request))
 
         def wait(acted: _Acted) -> object:
             trouble = self._trouble(acted)
@@ -189,7 +161,7 @@ class CoreServices:
         """Wait until what was done is on the disks. Return why it is not; empty: it is."""
         if acted.ticket is None:
             return NOT_RECORDED
-        why = self._why_not_saved(acted.ticket)
+        why = self._why_not_saved(acted.ticket) if acted.ticket else ""
         return NOT_SAVED(why=why) if why else standby_answers.wait(acted.of_standby)
 
     def _add(self, name: str, service: type, handle: Callable[[Any], object],
@@ -229,6 +201,12 @@ class CoreServices:
     def _ruled(self, now: Now, name: RunName) -> Tuple[RunRecord, Optional[Why]]:
         record = self._box.scores.record_of(now, name)
         return record, self._box.scores.why(now, record.identity)
+
+
+def is_durable(request: Any) -> bool:
+    """Whether the answer to a call waits until what it did is on the disk: that of an action says it itself."""
+    action = EVERY.get(getattr(request, "action", ""))
+    return action is None or action.durable
 
 
 def wants_values(request: Any) -> bool:
@@ -276,33 +254,6 @@ def mark_of(request: Any) -> Mark:
 def _marked(outcome: MarkOutcome) -> MarkItemResponse:
     item = outcome.item
     return MarkItemResponse(outcome.entry, item.value, item.not_attempted, item.text)
-
-
-def _decision(box: Box, request: Any) -> Tuple:
-    """The event of a request to /core/judges/decide. Raises `Refused`."""
-    judges, name, who = box.judges, _run_of(request), who_of(request, request.referee)
-    if request.decision == DecideJudgesRequest.HAND_BACK:
-        return judges.hand_back, name, request.judge, request.reason, who
-    if request.decision == DecideJudgesRequest.WITHDRAW:
-        return judges.withdraw, name, request.judge, request.reason, who
-    if request.decision == DecideJudgesRequest.WAIVE:
-        return judges.waive, name, request.reason, who
-    if request.decision != DecideJudgesRequest.SETTLE:
-        raise Refused([f"decision {request.decision} is not known: this core knows HAND_BACK, WITHDRAW, WAIVE, SETTLE"])
-    mark = Mark(request.group, request.desc, request.value, request.not_attempted, text=request.text)
-    return judges.settle, name, mark, request.reason, who
-
-
-def _publication(box: Box, request: Any) -> Tuple:
-    """The event of a request to /core/publication. Raises `Refused`."""
-    judges, name, who = box.judges, _run_of(request), who_of(request, request.referee)
-    if request.action == PublishResultRequest.PUBLISH:
-        return judges.publish, name, request.seconds, who
-    if request.action == PublishResultRequest.OBJECT:
-        return judges.object, name, request.by, request.text, who
-    if request.action != PublishResultRequest.ANSWER:
-        raise Refused([f"action {request.action} is not known: this core knows PUBLISH, OBJECT and ANSWER"])
-    return judges.answer, name, request.number, request.upheld, request.text, who
 
 
 def _run_of(request: Any) -> RunName:

@@ -9,27 +9,17 @@ import genpy
 import rospy
 
 from roah_rsbb.core.copies import NOT_CONFIRMED
-from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.actions import EVERY
 from roah_rsbb.ros import refusals
 from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.known_services import KnownService
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.srv import (
     Act,
-    DecideJudges,
     GetJudging,
     GetRunSheet,
-    ManualOperationAnswer,
     MarkItem,
-    PublishResult,
-    PublishResultRequest,
-    SignOff,
-    StopReason,
     StopRun,
-    SubmitSheet,
-    TakeBackMark,
-    Zone,
-    ZoneUInt8,
 )
 from roah_rsbb.web.commands import STOP, Command, Outcome
 
@@ -49,13 +39,9 @@ class _Call(NamedTuple):
     request: Callable[[Command], Tuple[Any, ...]]
 
 
-def _zone(command: Command) -> Tuple[Any, ...]:
-    return (command.zone,)
-
-
 def _action(command: Command) -> Tuple[Any, ...]:
     fields = command.fields
-    return command.name, command.zone, fields["identity"], fields["event_id"], json.dumps(fields["given"])
+    return command.name, command.zone, fields["identity"], fields["event_id"], json.dumps(fields["given"]), ""
 
 
 def _mark(command: Command) -> Tuple[Any, ...]:
@@ -65,44 +51,17 @@ def _mark(command: Command) -> Tuple[Any, ...]:
             session.device)
 
 
-def _fields(*names: str, with_who: bool = False) -> Callable[[Command], Tuple[Any, ...]]:
-    """The zone, and these fields of the command."""
-    return lambda command: (command.zone, *(command.fields[name] for name in names),
-                            *([command.session.who] if with_who else []))
-
-
-def _publication(action: int) -> Callable[[Command], Tuple[Any, ...]]:
-    def request(command: Command) -> Tuple[Any, ...]:
-        get = command.fields.get
-        return (command.zone, get("identity"), action, float(get("seconds", 0)), get("by", ""), get("number", 0),
-                get("upheld", False), get("text", ""), command.session.who)
-
-    return request
+def _run(command: Command) -> Tuple[Any, ...]:
+    return command.zone, command.fields["identity"]
 
 
 CALLS: Dict[str, _Call] = {
-    **{name: _Call("act", Act, _action) for name in ACTIONS},
-    "confirm_switches": _Call("omf_switches/complete", Zone, _zone),
-    "stop": _Call("stop_run", StopRun, _fields("identity")),
-    "stop_reason": _Call("stop_reason", StopReason, lambda c: (
-        c.zone, c.fields["identity"], 0, c.fields["reason"], c.session.who)),
-    "sign_off": _Call("sign_off", SignOff, _fields("identity", with_who=True)),
-    "sheet": _Call("run_sheet", GetRunSheet, _fields("identity")),
+    **{name: _Call("act", Act, _action) for name in EVERY},
+    "stop": _Call("stop_run", StopRun, _run),
+    "sheet": _Call("run_sheet", GetRunSheet, _run),
     "mark": _Call("mark", MarkItem, _mark),
-    "take_back": _Call("take_back", TakeBackMark, lambda c: (
-        c.zone, c.fields["identity"], c.fields["id"], "", c.session.who)),
     "judging": _Call("judges", GetJudging, lambda c: (c.zone, c.fields["identity"], c.session.person)),
     "judge_mark": _Call("judge/mark", MarkItem, _mark),
-    "submit": _Call("judge/submit", SubmitSheet, lambda c: (
-        c.zone, c.fields["identity"], c.session.person, c.session.device)),
-    "decide": _Call("judges/decide", DecideJudges, _fields(
-        "identity", "decision", "judge", "group", "desc", "value", "text", "not_attempted", "reason", with_who=True)),
-    "publish": _Call("publication", PublishResult, _publication(PublishResultRequest.PUBLISH)),
-    "object": _Call("publication", PublishResult, _publication(PublishResultRequest.OBJECT)),
-    "answer": _Call("publication", PublishResult, _publication(PublishResultRequest.ANSWER)),
-    "operation": _Call("manual_operation_answer", ManualOperationAnswer, _fields("operation", "answer")),
-    "switch": _Call("omf_switches/button", ZoneUInt8, _fields("number")),
-    "damaged": _Call("omf_switches/damaged", ZoneUInt8, _fields("number")),
 }
 
 

@@ -2,10 +2,11 @@
 
 import collections
 import contextlib
+import json
 import threading
 import time
 import uuid
-from typing import Any, Callable, Counter, Dict, NamedTuple
+from typing import Any, Callable, Counter, Dict, Mapping, NamedTuple
 
 import rospy
 
@@ -13,7 +14,7 @@ from roah_rsbb.ros import refusals
 from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.known_services import KnownService
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
-from roah_rsbb.srv import GetClock, MarkItem, MarkItemRequest, MarkItemResponse
+from roah_rsbb.srv import Act, GetClock, MarkItem, MarkItemRequest, MarkItemResponse
 from roah_rsbb.wording.device import NO_WEB
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.said import tr_said
@@ -87,6 +88,14 @@ class Calls(QObject):
         """Call the service `name` of type `kind` with the request's fields; `done` receives the outcome."""
         headers = self._headers()
         self.run(owner, name, lambda: KnownService(name, kind, headers=headers)(*request), done)
+
+    def act(
+        self, owner: object, action: str, zone: str, run: str, given: Mapping[str, Any],
+        done: Callable[[CallOutcome], None], event: str = "",
+    ) -> None:
+        """Do one of `model.actions.EVERY`. `run`, `event`: what the referee means, see `Act`; `given`: the values of
+        its fields."""
+        self.service(owner, "/core/act", Act, (action, zone, run, event, json.dumps(given), ""), done)
 
     def learn(self, owner: object, name: str, kind: type) -> None:
         """Find the service `name`, so that a later call does not depend on the master."""

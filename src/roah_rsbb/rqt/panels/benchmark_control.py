@@ -3,7 +3,6 @@
 Key: F5 twice starts, whichever panel of the process has the focus. STOP is in the strip below all panels.
 """
 
-import json
 from functools import partial
 from typing import Any, Dict, FrozenSet, Optional, Tuple
 
@@ -31,7 +30,6 @@ from roah_rsbb.rqt.widgets import basic, phases
 from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
 from roah_rsbb.rqt.widgets.run_times import RunTimes
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
-from roah_rsbb.srv import Act, StopReason
 from roah_rsbb.wording import sheets, stop
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.said import tr_said
@@ -99,10 +97,7 @@ class StopReasonLine(QLineEdit):
                 self.setModified(True)
                 self._without = frozenset()
 
-        client.calls.service(
-            self._panel, "/core/stop_reason", StopReason,
-            (summary.zone, summary.identity, 0, reason, client.referee.name), done,
-        )
+        client.calls.act(self._panel, "stop_reason", summary.zone, summary.identity, {"reason": reason}, done)
 
 
 # The actions that have a place of their own here.
@@ -391,5 +386,5 @@ class BenchmarkControlPanel(Panel):
         event, details = self.model.zone, self.model.details_of(zone)
         team = {"team": event.team} if event is not None and any(isinstance(f, Team) for f in action.fields) else {}
         seen = details.event if details is not None and action.aims else ""
-        self.client.calls.service(self, "/core/act", Act, (
-            action.name, zone, self.model.identity_of(zone), seen, json.dumps({**team, **(given or {})})), done)
+        run = self.model.identity_of(zone)
+        self.client.calls.act(self, action.name, zone, run, {**team, **(given or {})}, done, seen)

@@ -12,7 +12,7 @@ from roah_rsbb.rqt.qt import QDialog, QHBoxLayout, QPoint, QPushButton, Qt, QVBo
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog
-from roah_rsbb.srv import GetRunSheet, ScoreWithdraw
+from roah_rsbb.srv import GetRunSheet
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import Moments
@@ -98,10 +98,8 @@ class History(QWidget):
 
         def send(note: str) -> None:
             self._answer.say(f"{what} …")
-            self._client.calls.service(
-                self._owner, "/core/score/withdraw", ScoreWithdraw,
-                (summary.zone, summary.identity, entry.number, note, self._client.referee.name), done,
-            )
+            self._client.calls.act(self._owner, "withdraw", summary.zone, summary.identity,
+                                   {"entry": entry.number, "note": note}, done)
 
         def done(outcome: CallOutcome) -> None:
             self._answer.show_outcome(what, outcome)

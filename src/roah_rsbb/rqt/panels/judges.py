@@ -1,8 +1,9 @@
 """Judges: how far the judges of a run are, their values side by side, and the result from provisional to final."""
 
 from functools import partial
-from typing import Callable, List, Optional, Tuple
+from typing import Any, Callable, List, Optional, Tuple
 
+from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.msg import RunSummary, ScoreItem
 from roah_rsbb.rqt.model.fetched import Fetched
 from roah_rsbb.rqt.panels.history import why_fixed
@@ -14,13 +15,8 @@ from roah_rsbb.rqt.widgets.judge_dialogs import ChoiceDialog, ObjectionDialog, P
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import Entered
 from roah_rsbb.srv import (
-    DecideJudges,
-    DecideJudgesRequest,
     GetJudging,
     GetJudgingResponse,
-    PublishResult,
-    PublishResultRequest,
-    SignOff,
 )
 from roah_rsbb.wording import judging, sheets
 from roah_rsbb.wording.judging import Judged, Judging, ObjectionLine
@@ -61,8 +57,8 @@ class JudgesPanel(RefereePanel):
         self.objections.itemSelectionChanged.connect(self._on_update)
         self.objections.itemDoubleClicked.connect(lambda *_: self.reply.click())
         self.settle = self._button(judging.SETTLE, self._ask_settle)
-        self.hand_back = self._button(judging.HAND_BACK, partial(self._ask_judge, DecideJudgesRequest.HAND_BACK))
-        self.withdraw = self._button(judging.WITHDRAW, partial(self._ask_judge, DecideJudgesRequest.WITHDRAW))
+        self.hand_back = self._button(judging.HAND_BACK, partial(self._ask_judge, "hand_back"))
+        self.withdraw = self._button(judging.WITHDRAW, partial(self._ask_judge, "withdraw_sheet"))
         self.waive = self._button(judging.WAIVE, self._ask_waive)
         self.object = self._button(judging.OBJECT, self._ask_objection)
         self.reply = self._button(ANSWER, self._ask_answer)
@@ -244,22 +240,20 @@ class JudgesPanel(RefereePanel):
             basic.show_dialog(SettleDialog(self, message, item, partial(self._settle, one, message)))
 
     def _settle(self, one: Judging, item: ScoreItem, given: Entered) -> None:
-        self._decide(one, item.desc, DecideJudgesRequest(
-            decision=DecideJudgesRequest.SETTLE, group=item.group, desc=item.desc, value=given.value, text=given.text,
-            not_attempted=given.not_attempted, reason=given.note))
+        self._act(one, item.desc, "settle", group=item.group, desc=item.desc, value=given.value, text=given.text,
+                  not_attempted=bool(given.not_attempted), reason=given.note)
 
-    def _ask_judge(self, decision: int) -> None:
+    def _ask_judge(self, action: str) -> None:
         """Ask which judge, and why."""
         one = self._one()
         if one is None:
             return
-        is_back = decision == DecideJudgesRequest.HAND_BACK
-        what = tr(judging.HAND_BACK if is_back else judging.WITHDRAW)
-        judges = [judge for judge in one.judges if judge.submitted_utc_s or not is_back]
+        what = tr(ENTRIES[action].label)
+        judges = [judge for judge in one.judges if judge.submitted_utc_s or action != "hand_back"]
 
         def decide(index: int, reason: str) -> None:
             judge = judges[index].judge
-            self._decide(one, f"{what}: {judge}", DecideJudgesRequest(decision=decision, judge=judge, reason=reason))
+            self._act(one, f"{what}: {judge}", action, judge=judge, reason=reason)
 
         basic.show_dialog(ChoiceDialog(
             self, what, self.which.currentText(), tr("Judge"), list(map(judging.judge_line, judges)), tr("Reason"),
@@ -271,13 +265,9 @@ class JudgesPanel(RefereePanel):
             return
 
         def decide(reason: str) -> None:
-            self._decide(one, what, DecideJudgesRequest(decision=DecideJudgesRequest.WAIVE, reason=reason))
+            self._act(one, what, "waive", reason=reason)
 
         basic.show_dialog(ReasonDialog(self, what, judging.missing_text(one), tr("Reason"), what, decide))
-
-    def _decide(self, one: Judging, what: str, decision: DecideJudgesRequest) -> None:
-        decision.zone, decision.identity, decision.referee = one.zone, one.identity, self.client.referee.name
-        self._send(what, "/core/judges/decide", DecideJudges, decision)
 
     def _ask_publish(self) -> None:
         one = self._one()
@@ -285,8 +275,7 @@ class JudgesPanel(RefereePanel):
             return
 
         def send(seconds: float) -> None:
-            self._publication(one, tr(judging.PUBLISH), PublishResultRequest(
-                action=PublishResultRequest.PUBLISH, seconds=seconds))
+            self._act(one, tr(judging.PUBLISH), "publish", seconds=int(seconds))
 
         basic.show_dialog(PublishDialog(self, self.which.currentText(), send))
 
@@ -296,8 +285,7 @@ class JudgesPanel(RefereePanel):
             return
 
         def send(who: str, text: str) -> None:
-            self._publication(one, tr(judging.OBJECT), PublishResultRequest(
-                action=PublishResultRequest.OBJECT, by=who, text=text))
+            self._act(one, tr(judging.OBJECT), "object", by=who, text=text)
 
         basic.show_dialog(ObjectionDialog(self, self.which.currentText(), send))
 
@@ -307,16 +295,11 @@ class JudgesPanel(RefereePanel):
             return
 
         def send(index: int, text: str) -> None:
-            self._publication(one, tr(ANSWER), PublishResultRequest(
-                action=PublishResultRequest.ANSWER, number=objection.number, upheld=index == 0, text=text))
+            self._act(one, tr(ANSWER), "answer", number=objection.number, upheld=index == 0, text=text)
 
         basic.show_dialog(ChoiceDialog(
             self, tr(ANSWER), f"{objection.by}: {objection.text}", tr("Decision"),
             [tr(judging.UPHOLD), tr(judging.REJECT)], tr("Answer"), tr("Save"), send))
-
-    def _publication(self, one: Judging, what: str, asked: PublishResultRequest) -> None:
-        asked.zone, asked.identity, asked.referee = one.zone, one.identity, self.client.referee.name
-        self._send(what, "/core/publication", PublishResult, asked)
 
     def _ask_sign_off(self) -> None:
         one = self._one()
@@ -325,20 +308,14 @@ class JudgesPanel(RefereePanel):
             return
         name = self.client.referee.name
 
-        def send() -> None:
-            self._say_sent(tr("Sign off"), lambda done: self.client.calls.service(
-                self, "/core/sign_off", SignOff, (summary.zone, summary.identity, name), done))
+        ask_sign_off(self, self._answer, summary, name, lambda: self._act(
+            one, tr(ENTRIES["sign_off"].label), "sign_off"))
 
-        ask_sign_off(self, self._answer, summary, name, send)
-
-    def _send(self, what: str, service: str, kind: type, request) -> None:
-        fields = tuple(getattr(request, name) for name in request.__slots__)
-        self._say_sent(what, lambda done: self.client.calls.service(self, service, kind, fields, done))
-
-    def _say_sent(self, what: str, send: Callable[[Callable], None]) -> None:
-        """Send a call, and show how far it is."""
+    def _act(self, one: Judging, what: str, action: str, **given: Any) -> None:
+        """Do an action for a run, and show how far it is. `what`: what the answer is about."""
         self._answer.say(f"{what} …")
-        send(lambda outcome: self._answer.show_outcome(what, outcome))
+        self.client.calls.act(self, action, one.zone, one.identity, given,
+                              lambda outcome: self._answer.show_outcome(what, outcome))
 
 
 def _line(*buttons: QPushButton) -> QHBoxLayout:

@@ -7,7 +7,6 @@ from roah_rsbb.rqt.panels.collapsing import scoring_in
 from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel
 from roah_rsbb.rqt.qt import QApplication, QHBoxLayout, QLabel, QLineEdit, QScrollArea, Qt, QTimer, QWidget
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.srv import ManualOperationAnswer
 from roah_rsbb.wording.language import tr, tr_later
 
 NOTHING = tr_later("No manual operation now.")
@@ -156,10 +155,8 @@ class ManualOperationPanel(Panel):
             button.hold()
         self._answer.say(tr("Manual operation complete …"))
         request = self._request
-        self.client.calls.service(
-            self, "/core/manual_operation_answer", ManualOperationAnswer, (zone, operation, answer),
-            lambda outcome: self._answered(request, outcome),
-        )
+        self.client.calls.act(self, "operation", zone, "", {"operation": operation, "answer": answer},
+                              lambda outcome: self._answered(request, outcome))
 
     def _answered(self, request: OperationKey, outcome) -> None:
         if request == self._request or outcome.error:

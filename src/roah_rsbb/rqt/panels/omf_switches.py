@@ -1,12 +1,11 @@
 """OMF Switches: the switches that the robot changed and damaged, in HOMF (docs/referee.md, "OMF Switches")."""
 
-from typing import List
+from typing import Dict, List
 
 from roah_rsbb.msg import ZoneState
 from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel
 from roah_rsbb.rqt.qt import QGridLayout, QHBoxLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.srv import Zone, ZoneUInt8
 from roah_rsbb.wording.language import tr, tr_later
 
 NO_SWITCHES = tr_later("Used in HOMF only, from the robot's first goal.")
@@ -83,26 +82,26 @@ class OmfSwitchesPanel(Panel):
 
     def _press(self, number: int) -> None:
         what = tr("Switch {number}", number=number)
-        self._call("button", ZoneUInt8, (self.model.zone_name, number), what, self.switches[number - 1])
+        self._call("switch", {"number": number}, what, self.switches[number - 1])
 
     def _damage(self, by: int) -> None:
         zone = self.model.zone
         if zone is not None:
             damaged = min(MAX_DAMAGED, max(0, zone.omf_damaged + by))
             button = self.more if by > 0 else self.less
-            self._call("damaged", ZoneUInt8, (zone.zone, damaged), tr("{n} damaged", n=damaged), button)
+            self._call("damaged", {"number": damaged}, tr("{n} damaged", n=damaged), button)
 
     def _confirm(self) -> None:
-        self._call("complete", Zone, (self.model.zone_name,), tr("Switches confirmed"), self.complete)
+        self._call("confirm_switches", {}, tr("Switches confirmed"), self.complete)
 
-    def _call(self, name: str, kind: type, request: tuple, what: str, button: basic.CommandButton) -> None:
+    def _call(self, action: str, given: Dict[str, int], what: str, button: basic.CommandButton) -> None:
         button.hold()
 
         def done(outcome) -> None:
             self._answer.show_outcome(what, outcome)
             button.let_go()
 
-        self.client.calls.service(self, f"/core/omf_switches/{name}", kind, request, done)
+        self.client.calls.act(self, action, self.model.zone_name, "", given, done)
 
 
 def _numbers(zone: ZoneState) -> List[int]:

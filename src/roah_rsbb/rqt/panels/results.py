@@ -1,7 +1,8 @@
 """Results: the runs of the zone and their score sheets, with history, corrections and sign-off."""
 
-from typing import Callable, List, Optional, Tuple
+from typing import Any, Callable, List, Optional
 
+from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.msg import RunSheet, RunSummary, ScoreItem
 from roah_rsbb.rqt.panels.history import History, RunSheets, why_fixed
 from roah_rsbb.rqt.panels.panel import Answer, Panel, RefereePanel, ask
@@ -9,7 +10,7 @@ from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QPushButton, QSplitter, Qt, QT
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import Entered, NoteDialog, ScoreDialog
-from roah_rsbb.srv import MarkItemRequest, SignOff, StopReason
+from roah_rsbb.srv import MarkItemRequest
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.language import tr, tr_later
@@ -188,9 +189,7 @@ class ResultsPanel(RefereePanel):
         dialog = NoteDialog(
             self, tr("Reason"), end, tr("Why"), tr("Save"),
             lambda reason: self._send(
-                summary, tr("Reason of end {number}", number=number), "stop_reason", StopReason,
-                (number, reason, self.client.referee.name)
-            ),
+                summary, tr("Reason of end {number}", number=number), "stop_reason", reason=reason, stop=number),
         )
         dialog.note.setText(stop.reason)
         basic.show_dialog(dialog)
@@ -201,14 +200,12 @@ class ResultsPanel(RefereePanel):
             return
         name = self.client.referee.name
         ask_sign_off(self, self._answer, summary, name,
-                     lambda: self._send(summary, tr("Sign off"), "sign_off", SignOff, (name,)))
+                     lambda: self._send(summary, tr(ENTRIES["sign_off"].label), "sign_off"))
 
-    def _send(self, summary: RunSummary, what: str, service: str, kind: type, request: Tuple) -> None:
+    def _send(self, summary: RunSummary, what: str, action: str, **given: Any) -> None:
         what = self._begin(summary, what)
-        self.client.calls.service(
-            self, f"/core/{service}", kind, (summary.zone, summary.identity, *request),
-            lambda outcome: self._answer.show_outcome(what, outcome),
-        )
+        self.client.calls.act(self, action, summary.zone, summary.identity, given,
+                              lambda outcome: self._answer.show_outcome(what, outcome))
 
     def _begin(self, summary: RunSummary, what: str) -> str:
         """Show that a call begins. Returns what it is about."""
@@ -232,7 +229,7 @@ def ask_sign_off(
         panel, tr("Sign off {run}?", run=_name(summary)),
         tr("{score}\n\nSigned by {name}. The sheet cannot be corrected afterwards.",
            score=summary.score or tr("no score"), name=name),
-        tr("Sign off"), confirmed,
+        tr(ENTRIES["sign_off"].label), confirmed,
     )
 
 

@@ -1,13 +1,11 @@
 """Schedule: all events of all zones, with results, sign-offs and estimated times (docs/referee.md, "Schedule")."""
 
-import json
 from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.qt import QAbstractItemView, QComboBox, QHBoxLayout, QPushButton, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
-from roah_rsbb.srv import Act
 from roah_rsbb.wording import schedule, sheets, stop
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.schedule import Event, EventFilter, Show
@@ -169,11 +167,9 @@ class SchedulePanel(Panel):
             self._answer.warn(tr("Not done: the schedule or the runs in {zone} have changed", zone=event.zone))
             return
         self._answer.say(f"{what} …")
-        self.client.calls.service(
-            self, "/core/act", Act, ("choose_event", event.zone, "", "", json.dumps(
-                {"event": line.id, "team": event.team, "unsigned": left is not None})),
-            lambda outcome: self._answer.show_outcome(what, outcome),
-        )
+        given = {"event": line.id, "team": event.team, "unsigned": left is not None}
+        self.client.calls.act(self, "choose_event", event.zone, "", given,
+                              lambda outcome: self._answer.show_outcome(what, outcome))
 
 
 def _key(event: Event) -> Key:

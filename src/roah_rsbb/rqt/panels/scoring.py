@@ -30,7 +30,7 @@ from roah_rsbb.rqt.widgets.score_dialogs import MAX_VALUE, Entered, ScoreDialog
 from roah_rsbb.rqt.widgets.score_fields import NO_JUDGE, ChoiceField, NumberField, RatingFields
 from roah_rsbb.rqt.widgets.sheet_view import SheetView
 from roah_rsbb.rqt.widgets.undo import PLACES, UNDO, UndoRow
-from roah_rsbb.srv import MarkItemRequest, ScoreWithdraw
+from roah_rsbb.srv import MarkItemRequest
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.module_scores import by_group
@@ -495,11 +495,8 @@ class ScoringPanel(RefereePanel):
             return
         what = tr(UNDO, mark=sheets.mark_text(entry))
         self._answer.say(f"{what} …")
-        self.client.calls.service(
-            self, "/core/score/withdraw", ScoreWithdraw,
-            (details.zone, details.identity, entry.number, "", self.client.referee.name),
-            lambda outcome: self._answer.show_outcome(what, outcome),
-        )
+        self.client.calls.act(self, "withdraw", details.zone, details.identity, {"entry": entry.number},
+                              lambda outcome: self._answer.show_outcome(what, outcome))
 
     def _change(self, item: ItemName, value: Value, judge: str = NO_JUDGE) -> None:
         """Handle another value that the referee set."""

@@ -7,7 +7,7 @@ from support.fakes.modules import ModulesCase
 from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.goals import HopfResult, Pose
-from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneUInt8
+from roah_rsbb.srv import Zone, ZoneUInt8
 
 REFEREE, SWITCHES = RequestKind.REFEREE, RequestKind.SWITCHES
 WAYPOINT = {"goal": "[1.5, -2, 0.25]", "pose": (1.5, -2.0, 0.25)}
@@ -157,8 +157,8 @@ class TestReferee(ModulesCase):
             self.switches_refused("which has no switches", name, *request, zone="Task")
         self.assertRefused("no zone 'Tusk'", "Tusk", 0, "")
 
-    def answer(self, *request) -> None:
-        self.box.call("manual_operation_answer", ManualOperationAnswer, *request)
+    def answer(self, zone: str, operation: int, answer: str) -> None:
+        self.box.act("operation", zone, operation=operation, answer=answer)
 
     def assertRefused(self, why: str, *request) -> None:
         with self.assertRaisesRegex(Refusal, why):

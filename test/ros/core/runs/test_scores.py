@@ -11,7 +11,7 @@ from support.waiting import LIMIT_S, happened, wait_until
 from roah_rsbb.msg import Results
 from roah_rsbb.referee import link as terminal
 from roah_rsbb.referee.words import Entered
-from roah_rsbb.srv import GetRunSheet, MarkItem, MarkItemRequest, ScoreMark, ScoreWithdraw, SignOff, StopReason
+from roah_rsbb.srv import GetRunSheet, MarkItem, MarkItemRequest, ScoreMark
 
 ZONE = "Scores"
 DOOR = ("Achievements", "Detects the door whose state has changed")
@@ -72,7 +72,7 @@ class TestScores(BoxCase):
             (2, f"Anna ({self.node})", BUMPS[1], "the vase"),
             (3, self.node, FURNITURE[1], ""),
         ])
-        self.box.call("score/withdraw", ScoreWithdraw, ZONE, identity, 2, "another robot", "Ben")
+        self.box.act("withdraw", ZONE, identity, "Ben", entry=2, note="another robot")
         self.assertEqual(self.values(identity), {DOOR[1]: 1, FURNITURE[1]: "-"})
         withdrawn = self.sheet().history[1]
         self.assertEqual((withdrawn.withdrawn_by, withdrawn.withdrawn_note), (f"Ben ({self.node})", "another robot"))
@@ -82,18 +82,22 @@ class TestScores(BoxCase):
 
     def refusals(self, identity: str) -> None:
         for service, kind, request, why in (
-            ("score/withdraw", ScoreWithdraw, (identity, 9, "", ""), "no entry 9: choose from 1, 3"),
             ("score", ScoreMark, (identity, *DOOR, 2, False, "", "", "", ""), "0 or 1"),
             ("score", ScoreMark, ("HWV-1-2", *DOOR, 1, False, "", "", "", ""), "'HWV-1-2' is not one of"),
-            ("stop_reason", StopReason, (identity, 0, "why", ""), "was not stopped yet"),
-            ("sign_off", SignOff, (identity, "Anna"), "still connected: disconnect it first"),
         ):
             with self.assertRaisesRegex(Refusal, why):
                 self.box.call(service, kind, ZONE, *request)
+        for action, given, why in (
+            ("withdraw", {"entry": 9}, "no entry 9: choose from 1, 3"),
+            ("stop_reason", {"reason": "why"}, "was not stopped yet"),
+            ("sign_off", {}, "still connected: disconnect it first"),
+        ):
+            with self.assertRaisesRegex(Refusal, why):
+                self.box.act(action, ZONE, identity, "Anna", **given)
 
     def stop(self, identity: str) -> None:
         self.box.command("stop", ZONE)
-        self.box.call("stop_reason", StopReason, ZONE, identity, 0, "fire alarm", "Anna")
+        self.box.act("stop_reason", ZONE, identity, "Anna", reason="fire alarm")
         (stop,) = self.sheet().stops
         self.assertEqual((stop.who, stop.end_reason, stop.reason, stop.reason_by),
                          (self.node, "stopped", "fire alarm", f"Anna ({self.node})"))
@@ -108,12 +112,12 @@ class TestScores(BoxCase):
         before = self.sheet(identity)
         self.restart_core()
         self.assertEqual(self.sheet(identity), before)
-        self.box.call("score/withdraw", ScoreWithdraw, ZONE, identity, 1, "", "Anna")
+        self.box.act("withdraw", ZONE, identity, "Anna", entry=1)
         self.assertEqual(self.values(identity), {FURNITURE[1]: "-", BUMPS[1]: 4})
         self.assertEqual({i.desc for i in self.sheet(identity).items if i.corrected}, {DOOR[1], BUMPS[1]})
 
     def sign_off(self, identity: str) -> None:
-        self.box.call("sign_off", SignOff, ZONE, identity, "Cleo")
+        self.box.act("sign_off", ZONE, identity, "Cleo")
         wait_until(lambda: self.summary(identity).signed.to_sec(), "the run is signed off")
         self.assertEqual(self.summary(identity).signed_by, f"Cleo ({self.node})")
         self.restart_core()
@@ -151,7 +155,7 @@ class TestScores(BoxCase):
         self.assertEqual(self.add(identity, "phone 0 0").value, 30)
         answer = self.add(identity, "undo", added=-1)
         self.assertEqual(answer.value, 29)
-        self.box.call("score/withdraw", ScoreWithdraw, ZONE, identity, answer.number, "", "Anna")
+        self.box.act("withdraw", ZONE, identity, "Anna", entry=answer.number)
         self.assertEqual(self.values(identity), {BUMPS[1]: 30})
         with self.assertRaisesRegex(Refusal, "its value must be 0 or more, not -1"):
             self.add(identity, "too many", added=-31)

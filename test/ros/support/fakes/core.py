@@ -28,7 +28,8 @@ from roah_rsbb.core.scoring.book import RunBook
 from roah_rsbb.core.scoring.records import EndReason
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model import fields
+from roah_rsbb.model.actions import ACTIONS, EVERY
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
@@ -83,7 +84,8 @@ def _acted(zone: str, action: str, given: Any) -> tuple:
     """An action as tests see it."""
     if action == "choose_event":
         return action, zone, EVENTS[int(given["event"].rpartition("e")[2]) - 1][0], given.get("unsigned", False)
-    return action, zone, *(given[name] for name in ("team", "robot") if given.get(name))
+    values = fields.read(EVERY[action].fields, given)
+    return action, zone, *(values[name] for name in _SEEN.get(action, ()) if values[name] != "" or name == "answer")
 
 
 # The method of the box that a service calls -> the call as tests see it.
@@ -94,22 +96,15 @@ _CALLS: Dict[str, Callable[..., tuple]] = {
     "mark_once": lambda run, mark, who: (
         "score", run.zone, mark.group, mark.desc,
         NOT_ATTEMPTED if mark.not_attempted else f"{int(mark.added):+d}" if mark.added else mark.value),
-    "withdraw": lambda run, number, who, note: ("withdraw", run.zone, number),
-    "give_stop_reason": lambda run, reason, who, number: ("stop_reason", run.zone, number),
-    "sign_off": lambda run, who: ("sign_off", run.zone),
-    "complete_operation": lambda zone, operation, answer, who: ("operation", zone, operation, answer),
-    "press_switch": lambda zone, switch, who: ("switch", zone, switch),
-    "damage_switches": lambda zone, damaged, who: ("damaged", zone, damaged),
-    "complete_switches": lambda zone, who: ("switches complete", zone),
 }
-# Of these, what the referee said: the note or reason, and who it was.
-_WORDS: Dict[str, Callable[..., tuple]] = {
-    "mark": lambda run, mark, who: (mark.note, who),
-    "mark_once": lambda run, mark, who: (mark.note, who),
-    "withdraw": lambda run, number, who, note: (note, who),
-    "give_stop_reason": lambda run, reason, who, number: (reason, who),
-    "sign_off": lambda run, who: ("", who),
+# Of the values of an action, which tests see with its name and its zone.
+_SEEN = {
+    "connect": ("robot",), "open_sheet": ("team",), "no_show": ("team",), "withdrawn": ("team",),
+    "withdraw": ("entry",), "stop_reason": ("stop",), "operation": ("operation", "answer"),
+    "switch": ("number",), "damaged": ("number",),
 }
+# What the referee said with these: the note or reason.
+_SAID = {"withdraw": "note", "stop_reason": "reason", "sign_off": ""}
 
 
 class Asked(NamedTuple):
@@ -200,16 +195,16 @@ class FakeZone:
         self.paused = why
         self._core.event(lambda now: self.run.clock.set_paused(now, bool(why)))
 
-    def takes(self, method: str, *arguments: Any) -> bool:
-        """Whether a service is about something that only this zone has; then it is done."""
+    def takes(self, action: str, _zone: str, *given: Any) -> bool:
+        """Whether an action is about something that only this zone has; then it is done."""
         asked = self.asked
-        if method == "complete_operation" and asked is not None and asked.operation == arguments[0]:
+        if action == "operation" and asked is not None and asked.operation == given[0]:
             self.asked = None
-        elif method == "press_switch" and self.switches is not None:
-            self.switches = self.switches ^ {arguments[0]}
-        elif method == "damage_switches" and self.switches is not None:
-            self.damaged = arguments[0]
-        elif method == "complete_switches" and self.switches is not None:
+        elif action == "switch" and self.switches is not None:
+            self.switches = self.switches ^ {given[0]}
+        elif action == "damaged" and self.switches is not None:
+            self.damaged = given[0]
+        elif action == "confirm_switches" and self.switches is not None:
             self.switches_asked = False
         else:
             return False
@@ -386,17 +381,25 @@ class FakeCore:
         name = method.__name__
         if name in _CALLS:
             call = _CALLS[name](*arguments)
-            if name in _WORDS:
-                note, who = _WORDS[name](*arguments)
-                self.words.append((arguments[0].identity, note, who.rpartition(" (")[0]))
+            self._hear(name, *arguments)
+            name = call[0] if name == "act" else name
             self.calls.append(call)
             if self.held in ("", name):
                 self.answer_gate.wait()
             if self.refuse is not None:
                 raise Refused([self.refuse])
-            if call[1] in self.zones and self.zones[call[1]].takes(name, *arguments[1:]):
+            if call[1] in self.zones and self.zones[call[1]].takes(*call):
                 return
         self.event(method, *arguments)
+
+    def _hear(self, method: str, *arguments: Any) -> None:
+        """Note what the referee said."""
+        if method in ("mark", "mark_once"):
+            run, mark, who = arguments
+            self.words.append((run.identity, mark.note, who.rpartition(" (")[0]))
+        elif method == "act" and arguments[1] in _SAID:
+            target, action, who, given = arguments
+            self.words.append((target.run, given.get(_SAID[action], ""), who.rpartition(" (")[0]))
 
     # -- topics -------------------------------------------------------------------------------------
 

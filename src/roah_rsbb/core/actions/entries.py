@@ -1,0 +1,58 @@
+"""What is entered for one run, and for a benchmarking module: the entries of the table for the desks of the box."""
+
+from typing import Any, Callable, Dict, Mapping
+
+from roah_rsbb.core.actions.record import CommandRecord
+from roah_rsbb.core.actions.table import Target, is_plain
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.judges.desk import JudgeDesk
+from roah_rsbb.core.modules.desk import ModuleDesk
+from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.scoring.desk import ScoreDesk
+from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.model import fields
+from roah_rsbb.model.actions import ENTRIES
+
+# What an entry does with the run, who enters it and the values of its fields. The desks record it.
+Enter = Callable[[Now, RunName, str, Mapping[str, Any]], None]
+
+
+class Entries:
+    """All of `model.actions.ENTRIES`."""
+
+    def __init__(self, scores: ScoreDesk, judges: JudgeDesk, modules: ModuleDesk, record: CommandRecord) -> None:
+        self._record = record
+        self._all: Dict[str, Enter] = {
+            "withdraw": lambda now, run, who, given: scores.withdraw(now, run, given["entry"], who, given["note"]),
+            "take_back": lambda now, run, who, given: scores.take_back(now, run, given["id"], who, given["note"]),
+            "stop_reason": lambda now, run, who, given: scores.give_stop_reason(
+                now, run, given["reason"], who, given["stop"]),
+            "sign_off": lambda now, run, who, given: scores.sign_off(now, run, who),
+            "submit": lambda now, run, who, given: judges.submit(now, run, given["judge"], given["device"]),
+            "settle": lambda now, run, who, given: judges.settle(now, run, Mark(
+                given["group"], given["desc"], given["value"], given["not_attempted"], text=given["text"],
+            ), given["reason"], who),
+            "hand_back": lambda now, run, who, given: judges.hand_back(now, run, given["judge"], given["reason"], who),
+            "withdraw_sheet": lambda now, run, who, given: judges.withdraw(
+                now, run, given["judge"], given["reason"], who),
+            "waive": lambda now, run, who, given: judges.waive(now, run, given["reason"], who),
+            "publish": lambda now, run, who, given: judges.publish(now, run, given["seconds"], who),
+            "object": lambda now, run, who, given: judges.object(now, run, given["by"], given["text"], who),
+            "answer": lambda now, run, who, given: judges.answer(
+                now, run, given["number"], given["upheld"], given["text"], who),
+            "operation": lambda now, run, who, given: modules.complete_operation(
+                now, run.zone, given["operation"], given["answer"], who),
+            "switch": lambda now, run, who, given: modules.press_switch(now, run.zone, given["number"], who),
+            "damaged": lambda now, run, who, given: modules.damage_switches(now, run.zone, given["number"], who),
+            "confirm_switches": lambda now, run, who, given: modules.complete_switches(now, run.zone, who),
+        }
+
+    def do(self, now: Now, target: Target, name: str, who: str, given: Mapping[str, Any]) -> None:
+        """Enter something; see `Actions.do`. Raises `Refused`."""
+        run, entry = RunName(target.zone, target.run), ENTRIES[name]
+        try:
+            values = fields.read(entry.fields, given)
+        except fields.BadValue as bad:
+            with self._record.of(run, who, name, **{key: value for key, value in given.items() if is_plain(value)}):
+                raise Refused([bad.reason]) from None
+        self._all[name](now, run, who, values)
