@@ -7,7 +7,7 @@ from unittest import mock
 from support.browser import NeedsBrowser
 from support.fakes.gateway import FakeGateway
 
-from roah_rsbb.model.actions import ACTIONS, Action, Row
+from roah_rsbb.model.actions import ACTIONS, EVERY, Action, Row
 from roah_rsbb.model.fields import Choice, Number, Text, Toggle
 from roah_rsbb.model.reason import say
 from web.test_stop_page import CLICKED
@@ -29,9 +29,10 @@ ACT = f"{FORM}.querySelector('button[data-command=extend]')"
 class TestActions(NeedsBrowser):
     def setUp(self) -> None:
         super().setUp()
-        patched = mock.patch.dict(ACTIONS, NEW)
-        patched.start()
-        self.addCleanup(patched.stop)
+        for table in (ACTIONS, EVERY):
+            patched = mock.patch.dict(table, NEW)
+            patched.start()
+            self.addCleanup(patched.stop)
         self.gateway = FakeGateway()
         self.addCleanup(self.gateway.close)
         self.gateway.set(phase="running")

@@ -12,6 +12,7 @@ from typing import Any, Dict, Optional
 
 import rospy
 from support.box_case import BoxCase
+from support.box_client import Refusal
 from support.browser import IS_ALL, Browser, NeedsBrowser, Page, find
 from support.connections import kill, process_of
 from support.gateway import GATEWAY, URL, kill_gateway, wait_served
@@ -543,7 +544,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         ann.screenshot(SHOTS / "web_judge.png")
         ben = self.judge("Ben", 3, "8", "de")
         self.shows(ben, EMPTY, "ja")
-        self.assertEqual(self.post(ben, "decide", identity=identity), 403)
+        self.assertEqual(self.post(ben, "waive", identity=identity), 403)
         self.press_twice(ann, "submit", "Press again")
         ann.wait(f"{TEXT}.includes('submitted and locked')", "the sheet is locked")
         ben.wait(f"{TEXT}.includes('Ann: hat abgegeben')", "the other judge sees who is missing")
@@ -579,9 +580,8 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         sheet = rospy.ServiceProxy("/core/run_sheet", GetRunSheet)(HALL, identity).sheet
         self.assertEqual([(one.value, one.text) for one in sheet.items], [(3, ""), (1, ""), (7, "7.5")])
         self.assertIn("the video shows three", [entry.note for entry in sheet.history])
-        with self.assertRaises(rospy.ServiceException) as refused:
+        with self.assertRaisesRegex(Refusal, "publish the result as provisional first"):
             self.box.act("sign_off", HALL, identity, "Hugo")
-        self.assertIn("publish the result as provisional first", str(refused.exception))
 
     def submit(self, identity: str, judge: str, objects: int) -> None:
         """A judge submits a sheet with this number of objects."""

@@ -91,11 +91,11 @@ class Calls(QObject):
 
     def act(
         self, owner: object, action: str, zone: str, run: str, given: Mapping[str, Any],
-        done: Callable[[CallOutcome], None], event: str = "",
+        done: Callable[[CallOutcome], None], event: str = "", referee: str = "",
     ) -> None:
         """Do one of `model.actions.EVERY`. `run`, `event`: what the referee means, see `Act`; `given`: the values of
-        its fields."""
-        self.service(owner, "/core/act", Act, (action, zone, run, event, json.dumps(given), ""), done)
+        its fields; `referee`: who was asked, if it was somebody before a change of the name."""
+        self.service(owner, "/core/act", Act, (action, zone, run, event, json.dumps(given), referee), done)
 
     def learn(self, owner: object, name: str, kind: type) -> None:
         """Find the service `name`, so that a later call does not depend on the master."""

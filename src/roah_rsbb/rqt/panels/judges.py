@@ -309,13 +309,13 @@ class JudgesPanel(RefereePanel):
         name = self.client.referee.name
 
         ask_sign_off(self, self._answer, summary, name, lambda: self._act(
-            one, tr(ENTRIES["sign_off"].label), "sign_off"))
+            one, tr(ENTRIES["sign_off"].label), "sign_off", name))
 
-    def _act(self, one: Judging, what: str, action: str, **given: Any) -> None:
+    def _act(self, one: Judging, what: str, action: str, referee: str = "", **given: Any) -> None:
         """Do an action for a run, and show how far it is. `what`: what the answer is about."""
         self._answer.say(f"{what} …")
         self.client.calls.act(self, action, one.zone, one.identity, given,
-                              lambda outcome: self._answer.show_outcome(what, outcome))
+                              lambda outcome: self._answer.show_outcome(what, outcome), referee=referee)
 
 
 def _line(*buttons: QPushButton) -> QHBoxLayout:

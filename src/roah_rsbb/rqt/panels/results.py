@@ -200,12 +200,12 @@ class ResultsPanel(RefereePanel):
             return
         name = self.client.referee.name
         ask_sign_off(self, self._answer, summary, name,
-                     lambda: self._send(summary, tr(ENTRIES["sign_off"].label), "sign_off"))
+                     lambda: self._send(summary, tr(ENTRIES["sign_off"].label), "sign_off", name))
 
-    def _send(self, summary: RunSummary, what: str, action: str, **given: Any) -> None:
+    def _send(self, summary: RunSummary, what: str, action: str, referee: str = "", **given: Any) -> None:
         what = self._begin(summary, what)
         self.client.calls.act(self, action, summary.zone, summary.identity, given,
-                              lambda outcome: self._answer.show_outcome(what, outcome))
+                              lambda outcome: self._answer.show_outcome(what, outcome), referee=referee)
 
     def _begin(self, summary: RunSummary, what: str) -> str:
         """Show that a call begins. Returns what it is about."""
