@@ -42,8 +42,9 @@ def test_the_dummy_completes_all_benchmarks_with_the_action(box, robot, probe):
                 and any(state.switch_1 and state.dimmer == 70 for state in probe.heard["devices/state"])
                 and any(state.display_map for state in probe.heard["tablet/state"]))
 
+    others = ("goal/placement", "devices/state", "tablet/state")
     wait_until(is_heard, lambda: f"all of it is published: {names}, {poses}, {switches}, "
-                                 f"{[probe.heard[topic][-3:] for topic in ('devices/state', 'tablet/state')]}")
+                                 f"{[probe.heard[topic][-3:] for topic in others]}")
     probe.wait("benchmark", lambda message: message.benchmark == Benchmark.NONE)
     assert "[ERROR]" not in robot.text
     assert "[WARN]" not in robot.text

@@ -2,6 +2,8 @@
 
 from typing import List, NamedTuple
 
+from roah_rsbb.model.reason import say
+
 # Characters of a note or a reason, and of a name.
 MAX_NOTE = 500
 MAX_WHO = 120
@@ -31,7 +33,8 @@ def checked_note(text: str) -> str:
     """Return a note or reason as one line; raises `Refused` if it is too long."""
     note = note_line(text)
     if len(note) > MAX_NOTE:
-        raise Refused([f"the note has {len(note)} characters: at most {MAX_NOTE} are kept, shorten it"])
+        raise Refused([say("the note has {number} characters: at most {most} are kept, shorten it")(
+            number=len(note), most=MAX_NOTE)])
     return note
 
 

@@ -18,11 +18,15 @@ from roah_rsbb.core.referee import Refused, checked_who
 from roah_rsbb.core.robots import ActiveRobots
 from roah_rsbb.core.scoring.book import FinishedRuns
 from roah_rsbb.core.zones import Zones, key_of_record
+from roah_rsbb.model.reason import say
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.rulebook.event_ids import EventKey, key_of
 
 # The journal records at most this many changes of a reload.
 MAX_RECORDED = 500
+
+CONNECTED = say("zone '{zone}' is no longer in the schedule, but a run of {code} is connected in it: disconnect it "
+                "first")
 
 
 class Reload:
@@ -44,8 +48,7 @@ class Reload:
         names = {zone.name for zone in config.zones}
         why = self._copies.why_not(config)
         return ([why] if why else []) + [
-            f"zone '{zone.name}' is no longer in the schedule, but a run of {zone.event.benchmark.code} is connected "
-            "in it: disconnect it first"
+            CONNECTED(zone=zone.name, code=zone.event.benchmark.code)
             for zone in self._zones.values() if zone.run is not None and zone.name not in names
         ]
 

@@ -544,6 +544,7 @@ class TestWay(StripCase):
         self.fall_silent()
         self.core.silent = False
         wait_until(lambda: not self.client.model.is_old, "the core is heard again")
+        wait_until(lambda: KnownService._addresses, "where STOP goes is known")
         self.wait_answered()
         with mock.patch("rosgraph.get_master_uri", return_value="http://127.0.0.1:1"):
             self.press_stop()

@@ -10,7 +10,14 @@ from roah_rsbb.core.judges.judges import Verdict
 from roah_rsbb.core.referee import Refused, RunName, checked_note, checked_who
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRun, RunBook
-from roah_rsbb.core.scoring.desk import MarkOutcome, ScoreDesk, asked_of, check_mark_id
+from roah_rsbb.core.scoring.desk import (
+    NAME_THE_RUN,
+    STILL_CONNECTED,
+    MarkOutcome,
+    ScoreDesk,
+    asked_of,
+    check_mark_id,
+)
 from roah_rsbb.core.scoring.records import By, ItemRecord, JudgeSheet, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.rulebook.scoring import SheetForm
@@ -150,11 +157,11 @@ class JudgeDesk:
 
     def _check_over(self, name: RunName) -> None:
         if not isinstance(self._scores.named(name), FinishedRun):
-            raise Refused([f"run {name.identity} is still connected: disconnect it first"])
+            raise Refused([STILL_CONNECTED(run=name.identity)])
 
     def _change(self, now: Now, name: RunName, change: Callable[[RunBook], str]) -> None:
         if not name.identity:
-            raise Refused(["name the run: what arrives late must not count in another run"])
+            raise Refused([NAME_THE_RUN])
         run = self._scores.named(name)
         text = run.change_book(now, change)
         if isinstance(run, FinishedRun):

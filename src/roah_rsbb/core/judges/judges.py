@@ -26,6 +26,7 @@ from roah_rsbb.core.scoring.records import (
     Waiver,
 )
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState
+from roah_rsbb.model.reason import say
 from roah_rsbb.rulebook.scoring import Key, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.wording import sheets
 
@@ -50,6 +51,11 @@ class JudgesState:
     def of(cls, record: JudgingRecord) -> "JudgesState":
         """Return the state that a record contains."""
         return cls(list(record.sheets), list(record.settlements), record.waiver, list(record.acts))
+
+DIFFER = say("the judges differ: the head referee settles {items}")
+MISSING = say("{missing} of {count} judges have not submitted: wait for them, or decide with a reason not to wait")
+LATE = say("{missing} of {count} judges have not submitted ({names}): wait for them, or decide with a reason not to "
+           "wait")
 
 
 class Verdict(NamedTuple):
@@ -86,7 +92,8 @@ class Judges:
         sheet = self._sheet(mine)
         if sheet.taken(mark.id) is None:
             if mine.submitted_utc:
-                raise Refused([f"the sheet of {judge} is submitted: ask the head referee to hand it back"])
+                raise Refused([say("the sheet of {judge} is submitted: ask the head referee to hand it back")(
+                    judge=judge)])
             sheet.set(now, judge, mark._replace(judge=self._rated_by(mark, mine.judge)))
             self._sheets[mine.judge] = sheet
             self._put(mine._replace(device=mark.device, history=sheet.history, marks=sheet.marks))
@@ -109,7 +116,8 @@ class Judges:
         missing = [item.desc for item in items
                    if item.kind == ScoreKind.RATING.word and not (item.text or item.not_attempted)]
         if missing:
-            raise Refused([f"no rating of {', '.join(missing)}: rate it, or mark it as not attempted"])
+            raise Refused([say("no rating of {missing}: rate it, or mark it as not attempted")(
+                missing=", ".join(missing))])
         self._act(now, By(mine.judge), SUBMITTED, mine.judge)
         self._put(mine._replace(submitted_utc=now.utc, items=items, again="", device=device or mine.device))
         return f"{mine.judge} has submitted as judge"
@@ -120,8 +128,8 @@ class Judges:
         """Let a judge look again: the sheet can be changed until it is submitted again. Raises `Refused`."""
         mine = self._needed(judge)
         if not mine.submitted_utc:
-            raise Refused([f"{mine.judge} has not submitted, so the sheet cannot be handed back"])
-        by = _with_reason(by, "hand a sheet back")
+            raise Refused([say("{judge} has not submitted, so the sheet cannot be handed back")(judge=mine.judge)])
+        by = _with_reason(by, say("hand a sheet back"))
         self._act(now, by, HANDED_BACK, mine.judge)
         self._put(mine._replace(submitted_utc=0.0, items=(), again=by.reason))
         self.state.waiver = None  # the referee waits for this judge
@@ -130,7 +138,7 @@ class Judges:
     def withdraw(self, now: Now, by: By, judge: str) -> str:
         """Withdraw a judge's sheet: it no longer counts, and another judge can take the place. Raises `Refused`."""
         mine = self._needed(judge)
-        by = _with_reason(by, "withdraw a sheet")
+        by = _with_reason(by, say("withdraw a sheet"))
         self._act(now, by, WITHDRAWN, mine.judge)
         self._put(mine._replace(withdrawn_utc=now.utc))
         return f"Sheet of {mine.judge} withdrawn: {by.reason}"
@@ -138,8 +146,8 @@ class Judges:
     def waive(self, now: Now, by: By) -> str:
         """Do not wait for judges who are missing. Raises `Refused`."""
         if not self.missing():
-            raise Refused(["no judge is missing"])
-        by = _with_reason(by, "stop waiting for missing judges")
+            raise Refused([say("no judge is missing")])
+        by = _with_reason(by, say("stop waiting for missing judges"))
         self._act(now, by, WAIVED)
         self.state.waiver = Waiver(now.utc, by.who, by.reason)
         return f"Scored without waiting for missing judges: {by.reason}"
@@ -148,8 +156,8 @@ class Judges:
         """Settle an item. The value holds for what the judges have submitted. Raises `Refused`."""
         self._needed_rule()
         if not self.is_complete():
-            raise Refused([*self._waits(), "settle the items after that"])
-        by = _with_reason(by, "settle an item")
+            raise Refused([*self._waits(), say("settle the items after that")])
+        by = _with_reason(by, say("settle an item"))
         checked = self._check_settled(mark)
         item = next(item for item in self._form.items if item.key == (mark.group, mark.desc))
         self._act(now, by, SETTLED)
@@ -200,7 +208,7 @@ class Judges:
         if self.rule is None:
             return []
         differences = [f"{v.item.group}: {v.item.desc}" for v in self.differences()]
-        settle = [f"the judges differ: the head referee settles {'; '.join(differences)}"] if differences else []
+        settle = [DIFFER(items="; ".join(differences))] if differences else []
         return (self._waits() if not self.is_complete() else []) + settle
 
     def record(self) -> JudgingRecord:
@@ -213,14 +221,13 @@ class Judges:
     def _waits(self) -> List[str]:
         assert self.rule is not None, "it has judges"
         late = [sheet.judge for sheet in self.active() if not sheet.submitted_utc]
-        names = f" ({', '.join(late)})" if late else ""
-        return [f"{self.missing()} of {self.rule.count} judges have not submitted{names}: wait for them, or "
-                "decide with a reason not to wait"]
+        counted = {"missing": self.missing(), "count": self.rule.count}
+        return [LATE(**counted, names=", ".join(late)) if late else MISSING(**counted)]
 
     def _needed_rule(self) -> None:
         if self.rule is None:
-            raise Refused(["this benchmark has no judges with sheets of their own: see the key 'judges' of the "
-                           "benchmarks file"])
+            raise Refused([say("this benchmark has no judges with sheets of their own: see the key 'judges' of the "
+                               "benchmarks file")])
 
     def _submitted(self) -> Tuple[JudgeSheet, ...]:
         return tuple(sheet for sheet in self.active() if sheet.submitted_utc)
@@ -230,7 +237,8 @@ class Judges:
         sheet = self.own_sheet(judge)
         if sheet is None:
             names = ", ".join(each.judge for each in self.active()) or "nobody yet"
-            raise Refused([f"'{judge}' has no sheet of this run: it is judged by {names}"])
+            raise Refused([say("'{judge}' has no sheet of this run: it is judged by {names}")(
+                judge=judge, names=names)])
         return sheet
 
     def _own_or_new(self, now: Now, judge: str) -> JudgeSheet:
@@ -238,16 +246,17 @@ class Judges:
         self._needed_rule()
         assert self.rule is not None, "it has judges"
         if sheets.person(judge) in ("", sheets.NO_NAME):
-            raise Refused(["a judge needs a name: enter it, in the terminal with --by"])
+            raise Refused([say("a judge needs a name: enter it, in the terminal with --by")])
         sheet = self.own_sheet(judge)
         if sheet is not None:
             return sheet
         names = [each.judge for each in self.active()]
         if len(names) >= self.rule.count:
-            raise Refused([f"this run already has its {self.rule.count} judges ({', '.join(names)}): the head referee "
-                           "can withdraw a sheet"])
+            raise Refused([say("this run already has its {count} judges ({names}): the head referee can withdraw a "
+                               "sheet")(count=self.rule.count, names=", ".join(names))])
         if len(self.state.sheets) >= MAX_SHEETS:
-            raise Refused([f"{MAX_SHEETS} sheets of judges were opened for this run: settle the items instead"])
+            raise Refused([say("{most} sheets of judges were opened for this run: settle the items instead")(
+                most=MAX_SHEETS)])
         return JudgeSheet(judge, now.utc)
 
     def _put(self, sheet: JudgeSheet) -> None:
@@ -278,7 +287,8 @@ class Judges:
 
     def _act(self, now: Now, by: By, act: str, judge: str = "") -> None:
         if len(self.state.acts) >= MAX_ACTS:
-            raise Refused([f"the judges' sheets of this run were changed {MAX_ACTS} times: no more changes are kept"])
+            raise Refused([say("the judges' sheets of this run were changed {most} times: no more changes are kept")(
+                most=MAX_ACTS)])
         self.state.acts.append(JudgeAct(now.utc, by.who, act, judge, by.reason))
 
     def _records(self, key: Key) -> Tuple[Tuple[str, ItemRecord], ...]:
@@ -312,7 +322,8 @@ def _ratings(item: ScoringItem, records: Tuple[Tuple[str, ItemRecord], ...]) -> 
 def _with_reason(by: By, what: str) -> By:
     """Return who decides and why. Raises `Refused` if the name or the reason is missing."""
     if sheets.person(by.who) in ("", sheets.NO_NAME):
-        raise Refused([f"to {what} needs the name of the head referee: enter it, in the terminal with --by"])
+        raise Refused([say("to {what} needs the name of the head referee: enter it, in the terminal with --by")(
+            what=what)])
     if not by.reason:
-        raise Refused([f"to {what} needs a reason: type one"])
+        raise Refused([say("to {what} needs a reason: type one")(what=what)])
     return by

@@ -9,12 +9,15 @@ from typing import List, Optional
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.records import By, Objection, PublicationRecord, Published
+from roah_rsbb.model.reason import joined, say
 from roah_rsbb.rulebook.scoring import SheetForm
 from roah_rsbb.wording import times
 
 MAX_OBJECTIONS = 50
 # Seconds. The time limit of a rulebook has the same bound.
 MAX_OBJECTION_TIME_S = 86400.0
+
+UNTIL = say("objections are possible until {time}: wait, or publish again with a shorter time limit")
 
 
 @dataclass
@@ -45,7 +48,8 @@ class Publication:
         """
         limit_s = self._limit_s if seconds < 0 else seconds
         if limit_s > MAX_OBJECTION_TIME_S:
-            raise Refused([f"{limit_s:g} s for objections: at most {MAX_OBJECTION_TIME_S:g} are possible"])
+            raise Refused([say("{limit} s for objections: at most {most} are possible")(
+                limit=f"{limit_s:g}", most=f"{MAX_OBJECTION_TIME_S:g}")])
         self.state.published = Published(now.utc, by.who, now.utc + limit_s)
         return f"Published as provisional: objections are possible until {times.time_with_zone(now.utc + limit_s)}"
 
@@ -53,15 +57,16 @@ class Publication:
         """Enter an objection of `by`. Raises `Refused`."""
         published = self.state.published
         if published is None:
-            raise Refused(["the result is not published yet: publish it as provisional first"])
+            raise Refused([say("the result is not published yet: publish it as provisional first")])
         if now.utc > published.until_utc:
-            raise Refused([f"objections were possible until {times.time_with_zone(published.until_utc)}: the organiser "
-                           "can publish the result again, with another time limit"])
-        missing = [name for name, value in (("who objects", by), ("the text of the objection", text)) if not value]
+            raise Refused([say("objections were possible until {time}: the organiser can publish the result again, "
+                               "with another time limit")(time=times.time_with_zone(published.until_utc))])
+        missing = [name for name, value in (
+            (say("who objects"), by), (say("the text of the objection"), text)) if not value]
         if missing:
-            raise Refused([f"enter {' and '.join(missing)}"])
+            raise Refused([say("enter {missing}")(missing=joined(missing, ", "))])
         if len(self.state.objections) >= MAX_OBJECTIONS:
-            raise Refused([f"{MAX_OBJECTIONS} objections were entered: no more are kept"])
+            raise Refused([say("{most} objections were entered: no more are kept")(most=MAX_OBJECTIONS)])
         number = len(self.state.objections) + 1
         self.state.objections.append(Objection(number, now.utc, by, text, who))
         return f"Objection {number} of {by}: {text}"
@@ -69,9 +74,10 @@ class Publication:
     def answer(self, now: Now, by: By, number: int, upheld: bool) -> str:
         """Answer an objection. A new answer replaces an earlier one. Raises `Refused`."""
         if not 1 <= number <= len(self.state.objections):
-            raise Refused([f"there is no objection {number}: {len(self.state.objections)} were entered"])
+            raise Refused([say("there is no objection {number}: {count} were entered")(
+                number=number, count=len(self.state.objections))])
         if not by.reason:
-            raise Refused(["an answer to an objection needs a text: type one"])
+            raise Refused([say("an answer to an objection needs a text: type one")])
         objection = self.state.objections[number - 1]
         self.state.objections[number - 1] = objection._replace(
             answered_utc=now.utc, answered_by=by.who, upheld=upheld, answer=by.reason)
@@ -81,13 +87,14 @@ class Publication:
         """Return why the result cannot become final; empty: it can, as far as objections are concerned."""
         state = self.state
         if state.published is None:
-            return ["publish the result as provisional first: the rules give time for objections"] \
+            return [say("publish the result as provisional first: the rules give time for objections")] \
                 if self._limit_s else []
         waiting = [str(objection.number) for objection in state.objections if not objection.answered_utc]
-        reasons = [f"answer objection {', '.join(waiting)} first"] if waiting else []
+        reasons: List[str] = [] if not waiting else [
+            say("answer objection {numbers} first")(numbers=", ".join(waiting))]
         if now.utc < state.published.until_utc:
             until = times.time_with_zone(state.published.until_utc)
-            reasons.append(f"objections are possible until {until}: wait, or publish again with a shorter time limit")
+            reasons.append(UNTIL(time=until))
         return reasons
 
     def record(self) -> PublicationRecord:

@@ -8,8 +8,9 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.modules.messages import ModulesState, RunForModule
 from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.referee import Refused, RunName
-from roah_rsbb.core.runs.functionality import FunctionalityRun
+from roah_rsbb.core.runs.functionality import NO_OPERATION, FunctionalityRun
 from roah_rsbb.core.zones import Zones
+from roah_rsbb.model.reason import say
 
 
 class ModuleDesk:
@@ -35,7 +36,7 @@ class ModuleDesk:
         with self._record.of(RunName(zone_name), who, "manual_operation", operation=operation, answer=answer):
             run = self._zones.run_in(zone_name)
             if not isinstance(run, FunctionalityRun):
-                raise Refused([f"zone '{zone_name}' has no manual operation now"])
+                raise Refused([NO_OPERATION(zone=zone_name)])
             run.complete_operation(now, operation, answer)
 
     def press_switch(self, now: Now, zone_name: str, switch: int, who: str = "") -> None:
@@ -63,7 +64,8 @@ class ModuleDesk:
     def _run_with_switches(self, zone_name: str) -> FunctionalityRun:
         run = self._zones.run_in(zone_name)
         if not isinstance(run, FunctionalityRun):
-            raise Refused([f"zone '{zone_name}' runs {run.event.benchmark.code}, which has no switches"])
+            raise Refused([say("zone '{zone}' runs {code}, which has no switches")(
+                zone=zone_name, code=run.event.benchmark.code)])
         return run
 
     # -- the benchmarking modules -------------------------------------------------------------------

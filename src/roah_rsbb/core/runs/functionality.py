@@ -38,6 +38,7 @@ from roah_rsbb.rulebook.registry import ResultForm
 # No benchmark has more steps. A module with more is out of control.
 MAX_STEPS = 2000
 
+NO_OPERATION = say("zone '{zone}' has no manual operation now")
 BEGINS = say("Started: the benchmarking module begins")
 NEW_GOAL = say("Requested the robot to prepare for a new goal")
 GOAL_SENT = say("Robot prepared, goal sent")
@@ -138,7 +139,7 @@ class FunctionalityRun(Run):
         """The referee has done the manual operation. Raises `Refused` (see `check_answer`)."""
         asked = self.asked
         if asked is None or asked.kind is not RequestKind.REFEREE:
-            raise Refused([f"zone '{self.zone}' has no manual operation now"])
+            raise Refused([NO_OPERATION(zone=self.zone)])
         answer = check_answer(asked, operation, answer)
         self._emit(effects.RunLogged(self.port, run_log.MANUAL_OPERATION, f"{asked.text}: done {answer}".rstrip()))
         self.say(now, Level.INFO, f"Manual operation done: {asked.text} {answer}".rstrip())
@@ -147,7 +148,8 @@ class FunctionalityRun(Run):
     def sheet_of_switches(self) -> Switches:
         """Return the switches that the referee enters. Raises `Refused` if the run has none now."""
         if self.switches is None or self.phase is not Phase.RUNNING:
-            raise Refused([f"zone '{self.zone}' has no switches to enter: they come with a goal for switches"])
+            raise Refused([say("zone '{zone}' has no switches to enter: they come with a goal for switches")(
+                zone=self.zone)])
         return self.switches
 
     def switches_entered(self, now: Now, topic: str, value: int) -> None:
@@ -162,7 +164,7 @@ class FunctionalityRun(Run):
         """The referee confirms the entered switches. Raises `Refused`."""
         asked = self.asked
         if asked is None or asked.kind is not RequestKind.SWITCHES:
-            raise Refused(["the switches cannot be confirmed yet: the robot has not finished"])
+            raise Refused([say("the switches cannot be confirmed yet: the robot has not finished")])
         switches = self.sheet_of_switches()
         text = json.dumps({"switches": switches.changed, "damaged_switches": switches.damaged})
         self._emit(effects.RunLogged(self.port, run_log.OMF_COMPLETE, text))

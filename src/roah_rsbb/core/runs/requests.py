@@ -11,6 +11,7 @@ from roah_rsbb.core.messages import GoalMessage
 from roah_rsbb.core.modules.messages import Request
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs.clock import Countdown, CountdownState
+from roah_rsbb.model.reason import say
 
 # Bytes for the rest of a datagram that carries a goal: frame, cipher, code, state, acknowledgement, a pose.
 GOAL_OVERHEAD = 140
@@ -57,16 +58,18 @@ def check_answer(request: Request, operation: int, answer: str) -> str:
     the usual one.
     """
     if operation not in (0, request.number):
-        raise Refused([f"that manual operation is over; the current one is: {request.text}"])
+        raise Refused([say("that manual operation is over; the current one is: {text}")(text=request.text)])
     if not answer:
         return request.choices[0] if request.choices else ""
     if len(answer) > MAX_ANSWER:
-        raise Refused([f"an answer has at most {MAX_ANSWER} characters, not {len(answer)}"])
+        raise Refused([say("an answer has at most {most} characters, not {number}")(
+            most=MAX_ANSWER, number=len(answer))])
     if answer in request.choices or request.asks_text:
         return answer
     if request.choices:
-        raise Refused([f"'{answer}' is not an answer to '{request.text}': choose from {', '.join(request.choices)}"])
-    raise Refused([f"'{request.text}' has no choices: complete it without an answer"])
+        raise Refused([say("'{answer}' is not an answer to '{text}': choose from {choices}")(
+            answer=answer, text=request.text, choices=", ".join(request.choices))])
+    raise Refused([say("'{text}' has no choices: complete it without an answer")(text=request.text)])
 
 
 @dataclass
@@ -98,15 +101,17 @@ class Switches:
         """Note that the referee saw a switch change. Raises `Refused`."""
         count = len(self.state.initial_state)
         if not 1 <= switch <= count:
-            raise Refused([f"there is no switch {switch}: they are numbered 1 to {count}"])
+            raise Refused([say("there is no switch {switch}: they are numbered 1 to {count}")(
+                switch=switch, count=count)])
         if len(self.changed) >= MAX_CHANGES:
-            raise Refused([f"no more than {MAX_CHANGES} changes of switches can be entered"])
+            raise Refused([say("no more than {most} changes of switches can be entered")(most=MAX_CHANGES)])
         self.changed.append(switch)
 
     def damage(self, damaged: int) -> None:
         """Set how many switches were damaged. Raises `Refused`."""
         if not 0 <= damaged <= MAX_DAMAGED:
-            raise Refused([f"the number of damaged switches must be from 0 to {MAX_DAMAGED}, not {damaged}"])
+            raise Refused([say("the number of damaged switches must be from 0 to {most}, not {damaged}")(
+                most=MAX_DAMAGED, damaged=damaged)])
         self.state.damaged = damaged
 
     @property

@@ -28,6 +28,7 @@ from roah_rsbb.core.scoring.records import (
     StopRecord,
 )
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, value_text
+from roah_rsbb.model.reason import say
 from roah_rsbb.rulebook.benchmarks import Benchmark, EventRules, ScheduledEvent
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.rulebook.standing_rules import StandingRules
@@ -99,9 +100,10 @@ class RunBook:
         """
         stops = self.state.stops
         if not stops:
-            raise Refused(["the run was not stopped yet, so it cannot have a reason"])
+            raise Refused([say("the run was not stopped yet, so it cannot have a reason")])
         if not 0 <= number <= len(stops):
-            raise Refused([f"the run has no stop {number}: choose from 1 to {len(stops)}, or 0 for the last one"])
+            raise Refused([say("the run has no stop {number}: choose from 1 to {count}, or 0 for the last one")(
+                number=number, count=len(stops))])
         index = (number or len(stops)) - 1
         stop = stops[index]
         stops[index] = stop._replace(reason=by.reason, reason_by=by.who)
@@ -143,8 +145,9 @@ class RunBook:
 
     def _check_not_judged(self) -> None:
         if self.form.judges is not None:
-            raise Refused([f"{self.form.judges.count} judges score this benchmark, each on a sheet of their own: enter "
-                           "the score as a judge, or settle the item with a reason as the head referee"])
+            raise Refused([say("{count} judges score this benchmark, each on a sheet of their own: enter the score "
+                               "as a judge, or settle the item with a reason as the head referee")(
+                count=self.form.judges.count)])
 
     def take_verdicts(self, now: Now) -> None:
         """Take the values on which the judges agree, and those that are settled, into the sheet."""
@@ -271,7 +274,7 @@ class FinishedRun:
         or answers to objections are missing."""
         self._check_open()
         if sheets.person(who) in ("", sheets.NO_NAME):
-            raise Refused(["a sign-off needs the name of the referee: enter it, in the terminal with --by"])
+            raise Refused([say("a sign-off needs the name of the referee: enter it, in the terminal with --by")])
         reasons = self._book.judges.not_ready() + self._book.publication.not_ready(now)
         if reasons:
             raise Refused(reasons)
@@ -283,8 +286,9 @@ class FinishedRun:
         signed = self.record.sign_off
         if signed is not None:
             raise Refused([
-                f"the score sheet of run {self.record.identity} was signed off by {signed.who or 'somebody'} at "
-                f"{times.time_with_zone(signed.utc)}: it is final. Take an objection to the technical committee"
+                say("the score sheet of run {run} was signed off by {who} at {time}: it is final. Take an objection "
+                    "to the technical committee")(
+                    run=self.record.identity, who=signed.who or "somebody", time=times.time_with_zone(signed.utc))
             ])
 
     def _changed(self, text: str) -> str:
@@ -357,8 +361,8 @@ class FinishedRuns:
         run = self._runs.get(identity)
         if run is None:
             raise Refused([
-                f"'{identity}' is not one of the newest {MAX_KEPT} runs that were started and are over: see 'rosrun "
-                "roah_rsbb results'"
+                say("'{run}' is not one of the newest {most} runs that were started and are over: see 'rosrun "
+                    "roah_rsbb results'")(run=identity, most=MAX_KEPT)
             ])
         return run
 

@@ -13,6 +13,7 @@ from roah_rsbb.core.scoring.counting import Counted, Counting, EventResult, Ruli
 from roah_rsbb.core.scoring.records import By, ItemRecord, Phase, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import Zones
+from roah_rsbb.model.reason import say
 
 # Finished runs in the list of results: more than the runs of one day in any competition.
 MAX_LISTED = 100
@@ -20,6 +21,8 @@ MAX_LISTED = 100
 MAX_MARK_ID = 64
 # Who may mark.
 ROLES = ("referee", "judge", "organiser")
+NAME_THE_RUN = say("name the run: what arrives late must not count in another run")
+STILL_CONNECTED = say("run {run} is still connected: disconnect it first")
 
 
 class MarkOutcome(NamedTuple):
@@ -111,10 +114,11 @@ class ScoreDesk:
         asked = {**asked_of(mark), "mark": mark.id, "role": mark.role, "device": mark.device}
         with self._record.of(name, who, "mark", **asked):
             if not name.identity:
-                raise Refused(["name the run: a mark that arrives late must not count in another run"])
+                raise Refused([say("name the run: a mark that arrives late must not count in another run")])
             check_mark_id(mark.id)
             if mark.role and mark.role not in ROLES:
-                raise Refused([f"no role '{mark.role}': choose one of {', '.join(ROLES)}"])
+                raise Refused([say("no role '{role}': choose one of {choices}")(
+                    role=mark.role, choices=", ".join(ROLES))])
             mark = mark._replace(note=checked_note(mark.note), device=checked_who(mark.device))
             run = self.named(name)
             self.report_correction(run, run.mark(now, checked_who(who), mark))
@@ -137,7 +141,7 @@ class ScoreDesk:
         self._tick(now)
         with self._record.of(name, who, "take_back", mark=mark_id, note=note):
             if not name.identity:
-                raise Refused(["name the run: what arrives late must not count in another run"])
+                raise Refused([NAME_THE_RUN])
             by = By(checked_who(who), checked_note(note))
             run = self.named(name)
             self.report_correction(run, run.take_back(now, by, mark_id))
@@ -155,10 +159,10 @@ class ScoreDesk:
         self._tick(now)
         with self._record.of(name, who, "sign_off"):
             if not name.identity:
-                raise Refused(["name the run to sign off: only a run that is over can be signed off"])
+                raise Refused([say("name the run to sign off: only a run that is over can be signed off")])
             run = self.named(name)
             if not isinstance(run, FinishedRun):
-                raise Refused([f"run {name.identity} is still connected: disconnect it first"])
+                raise Refused([STILL_CONNECTED(run=name.identity)])
             self.report_correction(run, run.sign_off(now, checked_who(who)))
 
     # -- stop ---------------------------------------------------------------------------------------
@@ -178,8 +182,8 @@ class ScoreDesk:
             zone = self._zones.get(name.zone)
             if zone is not None and zone.run is not None and zone.run.phase is Phase.RUNNING:
                 # A panel with old details names the previous run. Its referee must not think that this run stopped.
-                raise Refused([f"run {name.identity} is over, but run {zone.run.identity} is running in zone "
-                               f"'{name.zone}': stop again"])
+                raise Refused([say("run {run} is over, but run {other} is running in zone '{zone}': stop again")(
+                    run=name.identity, other=zone.run.identity, zone=name.zone)])
 
     def named(self, name: RunName) -> Union[ZoneRun, FinishedRun]:
         """Return the run of that name. Raises `Refused`."""
@@ -190,7 +194,8 @@ class ScoreDesk:
             return zone.run
         run = self._finished.find(name.identity)
         if run.record.zone != name.zone:
-            raise Refused([f"run {name.identity} was in zone '{run.record.zone}', not in '{name.zone}'"])
+            raise Refused([say("run {run} was in zone '{zone}', not in '{other}'")(
+                run=name.identity, zone=run.record.zone, other=name.zone)])
         return run
 
     def report_correction(self, run: Union[ZoneRun, FinishedRun], text: Optional[str]) -> None:
@@ -206,7 +211,8 @@ class ScoreDesk:
 def check_mark_id(mark_id: str) -> None:
     """Check the identity of a mark; raises `Refused`."""
     if not mark_id.strip() or not mark_id.isprintable() or len(mark_id) > MAX_MARK_ID:
-        raise Refused([f"the id '{mark_id[:MAX_MARK_ID]}' cannot identify a mark: give each mark a new UUID"])
+        raise Refused([say("the id '{id}' cannot identify a mark: give each mark a new UUID")(
+            id=mark_id[:MAX_MARK_ID])])
 
 
 def asked_of(mark: Mark) -> Dict[str, object]:

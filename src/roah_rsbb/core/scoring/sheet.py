@@ -26,6 +26,7 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.points import jury_text, text_of, whole_part
 from roah_rsbb.core.scoring.records import ItemRecord, Rating, ScoreEntry
+from roah_rsbb.model.reason import joined, say
 from roah_rsbb.rulebook.scoring import MAX_DECIMALS, MAX_NUMBER, MAX_VALUE, NUMBERS, WHOLE, Key, ScoreKind, ScoringItem
 from roah_rsbb.wording.sheets import item_value
 from roah_rsbb.wording.suggestions import did_you_mean
@@ -152,7 +153,7 @@ class ScoreSheet:
         if mark.not_attempted:
             return mark._replace(value=0, text="", judge="", added="")
         if mark.judge and item.kind is not ScoreKind.RATING:
-            raise Refused([f"'{item.desc}' is not rated by judges: leave out the judge"])
+            raise Refused([say("'{item}' is not rated by judges: leave out the judge")(item=item.desc)])
         if mark.added:
             mark = self._counted(item, mark)
         if item.kind in WHOLE:
@@ -179,7 +180,7 @@ class ScoreSheet:
             self._take(mark.id, 0)
             return record
         if mark.note:
-            self._check_noted("set the value without a note")
+            self._check_noted(say("set the value without a note"))
         entry = ScoreEntry(
             self._last_number + 1, now.utc, who, mark.group, mark.desc, before.value, mark.value,
             mark.not_attempted, mark.note, before.not_attempted, correction,
@@ -201,12 +202,14 @@ class ScoreSheet:
     def _counted(self, item: ScoringItem, mark: Mark) -> Mark:
         """Return the mark with the value that the item has after it. The caller checks that value."""
         if item.kind not in NUMBERS:
-            raise Refused([f"'{item.desc}' cannot be counted: set its value"])
+            raise Refused([say("'{item}' cannot be counted: set its value")(item=item.desc)])
         if not _NUMBER.fullmatch(mark.added) or not Decimal(mark.added):
-            raise Refused([f"'{item.desc}' cannot be changed by '{mark.added}': give a number such as +1 or -1"])
+            raise Refused([say("'{item}' cannot be changed by '{added}': give a number such as +1 or -1")(
+                item=item.desc, added=mark.added)])
         added = Decimal(mark.added)
         if item.kind in WHOLE and added != int(added):
-            raise Refused([f"'{item.desc}' is counted in whole numbers, not by '{mark.added}'"])
+            raise Refused([say("'{item}' is counted in whole numbers, not by '{added}'")(
+                item=item.desc, added=mark.added)])
         before = self._standing_of(item.key)
         number = added + Decimal(before.text or before.value)
         return mark._replace(
@@ -234,12 +237,13 @@ class ScoreSheet:
         `Refused`."""
         index = next((i for i, entry in enumerate(self._history) if entry.number == number), None)
         if index is None:
-            raise Refused([f"the score sheet has no entry {number}: " + self._numbers()])
+            raise Refused([say("the score sheet has no entry {number}: {hint}")(number=number, hint=self._numbers())])
         entry = self._history[index]
         if entry.withdrawn_utc:
-            raise Refused([f"entry {number} was withdrawn already, by {entry.withdrawn_by or 'somebody'}"])
+            raise Refused([say("entry {number} was withdrawn already, by {who}")(
+                number=number, who=entry.withdrawn_by or "somebody")])
         if _is_plain(entry):
-            self._check_noted("set the value instead")
+            self._check_noted(say("set the value instead"))
         was_wrong = self._why_wrong(entry)
         self._history[index] = entry._replace(
             withdrawn_utc=now.utc, withdrawn_by=who, withdrawn_note=note, withdrawal_corrects=correction
@@ -249,8 +253,8 @@ class ScoreSheet:
         if wrong and not was_wrong:
             self._history[index] = entry
             self._stand()
-            raise Refused([f"entry {number} cannot be withdrawn, because later entries count from it: without it, "
-                           f"{wrong}. Withdraw those first, or set the value"])
+            raise Refused([say("entry {number} cannot be withdrawn, because later entries count from it: without it, "
+                               "{wrong}. Withdraw those first, or set the value")(number=number, wrong=wrong)])
         self._begun.pop(number, None)
         return entry
 
@@ -263,14 +267,14 @@ class ScoreSheet:
         """
         number = self.taken(mark_id)
         if number is None:
-            raise Refused(["that mark was not applied, so it cannot be taken back"])
+            raise Refused([say("that mark was not applied, so it cannot be taken back")])
         entry = next((entry for entry in self._history if entry.number == number), None)
         if entry is None:
-            raise Refused(["that mark has no entry in the history: set the value instead"])
+            raise Refused([say("that mark has no entry in the history: set the value instead")])
         if self.is_taken_back(mark_id):
             return None
         if entry.added or list(self._taken.values()).count(number) > 1:
-            raise Refused(["that mark shares an entry of the history with others: set the value instead"])
+            raise Refused([say("that mark shares an entry of the history with others: set the value instead")])
         return self.withdraw(now, who, number, note, correction)
 
     def _why_wrong(self, entry: ScoreEntry) -> str:
@@ -281,7 +285,7 @@ class ScoreSheet:
         try:
             self.check(Mark(entry.group, entry.desc, standing.value, text=standing.text))
         except Refused as refused:
-            return "; ".join(refused.reasons)
+            return joined(refused.reasons)
         return ""
 
     def _same_moment(self, now: Now, entry: ScoreEntry) -> Optional[int]:
@@ -340,11 +344,12 @@ class ScoreSheet:
 
     def _check_noted(self, instead: str) -> None:
         if not self.can_note:
-            raise Refused([f"{MAX_NOTED} entries of the score sheet already have a note or are withdrawn: {instead}"])
+            raise Refused([say("{most} entries of the score sheet already have a note or are withdrawn: {instead}")(
+                most=MAX_NOTED, instead=instead)])
 
     def _numbers(self) -> str:
         numbers = [str(entry.number) for entry in self._history if not entry.withdrawn_utc]
-        return f"choose from {', '.join(numbers)}" if numbers else "no entry can be withdrawn"
+        return say("choose from {numbers}")(numbers=", ".join(numbers)) if numbers else say("no entry can be withdrawn")
 
     # -- looking ------------------------------------------------------------------------------------
 
@@ -416,12 +421,13 @@ class ScoreSheet:
 
     def _unknown(self, group: str, desc: str) -> str:
         if not self._items:
-            return "this benchmark has no scoring items for the referee"
+            return say("this benchmark has no scoring items for the referee")
         groups = list(dict.fromkeys(i.group for i in self._items.values()))
         if group not in groups:
-            return f"no scoring group '{group}'{did_you_mean(group, groups)}"
+            return say("no scoring group '{group}'{hint}")(group=group, hint=did_you_mean(group, groups))
         descs = [i.desc for i in self._items.values() if i.group == group]
-        return f"no scoring item '{desc}' in group '{group}'{did_you_mean(desc, descs)}"
+        return say("no scoring item '{item}' in group '{group}'{hint}")(
+            item=desc, group=group, hint=did_you_mean(desc, descs))
 
 
 def _mark_line(entry: int, mark_id: str) -> str:
@@ -474,19 +480,22 @@ def value_text(record: ItemRecord) -> str:
 
 def _check_whole(item: ScoringItem, mark: Mark) -> None:
     if mark.text:
-        raise Refused([f"'{item.desc}' takes a whole number, not the text '{mark.text}'"])
+        raise Refused([say("'{item}' takes a whole number, not the text '{text}'")(item=item.desc, text=mark.text)])
     if item.kind is ScoreKind.BOOL:
         if mark.value not in (0, 1):
-            raise Refused([f"'{item.desc}' is yes or no: its value must be 0 or 1, not {mark.value}"])
+            raise Refused([say("'{item}' is yes or no: its value must be 0 or 1, not {value}")(
+                item=item.desc, value=mark.value)])
         return
     lowest = 0 if item.kind is ScoreKind.UINT else -MAX_VALUE
     least = lowest if item.least is None else int(item.least)
     most = MAX_VALUE if item.most is None else int(item.most)
     if least <= mark.value <= most:
         return
-    what = "a count" if item.kind is ScoreKind.UINT else "a whole number"
-    limits = "0 or more" if (least, most) == (0, MAX_VALUE) else f"from {least} to {most}"
-    raise Refused([f"'{item.desc}' is {what}: its value must be {limits}, not {mark.value}"])
+    what = say("a count") if item.kind is ScoreKind.UINT else say("a whole number")
+    has_limits = (least, most) != (0, MAX_VALUE)
+    limits = say("from {least} to {most}")(least=least, most=most) if has_limits else say("0 or more")
+    raise Refused([say("'{item}' is {what}: its value must be {limits}, not {value}")(
+        item=item.desc, what=what, limits=limits, value=mark.value)])
 
 
 def _chosen(item: ScoringItem, mark: Mark) -> int:
@@ -495,16 +504,19 @@ def _chosen(item: ScoringItem, mark: Mark) -> int:
     if mark.text in names:
         return names.index(mark.text) + 1
     if mark.text or mark.value:
-        found = f"'{mark.text}'" if mark.text else f"the number {mark.value}"
-        raise Refused([f"'{item.desc}' does not take {found}: choose one of {', '.join(names)}"])
+        found = f"'{mark.text}'" if mark.text else say("the number {value}")(value=mark.value)
+        raise Refused([say("'{item}' does not take {found}: choose one of {names}")(
+            item=item.desc, found=found, names=", ".join(names))])
     return 0
 
 
 def _rating(item: ScoringItem, mark: Mark) -> str:
     if mark.judge and mark.judge not in item.judges:
-        raise Refused([f"'{item.desc}' has no judge '{mark.judge}': choose one of {', '.join(item.judges)}"])
+        raise Refused([say("'{item}' has no judge '{judge}': choose one of {judges}")(
+            item=item.desc, judge=mark.judge, judges=", ".join(item.judges))])
     if not mark.judge and (mark.text or mark.value):
-        raise Refused([f"'{item.desc}' is rated by judges: name one of {', '.join(item.judges)}"])
+        raise Refused([say("'{item}' is rated by judges: name one of {judges}")(
+            item=item.desc, judges=", ".join(item.judges))])
     return _decimal(item, mark.text) if mark.text else ""
 
 
@@ -512,6 +524,7 @@ def _decimal(item: ScoringItem, text: str) -> str:
     least = Decimal(-MAX_NUMBER) if item.least is None else item.least
     most = Decimal(MAX_NUMBER) if item.most is None else item.most
     if not _NUMBER.fullmatch(text) or not least <= Decimal(text) <= most:
-        raise Refused([f"'{item.desc}' takes a number from {text_of(least)} to {text_of(most)} with at most "
-                       f"{MAX_DECIMALS} decimals, not '{text}'"])
+        raise Refused([say("'{item}' takes a number from {least} to {most} with at most {decimals} decimals, not "
+                           "'{text}'")(
+            item=item.desc, least=text_of(least), most=text_of(most), decimals=MAX_DECIMALS, text=text)])
     return text_of(Decimal(text))
