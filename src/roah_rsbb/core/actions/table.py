@@ -5,7 +5,7 @@ from types import MappingProxyType
 from typing import Any, Dict, List, Mapping, NamedTuple, Tuple, Type
 
 from roah_rsbb.core.actions import connecting, events, running
-from roah_rsbb.core.actions.base import Parts, ZoneAction
+from roah_rsbb.core.actions.base import Given, Parts, ZoneAction
 from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.candidates import Candidates
 from roah_rsbb.core.clock import Now
@@ -55,6 +55,9 @@ class Actions:
         self._outbox = outbox
         self._all: Dict[str, ZoneAction] = {
             kind.name: kind(Parts(candidates, connections)) for kind in KINDS}
+        # By the name of the action: the values of its fields if none is given.
+        self._nothing: Dict[str, Given] = {
+            name: {field.name: field.nothing for field in action.action.fields} for name, action in self._all.items()}
 
     def __getitem__(self, name: str) -> ZoneAction:
         return self._all[name]
@@ -63,8 +66,7 @@ class Actions:
         """Return every reason why the button of an action is off now; empty: it is on."""
         if self._record.closed:
             return [self._record.closed]
-        nothing = {field.name: field.nothing for field in ACTIONS[name].fields}
-        return self._all[name].off(now, zone, nothing)
+        return self._all[name].off(now, zone, self._nothing[name])
 
     def do(self, now: Now, target: Target, name: str, who: str = "", given: Mapping[str, Any] = NOTHING) -> None:
         """Carry out an action. `given`: the values of its fields by their names, as in JSON. Raises `Refused`."""
@@ -82,7 +84,7 @@ class Actions:
                 values = fields.read(action.action.fields, given)
             except fields.BadValue as bad:
                 raise Refused([_name_the_team(name, bad.reason, given)]) from None
-            team = values["team"] if action.action.aims else ""
+            team = values.get("team", "") if action.action.aims else ""
             reasons = _elsewhere(zone, target, team) or action.refused(now, zone, run, values)
             if reasons:
                 raise Refused(reasons)

@@ -1,0 +1,65 @@
+"""Every action of the table is carried out, recorded and refused in one place."""
+
+import pytest
+
+from helpers.box_driver import BoxDriver
+from helpers.competition import competition
+from roah_rsbb.core import effects
+from roah_rsbb.core.actions.table import KINDS, Target
+from roah_rsbb.core.referee import Refused
+from roah_rsbb.model.actions import ACTIONS, ENTRIES, EVERY
+
+
+def refusal(driver, target, name, given=None):
+    driver.taken()
+    with pytest.raises(Refused) as refused:
+        driver.event(driver.box.act, target, name, "Anna", given or {})
+    return refused.value.reasons
+
+
+def test_each_row_of_the_table_has_code_in_the_same_order():
+    box = BoxDriver().box
+    assert [kind.name for kind in KINDS] == list(ACTIONS)
+    assert set(box.entries._all) == set(ENTRIES)
+    assert not set(ACTIONS) & set(ENTRIES)
+
+
+def test_an_unknown_action():
+    assert refusal(BoxDriver(), Target("tbm"), "connekt") == ["no action 'connekt': did you mean 'connect'?"]
+
+
+@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("given", [{"no such field": 1}, {"robot": [1], "reason": {}, "running": "x", "command": "y"}])
+def test_wrong_values_are_refused_and_recorded(name, given):
+    driver = BoxDriver()
+    reasons = refusal(driver, Target("tbm"), name, given)
+    recorded, = driver.taken(effects.Recorded)
+    assert recorded.value["refused"] == reasons and recorded.who == "Anna"
+    assert recorded.value["command"] == name
+
+
+@pytest.mark.parametrize("name", [name for name in EVERY if name not in ("connect", "publish")])
+def test_an_unknown_zone_is_refused_with_the_zones_that_there_are(name):
+    given = {"team": "Alpha", "event": "x", "judge": "Ben", "desc": "door", "number": 1, "entry": 1, "id": "x"}
+    fields = {field.name for field in EVERY[name].fields}
+    reasons = refusal(BoxDriver(), Target("tmb"), name, {key: value for key, value in given.items() if key in fields})
+    assert "no zone 'tmb': did you mean 'tbm'?" in reasons or "name the run" in reasons[0]
+
+
+def test_a_call_that_means_another_run_or_event_changes_nothing():
+    driver = BoxDriver(competition(tbm=["HGTKMH", "HWV"]))
+    driver.connected()
+    assert refusal(driver, Target("tbm", "HGTKMH-1-2.000"), "start") == [
+        "run HGTKMH-1-2.000 is not connected in zone 'tbm'"]
+    assert refusal(driver, Target("tbm", event="other"), "next") == [
+        "Zone 'tbm' is at another event of team Alpha now: choose the event first"]
+    driver.event(driver.box.act, Target("tbm", driver.run_in().identity), "start")
+
+
+def test_a_run_in_progress_is_left_only_by_who_knows_it():
+    driver = BoxDriver()
+    driver.executing()
+    shown = Target("tbm", driver.run_in().identity)
+    assert "is running: stop it first" in refusal(driver, shown, "disconnect")[0]
+    driver.event(driver.box.act, shown, "disconnect", "Anna", {"running": True})
+    assert driver.run_in() is None

@@ -1,0 +1,69 @@
+"""Fields read values of JSON and typed words, and name the remedy of what does not fit."""
+
+import pytest
+
+from roah_rsbb.model.actions import EVERY
+from roah_rsbb.model.fields import BadValue, Choice, Number, Team, Text, Toggle, field_of, read
+from roah_rsbb.model.reason import say
+
+SECONDS = Number("seconds", say("How long"), low=1, high=600)
+OPTIONAL = Number("entry", say("Entry"), required=False, low=-1, default=-1)
+REASON = Text("reason", say("Reason"), characters=10)
+CUT = Text("reason", say("Reason"), required=False, characters=10, cut=True)
+WHO = Choice("who", say("Who"), required=False, choices=("team", "jury"))
+QUIET = Toggle("quiet", say("Quiet"), required=False)
+TEAM = Team("team", say("Team"))
+
+
+@pytest.mark.parametrize("field, value", [
+    (SECONDS, 0), (SECONDS, 601), (SECONDS, True), (SECONDS, 2.5), (SECONDS, "60"), (SECONDS, None), (SECONDS, [1]),
+    (OPTIONAL, -2), (OPTIONAL, "x"), (OPTIONAL, False),
+    (REASON, "x" * 11), (REASON, 5), (REASON, "\ud800"), (REASON, ""),
+    (WHO, "nobody"), (WHO, 1), (QUIET, 0), (QUIET, "yes"), (TEAM, ""), (TEAM, "x" * 501),
+])
+def test_what_does_not_fit_is_refused_with_the_name_of_the_field(field, value):
+    with pytest.raises(BadValue) as bad:
+        read([field], {field.name: value})
+    assert str(field.label) in str(bad.value)
+
+
+@pytest.mark.parametrize("field, value, found", [
+    (SECONDS, 1, 1), (SECONDS, 600, 600), (Number("n", say("N")), 0, 0), (OPTIONAL, 0, 0), (OPTIONAL, -1, -1),
+    (REASON, "why", "why"), (CUT, "x" * 99, "x" * 10), (WHO, "jury", "jury"), (WHO, "", ""), (QUIET, True, True),
+    (QUIET, False, False), (TEAM, "Alpha", "Alpha"),
+])
+def test_what_fits_is_read(field, value, found):
+    assert read([field], {field.name: value}) == {field.name: found}
+    assert type(read([field], {field.name: value})[field.name]) is type(found)
+
+
+def test_what_is_left_out():
+    assert read([OPTIONAL, CUT, WHO, QUIET], {}) == {"entry": -1, "reason": "", "who": "", "quiet": False}
+    for field in (SECONDS, REASON, TEAM, Toggle("sure", say("Sure"))):
+        with pytest.raises(BadValue, match="is missing"):
+            read([field], {})
+
+
+def test_an_unknown_field_names_those_that_there_are():
+    with pytest.raises(BadValue, match="no field 'second': it has reason, seconds"):
+        read([SECONDS, REASON], {"second": 1})
+    with pytest.raises(BadValue, match="no field 'x': it has none"):
+        read([], {"x": 1})
+
+
+@pytest.mark.parametrize("field, word, found", [
+    (SECONDS, "60", 60), (SECONDS, "601", None), (SECONDS, "soon", None), (QUIET, "Yes", True), (QUIET, "no", False),
+    (QUIET, "perhaps", None), (WHO, "team", "team"), (WHO, "x", None), (REASON, "why", "why"), (REASON, "x" * 11, None),
+])
+def test_typed_words(field, word, found):
+    if found is None:
+        with pytest.raises(BadValue):
+            field.parse(word)
+    else:
+        assert field.parse(word) == found
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_the_form_of_every_field_survives_json(name):
+    for field in EVERY[name].fields:
+        assert field_of(field.form()) == field
