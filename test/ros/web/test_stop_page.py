@@ -565,6 +565,7 @@ class TestTouches(PhoneCase):
         page.touch(x, y, lift=False)
         gateway.wait_given("stop", "Home A")
         page.lift()
+        page.wait("document.querySelector('.run.ended') !== null", "it is over")
         for how in ("mouse", "key", "palm"):
             with self.subTest(how=how):
                 gateway.set(phase="running")
