@@ -13,12 +13,13 @@ from std_msgs.msg import String as StringMsg
 from support.waiting import happened, wait_until
 
 LATCHED = QoSProfile(depth=20, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-TOPICS = {
-    "benchmark": Benchmark, "benchmark/name": StringMsg, "benchmark/state": BenchmarkState,
-    "devices/state": DevicesState, "tablet/state": TabletState, "goal/text": StringMsg, "goal/waypoint": Pose2D,
-    "goal/placement": GoalHGMF, "goal/switches": GoalOMF,
-}
 EVENTS = {"devices/bell": Empty, "tablet/call": Empty, "tablet/position": Pose2D}
+# The state is the last: a node learns of the subscriptions in this order, and always has a state to send.
+TOPICS = {
+    "benchmark": Benchmark, "benchmark/name": StringMsg, "devices/state": DevicesState, "tablet/state": TabletState,
+    "goal/text": StringMsg, "goal/waypoint": Pose2D, "goal/placement": GoalHGMF, "goal/switches": GoalOMF,
+    "benchmark/state": BenchmarkState,
+}
 
 
 class Probe:
@@ -27,8 +28,8 @@ class Probe:
     def __init__(self, name: str = "probe", namespace: str = "") -> None:
         self.prefix = f"{namespace}/roah_rsbb/"
         self.node = rclpy.create_node(name)
-        self.heard: Dict[str, List[Any]] = {topic: [] for topic in (*TOPICS, *EVENTS)}
-        for topics, qos in ((TOPICS, LATCHED), (EVENTS, QoSProfile(depth=20))):
+        self.heard: Dict[str, List[Any]] = {topic: [] for topic in (*EVENTS, *TOPICS)}
+        for topics, qos in ((EVENTS, QoSProfile(depth=20)), (TOPICS, LATCHED)):
             for topic, kind in topics.items():
                 self.node.create_subscription(
                     kind, self.prefix + topic, lambda message, topic=topic: self._hear(topic, message), qos)
@@ -57,6 +58,10 @@ class Probe:
             heard = self.heard[topic]
             return heard[-1] if heard and condition(heard[-1]) else None
         return wait_until(newest, lambda: f"{topic} {what}; heard {self.heard[topic][-3:]}")
+
+    def wait_heard_by(self) -> None:
+        """Wait until the comm node knows all subscriptions: from here on the probe misses nothing."""
+        self.wait("benchmark/state", lambda _: True)
 
     def wait_state(self, state: int) -> None:
         """Wait for STOP, PREPARE or EXECUTE."""

@@ -27,6 +27,7 @@ def robot(box, running):
 
 
 def test_the_dummy_completes_all_benchmarks_with_the_action(box, robot, probe):
+    probe.wait_heard_by()
     for code in CODES:
         box.completes(ZONE, code)
         robot.wait_printed(f"{code}: executing")
@@ -98,7 +99,7 @@ def test_two_robots_with_namespaces(box, running):
 def test_bell_and_tablet(box, running, probe):
     running(comm(box.port))
     probe.wait("devices/state", lambda _: True)
-    _wait_subscribed(probe, "devices/bell")
+    probe.wait_heard_by()
     assert running(box.run("rosservice", "call", "/roah_devices_dummy/ring")).wait_ended() == 0
     probe.wait("devices/bell", lambda _: True)
     _touch_tablet(box.port, probe)
@@ -126,7 +127,3 @@ def _touch_tablet(port: int, probe: Probe) -> None:
 
     asyncio.run(send())
     assert probe.heard["tablet/position"]
-
-
-def _wait_subscribed(probe: Probe, topic: str) -> None:
-    wait_until(lambda: probe.node.count_publishers(probe.prefix + topic), f"{topic} has a publisher")
