@@ -74,21 +74,22 @@ def _datagrams(host: str, ports: List[int]) -> float:
 
 
 class _Calls:
-    """Calls of /core/score by many connections. Each answer is followed by the next call."""
+    """Calls of /core/set_score by many connections. Each answer is followed by the next call."""
 
     def __init__(self, address: Tuple[str, int], zones: List[str]) -> None:
         from rosgraph.network import encode_ros_handshake_header
 
-        from roah_rsbb.srv import ScoreMark, ScoreMarkRequest
+        from roah_rsbb.msg import Score
+        from roah_rsbb.srv import ZoneScore, ZoneScoreRequest
 
         self._address = address
         self._handshake = encode_ros_handshake_header({
-            "callerid": "/roah_rsbb_bench_flood", "service": "/core/score", "md5sum": ScoreMark._md5sum,
-            "type": ScoreMark._type})
+            "callerid": "/roah_rsbb_bench_flood", "service": "/core/set_score", "md5sum": ZoneScore._md5sum,
+            "type": ZoneScore._type})
         self._bodies = []
         for zone, value in itertools.product(zones, (1, 2)):
             buff = io.BytesIO()
-            ScoreMarkRequest(zone=zone, group="Penalized Behaviors", desc="Stops working", value=value).serialize(buff)
+            ZoneScoreRequest(zone, Score("Penalized Behaviors", "Stops working", value)).serialize(buff)
             self._bodies.append(_LENGTH.pack(len(buff.getvalue())) + buff.getvalue())
         self._selector = selectors.DefaultSelector()
         self.answered = self.refused = 0

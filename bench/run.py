@@ -225,7 +225,7 @@ class Bench:
             stopped, stop = floods.Stopped(box, fleet), KnownService("/core/stop", Zone)
             master = rosgraph.Master(rospy.get_name())
             ports = {name: urlparse(uri).port for name, uri in (
-                ("calls", master.lookupService("/core/score")), ("stop", master.lookupService("/core/stop")),
+                ("calls", master.lookupService("/core/set_score")), ("stop", master.lookupService("/core/stop")),
                 ("api", master.lookupNode(processes.CORE)))}
 
             def measure(name: str, call: Callable[[int], None], kind: str, *arguments: object) -> None:

@@ -4316,11 +4316,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
-        <source>name the run: a mark that arrives late must not count in another run</source>
-        <translation>nennen Sie den Lauf: Eine Wertung, die spät ankommt, darf nicht in einem anderen Lauf zählen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
         <source>name the run to sign off: only a run that is over can be signed off</source>
         <translation>nennen Sie den Lauf, der abgeschlossen wird: Nur ein beendeter Lauf kann abgeschlossen werden</translation>
     </message>
@@ -4621,13 +4616,18 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Text</source>
+        <translation>Text</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Number</source>
         <translation>Nummer</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>Text</source>
-        <translation>Text</translation>
+        <source>Mark</source>
+        <translation>Wertung</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
@@ -4763,6 +4763,31 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Go to this event of the zone&apos;s schedule</source>
         <translation>Zu diesem Termin im Zeitplan der Zone gehen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>What to add</source>
+        <translation>Was hinzukommt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Mark an item</source>
+        <translation>Ein Kriterium werten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Set an item of the score sheet, or add to it</source>
+        <translation>Ein Kriterium des Wertungsbogens setzen oder dazuzählen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Mark an item of a judge</source>
+        <translation>Ein Kriterium als Juror werten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>On the judge&apos;s own sheet</source>
+        <translation>Auf dem eigenen Wertungsbogen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
@@ -4981,8 +5006,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>Mark</source>
-        <translation>Wertung</translation>
+        <source>Role</source>
+        <translation>Rolle</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

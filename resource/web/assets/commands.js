@@ -126,7 +126,8 @@ export class Marks {
   takeOff(added) {
     this.done = this.done.filter((one) => one !== added);
     const {number, shown, ...mark} = added;
-    this.add({...mark, value: -mark.value, note: "", isUndo: true, shown: mark.value > 0 ? `−${mark.value}` : `+${-mark.value}`});
+    const off = -Number(mark.added);
+    this.add({...mark, added: String(off), note: "", isUndo: true, shown: off < 0 ? `−${-off}` : `+${off}`});
   }
 }
 

@@ -9,7 +9,7 @@ import {Cells, Command, Twice} from "/assets/buttons.js";
 import {lockWhenIdle} from "/assets/lock.js";
 import {Correction} from "/assets/correction.js";
 import {HeadReferee, JudgeRun, Publication} from "/assets/judging.js";
-import {ADD, RefusedMark, Sheet} from "/assets/sheet.js";
+import {RefusedMark, Sheet} from "/assets/sheet.js";
 
 const SILENT_S = 2.2;
 const ASK_AGAIN_MS = 1500;
@@ -185,7 +185,7 @@ function whyNoStop(name) {
 const isMoving = (zone) => Boolean(zone.leaving) && zone.is_urgent;
 
 async function undo(last, texts) {
-  if (last.change === ADD) {
+  if (last.added) {
     state.marks.takeOff(last);
   } else if (await give("take_back", texts, texts.undo.replace("{mark}", () => last.shown),
     {identity: last.identity, id: last.id})) {

@@ -3,8 +3,6 @@
 import {html, useState} from "/assets/parts.js";
 import {Command} from "/assets/buttons.js";
 
-export const SET = 0, ADD = 1, NOT_ATTEMPTED = 2;
-
 function number(text) {
   return text === "" ? null : Number(text);
 }
@@ -18,12 +16,12 @@ export function RefusedMark({mark, marks, texts}) {
     </div>`;
 }
 
-// `mark(item, change, more)`: enters a mark; `waiting`: marks of this item that were not answered yet.
+// `mark(item, given, shown)`: enters a mark; `waiting`: marks of this item that were not answered yet.
 function Item({item, zone, waiting, refused, mark, texts, judge}) {
   const [isOpen, setOpen] = useState(false);
   const [note, setNote] = useState("");
-  const enter = (change, more, shown) => {
-    mark(item, change, {note, ...more}, shown);
+  const enter = (given, shown) => {
+    mark(item, {note, ...given}, shown);
     setNote("");
   };
   const minimum = number(item.min), maximum = number(item.max);
@@ -40,31 +38,31 @@ function Item({item, zone, waiting, refused, mark, texts, judge}) {
       <div class="controls">
         ${item.type === "bool" && !judge && [["yes", 1], ["no", 0]].map(([word, value]) => html`
           <button type="button" aria-pressed=${!item.not_attempted && item.value === value}
-              aria-label="${name}: ${texts[word]}" onClick=${() => enter(SET, {value}, texts[word])}>
+              aria-label="${name}: ${texts[word]}" onClick=${() => enter({value}, texts[word])}>
             ${texts[word]}
           </button>`)}
         ${["uint", "int"].includes(item.type) && !judge && html`
           <button type="button" aria-label=${texts.subtract.replace("{item}", () => name)}
               disabled=${item.type === "uint" && item.value <= (minimum || 0) && !item.not_attempted && waiting.length === 0}
-              onClick=${() => enter(ADD, {value: -1}, "−1")}>−1</button>
+              onClick=${() => enter({added: "-1"}, "−1")}>−1</button>
           <button type="button" class="main" aria-label=${texts.add.replace("{item}", () => name)}
               disabled=${maximum !== null && item.value >= maximum}
-              onClick=${() => enter(ADD, {value: 1}, "+1")}>+1</button>`}
+              onClick=${() => enter({added: "1"}, "+1")}>+1</button>`}
         ${item.type === "choice" && !judge && item.choices.map((choice) => html`
           <button type="button" aria-pressed=${!item.not_attempted && item.text === choice}
-              onClick=${() => enter(SET, {text: choice}, choice)}>${choice}</button>`)}
+              onClick=${() => enter({text: choice}, choice)}>${choice}</button>`)}
         ${item.type === "decimal" && !judge && html`<${Entry} label=${texts.value.replace("{item}", () => name)} texts=${texts}
-          value=${item.text} enter=${(text) => enter(SET, {text}, text)} />`}
+          value=${item.text} enter=${(text) => enter({text}, text)} />`}
         ${item.type === "rating" && item.judges.map((one, i) => (!judge || one === judge) && html`
           <${Entry} label=${texts.ratings_of.replace("{judge}", () => one)} isLabelShown texts=${texts}
-            value=${item.ratings[i]} enter=${(text) => enter(SET, {text, judge: one}, `${one}: ${text}`)} />`)}
+            value=${item.ratings[i]} enter=${(text) => enter({text, judge: one}, `${one}: ${text}`)} />`)}
         ${!judge && html`<button type="button" class="more" aria-expanded=${isOpen} onClick=${() => setOpen(!isOpen)}
             aria-label=${texts.options.replace("{item}", () => name)}>⋯</button>`}
       </div>
       ${isOpen && html`
         <div class="options">
           <button type="button" aria-pressed=${item.not_attempted}
-              onClick=${() => item.not_attempted ? enter(SET, {}, "0") : enter(NOT_ATTEMPTED, {}, texts.not_attempted)}>
+              onClick=${() => item.not_attempted ? enter({}, "0") : enter({not_attempted: true}, texts.not_attempted)}>
             ${texts.not_attempted}
           </button>
           <label>${texts.note}: ${texts.note_how}
@@ -99,9 +97,9 @@ function Entry({label, isLabelShown = false, value, enter, texts}) {
 export function Sheet({zone, marks, texts, judge = "", command = "", person = "", undo = null}) {
   const last = marks.last(zone.identity);
   const items = judge ? zone.items.filter((item) => item.judges.includes(judge)) : zone.items;
-  const mark = (item, change, more, shown) => marks.add({
-    zone: zone.zone, identity: zone.identity, group: item.group, desc: item.desc, change, value: 0, text: "", judge: "",
-    ...more, shown, ...(command ? {command} : {}),
+  const mark = (item, given, shown) => marks.add({
+    zone: zone.zone, identity: zone.identity, group: item.group, desc: item.desc, ...given, shown,
+    ...(command ? {command} : {}),
   });
   const isOf = (item) => (one) => one.identity === zone.identity && one.group === item.group && one.desc === item.desc;
   const groups = [...new Set(items.map((item) => item.group))];

@@ -5,7 +5,7 @@ referee that is not possible now raises `Refused` and changes nothing.
 """
 
 import math
-from typing import Any, Callable, List, Mapping, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.entries import Entries
@@ -317,6 +317,10 @@ class Box:
         """Do one of `model.actions.EVERY`; see `Actions.do`. Raises `Refused`."""
         self.tick(now)
         (self.entries if action in ENTRIES else self.actions).do(now, target, action, who, given)
+
+    def outcome(self, target: Target, action: str, given: Mapping[str, Any]) -> Dict[str, Any]:
+        """Return what the answer to an action that was done says besides, as JSON; see `Entries.outcome`."""
+        return self.entries.outcome(target, action, given)
 
     # -- the network --------------------------------------------------------------------------------
 

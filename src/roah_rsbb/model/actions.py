@@ -57,7 +57,7 @@ class Action:
 
 _TEAM = say("Team")
 _JUDGE, _NOTE, _REASON, _TEXT = say("Judge"), say("Note"), say("Reason"), say("Text")
-_NUMBER = say("Number")
+_NUMBER, _DEVICE, _ID = say("Number"), say("Device"), say("Mark")
 # A time for objections that is left to the benchmarks file.
 BY_THE_FILE_S = -1
 
@@ -99,22 +99,30 @@ _ALL = (
 # All actions in a zone, in the order in which faces have them.
 ACTIONS: Dict[str, Action] = {action.name: action for action in _ALL}
 # What is entered for one run, in progress or over, and for a benchmarking module. Faces lay it out by hand, beside what
-# it is about; marks are not here, because they are sent again until the box has them.
+# it is about.
+_VALUE = (Text("group", say("Group"), required=False), Text("desc", say("Item")),
+          Number("value", say("Value"), required=False, low=-2**31), Text("text", _TEXT, required=False),
+          Toggle("not_attempted", say("Not attempted"), required=False))
+# A mark is sent again until the box has it; with an `id` it is applied once.
+_MARK = (*_VALUE, Text("added", say("What to add"), required=False), Field("judge", _JUDGE, required=False),
+         Text("note", _NOTE, required=False), Field("id", _ID, required=False),
+         Field("device", _DEVICE, required=False))
 _ENTRIES = (
+    Action("mark", say("Mark an item"), say("Set an item of the score sheet, or add to it"),
+           (*_MARK, Field("role", say("Role"), required=False)), durable=True, roles=(*REFEREES, *JUDGES)),
+    Action("judge_mark", say("Mark an item of a judge"), say("On the judge's own sheet"), _MARK, durable=True,
+           roles=JUDGES),
     Action("withdraw", say("Withdraw the entry"), say("The entry of the score sheet no longer counts; others stay"),
            (Number("entry", _NUMBER, low=1), Text("note", _NOTE, required=False)), durable=True),
     Action("take_back", say("Take back the mark"), say("A mark that set an item no longer counts"),
-           (Field("id", say("Mark")), Text("note", _NOTE, required=False)), durable=True),
+           (Field("id", _ID), Text("note", _NOTE, required=False)), durable=True),
     Action("stop_reason", say("Record why it ended"), say("Possible until the run is signed off"),
            (Text("reason", _REASON, required=False), Number("stop", _NUMBER, required=False)), durable=True),
     Action("sign_off", say("Sign off"), say("The score sheet of a run that is over becomes final"), durable=True),
     Action("submit", say("Submit the sheet"), say("The judge's own sheet is locked"),
-           (Field("judge", _JUDGE), Field("device", say("Device"), required=False)), durable=True, roles=JUDGES),
+           (Field("judge", _JUDGE), Field("device", _DEVICE, required=False)), durable=True, roles=JUDGES),
     Action("settle", say("Settle"), say("The head referee gives the item on which judges differ its value"),
-           (Text("group", say("Group"), required=False), Text("desc", say("Item")),
-            Number("value", say("Value"), required=False, low=-2**31), Text("text", _TEXT, required=False),
-            Toggle("not_attempted", say("Not attempted"), required=False), Text("reason", _REASON, required=False)),
-           durable=True),
+           (*_VALUE, Text("reason", _REASON, required=False)), durable=True),
     Action("hand_back", say("Hand back: look again"), say("The judge looks again, and submits again"),
            (Field("judge", _JUDGE), Text("reason", _REASON, required=False)), durable=True),
     Action("withdraw_sheet", say("Withdraw the sheet"),
@@ -143,3 +151,5 @@ ENTRIES: Dict[str, Action] = {action.name: action for action in _ENTRIES}
 EVERY: Dict[str, Action] = {**ACTIONS, **ENTRIES}
 # STOP has a way of its own in every face and in the core, with nothing of this table in it.
 STOP = "stop"
+# What referees count and set on a score sheet, and judges on their own.
+MARK, JUDGE_MARK = "mark", "judge_mark"

@@ -11,6 +11,7 @@ import uuid
 from typing import Any, Dict, List, Optional, Sequence
 
 from roah_rsbb.core.referee import Refused
+from roah_rsbb.model.actions import MARK
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
@@ -34,8 +35,6 @@ from roah_rsbb.srv import (
     GetJudging,
     GetJudgingResponse,
     GetRunSheet,
-    MarkItem,
-    MarkItemRequest,
     PairDevice,
     PairDeviceResponse,
     PairedDevices,
@@ -258,19 +257,12 @@ class Link:
         `entered`: None if the robot did not try. The core applies the mark once, so it is sent again while the core
         does not answer, for example while it restarts.
         """
-        value, change = entered or Entered(), MarkItemRequest.SET
-        if entered is None:
-            change = MarkItemRequest.NOT_ATTEMPTED
-        elif value.added:
-            value, change = Entered(text=value.added), MarkItemRequest.ADD
-        mark = (
-            zone, identity, str(uuid.uuid4()), item.group, item.item, change, value.value, value.text, value.judge,
-            note, referee, ROLE, "",
-        )
+        value = {"not_attempted": True} if entered is None else entered._asdict()
+        mark = {"group": item.group, "desc": item.item, **value, "note": note, "role": ROLE, "id": str(uuid.uuid4())}
         deadline = self.now() + ANSWER_S
         while True:
             try:
-                self._call("/core/mark", MarkItem, *mark)
+                self.act(MARK, zone, mark, identity, referee)
                 return
             except NoCore:
                 if self.now() + AGAIN_S > deadline:

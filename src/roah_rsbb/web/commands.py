@@ -3,7 +3,7 @@
 from typing import Any, Dict, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model import fields as model_fields
-from roah_rsbb.model.actions import EVERY, JUDGES, STOP
+from roah_rsbb.model.actions import EVERY, JUDGES, MARK, STOP, Action
 from roah_rsbb.web.pairing import JUDGE, Session
 
 MAX_TEXT = 500
@@ -11,22 +11,17 @@ _MAX_WHOLE = 2**31 - 1
 
 # What a page says of what it shows, with each action of the table: the run, and the event at which it is.
 SHOWN: Dict[str, type] = {"identity": str, "event_id": str}
+# What a request has besides the values of an action's fields; `language`: of the page, for the answer.
+_BESIDE = {"zone", "language", *SHOWN}
 # Each command that is not in the table of actions, and the type of each of its fields.
 FIELDS: Dict[str, Dict[str, type]] = {
     "stop": {"identity": str},
     "sheet": {"identity": str},
-    "mark": {"identity": str, "id": str, "group": str, "desc": str, "change": int, "value": int, "text": str,
-             "judge": str, "note": str},
     "judging": {"identity": str},
 }
-MARK = "mark"
-SET = 0  # MarkItem.SET
 SHEET = "sheet"
-FIELDS["judge_mark"] = FIELDS[MARK]
 # What is asked of the judges of a run: its answer depends on the role.
 JUDGING = "judging"
-# What a judge marks on the own sheet, which belongs to the name that was typed when the device was paired.
-JUDGE_MARK = "judge_mark"
 
 
 class BadCommand(Exception):
@@ -69,9 +64,8 @@ def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:
             raise BadCommand(f"{field} is no text")
         fields[field] = value
     if action is not None:
-        # What a judge does is done under the name that was typed when the device was paired.
-        known = {**body, "judge": session.person, "device": session.device} if action.roles == JUDGES else body
-        given = {field.name: known[field.name] for field in action.fields if field.name in known}
+        given = {name: value for name, value in body.items() if name not in _BESIDE}
+        given.update(_of_session(action, session))
         try:
             fields["given"] = model_fields.read(action.fields, given)
         except model_fields.BadValue as bad:
@@ -84,14 +78,23 @@ def may(command: Command) -> bool:
     grant = command.session.grant
     if not command.zone or not grant.allows(command.zone):
         return False
-    if command.name == JUDGE_MARK:
-        return grant.role == JUDGE
+    if command.name == MARK and grant.role == JUDGE:
+        # A judge gives ratings under the name that was typed when the device was paired. That nothing was attempted is
+        # no rating: it would count for the whole item.
+        given = command.fields["given"]
+        return given["judge"] == command.session.person and not given["not_attempted"] and not given["added"]
     if command.name != STOP and command.name in EVERY:
         return grant.role in EVERY[command.name].roles
-    # A judge gives ratings under the name that was typed when the device was paired. That nothing was attempted is no
-    # rating: it would count for the whole item.
-    return grant.role != JUDGE or command.name == JUDGING or (
-        command.name == MARK and command.fields["change"] == SET and command.fields["judge"] == command.session.person)
+    return grant.role != JUDGE or command.name == JUDGING
+
+
+def _of_session(action: Action, session: Session) -> Dict[str, str]:
+    """Return the values of fields that a device cannot choose: what a judge does is done under the name that was typed
+    when the device was paired."""
+    own = {"device": session.device, "role": session.grant.role}
+    if action.roles == JUDGES:
+        own["judge"] = session.person
+    return {field.name: own[field.name] for field in action.fields if field.name in own}
 
 
 def _is_encodable(text: str) -> bool:

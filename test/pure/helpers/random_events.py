@@ -40,7 +40,7 @@ def _scores(draw, zone):
     mark_id = draw(st.sampled_from("abcdef"))
     once = Mark("Penalized", "bumps", added=draw(st.sampled_from(["1", "-1", "2", ""])), id=mark_id)
     return draw(st.sampled_from([
-        *[("scores.mark", (name, mark))] * 3, *[("scores.mark_once", (name, once))] * 3,
+        *[("scores.mark", (name, mark))] * 3, *[("scores.mark", (name, once))] * 3,
         ("scores.withdraw", (name, draw(st.integers(-1, 4)))), ("scores.take_back", (name, mark_id)),
         ("scores.sign_off", (name,)), ("scores.give_stop_reason", (name, "reason", "", draw(st.integers(-1, 3)))),
     ]))

@@ -44,7 +44,7 @@ class Runs:
         robot.executes()
         for number in range(1, 4):
             mark = Mark(BUMPS.group, BUMPS.desc, number, id=f"{self.done} {number}")
-            driver.event(scores.mark_once, name, mark, "Anna")
+            driver.event(scores.mark, name, mark, "Anna")
         driver.command("stop")
         robot.says(RobotState.STOP)
         driver.command("disconnect")

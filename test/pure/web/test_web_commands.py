@@ -17,7 +17,7 @@ from roah_rsbb.web.store import Store
 from roah_rsbb.web.writing import COOKIE, DeviceEventsHandler
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
-MARK = {"zone": "Home", "identity": "run", "id": "1", "group": "g", "desc": "d", "change": 1, "value": 1}
+MARK = {"zone": "Home", "identity": "run", "id": "1", "group": "g", "desc": "d", "added": "1"}
 
 
 def session(role="referee", zone="Home", person="Anna"):
@@ -28,45 +28,57 @@ def session(role="referee", zone="Home", person="Anna"):
 
 
 OF_JUDGES = {"judge_mark", "submit"}
-ADD, NOT_ATTEMPTED = 1, 2
+OF_ALL = sorted(set(FIELDS) | {"mark"})
 
 
-@pytest.mark.parametrize("name", sorted(set(FIELDS) - OF_JUDGES))
+@pytest.mark.parametrize("name", OF_ALL)
 def test_a_referee_may_act_in_one_zone_and_an_organiser_in_all(name):
     for zone, allowed in (("Home", True), ("Hall", False), ("", False)):
-        assert may(command_of(name, {"zone": zone}, session())) == allowed
-    assert may(command_of(name, {"zone": "Hall"}, session("organiser", "")))
-    assert not may(command_of(name, {}, session("organiser", "")))
+        assert may(command_of(name, body(name, zone), session())) == allowed
+    assert may(command_of(name, body(name, "Hall"), session("organiser", "")))
+    assert not may(command_of(name, body(name, ""), session("organiser", "")))
+
+
+def body(name, zone="Home"):
+    """What a page sends with a command that needs nothing else."""
+    return {"zone": zone, **({"desc": "d"} if "mark" in name else {})}
 
 
 @pytest.mark.parametrize("name", sorted({*OF_JUDGES, "judging"}))
 def test_a_judge_scores_on_the_own_sheet(name):
     for role, allowed in (("judge", True), ("referee", name == "judging"), ("organiser", name == "judging")):
-        assert may(command_of(name, {"zone": "Home"}, session(role))) == allowed
-    assert not may(command_of(name, {"zone": "Hall"}, session("judge")))
+        assert may(command_of(name, body(name), session(role))) == allowed
+    assert not may(command_of(name, body(name, "Hall"), session("judge")))
 
 
-@pytest.mark.parametrize("name", sorted(set(FIELDS) - {"mark", "judging", *OF_JUDGES}))
+@pytest.mark.parametrize("name", sorted(set(FIELDS) - {"judging"}))
 def test_a_judge_gives_no_commands(name):
     assert not may(command_of(name, {"zone": "Home"}, session("judge")))
 
 
 def test_a_judge_gives_own_ratings_only():
+    rating = {**body("mark"), "text": "7"}
     for judge, allowed in (("Anna", True), ("Bert", False), ("", False)):
-        assert may(command_of("mark", {**MARK, "change": 0, "judge": judge}, session("judge"))) == allowed
-    assert not may(command_of("mark", {**MARK, "change": 0, "zone": "Hall", "judge": "Anna"}, session("judge")))
-    for change in (ADD, NOT_ATTEMPTED):
-        assert not may(command_of("mark", {**MARK, "judge": "Anna", "change": change}, session("judge")))
+        assert may(command_of("mark", {**rating, "judge": judge}, session("judge"))) == allowed
+    assert not may(command_of("mark", {**rating, "zone": "Hall", "judge": "Anna"}, session("judge")))
+    for more in ({"added": "1"}, {"not_attempted": True}):
+        assert not may(command_of("mark", {**rating, "judge": "Anna", **more}, session("judge")))
 
 
 @pytest.mark.parametrize("name, body", [
-    ("king", {}), ("connect", {"zone": 1}), ("mark", {"change": True}), ("mark", {"change": "1"}),
-    ("mark", {"value": 2**31}), ("mark", {"value": 1.5}), ("mark", {"note": "x" * 501}), ("stop", {"identity": None}),
-    ("stop", {"identity": ["x"]}), ("mark", {"note": "\ud83e"}),
+    ("king", {}), ("connect", {"zone": 1}), ("mark", {}), ("mark", {**MARK, "change": 1}),
+    ("mark", {**MARK, "added": 1}), ("mark", {**MARK, "value": 2**31}), ("mark", {**MARK, "value": 1.5}),
+    ("mark", {**MARK, "note": "x" * 501}), ("stop", {"identity": None}),
+    ("stop", {"identity": ["x"]}), ("mark", {**MARK, "note": "\ud83e"}),
 ])
 def test_malformed_commands_are_refused(name, body):
     with pytest.raises(BadCommand):
         command_of(name, body, session())
+
+
+def test_a_page_of_an_earlier_version_does_not_set_what_it_adds():
+    with pytest.raises(BadCommand, match="has no field 'change'"):
+        command_of("mark", {"zone": "Home", "desc": "d", "change": 1, "value": 1}, session())
 
 
 def test_unknown_fields_are_left_out():
@@ -159,8 +171,10 @@ def test_a_sheet_of_a_run_that_is_over_is_shown_to_referees(served):
 
 
 def test_the_session_says_who_it_was_and_not_the_request(served):
-    served.send("mark", {**MARK, "person": "Eve", "role": "organiser"}, served.token())
+    served.send("mark", {**MARK, "device": "Eve's", "role": "organiser"}, served.token())
     assert served.commands[0].session.who == "Anna, iPhone"
+    given = served.commands[0].fields["given"]
+    assert (given["device"], given["role"]) == ("iPhone", "referee")
 
 
 def test_a_crowd_behind_the_same_address_does_not_keep_a_referee_out(served):

@@ -25,7 +25,7 @@ from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.file import FILE_NAME, holder_of
 from roah_rsbb.signs_of_life import SIGN
-from roah_rsbb.srv import GetRunSheet, ScoreMark, StopRun
+from roah_rsbb.srv import GetRunSheet, StopRun
 
 HOME, ARENA = "Home", "Arena"
 ITEM = ("Penalized Behaviors", "Bumps into the furniture")
@@ -123,7 +123,7 @@ class TestHungCore(OwnCoreCase):
     def mark(self) -> None:
         """Mark an item with a value that was not marked before."""
         value = len(self.marked) + 1
-        self.box.call("score", ScoreMark, HOME, self.identity, *ITEM, value, False, "", "", "", "Anna")
+        self.box.act("mark", HOME, self.identity, "Anna", group=ITEM[0], desc=ITEM[1], value=value)
         self.marked.append(value)
 
     def sheet(self):

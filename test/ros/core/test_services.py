@@ -1,5 +1,6 @@
 """The core's services turn a call into an event with the caller's name, and answer reliably."""
 
+import json
 import unittest
 
 import rospy
@@ -8,18 +9,13 @@ from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.copies import unconfirmed
 from roah_rsbb.core.referee import Refused, RunName
-from roah_rsbb.core.scoring.desk import MarkOutcome
-from roah_rsbb.core.scoring.records import ItemRecord, RunRecord
-from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.msg import Score
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.srv import (
     Act,
     GetClock,
     GetRunSheet,
-    MarkItem,
-    MarkItemRequest,
-    ScoreMark,
     StopRun,
     Zone,
     ZoneScore,
@@ -29,6 +25,7 @@ from roah_rsbb.srv import (
 NOW = Now(12.5, 1447000000.25)
 RUN = RunName("Home", "HWV-1-2")
 TICKET = 7
+ITEM = {"number": 4, "value": 2, "not_attempted": False, "text": "2.5"}
 RECORD = RunRecord(RUN.identity, "Home", "HWV", "Alpha", 1, 2, 0.0, 0.0)
 
 
@@ -45,8 +42,6 @@ class _Part:
                 raise Refused(["no such run"] if method == "record_of" else ["first reason", "second reason"])
             if method == "why":
                 return None
-            if method == "outcome":
-                return MarkOutcome(4, ItemRecord("G", "d", "decimal", 2, text="2.5"))
             self._box.happened.append((self._name + method, *arguments))
             return RECORD
 
@@ -60,6 +55,7 @@ class _Box:
         self.happened = []
         self.refuses = False
         self.act = _Part(self, "").act
+        self.outcome = lambda target, action, given: ITEM if action == "mark" else {}
         self.scores = _Part(self, "scores.")
         self.modules = _Part(self, "modules.")
 
@@ -159,11 +155,7 @@ class TestServices(unittest.TestCase):
         named = f"Anna ({self.node})"
         for name, kind, request, event in (
             ("set_score", ZoneScore, ("Home", Score("G", "d", 2)),
-             ("scores.mark", NOW, RunName("Home"), Mark("G", "d", 2), self.node)),
-            ("score", ScoreMark, (*RUN, "G", "d", 2, False, "", "", "note", " Anna "),
-             ("scores.mark", NOW, RUN, Mark("G", "d", 2, False, "note"), named)),
-            ("score", ScoreMark, ("Home", "", "G", "d", 0, True, "", "", "", ""),
-             ("scores.mark", NOW, RunName("Home"), Mark("G", "d", 0, True), self.node)),
+             ("act", NOW, Target("Home"), "mark", self.node, {"group": "G", "desc": "d", "value": 2})),
             ("act", Act, ("withdraw", *RUN, "", '{"entry": 7}', "Anna"),
              ("act", NOW, Target(*RUN), "withdraw", named, {"entry": 7})),
         ):
@@ -171,25 +163,15 @@ class TestServices(unittest.TestCase):
                 self.box.happened = []
                 self.assertEqual(self.call(name, kind, *request), [event, "on disk"])
 
-    def test_a_mark_sets_or_adds_and_returns_how_the_item_is_then(self) -> None:
-        rospy.wait_for_service("/core/mark", 30)
-        for change, value, text, judge, expected in (
-            (MarkItemRequest.SET, 2, "", "", {"value": 2}),
-            (MarkItemRequest.SET, 0, "7.5", "Ben", {"text": "7.5", "judge": "Ben"}),
-            (MarkItemRequest.ADD, -1, "", "", {"added": "-1"}),
-            (MarkItemRequest.ADD, 0, "0.5", "", {"added": "0.5"}),
-            (MarkItemRequest.NOT_ATTEMPTED, 5, "6", "", {"not_attempted": True}),
-        ):
-            with self.subTest(expected):
-                self.box.happened = []
-                answer = rospy.ServiceProxy("/core/mark", MarkItem)(
-                    *RUN, "id 1", "G", "d", change, value, text, judge, "note", " Anna ", "referee", "phone")
-                mark = Mark("G", "d", note="note", id="id 1", role="referee", device="phone")._replace(**expected)
-                self.assertEqual(self.box.happened, [
-                    ("scores.mark_once", NOW, RUN, mark, f"Anna ({self.node})"), "on disk"])
-                self.assertEqual((answer.number, answer.value, answer.not_attempted, answer.text), (4, 2, False, "2.5"))
-        with self.assertRaisesRegex(rospy.ServiceException, "change 9 is not known"):
-            self.call("mark", MarkItem, *RUN, "id 1", "G", "d", 9, 0, "", "", "", "", "", "")
+    def test_the_answer_to_a_mark_has_the_item_as_it_is_then(self) -> None:
+        rospy.wait_for_service("/core/act", 30)
+        act = rospy.ServiceProxy("/core/act", Act)
+        given = {"group": "G", "desc": "d", "added": "-1", "id": "id 1"}
+        answer = act("mark", *RUN, "", json.dumps(given), " Anna ")
+        self.assertEqual(self.box.happened, [
+            ("act", NOW, Target(*RUN), "mark", f"Anna ({self.node})", given), "on disk"])
+        self.assertEqual(json.loads(answer.answer), ITEM)
+        self.assertEqual(act("start", "Home", "", "", "", "").answer, "")
 
     def test_a_name_in_the_header_goes_with_requests_that_have_no_field_for_it(self) -> None:
         rospy.wait_for_service("/core/stop_run", 30)

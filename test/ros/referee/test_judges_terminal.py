@@ -8,8 +8,6 @@ from support.box_case import BoxCase
 from support.referee_program import called
 from support.waiting import wait_until
 
-from roah_rsbb.srv import MarkItem, MarkItemRequest
-
 HALL = "Hall"
 OBJECTS, EMPTY, SHOW = ("Table", "Objects put away"), ("Table", "Table is empty"), ("Show", "Presentation")
 BY = ("--by", "Hugo")
@@ -31,9 +29,8 @@ class TestJudges(BoxCase):
 
     def mark(self, judge: str, item: tuple, value: int = 0, text: str = "") -> None:
         """A judge marks an item."""
-        self.box.call("judge/mark", MarkItem, MarkItemRequest(
-            zone=HALL, identity=self.identity, id=str(uuid.uuid4()), group=item[0], desc=item[1],
-            change=MarkItemRequest.SET, value=value, text=text, referee=judge, role="judge"))
+        self.box.act("judge_mark", HALL, self.identity, judge=judge, id=str(uuid.uuid4()), group=item[0], desc=item[1],
+                     value=value, text=text)
 
     def submit(self, judge: str, objects: int, rating: str = "") -> None:
         """A judge fills in a sheet, and submits it."""

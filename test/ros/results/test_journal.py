@@ -17,7 +17,6 @@ from support.waiting import LIMIT_S, wait_until
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.srv import ScoreMark
 
 ZONE = "Home"
 DOOR = ("Achievements", "Detects the door whose state has changed")
@@ -68,7 +67,7 @@ class TestResults(ResultsCase):
         robot.request("notify", "<b>at the door</b>")
         robot.wait_said()
         self.box.set_score(ZONE, *DOOR, 1)
-        self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 2, False, "", "", "the vase", "Anna")
+        self.box.act("mark", ZONE, identity, "Anna", group=BUMPS[0], desc=BUMPS[1], value=2, note="the vase")
         wait_until(lambda: self.links(port), "the first second of the link record")
         shown = self.results("show", identity, "--utc")
         for expected in ("running", "yes  Detects the door", "2  Bumps into", "(the vase)", "Z Anna: Penalized",

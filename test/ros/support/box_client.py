@@ -163,9 +163,10 @@ class BoxClient:
         event = self.last_details(zone).event if action.aims else ""
         self.call("act", Act, command, zone, "", event, json.dumps(given_with(command, self.last_zone(zone).team)), "")
 
-    def act(self, action: str, zone: str, run: str = "", referee: str = "", **given: object) -> None:
-        """Do an action; raises `Refusal`. `given`: the values of its fields."""
-        self.call("act", Act, action, zone, run, "", json.dumps(given), referee)
+    def act(self, action: str, zone: str, run: str = "", referee: str = "", **given: object) -> Any:
+        """Do an action and return its answer; raises `Refusal`. `given`: the values of its fields."""
+        answer = self.call("act", Act, action, zone, run, "", json.dumps(given), referee).answer
+        return json.loads(answer) if answer else None
 
     def set_score(self, zone: str, group: str, desc: str, value: int) -> None:
         """Mark a scoring item; raises `Refusal`."""

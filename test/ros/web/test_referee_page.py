@@ -23,8 +23,6 @@ from roah_rsbb.srv import (
     GetJudging,
     GetJudgingResponse,
     GetRunSheet,
-    MarkItem,
-    MarkItemRequest,
     PairDevice,
     RevokeDevice,
 )
@@ -361,7 +359,8 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertEqual(page.get("asked.length"), 2, "not before the one that it changes")
         page.get("answer(200, {number: 1}), answer(409, {reasons: ['somebody has signed']}), 0")
         page.wait("asked.length === 2", "the next ones are sent")
-        self.assertEqual(page.get("asked.map(one => [one.body.desc, one.body.value])"), [[DEVICE, 1], [ENTERS, 0]])
+        self.assertEqual(page.get("asked.map(one => [one.body.desc, one.body.added || one.body.value])"),
+                         [[DEVICE, "1"], [ENTERS, 0]])
         page.wait(f"{TEXT}.includes('somebody has signed')", "the referee reads what was refused")
         page.get("answer(200, {number: 2}), answer(200, {number: 3}), 0")
         page.wait("marks.waiting.length === 0", "all are answered")
@@ -586,9 +585,8 @@ class TestRefereePage(NeedsBrowser, BoxCase):
     def submit(self, identity: str, judge: str, objects: int) -> None:
         """A judge submits a sheet with this number of objects."""
         for desc, change in ((OBJECTS, {"value": objects}), ("Presentation", {"text": "7"})):
-            self.box.call("judge/mark", MarkItem, MarkItemRequest(
-                zone=HALL, identity=identity, id=str(uuid.uuid4()), group="Show" if "text" in change else "Table",
-                desc=desc, change=MarkItemRequest.SET, referee=judge, role="judge", **change))
+            self.box.act("judge_mark", HALL, identity, judge=judge, id=str(uuid.uuid4()),
+                         group="Show" if "text" in change else "Table", desc=desc, **change)
         self.box.act("submit", HALL, identity, judge=judge)
 
     def give_reason(self, page: Page, form: str, reason: str) -> None:

@@ -104,7 +104,7 @@ class Referee:
             elif not why:
                 self.confirmed[number] = name
                 self.world.oracles.confirmed(number)
-        self._call(f"mark {number} in {name.identity}", lambda core: (core.box.scores.mark_once, (name, mark, "Anna")),
+        self._call(f"mark {number} in {name.identity}", lambda core: (core.box.scores.mark, (name, mark, "Anna")),
                    answered, is_durable=True)
 
     def _correct(self, zone):

@@ -98,24 +98,18 @@ class ScoreDesk:
     # -- scores -------------------------------------------------------------------------------------
 
     def mark(self, now: Now, name: RunName, mark: Mark, who: str = "") -> None:
-        """Mark a scoring item. In a finished run, this is a correction. Raises `Refused`."""
-        self._tick(now)
-        with self._record.of(name, who, "score", **asked_of(mark)):
-            mark = mark._replace(note=checked_note(mark.note))
-            run = self.named(name)
-            self.report_correction(run, run.mark(now, checked_who(who), mark))
+        """Mark a scoring item. In a finished run, this is a correction. Raises `Refused`.
 
-    def mark_once(self, now: Now, name: RunName, mark: Mark, who: str = "") -> None:
-        """Mark a scoring item unless this mark was applied before. Raises `Refused`.
-
-        The mark has an identity, and the run is named by its own, so a mark that arrives again changes no other run.
+        A mark with an identity names its run by the run's own, so one that arrives again changes no other run, and is
+        applied once.
         """
         self._tick(now)
         asked = {**asked_of(mark), "mark": mark.id, "role": mark.role, "device": mark.device}
         with self._record.of(name, who, "mark", **asked):
-            if not name.identity:
-                raise Refused([say("name the run: a mark that arrives late must not count in another run")])
-            check_mark_id(mark.id)
+            if mark.id:
+                if not name.identity:
+                    raise Refused([NAME_THE_RUN])
+                check_mark_id(mark.id)
             if mark.role and mark.role not in ROLES:
                 raise Refused([say("no role '{role}': choose one of {choices}")(
                     role=mark.role, choices=", ".join(ROLES))])

@@ -12,10 +12,8 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.judges.desk import Judging
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.counting import Why
-from roah_rsbb.core.scoring.desk import MarkOutcome
 from roah_rsbb.core.scoring.records import RunRecord
-from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.model.actions import ACTIONS, EVERY, STOP
+from roah_rsbb.model.actions import ACTIONS, EVERY, MARK, STOP
 from roah_rsbb.model.reason import say
 from roah_rsbb.nodes.core import judging_convert
 from roah_rsbb.nodes.core.results_convert import sheet_message
@@ -25,16 +23,13 @@ from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.ros.times import ros_time
 from roah_rsbb.srv import (
     Act,
+    ActResponse,
     GetClock,
     GetClockResponse,
     GetJudging,
     GetJudgingResponse,
     GetRunSheet,
     GetRunSheetResponse,
-    MarkItem,
-    MarkItemRequest,
-    MarkItemResponse,
-    ScoreMark,
     StopRun,
     Zone,
     ZoneScore,
@@ -104,26 +99,13 @@ class CoreServices:
     def _serve_scores(self, box: Box) -> None:
         """Services whose success means that the result is on the disk, and with `durable: two` on the standby's."""
         self._serve("set_score", ZoneScore, lambda r: (
-            box.scores.mark, RunName(r.zone), Mark(r.score.group, r.score.desc, r.score.value), who_of(r)
+            box.act, Target(r.zone), MARK, who_of(r),
+            {"group": r.score.group, "desc": r.score.desc, "value": r.score.value}
         ), durable=True)
-        self._serve("score", ScoreMark, lambda r: (
-            box.scores.mark, _run_of(r), Mark(r.group, r.desc, r.value, r.not_attempted, r.note, r.text, r.judge),
-            who_of(r, r.referee)
-        ), durable=True)
-        self._serve("mark", MarkItem, lambda r: (
-            box.scores.mark_once, _run_of(r), mark_of(r), who_of(r, r.referee)
-        ), durable=True, answer_of=self._marked)
         self._serve("act", Act, lambda r: (
             box.act, Target(r.zone, r.run, r.event), r.action, who_of(r, r.referee), given_in(r.given)
-        ), durable=True)
-        self._serve_judges(box)
+        ), durable=True, answer_of=self._acted)
         self._add("run_sheet", GetRunSheet, self._run_sheet)
-
-    def _serve_judges(self, box: Box) -> None:
-        """Services of several judges and of objections. Their success means that the result is on the disk."""
-        self._serve("judge/mark", MarkItem, lambda r: (
-            box.judges.mark, _run_of(r), mark_of(r), r.referee
-        ), durable=True, answer_of=lambda r: _marked(box.judges.outcome(_run_of(r), mark_of(r), r.referee)))
         self._add("judges", GetJudging, self._judging)
 
     def _serve(
@@ -185,8 +167,9 @@ class CoreServices:
         self._renew()
         return GetClockResponse(ros_time(found[0].utc))
 
-    def _marked(self, request: Any) -> MarkItemResponse:
-        return _marked(self._box.scores.outcome(_run_of(request), mark_of(request)))
+    def _acted(self, request: Any) -> ActResponse:
+        found = self._box.outcome(Target(request.zone, request.run), request.action, given_in(request.given))
+        return ActResponse(json.dumps(found) if found else "")
 
     def _judging(self, request: Any) -> GetJudgingResponse:
         found: List[Judging] = []
@@ -234,26 +217,6 @@ def who_of(request: Any, referee: str = "") -> str:
     node = header.get("callerid", "")
     name = referee.strip() or header.get(REFEREE_HEADER, "").strip()
     return f"{name} ({node})" if name and node else name or node
-
-
-def mark_of(request: Any) -> Mark:
-    """The mark in a request to /core/mark. Raises `Refused`."""
-    mark = Mark(
-        request.group, request.desc, note=request.note, judge=request.judge, id=request.id, role=request.role,
-        device=request.device,
-    )
-    if request.change == MarkItemRequest.NOT_ATTEMPTED:
-        return mark._replace(not_attempted=True)
-    if request.change == MarkItemRequest.ADD:
-        return mark._replace(added=request.text or str(request.value))
-    if request.change != MarkItemRequest.SET:
-        raise Refused([f"change {request.change} is not known: this core knows SET, ADD and NOT_ATTEMPTED"])
-    return mark._replace(value=request.value, text=request.text)
-
-
-def _marked(outcome: MarkOutcome) -> MarkItemResponse:
-    item = outcome.item
-    return MarkItemResponse(outcome.entry, item.value, item.not_attempted, item.text)
 
 
 def _run_of(request: Any) -> RunName:

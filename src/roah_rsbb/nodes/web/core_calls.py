@@ -18,7 +18,6 @@ from roah_rsbb.srv import (
     Act,
     GetJudging,
     GetRunSheet,
-    MarkItem,
     StopRun,
 )
 from roah_rsbb.web.commands import STOP, Command, Outcome
@@ -41,14 +40,9 @@ class _Call(NamedTuple):
 
 def _action(command: Command) -> Tuple[Any, ...]:
     fields = command.fields
-    return command.name, command.zone, fields["identity"], fields["event_id"], json.dumps(fields["given"]), ""
-
-
-def _mark(command: Command) -> Tuple[Any, ...]:
-    fields, session = command.fields, command.session
-    return (command.zone, fields["identity"], fields["id"], fields["group"], fields["desc"], fields["change"],
-            fields["value"], fields["text"], fields["judge"], fields["note"], session.person, session.grant.role,
-            session.device)
+    # Who marks with several devices is one person; of all else the device is a part of the name.
+    referee = command.session.person if "device" in fields["given"] else ""
+    return command.name, command.zone, fields["identity"], fields["event_id"], json.dumps(fields["given"]), referee
 
 
 def _run(command: Command) -> Tuple[Any, ...]:
@@ -59,9 +53,7 @@ CALLS: Dict[str, _Call] = {
     **{name: _Call("act", Act, _action) for name in EVERY},
     "stop": _Call("stop_run", StopRun, _run),
     "sheet": _Call("run_sheet", GetRunSheet, _run),
-    "mark": _Call("mark", MarkItem, _mark),
     "judging": _Call("judges", GetJudging, lambda c: (c.zone, c.fields["identity"], c.session.person)),
-    "judge_mark": _Call("judge/mark", MarkItem, _mark),
 }
 
 
@@ -111,4 +103,6 @@ def _outcome(command: Command) -> Outcome:
         return Outcome((str(error),))
     except Exception as error:  # the core was killed, or the master: only an answer ends the repetition of a STOP
         return Outcome((str(error) or type(error).__name__,), is_known=False)
+    if call.kind is Act:
+        return Outcome(result=json.loads(answer.answer) if answer.answer else None)
     return Outcome(result={name: getattr(answer, name) for name in answer.__slots__})

@@ -10,11 +10,12 @@ from typing import Any, Callable, Counter, Dict, Mapping, NamedTuple
 
 import rospy
 
+from roah_rsbb.model.actions import MARK
 from roah_rsbb.ros import refusals
 from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.known_services import KnownService
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
-from roah_rsbb.srv import Act, GetClock, MarkItem, MarkItemRequest, MarkItemResponse
+from roah_rsbb.srv import Act, GetClock
 from roah_rsbb.wording.device import NO_WEB
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.said import tr_said
@@ -59,7 +60,7 @@ class Marked(NamedTuple):
     """The result of a mark."""
 
     clock_s: float  # of the box after it, UTC seconds
-    answer: MarkItemResponse
+    answer: Mapping[str, Any]  # see `Act.answer`
 
 
 class _Waiting(NamedTuple):
@@ -101,20 +102,22 @@ class Calls(QObject):
         """Find the service `name`, so that a later call does not depend on the master."""
         self.run(owner, f"{name}/address", KnownService(name, kind).learn, lambda outcome: None)
 
-    def mark(self, owner: object, mark: MarkItemRequest, done: Callable[[CallOutcome], None]) -> None:
-        """Mark a scoring item; the result is a `Marked`. `mark` needs no id and no referee.
+    def mark(self, owner: object, zone: str, run: str, given: Mapping[str, Any],
+             done: Callable[[CallOutcome], None]) -> None:
+        """Mark a scoring item; the result is a `Marked`. `given`: the values of the action's fields, without an id.
 
         The core applies a mark once. So it is sent again while there is no answer, for example while the core restarts.
         Only messages with a later clock than that of the result surely contain the mark.
         """
-        mark.id, mark.role, mark.referee = str(uuid.uuid4()), ROLE, self._referee.name
+        mark = json.dumps({**given, "id": str(uuid.uuid4()), "role": ROLE})
         headers = self._headers()
 
         def job() -> Marked:
-            answer = _until_answered(lambda: KnownService("/core/mark", MarkItem, headers=headers)(mark))
-            return Marked(KnownService("/core/clock", GetClock)().clock.to_sec(), answer)
+            answer = _until_answered(
+                lambda: KnownService("/core/act", Act, headers=headers)(MARK, zone, run, "", mark, ""))
+            return Marked(KnownService("/core/clock", GetClock)().clock.to_sec(), json.loads(answer.answer))
 
-        self.run(owner, "/core/mark", job, done)
+        self.run(owner, MARK, job, done)
 
     def run(self, owner: object, what: str, job: Callable[[], Any], done: Callable[[CallOutcome], None]) -> None:
         """Run `job` in a thread; `done` receives its result or error, unless `owner` was forgotten."""

@@ -10,7 +10,6 @@ from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QPushButton, QSplitter, Qt, QT
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import Entered, NoteDialog, ScoreDialog
-from roah_rsbb.srv import MarkItemRequest
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.language import tr, tr_later
@@ -173,11 +172,10 @@ class ResultsPanel(RefereePanel):
 
     def _mark(self, summary: RunSummary, item: ScoreItem, given: Entered) -> None:
         what = self._begin(summary, item.desc)
-        self.client.calls.mark(self, MarkItemRequest(
-            zone=summary.zone, identity=summary.identity, group=item.group, desc=item.desc,
-            change=MarkItemRequest.NOT_ATTEMPTED if given.not_attempted else MarkItemRequest.SET, value=given.value,
-            text=given.text, judge=given.judge, note=given.note,
-        ), lambda outcome: self._answer.show_outcome(what, outcome))
+        self.client.calls.mark(self, summary.zone, summary.identity, {
+            "group": item.group, "desc": item.desc, "not_attempted": given.not_attempted, "value": given.value,
+            "text": given.text, "judge": given.judge, "note": given.note,
+        }, lambda outcome: self._answer.show_outcome(what, outcome))
 
     def _ask_reason(self) -> None:
         summary, sheet = self._summary(), self._sheet()

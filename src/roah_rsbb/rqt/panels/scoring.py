@@ -30,7 +30,6 @@ from roah_rsbb.rqt.widgets.score_dialogs import MAX_VALUE, Entered, ScoreDialog
 from roah_rsbb.rqt.widgets.score_fields import NO_JUDGE, ChoiceField, NumberField, RatingFields
 from roah_rsbb.rqt.widgets.sheet_view import SheetView
 from roah_rsbb.rqt.widgets.undo import PLACES, UNDO, UndoRow
-from roah_rsbb.srv import MarkItemRequest
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.module_scores import by_group
@@ -524,13 +523,11 @@ class ScoringPanel(RefereePanel):
     def _send(self, name: EditName, value: Value, note: str = "", added: int = 0) -> None:
         """Send a value that the referee set, or counted with `added`."""
         sheet, (group, desc, judge) = self._sheet, name
-        change = MarkItemRequest.NOT_ATTEMPTED if value is NOT_ATTEMPTED else MarkItemRequest.SET
-        mark = MarkItemRequest(
-            zone=sheet[0], identity=sheet[1], group=group, desc=desc,
-            change=MarkItemRequest.ADD if added else change, value=added or _whole(value),
-            text=value if isinstance(value, str) else "", judge=judge, note=note,
-        )
-        self.client.calls.mark(self, mark, lambda outcome: self._answered(sheet, name, value, outcome))
+        change = {"added": str(added)} if added else {
+            "not_attempted": value is NOT_ATTEMPTED, "value": _whole(value),
+            "text": value if isinstance(value, str) else ""}
+        mark = {"group": group, "desc": desc, **change, "judge": judge, "note": note}
+        self.client.calls.mark(self, *sheet[:2], mark, lambda outcome: self._answered(sheet, name, value, outcome))
 
     def _ask(self, item: ScoreItem) -> None:
         """Ask for a value and a note."""
@@ -568,7 +565,7 @@ class ScoringPanel(RefereePanel):
         else:
             self._answer.clear_answer()
             is_count, answer = self.rows[item[:2]].is_count, outcome.result.answer
-            now = NOT_ATTEMPTED if answer.not_attempted else answer.value
+            now = NOT_ATTEMPTED if answer["not_attempted"] else answer["value"]
             following = self._edits.carried_out(item, outcome.result.clock_s, now if is_count else None)
             if following is not None and is_count:
                 self._send_count(item, value, following)

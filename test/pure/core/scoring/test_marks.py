@@ -372,14 +372,14 @@ def _plus(number, item=BUMPS, **of_mark):
 
 
 def _mark(driver, name, mark, who="Anna"):
-    driver.event(driver.box.scores.mark_once, name, mark, who)
+    driver.event(driver.box.scores.mark, name, mark, who)
     return driver.box.scores.outcome(name, mark)
 
 
 def _refused(driver, name, mark):
     driver.taken()
     with pytest.raises(Refused) as refused:
-        driver.event(driver.box.scores.mark_once, name, mark, "Anna")
+        driver.event(driver.box.scores.mark, name, mark, "Anna")
     (recorded,) = driver.taken()
     assert recorded.value["refused"] == refused.value.reasons
     (reason,) = refused.value.reasons
@@ -429,7 +429,7 @@ def test_a_mark_is_logged_and_recorded_with_role_and_device(driver):
 
 
 @pytest.mark.parametrize("mark, why", [
-    (_plus(1)._replace(id=""), "the id '' cannot identify a mark: give each mark a new UUID"),
+    (_plus(1)._replace(id=" "), "the id ' ' cannot identify a mark: give each mark a new UUID"),
     (_plus(1)._replace(id="x" * 65), "cannot identify a mark"),
     (_plus(1)._replace(id="a\nb"), "cannot identify a mark"),
     (_plus(1)._replace(role="king"), "no role 'king': choose one of referee, judge, organiser"),

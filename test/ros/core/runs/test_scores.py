@@ -11,7 +11,7 @@ from support.waiting import LIMIT_S, happened, wait_until
 from roah_rsbb.msg import Results
 from roah_rsbb.referee import link as terminal
 from roah_rsbb.referee.words import Entered
-from roah_rsbb.srv import GetRunSheet, MarkItem, MarkItemRequest, ScoreMark
+from roah_rsbb.srv import GetRunSheet
 
 ZONE = "Scores"
 DOOR = ("Achievements", "Detects the door whose state has changed")
@@ -63,8 +63,8 @@ class TestScores(BoxCase):
 
     def marks(self, identity: str) -> None:
         self.box.set_score(ZONE, *DOOR, 1)
-        self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 2, False, "", "", "the vase", "Anna")
-        self.box.call("score", ScoreMark, ZONE, "", *FURNITURE, 0, True, "", "", "", "")
+        self.mark(identity, BUMPS, "Anna", value=2, note="the vase")
+        self.mark("", FURNITURE, not_attempted=True)
         self.assertEqual(self.values(identity), {DOOR[1]: 1, BUMPS[1]: 2, FURNITURE[1]: "-"})
         history = self.sheet().history
         self.assertEqual([(e.number, e.who, e.desc, e.note) for e in history], [
@@ -81,12 +81,9 @@ class TestScores(BoxCase):
         wait_until(lambda: "not attempted)" in self.summary(identity).score, "and what was not attempted")
 
     def refusals(self, identity: str) -> None:
-        for service, kind, request, why in (
-            ("score", ScoreMark, (identity, *DOOR, 2, False, "", "", "", ""), "0 or 1"),
-            ("score", ScoreMark, ("HWV-1-2", *DOOR, 1, False, "", "", "", ""), "'HWV-1-2' is not one of"),
-        ):
+        for name, value, why in ((identity, 2, "0 or 1"), ("HWV-1-2", 1, "'HWV-1-2' is not one of")):
             with self.assertRaisesRegex(Refusal, why):
-                self.box.call(service, kind, ZONE, *request)
+                self.mark(name, DOOR, value=value)
         for action, given, why in (
             ("withdraw", {"entry": 9}, "no entry 9: choose from 1, 3"),
             ("stop_reason", {"reason": "why"}, "was not stopped yet"),
@@ -107,7 +104,7 @@ class TestScores(BoxCase):
 
     def corrections(self, identity: str) -> None:
         wait_until(lambda: self.summary(identity).closed.to_sec(), "the results say that the run is over")
-        self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 4, False, "", "", "seen on video", "Anna")
+        self.mark(identity, BUMPS, "Anna", value=4, note="seen on video")
         wait_until(lambda: self.summary(identity).corrected, "the correction is marked")
         before = self.sheet(identity)
         self.restart_core()
@@ -123,12 +120,15 @@ class TestScores(BoxCase):
         self.restart_core()
         self.assertEqual(self.summary(identity).signed_by, f"Cleo ({self.node})")
         with self.assertRaisesRegex(Refusal, r"signed off by Cleo \(.*\) at .*: it is final"):
-            self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 5, False, "", "", "", "Anna")
+            self.mark(identity, BUMPS, "Anna", value=5)
 
     def add(self, identity: str, mark_id: str, device: str = "", added: int = 1):
         """Count bumps."""
-        return self.box.call("mark", MarkItem, ZONE, identity, mark_id, *BUMPS, MarkItemRequest.ADD, added, "", "", "",
-                             "Anna", "referee", device)
+        return self.mark(identity, BUMPS, "Anna", added=str(added), id=mark_id, role="referee", device=device)
+
+    def mark(self, identity: str, item: tuple, referee: str = "", **given: object):
+        """Mark an item; returns the core's answer."""
+        return self.box.act("mark", ZONE, identity, referee, group=item[0], desc=item[1], **given)
 
     def test_counts_of_several_referees_add_up_and_each_mark_counts_once(self) -> None:
         self.box.command("open_sheet", ZONE)
@@ -152,15 +152,15 @@ class TestScores(BoxCase):
         known = {entry.who for entry in self.sheet(identity).history}
         self.assertEqual(known, {f"Anna, phone {n} ({self.node})" for n in range(3)})
         self.restart_core()
-        self.assertEqual(self.add(identity, "phone 0 0").value, 30)
+        self.assertEqual(self.add(identity, "phone 0 0")["value"], 30)
         answer = self.add(identity, "undo", added=-1)
-        self.assertEqual(answer.value, 29)
-        self.box.act("withdraw", ZONE, identity, "Anna", entry=answer.number)
+        self.assertEqual(answer["value"], 29)
+        self.box.act("withdraw", ZONE, identity, "Anna", entry=answer["number"])
         self.assertEqual(self.values(identity), {BUMPS[1]: 30})
         with self.assertRaisesRegex(Refusal, "its value must be 0 or more, not -1"):
             self.add(identity, "too many", added=-31)
         self.box.command("disconnect", ZONE)
-        self.assertEqual(self.add(identity, "phone 1 1").value, 30, "also of a run that is over")
+        self.assertEqual(self.add(identity, "phone 1 1")["value"], 30, "also of a run that is over")
 
     def test_marks_of_a_terminal_during_a_restart_count_once(self) -> None:
         self.box.command("open_sheet", ZONE)

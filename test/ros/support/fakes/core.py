@@ -29,7 +29,7 @@ from roah_rsbb.core.scoring.records import EndReason
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model import fields
-from roah_rsbb.model.actions import ACTIONS, EVERY
+from roah_rsbb.model.actions import ACTIONS, EVERY, MARK
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
@@ -82,6 +82,10 @@ _ANSWERS = {
 
 def _acted(zone: str, action: str, given: Any) -> tuple:
     """An action as tests see it."""
+    if action == MARK:
+        return ("score", zone, given["group"], given["desc"],
+                NOT_ATTEMPTED if given.get("not_attempted") else
+                f"{int(given['added']):+d}" if given.get("added") else given["value"])
     if action == "choose_event":
         return action, zone, EVENTS[int(given["event"].rpartition("e")[2]) - 1][0], given.get("unsigned", False)
     values = fields.read(EVERY[action].fields, given)
@@ -92,10 +96,6 @@ def _acted(zone: str, action: str, given: Any) -> tuple:
 _CALLS: Dict[str, Callable[..., tuple]] = {
     "act": lambda target, action, who, given: _acted(target.zone, action, given),
     "stop": lambda run, who: ("stop_run", run.zone),
-    "mark": lambda run, mark, who: ("score", run.zone, mark.group, mark.desc, mark.value),
-    "mark_once": lambda run, mark, who: (
-        "score", run.zone, mark.group, mark.desc,
-        NOT_ATTEMPTED if mark.not_attempted else f"{int(mark.added):+d}" if mark.added else mark.value),
 }
 # Of the values of an action, which tests see with its name and its zone.
 _SEEN = {
@@ -104,7 +104,7 @@ _SEEN = {
     "switch": ("number",), "damaged": ("number",),
 }
 # What the referee said with these: the note or reason.
-_SAID = {"withdraw": "note", "stop_reason": "reason", "sign_off": ""}
+_SAID = {MARK: "note", "withdraw": "note", "stop_reason": "reason", "sign_off": ""}
 
 
 class Asked(NamedTuple):
@@ -394,10 +394,7 @@ class FakeCore:
 
     def _hear(self, method: str, *arguments: Any) -> None:
         """Note what the referee said."""
-        if method in ("mark", "mark_once"):
-            run, mark, who = arguments
-            self.words.append((run.identity, mark.note, who.rpartition(" (")[0]))
-        elif method == "act" and arguments[1] in _SAID:
+        if method == "act" and arguments[1] in _SAID:
             target, action, who, given = arguments
             self.words.append((target.run, given.get(_SAID[action], ""), who.rpartition(" (")[0]))
 

@@ -86,8 +86,9 @@ class Zone:
         elif name == "operation":
             self.operation = ""
         elif name == "mark":
-            index = [desc for _, desc, _ in ITEMS].index(fields["desc"])
-            self.values[index] = fields["value"] + (self.values[index] if fields["change"] else 0)
+            index = [desc for _, desc, _ in ITEMS].index(fields["given"]["desc"])
+            given = fields["given"]
+            self.values[index] = self.values[index] + int(given["added"]) if given["added"] else given["value"]
 
     def details(self) -> ZoneDetails:
         """As the core publishes them."""
