@@ -4296,8 +4296,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/book.py"/>
-        <source>&apos;{run}&apos; is not one of the newest {most} runs that were started and are over: see &apos;rosrun roah_rsbb results&apos;</source>
-        <translation>„{run}“ ist keiner der neuesten {most} Läufe, die gestartet wurden und vorbei sind: siehe &apos;rosrun roah_rsbb results&apos;</translation>
+        <source>&apos;{run}&apos; is not one of the newest {most} runs that are over: see &apos;rosrun roah_rsbb results&apos;</source>
+        <translation>„{run}“ ist keiner der neuesten {most} Läufe, die vorbei sind: siehe &apos;rosrun roah_rsbb results&apos;</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>

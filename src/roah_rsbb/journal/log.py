@@ -611,12 +611,14 @@ class Log:
             self._waiting.popleft()
 
     def content_of(self, numbers: Container[int]) -> Iterator[Tuple[int, bytes]]:
-        """Return the salt and the content of the segments with these numbers, also if their files were removed."""
+        """Return the salt and the content of the segments with these numbers, also if their files were removed: of each
+        up to where the next one begins. What is behind that was torn off, and its numbers were given again."""
         with self.lock:
             found = [*self._kept, *([] if self._fd is None else [(self.segment, self._fd)])]
+            ends = {segment.head.before: segment.head.before_bytes for segment, _ in found}
         for segment, fd in found:
             if segment.name.number in numbers:
-                yield segment.head.salt, _content(fd)
+                yield segment.head.salt, _content(fd)[:ends.get(segment.head.salt)]
 
     @property
     def is_in_place(self) -> bool:

@@ -239,6 +239,29 @@ def test_unwritten_entries_wait_in_their_order(journals, monkeypatch):
     assert journal.why_not_saved(ticket) == ""
 
 
+def test_a_run_has_no_entries_of_a_torn_tail(journals, tmp_path, monkeypatch):
+    """After a power failure in which the middle of three writes was lost, their numbers are given again."""
+    def fail(_fd):
+        raise OSError(5, "Input/output error")
+
+    before = journals()
+    assert before.why_not_saved(before.write(BATCH)) == ""
+    with monkeypatch.context() as broken:
+        broken.setattr("os.fsync", fail)
+        for number in range(3):
+            before.write(Batch(entries=[ENTRY._replace(value=f"value {number}")]))
+        shutil.copytree(str(tmp_path / "log"), str(tmp_path / "after" / "log"))
+    left = pathlib.Path(tmp_path / "after" / "log" / FILE_NAME)
+    _changed(left, lambda content: content.replace(b"value 1", b"value x"))
+    after = Journal(str(tmp_path / "after" / "log"), session(), COMPETITION, Resume.ALWAYS, [].append)
+    try:
+        assert after.why_not_saved(after.write(Batch(states={"box": {}}))) == ""
+        assert b"value 2" in min(left.glob("*.log")).read_bytes()
+        assert [entry.value for entry in after.entries_of(6667)] == [ENTRY.value, "value 0"]
+    finally:
+        after.close()
+
+
 def test_a_disk_that_is_full_at_the_start(journals):
     before = journals()
     before.write(BATCH)

@@ -38,7 +38,6 @@ class Oracles:
         self._before = {}  # what a killed core had written, by computer
         self._acknowledged = {}  # newest time, by computer and port
         self._moving = {}  # since when a robot moves in a run that is over, by robot
-        self._started = set()  # identities of runs
         self.corrected = set()  # identities of runs of which entries were withdrawn
         self._ports = {}  # identity of the run, by port
         self._clocks = {}  # (true time, elapsed seconds, whether they count), by identity and start of a run
@@ -140,8 +139,6 @@ class Oracles:
         try:
             record = core.box.scores.record_of(core.now(), name)
         except Refused as refused:
-            if name.identity not in self._started:
-                return  # a run that was never started is left without a result
             self.fail("confirmed entry is missing", f"mark {number}: {refused}")
             return
         count = sum(line.endswith(f" {number}") for line in record.marks.splitlines())
@@ -211,12 +208,14 @@ class Oracles:
             self._check_stopped(robot, core)
 
     def _check_stopped(self, robot, core):
-        """A robot that moves in a run that is over is not shown as stopped."""
+        """A robot that moves in a run that is over is not shown as stopped, or as silent. One that still follows a
+        box from which another took over is silent."""
         link, now = robot.link, self._world.scheduler.now
         run = None if link is None else core.box.zones.run_at(link.port)
         is_wrong = (
             run is not None and run.phase is not Phase.RUNNING and robot.state is not RobotState.STOP
-            and robot.is_running and run.robot_state is RobotState.STOP and not world_is_bad(self._world, robot))
+            and robot.is_running and run.robot_state is RobotState.STOP and not run.link.is_silent(core.now())
+            and not world_is_bad(self._world, robot))
         if not is_wrong:
             self._moving.pop(robot, None)
         elif now - self._moving.setdefault(robot, now) > STOP_S:
@@ -234,8 +233,6 @@ class Oracles:
             if run is None:
                 continue
             record = run.record(now)
-            if record.end_reason or run.phase is Phase.RUNNING:
-                self._started.add(record.identity)
             self._check_points(record)
             self._check_sums(core, record)
             self._check_clock(run, record)

@@ -9,7 +9,7 @@ from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.records import By
 from roah_rsbb.core.zones import Zone
-from roah_rsbb.model.actions import ACTIONS, Action
+from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import Field
 
 Given = Mapping[str, Any]  # the values of an action's fields, all of them
@@ -30,11 +30,7 @@ class ZoneAction(abc.ABC):
     def __init__(self, parts: Parts) -> None:
         self._candidates = parts.candidates
         self._connections = parts.connections
-
-    @property
-    def action(self) -> Action:
-        """What faces know of it."""
-        return ACTIONS[self.name]
+        self.action = ACTIONS[self.name]  # what faces know of it
 
     def shown(self, zone: Zone) -> bool:
         """Whether faces show it in this zone, beside what they lay out themselves."""

@@ -17,6 +17,7 @@ from roah_rsbb.core.zones import Zone, Zones
 from roah_rsbb.model import fields
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.shown import Shown
 from roah_rsbb.wording.suggestions import did_you_mean
 
 # What each action of `model.actions` does.
@@ -67,6 +68,14 @@ class Actions:
         if self._record.closed:
             return [self._record.closed]
         return self._all[name].off(now, zone, self._nothing[name])
+
+    def shown(self, now: Now, zone: Zone) -> Tuple[Shown, ...]:
+        """Return what faces show of all actions, in their order. It is made ten times a second for each zone."""
+        closed = (self._record.closed,) if self._record.closed else ()
+        return tuple([
+            Shown(closed or tuple(action.off(now, zone, self._nothing[name])), action.shown(zone),
+                  action.form(now, zone))
+            for name, action in self._all.items()])
 
     def do(self, now: Now, target: Target, name: str, who: str = "", given: Mapping[str, Any] = NOTHING) -> None:
         """Carry out an action. `given`: the values of its fields by their names, as in JSON. Raises `Refused`."""

@@ -332,8 +332,11 @@ class FinishedRuns:
         self.ranking = ranking
 
     def add(self, record: RunRecord) -> None:
-        """Keep a run that was just left, unless it never ended. The oldest one is final if there are too many."""
-        if not record.end_reason:
+        """Keep a run that was just left. The oldest one is final if there are too many.
+
+        One that never ended is only kept if something was entered for it: its start may be what a power failure took.
+        """
+        if not (record.end_reason or record.history or record.marks or record.judging.sheets):
             return
         benchmark = self._benchmarks.get(record.benchmark)
         if benchmark is None:  # the configuration was changed since this record
@@ -361,7 +364,7 @@ class FinishedRuns:
         run = self._runs.get(identity)
         if run is None:
             raise Refused([
-                say("'{run}' is not one of the newest {most} runs that were started and are over: see 'rosrun "
+                say("'{run}' is not one of the newest {most} runs that are over: see 'rosrun "
                     "roah_rsbb results'")(run=identity, most=MAX_KEPT)
             ])
         return run

@@ -230,7 +230,6 @@ def coming_events(box: Box) -> List[ScheduleLine]:
 
 def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
     run = zone.run
-    actions = tuple(_action(box, zone, name, now) for name in ACTIONS)
     log, online_data = _texts(zone)
     view = ZoneView(
         zone=zone.name,
@@ -238,7 +237,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         timeout=zone.event.benchmark.limit if run is None else run.limit(),
         timer=timer_of(zone, now),
         state="",
-        actions=actions,
+        actions=box.actions.shown(now, zone),
         log=log,
         online_data=online_data,
         scoring=() if run is None else run.sheet.groups(),
@@ -259,11 +258,6 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
     lines = _state_lines(box, zone, view, now)
     said = [*lines, *view.warnings]
     return view._replace(state="\n".join(lines), said=tuple(text for text in said if is_made(text)))
-
-
-def _action(box: Box, zone: Zone, name: str, now: Now) -> Shown:
-    action = box.actions[name]
-    return Shown(tuple(box.actions.off(now, zone, name)), action.shown(zone), action.form(now, zone))
 
 
 def _end(run: ZoneRun) -> str:

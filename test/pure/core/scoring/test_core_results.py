@@ -7,7 +7,7 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import BUMPS, DOOR, OBJECTS, UTC0, competition, event, run_record
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.referee import Refused
+from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.scoring import book, counting
 from roah_rsbb.core.scoring.book import MAX_KEPT, FinishedRuns, left_behind
@@ -69,6 +69,21 @@ def test_a_run_that_was_never_started_has_no_record():
     driver.connected()
     driver.command("disconnect")
     assert driver.box.finished.records() == []
+
+
+def test_what_was_entered_for_a_run_is_kept_though_it_was_never_started():
+    """Its start may be what a power failure took."""
+    driver = BoxDriver()
+    driver.connected()
+    driver.score(*BUMPS.key, 2)
+    identity = driver.run_in().identity
+    driver.command("disconnect")
+    record, = driver.box.finished.records()
+    assert (record.identity, record.started_utc) == (identity, 0.0)
+    assert {item.desc: item.value for item in record.items}[BUMPS.desc] == 2
+    assert driver.box.scores.why(driver.now, identity) is Why.NEVER_STARTED
+    assert public_view(driver.box, driver.now, PublicResults.SCORES, provisional=True).provisional == ()
+    driver.event(driver.box.scores.sign_off, RunName("tbm", identity), "Anna")
 
 
 def test_a_run_that_is_repeated_is_shown_instead_of_the_one_before_and_both_are_kept():
