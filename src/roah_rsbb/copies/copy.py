@@ -73,8 +73,12 @@ class Copy:
         """
         raise NotImplementedError
 
-    def set_aside(self) -> None:
-        """Keep the contents under another name, and begin a new copy."""
+    def set_aside(self, journal: str) -> None:
+        """Begin a new copy, of the journal with this identity, and keep the contents under another name."""
+        raise NotImplementedError
+
+    def complete(self) -> None:
+        """Everything that the journal had at some moment was written. A new copy takes the place of the one before."""
         raise NotImplementedError
 
     def close(self) -> None:

@@ -8,6 +8,9 @@ disk. So is a segment in which an fsync failed: Linux does not try again to writ
 be only in memory. All of it is written again, and the old one stays in its place, for a takeover, until the new one
 replaces it.
 
+Where the box continued an earlier state of the journal, such as after a power failure that took the newest records, the
+copy begins anew. The one before stays in its place until the new one is complete: a takeover needs what was confirmed.
+
 The records of a segment say what was proven on the disk of the box, which says nothing of this disk. So a file beside
 the journal says how much of the newest segment was on this one. A gap after that is a torn tail, not damage.
 """
@@ -15,10 +18,12 @@ the journal says how much of the newest segment was on this one. A gap after tha
 import contextlib
 import glob
 import os
+import shutil
 from typing import Iterator, Optional, Set
 
 from roah_rsbb import durable
 from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent, Held, Part, crc_of, intact_size
+from roah_rsbb.copies.segments import identity_in
 from roah_rsbb.journal import file as files
 from roah_rsbb.journal import log
 from roah_rsbb.model.reason import say
@@ -31,6 +36,8 @@ _FAILED = say("{error}. Check the disk or stick of the copy")
 _NOT_MOUNTED = say("the stick is not mounted. Plug it in again")
 _MISSING = say("the folder is missing. Plug the stick in again, or create the folder")
 _REMOVED, _REPLACED = say("it was removed. Plug the stick in again"), say("it was replaced. Plug the stick in again")
+# A copy that takes the place of the one before when it is complete.
+NEXT = ".next"
 # The file that says so may lack this much.
 CERTAIN_BYTES = 1 << 20
 # Segments in which an fsync failed, and that were not written again yet. Their drafts say so to later processes.
@@ -68,7 +75,7 @@ class CopyFolder(Copy):
         """Raises `CannotWriteCopy`."""
         super().__init__()
         self._place = folder
-        self.path = os.path.join(folder, files.FILE_NAME)
+        self.path = self._final = os.path.join(folder, files.FILE_NAME)
         self._certain = 0  # bytes of the newest segment that are noted to be on the disk
         self._lock: Optional[files.Lock] = None
         with self._writing():
@@ -77,6 +84,7 @@ class CopyFolder(Copy):
             self._lock = files.lock(folder)
             self._file = files.identity(f"{self.path}.lock")
             try:
+                _finish_exchange(self._final)
                 self._open()
             except BaseException:
                 self.close()
@@ -91,7 +99,7 @@ class CopyFolder(Copy):
 
     def check(self) -> None:
         """Raise `CannotWriteCopy` if the path no longer leads to this copy."""
-        if not os.path.isdir(self.path) or files.identity(f"{self.path}.lock") != self._file:
+        if not os.path.isdir(self.path) or files.identity(f"{self._final}.lock") != self._file:
             raise CannotWriteCopy(_REMOVED)
 
     def write_files(self, beside: FileContent) -> None:
@@ -120,11 +128,26 @@ class CopyFolder(Copy):
             elif not is_new and self.sizes[part.segment] >= self._certain + CERTAIN_BYTES:
                 self._note_certain(part.segment)
 
-    def set_aside(self) -> None:
-        """Keep the journal under another name, and begin a new one. Raises `CannotWriteCopy`."""
+    def set_aside(self, journal: str) -> None:
+        """Begin a new copy of this journal. An earlier one of the same journal keeps its place until `complete`.
+        Raises `CannotWriteCopy`."""
         with self._writing():
-            self.aside = files.set_aside(self.path)
+            if _identity_of(self._final) == journal:
+                self.path = self._final + NEXT
+                _remove(self.path)
+            else:
+                self.aside = files.set_aside(self._final)
             self._open()
+
+    def complete(self) -> None:
+        """See `Copy`. Raises `CannotWriteCopy`."""
+        if self.path == self._final:
+            return
+        with self._writing():
+            self.aside = files.set_aside(self._final)
+            _finish_exchange(self._final)
+            self.path = self._final
+            self._note_certain(str(log.names_in(self.path)[-1]))
 
     # -- steps --------------------------------------------------------------------------------------
 
@@ -164,12 +187,40 @@ class CopyFolder(Copy):
 
 
 def drop_drafts(folder: str) -> bool:
-    """Remove the drafts of a copy that is used from now on: nothing may replace its segments any more. Returns whether
-    one of these was not to be trusted. Raises OSError."""
+    """Remove the drafts of a copy that is used from now on: nothing may replace it or its segments any more. Returns
+    whether one of these was not to be trusted. Raises OSError."""
+    path = os.path.join(folder, files.FILE_NAME)
+    _finish_exchange(path)
+    _remove(path + NEXT)
     drafts = glob.glob(os.path.join(glob.escape(folder), files.FILE_NAME, f"*{log.DRAFT}"))
     for draft in drafts:
         os.unlink(draft)
     return any(os.path.exists(draft[:-len(log.DRAFT)]) for draft in drafts)
+
+
+def _identity_of(path: str) -> str:
+    """Return the identity of the journal in a folder; empty: there is none. Raises OSError."""
+    names = log.names_in(path)
+    if not names:
+        return ""
+    with open(os.path.join(path, str(names[-1])), "rb") as file:
+        return identity_in(file.read(log.HEAD_BYTES))
+
+
+def _remove(path: str) -> None:
+    """Remove a journal that is not needed. Raises OSError."""
+    with contextlib.suppress(FileNotFoundError):
+        shutil.rmtree(path)
+    with contextlib.suppress(FileNotFoundError):
+        os.unlink(path + log.CERTAIN)
+
+
+def _finish_exchange(path: str) -> None:
+    """Give a new copy its place, if the one before was set aside. Raises OSError."""
+    if not os.path.isdir(path) and os.path.isdir(path + NEXT):
+        os.rename(path + NEXT, path)
+        durable.sync(os.path.dirname(path))
+        _remove(path + NEXT)
 
 
 def _put(fd: int, part: Part) -> None:

@@ -117,7 +117,7 @@ class Follower:
             self._copy.check()
             is_earlier = all(size <= present.get(segment, -1) for segment, size in self._copy.sizes.items())
         if not is_earlier:
-            self._copy.set_aside()
+            self._copy.set_aside(self._journal.identity)
         self._sizes = self._copy.sizes
         # The files come first: the journal refers to them.
         beside = self._beside.changed()
@@ -129,6 +129,7 @@ class Follower:
                     return
                 self._copy.write(part)
                 self.progress = self.progress._replace(trouble="", missing_bytes=self._missing_bytes())
+        self._copy.complete()
         self.progress = self.progress._replace(trouble="", complete_mono=began, missing_bytes=0, aside=self._copy.aside)
         if question is not self._answered:
             self._answered = question

@@ -69,7 +69,7 @@ class JournalSegments:
         if str(name) != self._newest or size < self._end:
             self._newest, self._end = str(name), log.HEAD_BYTES
             with open(self._path(str(name)), "rb") as file:
-                self.identity = _identity_in(file.read(log.HEAD_BYTES))
+                self.identity = identity_in(file.read(log.HEAD_BYTES))
         if size > self._end:
             with open(self._path(str(name)), "rb") as file:
                 file.seek(self._end)
@@ -78,7 +78,8 @@ class JournalSegments:
         return self._end
 
 
-def _identity_in(head: bytes) -> str:
+def identity_in(head: bytes) -> str:
+    """Return the identity of the journal to which the head of a segment belongs; empty: it is damaged."""
     try:
         return log.read_head(head).uuid.hex()
     except (log.NotASegment, log.NewerFormat):

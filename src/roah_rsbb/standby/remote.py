@@ -11,9 +11,10 @@ from roah_rsbb.model.reason import decode, encode, say
 from roah_rsbb.standby.clocks import ClockDifference
 from roah_rsbb.standby.messages import BadMessage, Message, files_of, held_of, part_of
 
-OPEN, WRITE, WRITE_FILES, SET_ASIDE, BEAT = "open", "write", "write_files", "set_aside", "beat"
-# Of the messages, and of the journal in them. Versions with other messages had numbers up to 2.
-VERSION = (3, log.VERSION)
+OPEN, WRITE, WRITE_FILES, SET_ASIDE, COMPLETE, BEAT = (
+    "open", "write", "write_files", "set_aside", "complete", "beat")
+# Of the messages, and of the journal in them. Versions with other messages had numbers up to 3.
+VERSION = (4, log.VERSION)
 # Each end hears the other one at least this often.
 BEAT_S = 0.5
 # In an answer: the standby becomes the box.
@@ -46,6 +47,7 @@ class RemoteCopy(Copy):
         self._core, self._on_taken = core, on_taken
         self._said = CoreState()
         self._heard_mono = now()
+        self._is_new = False
         self._open(OPEN)
 
     def check(self) -> None:
@@ -62,15 +64,22 @@ class RemoteCopy(Copy):
         self._ask({"do": WRITE, **part._asdict()})
         self.note(part)
 
-    def set_aside(self) -> None:
+    def set_aside(self, journal: str) -> None:
         """Let the standby begin a new copy."""
-        self._open(SET_ASIDE)
+        self._open(SET_ASIDE, journal)
+        self._is_new = True
+
+    def complete(self) -> None:
+        """Let the standby use the new copy."""
+        if self._is_new:
+            self.aside = str(self._ask({"do": COMPLETE}).get("aside", ""))
+            self._is_new = False
 
     def close(self) -> None:
         """The standby closes its copy when it is opened again."""
 
-    def _open(self, how: str) -> None:
-        answer = self._ask({"do": how, "version": VERSION, "boot": boot_id()})
+    def _open(self, how: str, journal: str = "") -> None:
+        answer = self._ask({"do": how, "version": VERSION, "boot": boot_id(), "journal": journal})
         try:
             self.open(held_of(answer))
         except BadMessage as error:
@@ -124,8 +133,11 @@ class Receiver:
         if self._copy is None:
             raise CannotWriteCopy("the copy is not open")
         if what == SET_ASIDE:
-            self._copy.set_aside()
+            self._copy.set_aside(str(message.get("journal")))
             return self._opened(self._copy)
+        if what == COMPLETE:
+            self._copy.complete()
+            return {"aside": self._copy.aside}
         self._copy.check()
         if what == WRITE:
             self._copy.write(part_of(message))

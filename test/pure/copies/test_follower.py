@@ -15,7 +15,8 @@ from roah_rsbb.copies import copy as copies
 from roah_rsbb.copies import folder as folders
 from roah_rsbb.copies import follower as module
 from roah_rsbb.copies import segments
-from roah_rsbb.copies.folder import CopyFolder, Stick
+from roah_rsbb.copies.copy import CannotWriteCopy
+from roah_rsbb.copies.folder import NEXT, CopyFolder, Stick, drop_drafts
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.journal import log
 from roah_rsbb.journal.file import FILE_NAME, Resume
@@ -29,9 +30,10 @@ def asides(folder):
     return sorted(path.name for path in folder.iterdir() if "_aside_" in path.name)
 
 
-def segments_in(folder):
-    """The paths of the segments in a folder, oldest first."""
-    return [folder / FILE_NAME / str(name) for name in log.names_in(str(folder / FILE_NAME))]
+def segments_in(folder, which=""):
+    """The paths of the segments in a folder, oldest first; `which`: of the new copy."""
+    path = folder / (FILE_NAME + which)
+    return [path / str(name) for name in log.names_in(str(path))]
 
 
 def newest(folder):
@@ -307,19 +309,59 @@ def test_records_that_only_the_copy_has_are_kept_aside(copied, tmp_path):
 
 @pytest.mark.parametrize("lost", ["shorter", "other content"])
 def test_records_at_the_end_of_a_segment_that_only_the_copy_has(copied, lost):
-    """A power cut takes the end of the box's newest segment, and the box continues in the next one."""
+    _continued_without_its_end(copied, lost == "other content")
+    assert copied.step()
+    assert len(asides(copied.stick)) == 1
+
+
+def _continued_without_its_end(copied, is_overwritten=False):
+    """A power failure takes the end of the box's newest segment, and the box continues in the next one."""
     copied.writer.entry("/notification", "saved")
     size = newest(copied.log_dir).stat().st_size
     copied.writer.entry("/notification", "lost with the power")
     assert copied.step()
     copied.writer.journal.close()
     path = newest(copied.log_dir)
-    path.write_bytes(path.read_bytes()[:size].ljust(size if lost == "shorter" else path.stat().st_size, b"\0"))
+    path.write_bytes(path.read_bytes()[:size].ljust(path.stat().st_size if is_overwritten else size, b"\0"))
     copied.writer = copied.new_writer()
     copied.follower.close()
     copied.follower = copied.new_follower()
+
+
+def test_a_new_copy_takes_the_place_of_the_one_before_when_it_is_complete(copied, monkeypatch):
+    """A takeover needs what was confirmed."""
+    _continued_without_its_end(copied)
+    before = contents(copied.stick)
+    write = CopyFolder.write
+    with monkeypatch.context() as interrupted:
+        def write_one(self, part):
+            if part.segment == newest(copied.log_dir).name:
+                raise CannotWriteCopy("the stick was pulled out")
+            write(self, part)
+        interrupted.setattr(CopyFolder, "write", write_one)
+        assert not copied.step()
+    assert len(segments_in(copied.stick)) == 1 and len(segments_in(copied.stick, NEXT)) == 1
+    assert contents(copied.stick) == before
     assert copied.step()
-    assert len(asides(copied.stick)) == 1
+    assert contents(copied.stick) == contents(copied.log_dir)
+    (aside,) = asides(copied.stick)
+    assert copied.follower.progress.aside == str(copied.stick / aside)
+    assert not list(copied.stick.glob(f"*{NEXT}*"))
+
+
+def test_a_copy_whose_exchange_was_interrupted_is_used(copied, monkeypatch):
+    def rename(old, new):
+        if NEXT in old:
+            raise OSError(errno.EIO, "pulled out")
+        os.replace(old, new)
+
+    _continued_without_its_end(copied)
+    with monkeypatch.context() as killed:
+        killed.setattr("os.rename", rename)
+        assert not copied.step()
+    assert not (copied.stick / FILE_NAME).exists()
+    assert not drop_drafts(str(copied.stick))
+    assert contents(copied.stick) == contents(copied.log_dir)
 
 
 def test_the_core_begins_another_journal(copied):

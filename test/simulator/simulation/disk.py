@@ -105,6 +105,11 @@ class Storage:
                 process.loop.time, lambda work: Syncer(process, work))
         return make
 
+    @property
+    def is_in_trouble(self):
+        """Whether what was written lately may not be on it."""
+        return self.scheduler.now < max(self.slow_until, self.broken_until, self.full_until) + self.slow_s
+
     def sync_s(self):
         """How long a sync takes now."""
         if self.scheduler.now < self.slow_until:

@@ -170,6 +170,10 @@ class Oracles:
         """A core was killed."""
         core = box.core
         self._before.pop(box, None)
+        if core is not None and box.storage.is_in_trouble:
+            kept = core.store.saved if power else core.store.committed
+            if kept < core.journal._ticket:
+                self._clocks.clear()  # a pause may be lost, however long it was
         if core is None or power or core.store.committed < core.journal._ticket or core.box.is_superseded:
             return
         self._before[box] = {zone.name: _lasting(freeze(zone.saved())) for zone in core.box.zones.values()}
