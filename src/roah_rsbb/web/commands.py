@@ -69,11 +69,15 @@ def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:
             raise BadCommand(f"{field} is no text")
         fields[field] = value
     if action is not None:
+        entered = body.get("given", {})
+        if not isinstance(entered, dict):
+            raise BadCommand("given is no object")
         # What a judge does is done under the name that was typed when the device was paired.
-        known = {**body, "judge": session.person, "device": session.device} if action.roles == JUDGES else body
+        judge = {"judge": session.person, "device": session.device} if action.roles == JUDGES else {}
+        known = {**body, **entered, **judge}
         given = {field.name: known[field.name] for field in action.fields if field.name in known}
         try:
-            fields["given"] = model_fields.read(action.fields, given)
+            fields["given"] = entered if action.is_open else model_fields.read(action.fields, given)
         except model_fields.BadValue as bad:
             raise BadCommand(str(bad)) from None
     return Command(name, zone, session, fields)

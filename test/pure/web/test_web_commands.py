@@ -63,10 +63,17 @@ def test_a_judge_gives_own_ratings_only():
     ("king", {}), ("connect", {"zone": 1}), ("mark", {"change": True}), ("mark", {"change": "1"}),
     ("mark", {"value": 2**31}), ("mark", {"value": 1.5}), ("mark", {"note": "x" * 501}), ("stop", {"identity": None}),
     ("stop", {"identity": ["x"]}), ("mark", {"note": "\ud83e"}),
+    ("operation", {"given": [1]}), ("start", {"given": "x"}),
 ])
 def test_malformed_commands_are_refused(name, body):
     with pytest.raises(BadCommand):
         command_of(name, body, session())
+
+
+def test_the_fields_of_a_modules_form_are_for_the_core_to_read():
+    given = {"operation": 7, "zone": "a field", "pose": [1, 2, 3]}
+    command = command_of("operation", {"zone": "Home", "identity": "run", "language": "de", "given": given}, session())
+    assert command.fields == {"identity": "run", "event_id": "", "given": given}
 
 
 def test_unknown_fields_are_left_out():

@@ -4,7 +4,7 @@ import contextlib
 from types import MappingProxyType
 from typing import Any, Dict, List, Mapping, NamedTuple, Tuple, Type
 
-from roah_rsbb.core.actions import connecting, events, running
+from roah_rsbb.core.actions import connecting, events, modules, running
 from roah_rsbb.core.actions.base import Given, Parts, ZoneAction
 from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.candidates import Candidates
@@ -24,6 +24,7 @@ KINDS: Tuple[Type[ZoneAction], ...] = (
     connecting.Connect, connecting.Disconnect, running.Start, running.Stop, events.Previous, events.Next,
     running.PreviousPhase, running.NextPhase, running.Pause, running.Resume,
     connecting.OpenSheet, connecting.NoShow, connecting.Withdrawn, events.ChooseEvent,
+    modules.Operation, modules.Switch, modules.Damaged, modules.ConfirmSwitches,
 )
 
 NO_ACTION = say("no action '{action}'{hint}")
@@ -77,13 +78,14 @@ class Actions:
         zone = self._zones.get(target.zone)
         if zone is not None:
             with contextlib.suppress(fields.BadValue):  # it is refused below
-                recorded = action.recorded(zone, fields.read(action.action.fields, given))
-        with self._record.of(run, who, name, **{key: value for key, value in recorded.items() if value is not False}):
+                recorded = action.recorded(zone, action.read(zone, given))
+        recorded = {key: value for key, value in recorded.items() if value is not False}
+        with self._record.of(run, who, action.journaled or name, **recorded):
             zone = self._zones.named(target.zone)
             try:
-                values = fields.read(action.action.fields, given)
+                values = action.read(zone, given)
             except fields.BadValue as bad:
-                raise Refused([_name_the_team(name, bad.reason, given)]) from None
+                raise Refused(_elsewhere(zone, target, "") or [_name_the_team(name, bad.reason, given)]) from None
             team = values.get("team", "") if action.action.aims else ""
             reasons = _elsewhere(zone, target, team) or action.refused(now, zone, run, values)
             if reasons:

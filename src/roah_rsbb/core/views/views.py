@@ -263,7 +263,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
 
 def _action(box: Box, zone: Zone, name: str, now: Now) -> Shown:
     action = box.actions[name]
-    return Shown(tuple(box.actions.off(now, zone, name)), action.shown(zone), action.form(now, zone))
+    return Shown(tuple(box.actions.off(now, zone, name)), action.shown(zone), action.form(now, zone), action.text(zone))
 
 
 def _end(run: ZoneRun) -> str:
