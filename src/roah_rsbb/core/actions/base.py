@@ -67,5 +67,5 @@ class ZoneAction(abc.ABC):
         """Carry it out. Nothing is off, or refused."""
 
     def recorded(self, zone: Zone, given: Given) -> Dict[str, Any]:
-        """Return what the journal keeps of the fields."""
-        return dict(given)
+        """Return what the journal keeps of the fields: no toggle that is off."""
+        return {name: value for name, value in given.items() if value is not False}

@@ -79,6 +79,10 @@ class Operation(ModuleAction):
         """See `ZoneAction`."""
         _run(zone).complete_operation(now, {name: value for name, value in given.items() if name != "operation"})
 
+    def recorded(self, zone: Zone, given: Given) -> Dict[str, Any]:
+        """All of them: no is an answer, too."""
+        return dict(given)
+
 
 class Damaged(ModuleAction):
     """The referee enters how many switches were damaged."""

@@ -74,12 +74,12 @@ class Actions:
         if name not in self._all:
             raise Refused([NO_ACTION(action=cut_note(name), hint=did_you_mean(name, self._all))])
         action, run = self._all[name], RunName(target.zone, target.run)
-        recorded = {field.name: given[field.name] for field in action.action.fields if is_plain(given.get(field.name))}
+        recorded = {field.name: given[field.name] for field in action.action.fields if is_plain(given.get(field.name))
+                    and given[field.name] is not False}
         zone = self._zones.get(target.zone)
         if zone is not None:
             with contextlib.suppress(fields.BadValue):  # it is refused below
                 recorded = action.recorded(zone, action.read(zone, given))
-        recorded = {key: value for key, value in recorded.items() if value is not False}
         with self._record.of(run, who, action.journaled or name, **recorded):
             zone = self._zones.named(target.zone)
             try:
