@@ -131,7 +131,6 @@ def test_enter_completes_what_is_asked_and_nothing_else():
 @pytest.mark.parametrize("ahead", [True, False])
 def test_what_is_shown_for_a_moment_longer_is_not_asked_again(ahead):
     table = Table(Typed, ahead)
-    table.link.complete_operation = lambda *given: table.link.given.append(given)
     table.asks(PLACE)
     table.types("", "")
     table.looks(3)
