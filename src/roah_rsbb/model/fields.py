@@ -143,7 +143,7 @@ class Decimal(Field):
         """See `Field`."""
         number = _number(value) if isinstance(value, str) else value
         if type(number) not in (int, float) or not self.low <= number <= self.high:  # also refuses NaN
-            raise BadValue(NO_DECIMAL(field=self.label, low=f"{self.low:g}", high=f"{self.high:g}"))
+            raise BadValue(NO_DECIMAL(field=self.label, low=f"{self.low:.12g}", high=f"{self.high:.12g}"))
         return float(number)
 
 

@@ -181,7 +181,8 @@ def form_words(fields: Sequence[Field]) -> str:
 def expected(field: Field) -> str:
     """Return what may be typed for a field."""
     if isinstance(field, (Number, Decimal)):
-        return f"{field.low:g} to {field.high:g} {field.unit}".rstrip()
+        bounds = f"from {field.low}" if field.high == Number.high else f"{field.low:.12g} to {field.high:.12g}"
+        return f"{bounds} {field.unit}".rstrip()
     if isinstance(field, Pose):
         return "x y direction, in m and degrees"
     return "yes / no" if isinstance(field, Toggle) else " / ".join(getattr(field, "choices", ("text",)))

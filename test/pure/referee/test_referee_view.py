@@ -7,7 +7,8 @@ import pytest
 from helpers.forms import ODD, form
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
 from helpers.time_zones import local_time
-from roah_rsbb.model.fields import form_of
+from roah_rsbb.model.fields import Number, form_of
+from roah_rsbb.model.reason import say
 from roah_rsbb.referee import view
 from roah_rsbb.referee.changes import Change, changes
 from roah_rsbb.referee.state import AllRobotsSnapshot, ManualOperation, ModuleScoreLine, SheetItem, SwitchesSnapshot
@@ -89,6 +90,8 @@ def test_what_the_referee_has_to_do():
     assert "TO DO by the referee: Place the mug" in _status(running_zone(operation=asked))
     asked = asked._replace(fields=form_of(form("again", "skip")))
     assert "TO DO by the referee: Place the mug (again / skip)" in _status(running_zone(operation=asked))
+    asked = asked._replace(fields=(Number("n", say("How often?")),))
+    assert "TO DO by the referee: Place the mug (from 0)" in _status(running_zone(operation=asked))
     asked = asked._replace(fields=ODD)
     assert ("TO DO by the referee: Place the mug (held: Did the robot hold it? (yes / no); drops: How often did it "
             "fall? (0 to 9); place: Where is it now? (table / floor); pose: Pose of the cup (x y direction, in m and "

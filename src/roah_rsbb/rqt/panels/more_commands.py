@@ -14,9 +14,9 @@ from roah_rsbb.model.fields import (
     Number,
     Robot,
     Toggle,
-    answered,
     entered,
     fixed,
+    read,
 )
 from roah_rsbb.msg import ZoneDetails
 from roah_rsbb.rqt.qt import (
@@ -88,9 +88,9 @@ class FieldEditors(QWidget):
 
     def given(self) -> Optional[Dict[str, Any]]:
         """Return the values of all fields but the team; None: one is wrong, and it is said which."""
-        values = {name: _entry(editor) for name, editor in self.editors.items()}
+        values = {name: value for name, editor in self.editors.items() for value in [_entry(editor)] if value != ""}
         try:
-            return {**answered(entered(self._fields), values), **fixed(self._fields)}
+            return {**read(entered(self._fields), values), **fixed(self._fields)}
         except BadValue as bad:
             self.problem.setText(f"⚠ {tr_reason(bad.reason)}")
             self.problem.show()
