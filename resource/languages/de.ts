@@ -612,21 +612,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Manual operation</source>
-        <translation>Handlung von Hand</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Answer</source>
-        <translation>Antwort</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Done</source>
-        <translation>Erledigt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Switches that the robot changed</source>
         <translation>Schalter, die der Roboter geändert hat</translation>
     </message>
@@ -2417,6 +2402,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
+        <source>Answer</source>
+        <translation>Antwort</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
         <source>Side by side</source>
         <translation>Nebeneinander</translation>
     </message>
@@ -2509,11 +2499,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
         <source>Manual</source>
         <translation>Eingriff</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
-        <source>Answer (optional)</source>
-        <translation>Antwort (freiwillig)</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
@@ -3335,6 +3320,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>{group}, von {name}, Eintrag {number} des Verlaufs</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/bmbox/framework/module.py"/>
+        <source>Pose</source>
+        <translation>Pose</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/copies/folder.py"/>
         <source>its disk failed to save what was written. It is written again, and what was there before stays until that is complete. If this happens again, replace the disk</source>
         <translation>Sein Datenträger hat nicht gespeichert, was geschrieben wurde. Es wird noch einmal geschrieben, und was vorher da war, bleibt, bis das vollständig ist. Wenn das wieder vorkommt, ersetzen Sie den Datenträger</translation>
@@ -3428,6 +3418,31 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/actions/events.py"/>
         <source>This is the zone&apos;s last event</source>
         <translation>Das ist der letzte Termin der Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/modules.py"/>
+        <source>zone &apos;{zone}&apos; has no manual operation now</source>
+        <translation>Zone „{zone}“ hat jetzt keinen Handeingriff</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/modules.py"/>
+        <source>that manual operation is over; the current one is: {text}</source>
+        <translation>jener Handeingriff ist vorbei; der aktuelle ist: {text}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/modules.py"/>
+        <source>zone &apos;{zone}&apos; runs {code}, which has no switches</source>
+        <translation>in Zone „{zone}“ läuft {code}, das keine Schalter hat</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/modules.py"/>
+        <source>zone &apos;{zone}&apos; has no switches to enter: they come with a goal for switches</source>
+        <translation>Zone „{zone}“ hat keine Schalter zum Eintragen: Sie kommen mit einem Ziel für Schalter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/modules.py"/>
+        <source>the switches cannot be confirmed yet: the robot has not finished</source>
+        <translation>die Schalter können noch nicht bestätigt werden: Der Roboter ist nicht fertig</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/actions/running.py"/>
@@ -3930,9 +3945,9 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>Die Uhr von {robot} weicht um {skew} ab, erlaubt sind weniger als {limit} s: Stellen Sie die Uhr des Roboters</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/modules/desk.py"/>
-        <source>zone &apos;{zone}&apos; runs {code}, which has no switches</source>
-        <translation>in Zone „{zone}“ läuft {code}, das keine Schalter hat</translation>
+        <location filename="../../src/roah_rsbb/core/modules/messages.py"/>
+        <source>Another answer</source>
+        <translation>Andere Antwort</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/modules/presence.py"/>
@@ -4081,11 +4096,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
-        <source>zone &apos;{zone}&apos; has no manual operation now</source>
-        <translation>Zone „{zone}“ hat jetzt keinen Handeingriff</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
         <source>Started: the benchmarking module begins</source>
         <translation>Gestartet: Das Benchmark-Modul beginnt</translation>
     </message>
@@ -4160,36 +4170,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>Zeitlimit des Benchmarks: {time} (angehalten)</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
-        <source>the switches cannot be confirmed yet: the robot has not finished</source>
-        <translation>die Schalter können noch nicht bestätigt werden: Der Roboter ist nicht fertig</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>
-        <source>zone &apos;{zone}&apos; has no switches to enter: they come with a goal for switches</source>
-        <translation>Zone „{zone}“ hat keine Schalter zum Eintragen: Sie kommen mit einem Ziel für Schalter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/runs/requests.py"/>
-        <source>&apos;{text}&apos; has no choices: complete it without an answer</source>
-        <translation>„{text}“ hat keine Auswahl: Schließen Sie es ohne Antwort ab</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/runs/requests.py"/>
-        <source>that manual operation is over; the current one is: {text}</source>
-        <translation>jener Handeingriff ist vorbei; der aktuelle ist: {text}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/runs/requests.py"/>
-        <source>an answer has at most {most} characters, not {number}</source>
-        <translation>eine Antwort hat höchstens {most} Zeichen, nicht {number}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/runs/requests.py"/>
-        <source>&apos;{answer}&apos; is not an answer to &apos;{text}&apos;: choose from {choices}</source>
-        <translation>„{answer}“ ist keine Antwort auf „{text}“: Wählen Sie aus {choices}</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/core/runs/requests.py"/>
         <source>there is no switch {switch}: they are numbered 1 to {count}</source>
         <translation>es gibt keinen Schalter {switch}: Sie sind von 1 bis {count} nummeriert</translation>
@@ -4198,11 +4178,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/runs/requests.py"/>
         <source>no more than {most} changes of switches can be entered</source>
         <translation>mehr als {most} Änderungen von Schaltern können nicht eingetragen werden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/runs/requests.py"/>
-        <source>the number of damaged switches must be from 0 to {most}, not {damaged}</source>
-        <translation>die Zahl der beschädigten Schalter muss von 0 bis {most} sein, nicht {damaged}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/runs/run.py"/>
@@ -4766,6 +4741,36 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Of a benchmarking module, whose form is filled in; without a number: the current one</source>
+        <translation>Eines Benchmark-Moduls, dessen Formular ausgefüllt ist; ohne Nummer: der aktuelle</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>A switch changed</source>
+        <translation>Ein Schalter hat sich geändert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Toggle the mark of a switch, counted from 1</source>
+        <translation>Die Markierung eines Schalters umstellen, von 1 gezählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Set how many switches were damaged</source>
+        <translation>Angeben, wie viele Schalter beschädigt wurden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Confirm the switches</source>
+        <translation>Schalter bestätigen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>All switches that the robot changed are entered</source>
+        <translation>Alle Schalter, die der Roboter geändert hat, sind eingetragen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>What to add</source>
         <translation>Was hinzukommt</translation>
     </message>
@@ -4896,36 +4901,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>Of a benchmarking module; without a number: the current one</source>
-        <translation>Eines Benchmark-Moduls; ohne Nummer: der aktuelle</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>A switch changed</source>
-        <translation>Ein Schalter hat sich geändert</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>Toggle the mark of a switch, counted from 1</source>
-        <translation>Die Markierung eines Schalters umstellen, von 1 gezählt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>Set how many switches were damaged</source>
-        <translation>Angeben, wie viele Schalter beschädigt wurden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>Confirm the switches</source>
-        <translation>Schalter bestätigen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>All switches that the robot changed are entered</source>
-        <translation>Alle Schalter, die der Roboter geändert hat, sind eingetragen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Connect in {zone}</source>
         <translation>Verbinden in {zone}</translation>
     </message>
@@ -5033,6 +5008,16 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/model/fields.py"/>
         <source>{field}: a whole number from {low} to {high} is expected</source>
         <translation>{field}: Eine ganze Zahl von {low} bis {high} wird erwartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>{field}: a number from {low} to {high} is expected</source>
+        <translation>{field}: Eine Zahl von {low} bis {high} wird erwartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>{field}: x and y in metres, then the direction in degrees, are expected, such as 1.25 0.40 90</source>
+        <translation>{field}: x und y in Metern, dann die Richtung in Grad, werden erwartet, zum Beispiel 1.25 0.40 90</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/fields.py"/>

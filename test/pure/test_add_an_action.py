@@ -164,10 +164,13 @@ def test_the_gateway_takes_it_and_gives_the_page_its_form(tree):
 @needs_ros
 def test_the_panel_has_a_button_and_a_form(tree):
     found = run(tree, """
-        from roah_rsbb.model.actions import ACTIONS
+        from roah_rsbb.model.actions import ACTIONS, Action, Row
+        from roah_rsbb.model.fields import Choice
+        from roah_rsbb.model.reason import say
         from roah_rsbb.rqt.panels.more_commands import ActionForm, RuleButtons, entered, what_text
         from roah_rsbb.rqt.qt import QApplication
         app = QApplication([])
+        ACTIONS["weigh"] = Action("weigh", say("Weigh it"), say("A module asks for it"), row=Row.MODULE)
         pressed, given = [], []
         row = RuleButtons(pressed.append)
         row.buttons["extend"].setEnabled(True)
@@ -179,10 +182,14 @@ def test_the_panel_has_a_button_and_a_form(tree):
         problem = form.problem.text()
         form.editors["reason"].setText("the door")
         form.yes.click()
-        print(json.dumps([action.name, form.windowTitle(), row.buttons["extend"].text(), problem, given]))
+        who = Choice("who", say("Who"), required=False, choices=("team", "jury"))
+        other = ActionForm(None, action, "Who", (who,), given.append)
+        other.yes.click()
+        print(json.dumps([action.name, form.windowTitle(), row.buttons["extend"].text(), problem, given,
+                          sorted({"weigh", "operation", "switch"} & set(row.buttons))]))
     """)
     assert found == ["extend", "More time in Home", "More time …", "⚠ Reason is missing",
-                     [{"seconds": 90, "reason": "the door"}]]
+                     [{"seconds": 90, "reason": "the door"}, {"who": ""}], ["weigh"]]
 
 
 def test_what_is_not_translated_and_not_in_the_documentation_is_missed(tree):

@@ -171,8 +171,9 @@ async function give(name, texts, label, more = {}) {
 
 // What goes with an action: what is shown, and the values of its fields. A team is the one that is shown.
 function shownOf(zone, action, given = {}) {
-  const team = action.fields.some((field) => field.kind === "team") ? {team: zone.team} : {};
-  return {identity: zone.identity, event_id: action.aims ? zone.event_id : "", ...team, ...given};
+  const shown = {team: () => zone.team, fixed: (field) => field.default};
+  const filled = action.fields.filter(({kind}) => FILLED.includes(kind)).map((field) => [field.name, shown[field.kind](field)]);
+  return {identity: zone.identity, event_id: action.aims ? zone.event_id : "", given: {...Object.fromEntries(filled), ...given}};
 }
 
 // Why the box does not let STOP be pressed in a zone, and whether a robot may be moving there.
@@ -232,17 +233,20 @@ function Now({zone, texts, judge}) {
   const {marks} = state;
   const late = marks.waiting.filter((mark) => mark.isLate);
   const mayContinue = !judge && zone.phase === "ended" && zone.off.start.length === 0;
-  const operation = !judge && zone.operation;
+  const asked = judge ? [] : offered(zone, texts).filter(([, {row}]) => row === "module");
   return html`
-    <section class="now ${operation ? "operation" : ""}" tabindex="0" aria-label=${texts.state}>
-      ${operation && html`<${Operation} key="${zone.identity} ${operation.number}" zone=${zone} texts=${texts} />`}
+    <section class="now ${asked.length > 0 ? "operation" : ""}" tabindex="0" aria-label=${texts.state}>
+      ${asked.map(([name, action]) => html`
+        <div class="asks" key="${zone.identity} ${JSON.stringify([name, action.fields])}">
+          <${Form} command=${oneOf(zone, texts, name, {isMain: true})} action=${action} zone=${zone} texts=${texts} />
+        </div>`)}
       ${!judge && zone.robots.length > 0 && html`<div class="controls">${zone.robots.map((robot) => html`
         <${Command} key=${robot} label=${texts.connect_robot.replace("{robot}", () => robot)}
           act=${() => give("connect", texts, robot, shownOf(zone, texts.actions.connect, {robot}))} />`)}</div>`}
       ${marks.refused.map((mark) => html`<${RefusedMark} key=${mark.id} mark=${mark} marks=${marks} texts=${texts} />`)}
-      <div role="status" key=${JSON.stringify([late, operation, mayContinue, zone.todo, zone.warnings, zone.state])}>
+      <div role="status" key=${JSON.stringify([late, asked, mayContinue, zone.todo, zone.warnings, zone.state])}>
         ${late.map((mark) => html`<p class="alarm">${lateText(mark, texts)}</p>`)}
-        ${!operation && html`<p class="todo ${zone.is_urgent ? "urgent" : ""}">${zone.todo}</p>`}
+        ${asked.length === 0 && html`<p class="todo ${zone.is_urgent ? "urgent" : ""}">${zone.todo}</p>`}
         ${mayContinue && html`<p>${texts.may_continue}</p>`}
         <ul class="warnings">${zone.warnings.map((text) => html`<li>⚠ ${text}</li>`)}</ul>
         <ul class="state">${zone.state.map((line) => html`<li>${line}</li>`)}</ul>
@@ -254,22 +258,6 @@ const lateText = (mark, texts) => (mark.isAtBox ? texts.not_on_standby : texts.n
   .replace("{mark}", () => `${mark.desc}: ${mark.shown}`);
 const refusedText = (mark, texts) => texts.refused.replace("{what}", () => `${mark.desc}: ${mark.shown}`)
   .replace("{reasons}", () => mark.reasons.join("; "));
-
-function Operation({zone, texts}) {
-  const [typed, setTyped] = useState("");
-  const {operation} = zone;
-  const answer = (text) => give("operation", texts, texts.operation, {operation: operation.number, answer: text});
-  return html`
-    <h2>☞ ${texts.operation}</h2>
-    <p class="asked" role="alert">${operation.text}</p>
-    <div class="controls">
-      ${operation.choices.map((choice) => html`<${Command} key=${choice} label=${choice} act=${() => answer(choice)} />`)}
-      ${operation.choices.length === 0 && html`<${Command} label=${texts.done} act=${() => answer(typed)} isMain />`}
-    </div>
-    ${operation.asks_text && html`
-      <label>${texts.answer}<input maxlength="200" value=${typed} onInput=${(event) => setTyped(event.target.value)} /></label>
-      <${Command} label=${texts.save} act=${() => answer(typed)} />`}`;
-}
 
 function Switches({zone, texts}) {
   const {on, damaged, to_confirm} = zone.switches;
@@ -296,24 +284,35 @@ function Switches({zone, texts}) {
 
 // Commands that this page lays out itself, beside those that most runs do not need. All others are shown in a row that the
 // table of actions names, with a form if somebody must enter something.
-const PLACED = ["connect", "start", "disconnect", "stop"];
-const ENTERED = ["name", "text", "number", "choice", "toggle"];
-const FILLED = ["team"];
+const PLACED = ["connect", "start", "disconnect", "stop", "switch", "damaged", "confirm_switches"];
+const ENTERED = ["name", "text", "number", "decimal", "pose", "choice", "toggle"];
+const FILLED = ["team", "fixed"];
+// How what is measured is typed.
+const HINTS = {pose: "x y ° (1.25 0.40 90)", decimal: "0.5"};
+
+const isForm = ([, {fields}]) => fields.some(({kind}) => ENTERED.includes(kind));
+
+// The actions without a place of their own, with their fields as they are now.
+function offered(zone, texts) {
+  return Object.entries(texts.actions).map(([name, action]) => [name, {...action, fields: zone.fields[name] || action.fields}])
+    .filter(([name, {fields}]) => !PLACED.includes(name) && name in zone.off && zone.shown[name]
+      && fields.every(({kind}) => [...ENTERED, ...FILLED].includes(kind)));
+}
+
+function oneOf(zone, texts, name, more = {}) {
+  const action = texts.actions[name];
+  return {
+    name, label: action.label, question: texts.really, reasons: zone.off[name] || [],
+    isTwice: action.careful, of: `${zone.event} ${zone.identity}`,
+    warning: action.leaves && isMoving(zone) ? zone.leaving : "",
+    act: () => give(name, texts, action.label, shownOf(zone, action)), ...more,
+  };
+}
 
 function Commands({zone, texts}) {
   const next = zone.leaving ? "" : {idle: "connect", connected: "start", ended: "disconnect"}[zone.phase];
-  const one = (name, more = {}) => {
-    const action = texts.actions[name];
-    return {
-      name, label: action.label, question: texts.really, reasons: zone.off[name] || [], isMain: name === next,
-      isTwice: action.careful, of: `${zone.event} ${zone.identity}`,
-      warning: action.leaves && isMoving(zone) ? zone.leaving : "",
-      act: () => give(name, texts, action.label, shownOf(zone, action)), ...more,
-    };
-  };
-  const others = Object.entries(texts.actions).filter(([name, {fields}]) => !PLACED.includes(name)
-    && name in zone.off && zone.shown[name] && fields.every(({kind}) => [...ENTERED, ...FILLED].includes(kind)));
-  const isForm = ([, {fields}]) => fields.some(({kind}) => ENTERED.includes(kind));
+  const one = (name, more = {}) => oneOf(zone, texts, name, {isMain: name === next, ...more});
+  const others = offered(zone, texts).filter(([, {row}]) => row !== "module");
   const cells = (row) => others.filter((other) => other[1].row === row && !isForm(other)).map(([name]) => one(name));
   return html`
     <section class="commands">
@@ -339,25 +338,37 @@ function Commands({zone, texts}) {
     </section>`;
 }
 
-// The fields of an action.
+// The fields of an action, and what a module asks the referee to do. One choice is a button for each answer.
 function Form({command, action, zone, texts}) {
   const [given, setGiven] = useState({});
   const fields = action.fields.filter(({kind}) => ENTERED.includes(kind));
   const set = (name, value) => setGiven((before) => ({...before, [name]: value}));
-  const isMissing = fields.some(({name, required, kind}) => required && kind !== "toggle" && [undefined, ""].includes(given[name]));
-  const act = async () => {
-    if (await give(command.name, texts, action.label, shownOf(zone, action, given))) {
+  const isMissing = fields.some(({name, required, kind}) => required && kind !== "toggle" && !String(given[name] === undefined ? "" : given[name]).trim());
+  const toggles = fields.filter(({kind}) => kind === "toggle").map(({name}) => [name, false]);
+  const act = async (more) => {
+    if (await give(command.name, texts, action.label, shownOf(zone, action, {...Object.fromEntries(toggles), ...given, ...more}))) {
       setGiven({});
     }
   };
+  const text = zone.texts[command.name];
+  const explained = html`<p class=${text ? "asked" : "facts"} role=${text && "alert"}>${text ? `☞ ${text}` : action.explanation}</p>`;
+  if (fields.length === 1 && fields[0].kind === "choice") {
+    const [{name, choices}] = fields;
+    return html`
+      <div class="form">
+        ${explained}
+        <div class="controls">${choices.map((choice) => html`<${Command} key=${choice} label=${choice}
+          reasons=${command.reasons} act=${() => act({[name]: choice})} />`)}</div>
+      </div>`;
+  }
   return html`
     <div class="form">
-      <p class="facts">${action.explanation}</p>
+      ${explained}
       ${fields.map((field) => html`
         <label key=${field.name}>${field.label}${field.unit ? ` (${field.unit})` : ""}
           <${Input} field=${field} value=${given[field.name]} set=${(value) => set(field.name, value)} /></label>`)}
-      <${Command} name=${command.name} label=${action.label} act=${act}
-        reasons=${command.reasons.length > 0 || !isMissing ? command.reasons : [texts.fill_in]} />
+      <div class="controls"><${Command} name=${command.name} label=${action.label} isMain=${command.isMain} act=${() => act()}
+        reasons=${command.reasons.length > 0 || !isMissing ? command.reasons : [texts.fill_in]} /></div>
     </div>`;
 }
 
@@ -373,7 +384,7 @@ function Input({field, value, set}) {
     return html`<input type="number" inputmode="numeric" min=${field.low} max=${field.high} value=${value === undefined ? "" : value}
       onInput=${(event) => set(event.target.value === "" ? undefined : Math.trunc(Number(event.target.value)))} />`;
   }
-  return html`<input maxlength=${field.characters || 200} value=${value || ""} onInput=${(event) => set(event.target.value)} />`;
+  return html`<input placeholder=${HINTS[field.kind]} maxlength=${field.characters || 200} value=${value || ""} onInput=${(event) => set(event.target.value)} />`;
 }
 
 function Reason({zone, texts}) {

@@ -213,10 +213,10 @@ class DummyBox(NetworkDriver):
         if asked.kind is RequestKind.SWITCHES:
             goal = next(step.request for step in reversed(run.steps) if step.request.switches)
             for switch in goal.switches:
-                self.event(self.box.modules.press_switch, ZONE, switch)
-            self.event(self.box.modules.complete_switches, ZONE)
+                self.event(self.box.act, Target(ZONE), "switch", "", {"number": switch})
+            self.event(self.box.act, Target(ZONE), "confirm_switches")
         else:
-            self.event(self.box.modules.complete_operation, ZONE, asked.number)
+            self.event(self.box.act, Target(ZONE), "operation", "", {"operation": asked.number})
 
 
 def _score_line(score: ScoreValue) -> str:

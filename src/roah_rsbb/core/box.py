@@ -85,7 +85,7 @@ class Box:
         self.scores = ScoreDesk(self.tick, zones, self.finished, record, outbox)
         self.judges = JudgeDesk(self.tick, self.scores, record, outbox)
         self.modules = ModuleDesk(self.tick, zones, self._modules, record)
-        self.entries = Entries(self.scores, self.judges, self.modules, record)
+        self.entries = Entries(self.scores, self.judges, record)
         # Time.
         self._clock = ClockWatch()
         self._clock_set_mono = -math.inf  # when a step of the box's clock was noticed last

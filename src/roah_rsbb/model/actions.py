@@ -9,7 +9,7 @@ import enum
 from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
-from roah_rsbb.model.fields import Event, Field, Number, Robot, Team, Text, Toggle
+from roah_rsbb.model.fields import Event, Field, Fixed, Number, Robot, Team, Text, Toggle
 from roah_rsbb.model.reason import Template, say
 
 # Roles of paired devices.
@@ -21,6 +21,7 @@ class Row(enum.Enum):
 
     CLOCK = "clock"  # beside the clock of the run
     MORE = "more"  # in a menu
+    MODULE = "module"  # with what a benchmarking module asks of the referee
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,8 @@ class Action:
     press. `leaves`: it leaves the run, so whoever does it must know that a robot of the run did not answer STOP
     (`wording.stop.leaving`). `aims`: it is meant for the event that is shown, and refused at another one.
     `is_original`: the original box has it as a service, whose name and type are fixed. `durable`: its answer waits
-    until it is on the disk. `roles`: of devices that may do it.
+    until it is on the disk. `roles`: of devices that may do it. `is_open`: its form changes, and has other fields than
+    here: only the core can read their values.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Action:
     row: Row = Row.MORE
     durable: bool = False
     roles: Tuple[str, ...] = REFEREES
+    is_open: bool = False
 
     @property
     def words(self) -> str:
@@ -58,6 +61,8 @@ class Action:
 _TEAM = say("Team")
 _JUDGE, _NOTE, _REASON, _TEXT = say("Judge"), say("Note"), say("Reason"), say("Text")
 _NUMBER, _DEVICE, _ID = say("Number"), say("Device"), say("Mark")
+# `uint8` on the ROS interface.
+MAX_DAMAGED = 255
 # A time for objections that is left to the benchmarks file.
 BY_THE_FILE_S = -1
 
@@ -95,11 +100,20 @@ _ALL = (
     Action("choose_event", say("Choose the event"), say("Go to this event of the zone's schedule"),
            (Event("event", say("Event")), Team("team", _TEAM, required=False),
             Toggle("unsigned", say("Also leave a run that is not signed off"), required=False)), leaves=True),
+    Action("operation", say("Manual operation complete"),
+           say("Of a benchmarking module, whose form is filled in; without a number: the current one"),
+           (Fixed("operation", _NUMBER, required=False), Text("answer", say("Answer"), required=False)),
+           row=Row.MODULE, is_open=True),
+    Action("switch", say("A switch changed"), say("Toggle the mark of a switch, counted from 1"),
+           (Number("number", _NUMBER),), row=Row.MODULE),
+    Action("damaged", say("Damaged switches"), say("Set how many switches were damaged"),
+           (Number("number", _NUMBER, high=MAX_DAMAGED),), row=Row.MODULE),
+    Action("confirm_switches", say("Confirm the switches"), say("All switches that the robot changed are entered"),
+           row=Row.MODULE),
 )
 # All actions in a zone, in the order in which faces have them.
 ACTIONS: Dict[str, Action] = {action.name: action for action in _ALL}
-# What is entered for one run, in progress or over, and for a benchmarking module. Faces lay it out by hand, beside what
-# it is about.
+# What is entered for one run, in progress or over. Faces lay it out by hand, beside what it is about.
 _VALUE = (Text("group", say("Group"), required=False), Text("desc", say("Item")),
           Number("value", say("Value"), required=False, low=-2**31), Text("text", _TEXT, required=False),
           Toggle("not_attempted", say("Not attempted"), required=False))
@@ -139,13 +153,6 @@ _ENTRIES = (
     Action("answer", say("Answer the objection"), say("The sheet is corrected separately"),
            (Number("number", _NUMBER), Toggle("upheld", say("Upheld"), required=False),
             Text("text", _TEXT, required=False)), durable=True),
-    Action("operation", say("Manual operation complete"),
-           say("Of a benchmarking module; without a number: the current one"),
-           (Number("operation", _NUMBER, required=False), Text("answer", say("Answer"), required=False))),
-    Action("switch", say("A switch changed"), say("Toggle the mark of a switch, counted from 1"),
-           (Number("number", _NUMBER),)),
-    Action("damaged", say("Damaged switches"), say("Set how many switches were damaged"), (Number("number", _NUMBER),)),
-    Action("confirm_switches", say("Confirm the switches"), say("All switches that the robot changed are entered")),
 )
 ENTRIES: Dict[str, Action] = {action.name: action for action in _ENTRIES}
 EVERY: Dict[str, Action] = {**ACTIONS, **ENTRIES}

@@ -4,17 +4,25 @@ A field reads a value of JSON (`read`) and a typed word (`parse`). Both raise `B
 remedy.
 """
 
+import dataclasses
+import functools
+import json
+import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, Dict, Mapping, Sequence, Tuple, Type
+from typing import Any, ClassVar, Dict, Iterable, Mapping, Sequence, Tuple, Type
 
 from roah_rsbb.model.reason import Reason, Template, say
 
 # Characters of a text, unless its field says otherwise.
 MAX_TEXT = 500
+# Metres. No test bed is larger.
+FARTHEST_M = 1000.0
 
 NO_TEXT = say("{field}: a text is expected")
 TOO_LONG = say("{field}: the text has {number} characters, at most {most} are allowed: shorten it")
 NO_NUMBER = say("{field}: a whole number from {low} to {high} is expected")
+NO_DECIMAL = say("{field}: a number from {low} to {high} is expected")
+NO_POSE = say("{field}: x and y in metres, then the direction in degrees, are expected, such as 1.25 0.40 90")
 NO_CHOICE = say("{field}: choose one of {choices}")
 NO_TOGGLE = say("{field}: yes or no is expected")
 MISSING = say("{field} is missing")
@@ -60,7 +68,8 @@ class Field:
 
     def form(self) -> Dict[str, Any]:
         """Return it for JSON, see `field_of`."""
-        return {"kind": self.kind, "name": self.name, "label": str(self.label), "required": self.required}
+        values = {part.name: getattr(self, part.name) for part in dataclasses.fields(self)}
+        return {"kind": self.kind, **values, "label": str(self.label)}
 
 
 @dataclass(frozen=True)
@@ -80,10 +89,6 @@ class Text(Field):
     def most(self) -> int:
         """How many characters it may have."""
         return self.characters
-
-    def form(self) -> Dict[str, Any]:
-        """See `Field`."""
-        return {**super().form(), "characters": self.characters, "cut": self.cut}
 
 
 @dataclass(frozen=True)
@@ -115,9 +120,57 @@ class Number(Field):
         except ValueError:
             raise BadValue(NO_NUMBER(field=self.label, low=self.low, high=self.high)) from None
 
-    def form(self) -> Dict[str, Any]:
+
+@dataclass(frozen=True)
+class Fixed(Number):
+    """What an answer is about. A face gives back the number that the core says (`default`), and asks nobody."""
+
+    kind: ClassVar[str] = "fixed"
+
+
+@dataclass(frozen=True)
+class Decimal(Field):
+    """A number from `low` to `high`, with decimals; also as a text. `unit`: such as m."""
+
+    low: float = 0.0
+    high: float = 1e6
+    unit: str = ""
+
+    kind: ClassVar[str] = "decimal"
+    nothing: ClassVar[Any] = None
+
+    def read(self, value: Any) -> Any:
         """See `Field`."""
-        return {**super().form(), "low": self.low, "high": self.high, "unit": self.unit, "default": self.default}
+        number = _number(value) if isinstance(value, str) else value
+        if type(number) not in (int, float) or not self.low <= number <= self.high:  # also refuses NaN
+            raise BadValue(NO_DECIMAL(field=self.label, low=f"{self.low:.12g}", high=f"{self.high:.12g}"))
+        return float(number)
+
+
+@dataclass(frozen=True)
+class Pose(Field):
+    """[x, y, theta] of a place: metres, and radians. In a text, which persons type, the direction is in degrees."""
+
+    kind: ClassVar[str] = "pose"
+    nothing: ClassVar[Any] = None
+
+    def read(self, value: Any) -> Any:
+        """See `Field`."""
+        if isinstance(value, str):
+            *metres, degrees = [*map(_number, value.split())] or [None]
+            value = [*metres, None if degrees is None or abs(degrees) > 360.0 else math.radians(degrees)]
+        if not isinstance(value, list) or len(value) != 3 or not all(
+                type(part) in (int, float) and abs(part) <= FARTHEST_M for part in value):
+            raise BadValue(NO_POSE(field=self.label))
+        return [float(part) for part in value]
+
+
+def _number(word: str) -> Any:
+    """Return the number of a typed word, also with a comma; None: it is no number."""
+    try:
+        return float(word.replace(",", "."))
+    except ValueError:
+        return None
 
 
 @dataclass(frozen=True)
@@ -133,10 +186,6 @@ class Choice(Field):
         if value not in self.choices:
             raise BadValue(NO_CHOICE(field=self.label, choices=", ".join(self.choices)))
         return value
-
-    def form(self) -> Dict[str, Any]:
-        """See `Field`."""
-        return {**super().form(), "choices": list(self.choices)}
 
 
 @dataclass(frozen=True)
@@ -180,7 +229,9 @@ class Event(Field):
     kind: ClassVar[str] = "event"
 
 
-_KINDS: Dict[str, Type[Field]] = {kind.kind: kind for kind in (Field, Text, Number, Choice, Toggle, Robot, Team, Event)}
+# What a module may ask for.
+ASKED = (Toggle, Number, Decimal, Choice, Text, Pose)
+_KINDS: Dict[str, Type[Field]] = {kind.kind: kind for kind in (Field, Fixed, Robot, Team, Event, *ASKED)}
 
 
 def field_of(form: Mapping[str, Any]) -> Field:
@@ -188,8 +239,52 @@ def field_of(form: Mapping[str, Any]) -> Field:
     values = {name: tuple(value) if isinstance(value, list) else value for name, value in form.items()}
     kind = _KINDS.get(values.pop("kind", ""))
     if kind is None:
-        return Text(values["name"], Template(values["label"]), values["required"])
-    return kind(**{**values, "label": Template(values["label"])})
+        kind, values = Text, {name: values[name] for name in ("name", "label", "required")}
+    made = kind(**{**values, "label": _label(values["label"])})
+    for part in dataclasses.fields(made):
+        value, wanted = getattr(made, part.name), part.type
+        if wanted == Tuple[str, ...]:
+            is_right = isinstance(value, tuple) and all(isinstance(one, str) for one in value)
+        else:
+            is_right = type(value) in ((int, float) if wanted is float else (wanted,))
+        if not is_right:
+            raise TypeError(f"{part.name} is {value!r}")
+    return made
+
+
+def _label(text: Any) -> Template:
+    if not isinstance(text, str):
+        raise TypeError(f"label is {text!r}")
+    return Template(text)
+
+
+def form_text(fields: Iterable[Field]) -> str:
+    """Return fields as JSON, for `form_of`; empty: there are none."""
+    found = [field.form() for field in fields]
+    return json.dumps(found, ensure_ascii=False) if found else ""
+
+
+@functools.lru_cache(maxsize=256)
+def form_of(text: str) -> Tuple[Field, ...]:
+    """Return the fields in JSON. Raises TypeError, ValueError, KeyError, AttributeError, RecursionError."""
+    return tuple(map(field_of, json.loads(text or "[]")))
+
+
+def entered(fields: Iterable[Field]) -> Tuple[Field, ...]:
+    """Return the fields that somebody must enter. A face gives the others itself."""
+    return tuple(field for field in fields if not isinstance(field, (Team, Fixed)))
+
+
+def fixed(fields: Iterable[Field]) -> Dict[str, Any]:
+    """Return the values that are given back as they are."""
+    return {field.name: field.default for field in fields if isinstance(field, Fixed)}
+
+
+def answered(fields: Sequence[Field], given: Mapping[str, Any]) -> Dict[str, Any]:
+    """Return the values of a form of a module; see `read`. A text that is empty is left out, as earlier faces do. Of
+    choices, the usual one comes first."""
+    usual = {field.name: field.choices[0] for field in fields if isinstance(field, Choice) and field.choices}
+    return read(fields, {**usual, **{name: value for name, value in given.items() if value != ""}})
 
 
 def read(fields: Sequence[Field], given: Mapping[str, Any]) -> Dict[str, Any]:

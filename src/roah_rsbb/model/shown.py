@@ -18,6 +18,7 @@ class Shown(NamedTuple):
     off: Tuple[str, ...] = ()  # the reasons why its button is off; empty: it is on
     shown: bool = True  # whether faces show it beside what they lay out themselves
     fields: Tuple[Field, ...] = ()  # as they are now
+    text: str = ""  # what the referee should do, in the words of a module; empty: the action's explanation says it
 
 
 def written(actions: Iterable[Tuple[str, Shown]]) -> str:
@@ -30,6 +31,7 @@ def _written(name: str, action: Shown) -> Dict[str, Any]:
         **({"off": encoded(action.off)} if action.off else {}),
         **({} if action.shown else {"shown": False}),
         **({} if action.fields == ACTIONS[name].fields else {"fields": [field.form() for field in action.fields]}),
+        **({"text": action.text} if action.text else {}),
     }
 
 
@@ -42,7 +44,7 @@ def read(text: str) -> Dict[str, Shown]:
 def _read(name: str, found: Dict[str, Any]) -> Shown:
     known = ACTIONS[name].fields if name in ACTIONS else ()
     fields = tuple(map(field_of, found["fields"])) if "fields" in found else known
-    return Shown(tuple(decoded(found.get("off", ()))), found.get("shown", True), fields)
+    return Shown(tuple(decoded(found.get("off", ()))), found.get("shown", True), fields, found.get("text", ""))
 
 
 def of(details: Any, name: str) -> Shown:

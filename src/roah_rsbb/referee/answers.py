@@ -10,16 +10,20 @@ import time
 from typing import Callable, List, Optional
 
 from roah_rsbb.core.referee import Refused
+from roah_rsbb.model.actions import ACTIONS, Row
+from roah_rsbb.model.fields import Choice
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.state import ManualOperation, ZoneSnapshot
 from roah_rsbb.referee.stopping import TypedStops
-from roah_rsbb.referee.words import BadWord, answer_of, switches_of
+from roah_rsbb.referee.words import BadWord, form_words, given_in, given_of
 
 # A module may repeat a request, for example when no pose is available. Wait before each repetition, and give up.
 AGAIN_S = 1.0
 MAX_IN_A_ROW = 10
 # A program in the background of its terminal cannot read it. It looks again after this time.
 BACKGROUND_S = 1.0
+# What an empty line means while switches are asked for.
+CONFIRM = ACTIONS["confirm_switches"].words
 
 Note = Callable[[str], None]
 
@@ -61,7 +65,10 @@ class Automatic:
             return
         if again and self._in_a_row >= MAX_IN_A_ROW:
             raise GivenUp(f"asked {self._in_a_row} times in a row: {operation.text}")
-        given = {"operation": operation.number, "answer": ""}
+        needed = [field.label for field in operation.fields if field.required and not isinstance(field, Choice)]
+        if needed:
+            raise GivenUp(f"{operation.text}: {', '.join(needed)}")
+        given = {"operation": operation.number}
         if not _ignoring_others(lambda: self._link.act("operation", zone.zone, given)):
             return
         self._note(f"completed without a human referee: {operation.text}")
@@ -104,25 +111,23 @@ class Typed:
     def _take(self, zone: ZoneSnapshot, asked: object, line: str) -> None:
         try:
             if zone.operation is not None:
-                answer = answer_of(line, zone.operation)
-                self._link.act("operation", zone.zone, {"operation": zone.operation.number, "answer": answer})
+                given = given_in(line, zone.operation.fields)
+                self._link.act("operation", zone.zone, {"operation": zone.operation.number, **given})
                 self._done = asked
-            elif self._enter_switches(zone, line):
+            elif self._enter(zone, line):
                 self._done = asked
         except (BadWord, Refused, NoCore) as error:
             self._note(f"not done: {error}")
             self._asked = None  # ask again
 
-    def _enter_switches(self, zone: ZoneSnapshot, line: str) -> bool:
-        """Return whether the switches are confirmed."""
-        entered = switches_of(line)
-        for switch in entered.pressed:
-            self._link.act("switch", zone.zone, {"number": switch})
-        if entered.damaged is not None:
-            self._link.act("damaged", zone.zone, {"number": entered.damaged})
-        if entered.confirmed:
-            self._link.act("confirm_switches", zone.zone)
-        return entered.confirmed
+    def _enter(self, zone: ZoneSnapshot, line: str) -> bool:
+        """Do an action of the module's row. Return whether the switches are confirmed."""
+        word, *words = line.split() or [CONFIRM]
+        action = next((one for one in ACTIONS.values() if one.row is Row.MODULE and one.words == word), None)
+        if action is None:
+            raise BadWord(f"'{word}' is not asked for")
+        self._link.act(action.name, zone.zone, given_of(words, action.fields))
+        return word == CONFIRM
 
 
 def _asked(zone: ZoneSnapshot) -> Optional[object]:
@@ -134,12 +139,14 @@ def _asked(zone: ZoneSnapshot) -> Optional[object]:
 
 def _prompt(operation: Optional[ManualOperation]) -> str:
     if operation is None:
-        return ("type the numbers of the switches that changed (2 3), or how many were damaged (damaged 1), "
-                "and an empty line to confirm")
-    if operation.choices:
-        text = f"type {', '.join(operation.choices)}, or the beginning of one (Enter: {operation.choices[0]})"
-        return f"{text}, or another answer" if operation.asks_text else text
-    return "type the answer (Enter: none)" if operation.asks_text else "press Enter when it is done"
+        return "type 'switch NUMBER' for each switch that changed, 'damaged NUMBER', and an empty line to confirm"
+    fields = operation.fields
+    if not fields:
+        return "press Enter when it is done"
+    if len(fields) > 1:
+        return f"type a value for each, in this order or as NAME=VALUE: {form_words(fields)}"
+    usual = fields[0].choices[0] if isinstance(fields[0], Choice) else "" if fields[0].required else "none"
+    return f"type {form_words(fields)}{usual and f' (Enter: {usual})'}"
 
 
 def _ignoring_others(job: Callable[[], None]) -> bool:

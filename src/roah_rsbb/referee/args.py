@@ -9,7 +9,7 @@ from roah_rsbb.core.judges.publication import MAX_OBJECTION_TIME_S
 from roah_rsbb.model.actions import ACTIONS, Action
 from roah_rsbb.model.fields import Field, Number, Team, Toggle
 from roah_rsbb.referee.answers import Operations
-from roah_rsbb.referee.words import BadWord, byte_of, event_wanted, score_wanted
+from roah_rsbb.referee.words import event_wanted, score_wanted
 from roah_rsbb.wording.schedule import Show
 
 T = TypeVar("T")
@@ -35,7 +35,7 @@ _ZONE = "name of the zone, or the beginning of one name only; case does not matt
 _RUN = "a run that is over: 'last', or a part of its name ('runs' lists them)"
 
 # Actions that have a command of their own here, with other words.
-_PLACED = ("stop", "choose_event")
+_PLACED = ("stop", "choose_event", "operation")
 
 
 def _formatter(prog: str) -> argparse.HelpFormatter:
@@ -65,7 +65,6 @@ def parser() -> argparse.ArgumentParser:
     _judges(commands)
     _schedule(commands)
     _done(commands)
-    _switches(commands)
     _run(commands)
     _reload(commands)
     _pairing(commands)
@@ -317,26 +316,15 @@ def _counted(word: str) -> int:
 def _done(commands) -> None:
     one = _add(
         commands, "done", "complete a manual operation, with an answer if it asks for one",
-        [f"{PROG} done 'Home A'", f"{PROG} done 'Home A' skip", f"{PROG} done 'Home A' --operation 3"],
+        [f"{PROG} done 'Home A'", f"{PROG} done 'Home A' skip", f"{PROG} done 'Home A' --operation 3",
+         f"{PROG} done 'Home A' grasped=yes drops=2 'place=1.25 0.40 90'"],
     )
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
-    one.add_argument("answer", metavar="ANSWER", nargs="?", default="",
-                     help="one of the choices, or the beginning of one (default: the first choice)")
+    one.add_argument("answer", metavar="ANSWER", nargs="*",
+                     help="what the operation asks for ('status' shows it), in its order or as NAME=VALUE. The "
+                          "beginning of a choice is enough (default: the first choice)")
     one.add_argument("--operation", metavar="N", type=int,
                      help="only if this is still the number of the operation ('status --json' shows it)")
-
-
-def _switches(commands) -> None:
-    one = _add(
-        commands, "switches", "HOMF: show the switches, or enter what changed",
-        [f"{PROG} switches 'Home A'", f"{PROG} switches 'Home A' --press 2 --press 3",
-         f"{PROG} switches 'Home A' --damaged 1 --confirm"],
-    )
-    one.add_argument("zone", metavar="ZONE", help=_ZONE)
-    one.add_argument("--press", metavar="N", action="append", default=[], type=_type("0 to 255", _byte),
-                     help="this switch changed; may be repeated, in the order of the changes")
-    one.add_argument("--damaged", metavar="N", type=_type("0 to 255", _byte), help="number of damaged switches")
-    one.add_argument("--confirm", action="store_true", help="confirm what was entered: the run continues")
 
 
 def _run(commands) -> None:
@@ -406,13 +394,6 @@ def _type(form: str, read: Callable[[str], T]) -> Callable[[str], T]:
             raise argparse.ArgumentTypeError(f"'{text}' does not have the form {form}") from None
 
     return convert
-
-
-def _byte(text: str) -> int:
-    try:
-        return byte_of(text)
-    except BadWord as bad:
-        raise ValueError(str(bad)) from None
 
 
 def _seconds(text: str) -> float:

@@ -12,7 +12,7 @@ from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 _NUMBER = re.compile(r"[+-]?\d+(\.\d+)?")
 # The core publishes every 100 ms. After this long without a message, something is wrong.
 SILENT_S = 1.5  # the core publishes the zones ten times a second
-NOTHING_ASKED = ManualOperation(0, "", (), False)
+NOTHING_ASKED = ManualOperation(0, "")
 
 
 class Change(NamedTuple):
@@ -74,7 +74,7 @@ def _of_zone(old: ZoneSnapshot, new: ZoneSnapshot, utc_s: float) -> Iterator[Cha
     if new.operation != old.operation:
         asked = new.operation or NOTHING_ASKED
         yield change("manual_operation", operation=asked.number, text=asked.text, choices=list(asked.choices),
-                     asks_text=asked.asks_text)
+                     asks_text=asked.asks_text, fields=list(asked.fields))
     if new.switches != old.switches and new.switches is not None:
         yield change("switches", **new.switches._asdict())
     for score in _module_scores(old, new):

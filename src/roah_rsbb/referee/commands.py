@@ -24,7 +24,7 @@ from roah_rsbb.referee.words import (
     NOT_ATTEMPTED,
     BadWord,
     EventWanted,
-    answer_of,
+    given_of,
     pick_item,
     pick_zone,
     value_of,
@@ -182,19 +182,8 @@ def _done(link: Link, options, output: Output) -> Exit:
         raise Refused(["no manual operation is requested now"])
     if options.operation not in (None, operation.number):
         raise Refused([f"operation {options.operation} is over; the current one is: {operation.text}"])
-    link.act("operation", name, {"operation": operation.number, "answer": answer_of(options.answer, operation)})
+    link.act("operation", name, {"operation": operation.number, **given_of(options.answer, operation.fields)})
     return _say_done(link, name, output, "done")
-
-
-def _switches(link: Link, options, output: Output) -> Exit:
-    name = _zone_name(link, options.zone)
-    for switch in options.press:
-        link.act("switch", name, {"number": switch})
-    if options.damaged is not None:
-        link.act("damaged", name, {"number": options.damaged})
-    if options.confirm:
-        link.act("confirm_switches", name)
-    return _say_done(link, name, output, "switches")
 
 
 def _run(link: Link, options, output: Output) -> Exit:
@@ -413,7 +402,7 @@ COMMANDS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
     **{action.words: _act for action in ACTIONS.values()},
     "status": _status, "watch": _watch, "stop": _stop, "score": _score, "runs": _runs, "sheet": _sheet,
     "withdraw": _withdraw, "reason": _reason, "sign-off": _sign_off, "schedule": _schedule, "choose": _choose,
-    "done": _done, "switches": _switches, "run": _run, "reload": _reload,
+    "done": _done, "run": _run, "reload": _reload,
     "judges": judges.judges, "pair": pairing.pair, "devices": pairing.devices,
     "team-codes": pairing.team_codes,
 }

@@ -8,11 +8,15 @@ import json
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model import shown
+from roah_rsbb.model.actions import ACTIONS, Row
+from roah_rsbb.model.fields import Choice, Field, Text, entered
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.clock import clock_of, lines
 
 IDLE, CONNECTED, RUNNING, ENDED = "idle", "connected", "running", "ended"  # ZoneDetails.phase
 COMPLETED, STOPPED = "completed", "stopped"  # ZoneDetails.end_reason
+# They are of no interest in a zone without such a module.
+_OF_MODULES = [action.name for action in ACTIONS.values() if action.row is Row.MODULE]
 
 
 class SheetItem(NamedTuple):
@@ -36,8 +40,9 @@ class ManualOperation(NamedTuple):
 
     number: int  # in the attempt; an operation with the same text as the one before has another number
     text: str
-    choices: Tuple[str, ...]  # answers, the usual one first; empty: it is only confirmed
-    asks_text: bool
+    choices: Tuple[str, ...] = ()  # of its first choice, the usual one first
+    asks_text: bool = False  # it has a text
+    fields: Tuple[Field, ...] = ()  # of its form
 
 
 class SwitchesSnapshot(NamedTuple):
@@ -226,6 +231,8 @@ def lines_of(text: str) -> List[str]:
 
 def as_json(value: Any) -> Any:
     """Return a value of this module for `json.dumps`. Times and durations are rounded to microseconds."""
+    if isinstance(value, Field):
+        return value.form()
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
         return {name: as_json(field) for name, field in value._asdict().items()}
     if isinstance(value, (list, tuple)):
@@ -257,13 +264,14 @@ def _zone(zone, details, run_times: RunTimes) -> ZoneSnapshot:
         messages_saved=details.messages_saved,
         manual_operation=zone.manual_operation,
         warnings=tuple(details.warnings),
-        off={name: [str(reason) for reason in action.off] for name, action in shown.read(details.actions).items()},
+        off={name: [str(reason) for reason in action.off] for name, action in shown.read(details.actions).items()
+             if action.shown or name not in _OF_MODULES},
         score=items_of(details.items),
         points=sheets.points_of(details.points),
         log_file=details.log_file,
         log=zone.log,
         online_data=zone.online_data,
-        operation=_operation(zone, details),
+        operation=_operation(details),
         switches=SwitchesSnapshot(tuple(zone.omf_switches), zone.omf_damaged, zone.omf_complete) if zone.omf else None,
         all_robots=_all_robots(details),
         times=run_times,
@@ -288,12 +296,13 @@ def _all_robots(details) -> Optional[AllRobotsSnapshot]:
     )
 
 
-def _operation(zone, details) -> Optional[ManualOperation]:
-    if not details.operation or not zone.manual_operation:
+def _operation(details) -> Optional[ManualOperation]:
+    action = shown.of(details, "operation")
+    if not details.operation or not action.shown:
         return None
-    return ManualOperation(
-        details.operation, zone.manual_operation, tuple(details.operation_choices), details.operation_asks_text
-    )
+    fields = entered(action.fields)
+    choices = next((field.choices for field in fields if isinstance(field, Choice)), ())
+    return ManualOperation(details.operation, action.text, choices, any(isinstance(f, Text) for f in fields), fields)
 
 
 def _json_value(text: str) -> Any:

@@ -22,6 +22,7 @@ from roah_rsbb.referee.state import (
     ZoneSnapshot,
     lines_of,
 )
+from roah_rsbb.referee.words import form_words
 from roah_rsbb.wording import module_scores, schedule, sheets, times
 from roah_rsbb.wording.texts import escaped
 
@@ -137,9 +138,7 @@ def zone_report(zone: ZoneSnapshot, clock_utc_s: float, style: Style) -> List[st
 def to_do(operation: ManualOperation) -> str:
     """Return what the referee is asked to do, and the possible answers."""
     text = f"TO DO by the referee: {escaped(operation.text)}"
-    if operation.choices:
-        text += f" ({' / '.join(escaped(choice) for choice in operation.choices)})"
-    return f"{text} (an answer may be typed)" if operation.asks_text else text
+    return f"{text} ({escaped(form_words(operation.fields))})" if operation.fields else text
 
 
 def switches_line(switches: SwitchesSnapshot, style: Style) -> str:
@@ -289,8 +288,7 @@ def _online_data(facts: Dict, style: Style) -> str:
 def _manual_operation(facts: Dict, style: Style) -> str:
     if not facts["operation"]:
         return "manual operation over"
-    asked = ManualOperation(facts["operation"], facts["text"], facts["choices"], facts["asks_text"])
-    return style(YELLOW, to_do(asked))
+    return style(YELLOW, to_do(ManualOperation(facts["operation"], facts["text"], fields=tuple(facts["fields"]))))
 
 
 def _module_score(facts: Dict, style: Style) -> str:

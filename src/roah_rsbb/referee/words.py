@@ -1,11 +1,12 @@
 """Words that a referee types: names of zones, scoring items, values, events of the schedule."""
 
-from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+import shlex
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
-from roah_rsbb.core.runs.requests import MAX_DAMAGED
 from roah_rsbb.core.scoring.points import number_of, text_of
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
-from roah_rsbb.referee.state import EventSnapshot, ManualOperation, SheetItem
+from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Pose, Toggle
+from roah_rsbb.referee.state import EventSnapshot, SheetItem
 from roah_rsbb.rulebook.scoring import MAX_VALUE, ScoreKind, ScoringItem
 from roah_rsbb.wording.suggestions import did_you_mean
 
@@ -21,14 +22,6 @@ WORDS = {"yes": 1, "true": 1, "no": 0, "false": 0}
 
 class BadWord(Exception):
     """An unknown or ambiguous word. The text lists the possible words."""
-
-
-class SwitchesEntered(NamedTuple):
-    """HOMF: what the referee enters about the switches."""
-
-    pressed: Tuple[int, ...] = ()  # numbers of those that changed, in order
-    damaged: Optional[int] = None
-    confirmed: bool = False
 
 
 class EventWanted(NamedTuple):
@@ -151,37 +144,48 @@ def _decimal(text: str, item: SheetItem) -> Entered:
     return Entered(added=text_of(number)) if is_added else Entered(text=text_of(number))
 
 
-def answer_of(text: str, operation: ManualOperation) -> str:
-    """Return the answer meant by `text`: a choice, the beginning of one, or any text if the operation asks for it.
-
-    Empty: the usual answer. Raises `BadWord`.
-    """
-    text = text.strip()
-    found = _found(text, operation.choices, str, str.startswith) if text else [""]
-    if len(found) == 1:
-        return found[0]
-    if operation.asks_text:
-        return text
-    if not operation.choices:
-        raise BadWord(f"'{operation.text}' has no choices: complete it without an answer")
-    raise BadWord(f"'{text}' is not an answer to '{operation.text}': choose one of {_quoted(operation.choices)}")
-
-
-def switches_of(text: str) -> SwitchesEntered:
-    """`2 3`: these switches changed; `damaged 1`; an empty line confirms all. Raises `BadWord`."""
-    words = text.split()
-    if not words:
-        return SwitchesEntered(confirmed=True)
-    damaged = words[0].lower() == "damaged" and len(words) == 2
-    numbers = [byte_of(word) for word in (words[1:] if damaged else words)]
-    return SwitchesEntered(damaged=numbers[0]) if damaged else SwitchesEntered(tuple(numbers))
+def given_of(words: Sequence[str], fields: Sequence[Field]) -> Dict[str, Any]:
+    """Return the values of a form: NAME=VALUE, or values in the order of its fields; of a choice, also its beginning.
+    Raises `BadWord`."""
+    given: Dict[str, Any] = {}
+    for word in [" ".join(words)] if words and len(fields) == 1 else words:
+        name, equals, value = word.partition("=")
+        named = [field for field in fields if equals and field.name == name]
+        field, = (named or [field for field in fields if field.name not in given] or [None])[:1]
+        if field is None:
+            raise BadWord(f"'{word}' is not asked for: {form_words(fields)}")
+        text = (value if named else word).strip()
+        found = _found(text, field.choices, str, str.startswith) if text and isinstance(field, Choice) else []
+        try:
+            given[field.name] = field.parse(found[0] if len(found) == 1 else text) if text else ""
+        except BadValue as bad:
+            raise BadWord(str(bad)) from None
+    return given
 
 
-def byte_of(word: str) -> int:
-    """Return a number in the range of the core's services for switches; raises `BadWord`."""
-    if not word.isdecimal() or int(word) > MAX_DAMAGED:
-        raise BadWord(f"'{word}' is not a number from 0 to {MAX_DAMAGED}")
-    return int(word)
+def given_in(line: str, fields: Sequence[Field]) -> Dict[str, Any]:
+    """Return the values of a form in a line; of several, those with blanks are in quotes. Raises `BadWord`."""
+    try:
+        return given_of([line] if len(fields) == 1 else shlex.split(line), fields)
+    except ValueError as bad:
+        raise BadWord(f"'{line}': {bad}") from None
+
+
+def form_words(fields: Sequence[Field]) -> str:
+    """Return what a form asks for; with several fields, also their names."""
+    if len(fields) == 1:
+        return expected(fields[0])
+    return "; ".join(f"{field.name}: {field.label} ({expected(field)})" for field in fields) or "it needs no answer"
+
+
+def expected(field: Field) -> str:
+    """Return what may be typed for a field."""
+    if isinstance(field, (Number, Decimal)):
+        bounds = f"from {field.low}" if field.high == Number.high else f"{field.low:.12g} to {field.high:.12g}"
+        return f"{bounds} {field.unit}".rstrip()
+    if isinstance(field, Pose):
+        return "x y direction, in m and degrees"
+    return "yes / no" if isinstance(field, Toggle) else " / ".join(getattr(field, "choices", ("text",)))
 
 
 def event_wanted(text: str) -> EventWanted:

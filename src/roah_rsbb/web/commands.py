@@ -12,7 +12,7 @@ _MAX_WHOLE = 2**31 - 1
 # What a page says of what it shows, with each action of the table: the run, and the event at which it is.
 SHOWN: Dict[str, type] = {"identity": str, "event_id": str}
 # What a request has besides the values of an action's fields; `language`: of the page, for the answer.
-_BESIDE = {"zone", "language", *SHOWN}
+_BESIDE = {"zone", "language", "given", *SHOWN}
 # Each command that is not in the table of actions, and the type of each of its fields.
 FIELDS: Dict[str, Dict[str, type]] = {
     "stop": {"identity": str},
@@ -64,10 +64,13 @@ def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:
             raise BadCommand(f"{field} is no text")
         fields[field] = value
     if action is not None:
+        entered = body.get("given", {})
+        if not isinstance(entered, dict):
+            raise BadCommand("given is no object")
         given = {name: value for name, value in body.items() if name not in _BESIDE}
-        given.update(_of_session(action, session))
+        given.update(entered, **_of_session(action, session))
         try:
-            fields["given"] = model_fields.read(action.fields, given)
+            fields["given"] = entered if action.is_open else model_fields.read(action.fields, given)
         except model_fields.BadValue as bad:
             raise BadCommand(str(bad)) from None
     return Command(name, zone, session, fields)

@@ -3,13 +3,15 @@
 The functions work on anything with the fields of the messages. Texts are in the language of the reader.
 """
 
-from typing import Any, Dict, Iterable, List, Optional
+from typing import Any, Dict, Iterable, List
 
 from roah_rsbb.model import shown
+from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.web.documents import Data
 from roah_rsbb.wording import judging, sheets, stop, todo
 from roah_rsbb.wording.clock import Figure, clock_of
 from roah_rsbb.wording.counting import with_counting
+from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.times import Moments
 
@@ -56,7 +58,9 @@ def zone_page(
         "off": {name: [tr_said(reason) for reason in action.off] for name, action in actions.items()},
         "shown": {name: action.shown for name, action in actions.items()},
         "robots": list(shown.robots_to_choose(details)),
-        "operation": _operation(zone, details),
+        "texts": {name: action.text for name, action in actions.items() if action.text},
+        "fields": {name: [{**field.form(), "label": tr(field.label)} for field in action.fields]
+                   for name, action in actions.items() if name in ACTIONS and action.fields != ACTIONS[name].fields},
         "switches": {"on": list(zone.omf_switches), "damaged": zone.omf_damaged, "to_confirm": bool(zone.omf_complete)}
         if zone.omf else None,
         "items": [item_page(item) for item in details.items],
@@ -96,13 +100,6 @@ def stop_page(zones: Iterable[Any], has_all: bool) -> Data:
 
 def _figure(figure: Figure) -> Data:
     return {"label": figure.label, "text": figure.text, "hurry": int(figure.hurry)}
-
-
-def _operation(zone, details) -> Optional[Data]:
-    if not details.operation or not zone.manual_operation:
-        return None
-    return {"number": details.operation, "text": zone.manual_operation, "choices": list(details.operation_choices),
-            "asks_text": bool(details.operation_asks_text)}
 
 
 def item_page(item) -> Data:

@@ -114,7 +114,6 @@ def page_words() -> Dict[str, Any]:
         "nothing_to_stop": tr("No run is in progress, so there is nothing to stop"),
         "not_stopped": tr("STOP was refused: {reasons}", reasons="{reasons}"),
         "given_up": tr("{zone}: STOP WAS NOT DELIVERED. Stop the robot by hand, or press STOP again", zone="{zone}"),
-        "operation": tr("Manual operation"), "answer": tr("Answer"), "done": tr("Done"),
         "switches": tr("Switches that the robot changed"), "damaged": tr("Damaged switches"),
         "confirm": tr("Confirm"), "is_on": tr("on"), "is_off": tr("off"),
         "yes": tr("Yes"), "no": tr("No"), "not_attempted": tr("Not attempted"), "note": tr("Note"),

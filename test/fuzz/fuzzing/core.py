@@ -3,7 +3,7 @@
 import contextlib
 import json
 import operator
-from typing import Iterator, List
+from typing import Dict, Iterator, List
 
 from fuzzing.frames import KEY
 from fuzzing.reader import Reader
@@ -11,6 +11,7 @@ from fuzzing.target import Step, Target
 from helpers.box_driver import BoxDriver, beacon_bytes
 from helpers.commands import COMMANDS, given_with
 from helpers.competition import competition, event
+from helpers.forms import ODD, form
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.core import effects
@@ -26,6 +27,7 @@ from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views import views
 from roah_rsbb.core.zones import ZoneState
+from roah_rsbb.model.fields import form_text
 from roah_rsbb.nodes.modules.limits import checked_state
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio import wire_convert
@@ -35,6 +37,7 @@ HOSTS = ("10.0.0.2", "10.0.0.3", "10.0.0.9")
 TEAMS = ("Alpha", "Beta", "Gamma")
 CODES = ("HOPF", "HNF", "HOMF")
 NODES = ("n1", "n2")
+FORMS = ("", form_text(ODD), form("a", "b"), form(asks_text=True), "[{}]", "[")
 _TIMES_S = (0.0, 0.001, 0.05, 1.0, 3.1, 20.0, 1000.0, 1e6)
 _CLOCK_STEPS_S = (-1e9, -1.0, 1e-3, 1.0, 1e9)
 
@@ -230,7 +233,7 @@ class Play:
         number = taken + 1 if r.byte() < 224 else r.integer()
         pose = tuple(r.list_of(r.double)) if r.flag() else None
         return Request(
-            number, r.choice(list(RequestKind)), r.text(), r.texts(), r.flag(), r.text(), pose,
+            number, r.choice(list(RequestKind)), r.text(), r.choice(FORMS), r.text(), pose,
             tuple(r.list_of(r.flag, 12)), tuple(r.list_of(lambda: r.integer(size=4), 12)), r.double(), "{}",
         )
 
@@ -273,11 +276,15 @@ class Play:
         r = self.reader
         zone = r.choice(ZONES)
         return r.choice((
-            lambda: self._event("modules.complete_operation", zone, r.byte(), r.text()),
-            lambda: self._event("modules.press_switch", zone, r.byte()),
-            lambda: self._event("modules.damage_switches", zone, r.byte()),
-            lambda: self._event("modules.complete_switches", zone),
+            lambda: self._act(zone, "operation", {"operation": r.byte(), "answer": r.text()}),
+            lambda: self._act(zone, "operation", {"operation": r.byte(), r.text(): r.integer()}),
+            lambda: self._act(zone, "switch", {"number": r.byte()}),
+            lambda: self._act(zone, "damaged", {"number": r.byte()}),
+            lambda: self._act(zone, "confirm_switches", {}),
         ))()
+
+    def _act(self, zone: str, name: str, given: Dict[str, object]) -> Step:
+        return self._event("act", table.Target(zone), name, "", given)
 
     def _restart(self) -> Step:
         return self.driver.restart

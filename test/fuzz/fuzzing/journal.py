@@ -15,11 +15,13 @@ from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
 from helpers.box_driver import BoxDriver, beacon_bytes
 from helpers.competition import competition, event
+from helpers.forms import form
 from helpers.journaled import JournaledDriver
 from helpers.module_player import FakeModules
 from helpers.old_journals import TABLES, write_old
 from roah_rsbb.box.journal import competition as competition_of
 from roah_rsbb.box.journal import saved_state
+from roah_rsbb.core.actions import table
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.settings import Settings
@@ -76,8 +78,8 @@ def _good() -> Dict[str, bytes]:
     modules.beat()
     robot = driver.connected("waypoints", team="Gamma", host="10.0.0.3")
     driver.command("start", "waypoints")
-    modules.asks(RequestKind.REFEREE, "waypoints", text="Doors open", choices=("Done", "Skip"))
-    driver.event(driver.box.modules.complete_operation, "waypoints")
+    modules.asks(RequestKind.REFEREE, "waypoints", text="Doors open", form=form("Done", "Skip"))
+    driver.event(driver.box.act, table.Target("waypoints"), "operation")
     modules.asks(RequestKind.GOAL, "waypoints", goal="[1, 2, 3]", pose=(1.0, 2.0, 3.0), timeout=30.0)
     for state in (RobotState.PREPARING, RobotState.WAITING_GOAL):
         robot.says(state, notifications=("hello",))

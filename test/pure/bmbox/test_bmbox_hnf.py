@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from helpers.forms import form
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3
 from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
 from roah_rsbb.bmbox.hnf import HNF, mean_angle
@@ -83,11 +84,11 @@ def test_an_unseen_robot_is_asked_for_again():
     r.answer()
     r.truth.subjects["robot"] = None
     r.result(seconds=5.0)
-    assert (r.asked.text, r.asked.choices) == (
-        "The pose of robot is not available. Solve the problem, then try again", ("Try again", "Skip")
+    assert (r.asked.text, r.asked.form) == (
+        "The pose of robot is not available. Solve the problem, then try again", form("Try again", "Skip")
     )
     r.answer("Try again")
-    assert r.asked.choices == ("Try again", "Skip")
+    assert r.asked.form == form("Try again", "Skip")
     r.truth.subjects["robot"] = Pose3(1.0, 0.0, 0.0, 0.0)
     r.answer()
     assert r.score["waypoint 1", "distance_error"] == 0.0

@@ -1,7 +1,10 @@
 """The runner: requests out, outcomes in, and back to where it was after a restart."""
 
+import math
+
 import pytest
 
+from helpers.forms import ODD, ODD_ASKED, ODD_VALUES, form
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3
 from roah_rsbb.bmbox.framework.module import Disconnected, Module, RunEnded, RunTimedOut, Stopped
 from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
@@ -10,10 +13,32 @@ from roah_rsbb.bmbox.framework.score import Value
 from roah_rsbb.bmbox.stb import STB
 from roah_rsbb.core.modules.messages import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule, Step
 from roah_rsbb.core.scoring.sheet import ScoreGroup
+from roah_rsbb.model.fields import BadValue
 from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 DONE = RequestOutcome(OutcomeKind.DONE)
+
+
+class Odd(Module):
+    CODE = "ODD"
+
+    async def execute(self):
+        self.kept = await self.ask(ODD_ASKED, *ODD)
+        self.kept["more"] = await self.referee("Who?", ("Annie", "Tom"), asks_text=True)
+
+
+def test_a_form_of_any_fields():
+    r = Rehearsal(Odd)
+    assert (r.asked.text, r.asked.fields) == (ODD_ASKED, ODD)
+    with pytest.raises(BadValue, match="Pose of the cup is missing"):
+        r.answer(held=True, drops=2)
+    r.answer(**ODD_VALUES)
+    pose = pytest.approx([1.25, 0.4, math.pi / 2])
+    assert r.module.kept == {"held": True, "drops": 2, "place": "floor", "pose": pose}
+    r.restart()
+    r.answer(text="Bob")
+    assert (r.finished, r.module.kept["more"]) == (True, "Bob")
 
 
 class Story(Module):
@@ -48,9 +73,7 @@ def story(**kwargs):
 
 def test_a_whole_story():
     r = story()
-    assert (r.asked.number, r.asked.kind, r.asked.text, r.asked.choices) == (
-        1, RequestKind.REFEREE, "first", ("yes", "no")
-    )
+    assert r.asked == Request(1, RequestKind.REFEREE, "first", form("yes", "no"))
     r.answer("no")
     assert r.score["said"] == "no"
     assert (r.asked.number, r.asked.kind, r.asked.timeout) == (2, RequestKind.GOAL, 10.0)
@@ -264,7 +287,7 @@ class Faulty(Module):
 
     async def execute(self):
         self.score["a"] = 1
-        how = await self.referee("how")
+        how = await self.referee("how", asks_text=True)
         if how == "raise":
             raise ValueError("no such thing")
         if how == "look":

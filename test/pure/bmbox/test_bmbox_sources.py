@@ -5,8 +5,9 @@ import math
 import pytest
 
 from helpers.config_files import SHIPPED
-from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3, Source
-from roah_rsbb.bmbox.framework.module import SKIP, Module, read_pose
+from helpers.forms import form
+from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Source
+from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.rehearsal import Rehearsal
 from roah_rsbb.bmbox.hgmf import HGMF
@@ -15,6 +16,8 @@ from roah_rsbb.bmbox.hopf import HOPF
 from roah_rsbb.bmbox.hpff import HPFF
 from roah_rsbb.bmbox.hppf import HPPF
 from roah_rsbb.core.modules.messages import RequestKind
+from roah_rsbb.model.fields import BadValue, Pose
+from roah_rsbb.model.reason import say
 
 
 class Without(GroundTruth):
@@ -44,7 +47,7 @@ def conduct(r, *results):
         assert not r.failed, r.failed
         if r.asked.kind is RequestKind.REFEREE:
             asked.append(r.asked.text)
-            r.answer("1.0 0.5 0" if r.asked.asks_text else "")
+            r.answer("1.0 0.5 0" if any(isinstance(field, Pose) for field in r.asked.fields) else "")
         else:
             r.result(left.pop(0) if left else "", seconds=10.0)
     return asked
@@ -82,15 +85,15 @@ def test_the_referee_enters_where_the_robot_is():
     r.answer()
     r.result(seconds=10.0)
     assert r.asked.text == ("Measure the pose of the robot in the test bed. Enter x, y and its direction, in metres "
-                            "and degrees: 1.25 0.40 90")
-    assert (r.asked.choices, r.asked.asks_text) == ((SKIP,), True)
-    r.answer("left of the sofa")
-    assert r.asked.text.startswith("'left of the sofa' is not a pose. Measure")
+                            "and degrees: 1.25 0.40 90. Leave it empty to skip it")
+    assert r.asked.fields == (Pose("pose", say("Pose"), required=False),)
+    with pytest.raises(BadValue, match="Pose: x and y in metres, then the direction in degrees"):
+        r.answer("left of the sofa")
     r.answer("1,3 0,9 -90")  # the waypoint is 1.0 0.5 0°: 0.5 m, a quarter turn
     assert r.score["waypoint 1", "distance_error"] == pytest.approx(0.5)
     assert r.score["waypoint 1", "orientation_error"] == pytest.approx(math.pi / 2)
     r.result(seconds=10.0)
-    r.answer(SKIP)
+    r.answer()
     r.restart()
     assert r.asked.text == "waypoint 3"
     assert r.score["waypoint 2", "distance_error"] is None
@@ -114,9 +117,9 @@ def test_the_referee_sees_whether_the_object_was_lifted():
     r.answer()  # places it
     goal = r.asked.pose
     r.result(seconds=5.0)
-    assert (r.asked.text, r.asked.choices) == ("Did the robot lift the object?", ("No", "Yes"))
+    assert (r.asked.text, r.asked.form) == ("Did the robot lift the object?", form("No", "Yes"))
     r.answer("Yes")
-    r.answer(f"{goal[0] + 0.3} {goal[1]} 0.4 0")
+    r.answer(f"{goal[0] + 0.3} {goal[1]} 0")
     assert r.score["object 1", "grasped"] is True
     assert r.score["object 1", "distance_error"] == pytest.approx(0.3)
 
@@ -129,19 +132,6 @@ def test_the_referee_measures_where_a_person_stood_after_the_result():
     assert "pose of the person in the test bed" in r.asked.text
     r.answer("1 2.5 0")
     assert r.score["person 1", "distance_error"] == pytest.approx(0.5)
-
-
-@pytest.mark.parametrize("text, pose", [
-    ("1 2 90", Pose3(1.0, 2.0, 0.0, math.pi / 2)),
-    (" 1,5  -2.25 0.75 -180 ", Pose3(1.5, -2.25, 0.75, -math.pi)),
-    ("1 2", None), ("1 2 3 4 5", None), ("", None), ("one 2 3", None), ("nan 0 0", None), ("1e999 0 0", None),
-    ("2000 0 0", None), ("0 0 400", None), ("1,2,3", None),
-])
-def test_entered_poses(text, pose):
-    found = read_pose(text)
-    assert (found is None) is (pose is None)
-    if pose is not None:
-        assert found == pytest.approx(pose)
 
 
 def test_rules_of_a_competition_see_the_source():

@@ -44,7 +44,7 @@ class Story:
         alpha.says(notifications=("at the bed",), switch_1=True, dimmer=20)
         driver.score(DOOR.group, DOOR.desc, 1, "tbm")
         modules.asks(RequestKind.REFEREE, "fbm", text="Place the robot")
-        driver.event(driver.box.modules.complete_operation, "fbm")
+        driver.event(driver.box.act, Target("fbm"), "operation")
         modules.asks(RequestKind.GOAL, "fbm", timeout=60.0, **WAYPOINT)
         alpha.says(notifications=("at the bed", "at the door"), switch_1=True, dimmer=30)
         does_goal(beta, generic_result="[1.0, 2.0]")

@@ -299,31 +299,30 @@ def test_an_unknown_zone_is_refused_with_the_nearest(command):
     assert _refused(driver, command, "nowhere") == ["no zone 'nowhere': there is 'tbm', 'fbm'"]
 
 
+SWITCHES = (("switch", "", {"number": 1}), ("damaged", "", {"number": 1}), ("confirm_switches",))
+
+
 def test_scores_and_other_calls_need_a_run_in_a_zone():
     driver = BoxDriver()
     box = driver.box
-    for method, arguments in (
-        (lambda now, zone: box.scores.mark(now, RunName(zone), Mark("Penalized", "bumps", 1)), ()),
-        (box.modules.complete_operation, ()),
-        (box.modules.press_switch, (1,)), (box.modules.damage_switches, (1,)), (box.modules.complete_switches, ()),
+    for method in (
+        lambda now, zone: box.scores.mark(now, RunName(zone), Mark("Penalized", "bumps", 1)),
+        *(lambda now, zone, call=call: box.act(now, Target(zone), *call) for call in (("operation",), *SWITCHES)),
     ):
         with pytest.raises(Refused, match="No run is connected: press connect first"):
-            driver.event(method, "tbm", *arguments)
+            driver.event(method, "tbm")
         with pytest.raises(Refused, match="no zone 'tmb': did you mean 'tbm'"):
-            driver.event(method, "tmb", *arguments)
+            driver.event(method, "tmb")
 
 
 def test_calls_that_make_no_sense_in_a_task_benchmark():
     driver = BoxDriver()
     driver.connected()
     with pytest.raises(Refused, match="zone 'tbm' has no manual operation now"):
-        driver.event(driver.box.modules.complete_operation, "tbm")
-    modules = driver.box.modules
-    for method, arguments in (
-        (modules.press_switch, (1,)), (modules.damage_switches, (1,)), (modules.complete_switches, ()),
-    ):
+        driver.event(driver.box.act, Target("tbm"), "operation")
+    for call in SWITCHES:
         with pytest.raises(Refused, match="zone 'tbm' runs HGTKMH, which has no switches"):
-            driver.event(method, "tbm", *arguments)
+            driver.event(driver.box.act, Target("tbm"), *call)
 
 
 def test_disconnect_ends_the_channel_without_a_last_message():

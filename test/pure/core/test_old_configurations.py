@@ -9,9 +9,11 @@ import os
 import pytest
 
 from helpers.box_driver import BoxDriver
+from helpers.forms import form
 from helpers.golden import DATA
 from helpers.module_player import ScriptedModules
 from roah_rsbb.core import run_log
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreEntry
 from roah_rsbb.core.settings import Settings
@@ -35,7 +37,7 @@ SCRIPTS = {
         (GOAL, {"text": "GOAL 2", "goal": "GOAL 2", "timeout": 15.0}),
     ],
     "HNF": [(GOAL, {"goal": f"[{x}.5, 2.0, 0.25]", "pose": (x + 0.5, 2.0, 0.25), "timeout": 120.0}) for x in (1, 2)],
-    "HPPF": [(REFEREE, {"text": "Ask Annie to enter", "choices": ("yes", "no")}), (GOAL, {"timeout": 120.0})],
+    "HPPF": [(REFEREE, {"text": "Ask Annie to enter", "form": form("yes", "no")}), (GOAL, {"timeout": 120.0})],
     "HPFF": [(GOAL, {"timeout": 300.0})],
     "HGMF": [(GOAL, {"goal": "[0.5, 0.25, 3]", "pose": (0.5, 0.25, 0.0), "timeout": 120.0})],
 }
@@ -95,10 +97,10 @@ class Played:
                 if kind is GOAL:
                     self._goal(modules, None if 0 < number == len(script) - 1 else RESULTS.get(code, {}))
                 elif kind is REFEREE:
-                    driver.event(driver.box.modules.complete_operation, self.zone)
+                    driver.event(driver.box.act, Target(self.zone), "operation")
                 else:
-                    driver.event(driver.box.modules.press_switch, self.zone, 2)
-                    driver.event(driver.box.modules.complete_switches, self.zone)
+                    driver.event(driver.box.act, Target(self.zone), "switch", "", {"number": 2})
+                    driver.event(driver.box.act, Target(self.zone), "confirm_switches")
         self._see(modules)
         robot.says(RobotState.STOP)
         self._see(modules)

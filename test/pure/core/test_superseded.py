@@ -5,6 +5,7 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.commands import COMMANDS
 from roah_rsbb.core import effects
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.core.scoring.sheet import Mark
@@ -59,7 +60,7 @@ def test_every_command_is_refused(driver, command):
     lambda box, now: box.judges.mark(now, RUN, MARK, "judge"),
     lambda box, now: box.judges.submit(now, RUN, "judge"),
     lambda box, now: box.judges.publish(now, RUN),
-    lambda box, now: box.modules.complete_operation(now, "tbm"),
+    lambda box, now: box.act(now, Target("tbm"), "operation"),
     lambda box, now: box.reload(now, None, 2, ()),
 ], ids=("mark", "sign off", "stop", "judge", "submit", "publish", "operation", "reload"))
 def test_scores_are_refused(driver, call):

@@ -1,10 +1,10 @@
 """The referee's commands in a zone, and what a face gives with them."""
 
 from roah_rsbb.model import shown
-from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.actions import ACTIONS, Row
 
-# Those that need no choice of an event.
-COMMANDS = tuple(name for name in ACTIONS if name != "choose_event")
+# Those that need no choice of an event, and no benchmarking module.
+COMMANDS = tuple(name for name, action in ACTIONS.items() if name != "choose_event" and action.row is not Row.MODULE)
 
 
 def given_with(command, team=""):
@@ -13,8 +13,11 @@ def given_with(command, team=""):
     return {**({"team": team} if team and "team" in names else {}), **({"running": True} if "running" in names else {})}
 
 
-def actions_text(off=None, hidden=(), fields=None):
-    """The actions of a zone as ZoneDetails has them. `off`: by name, the reasons why each is off."""
-    return shown.written((name, shown.Shown(
-        tuple((off or {}).get(name, ())), name not in hidden, (fields or {}).get(name, action.fields),
-    )) for name, action in ACTIONS.items())
+def actions_text(off=None, hidden=(), fields=None, asked=None):
+    """The actions of a zone as ZoneDetails has them. `off`: by name, the reasons why each is off. `asked`: what a
+    benchmarking module asks for, see `forms.shown_form`."""
+    known = {name: shown.Shown(
+        tuple((off or {}).get(name, ())), name not in hidden and action.row is not Row.MODULE,
+        (fields or {}).get(name, action.fields),
+    ) for name, action in ACTIONS.items()}
+    return shown.written({**known, **({"operation": asked} if asked else {})}.items())

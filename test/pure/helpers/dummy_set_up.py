@@ -7,6 +7,7 @@ from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState
 from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.protocol import BoxState, RobotState
@@ -103,7 +104,7 @@ class DummySetUp:
         self._module()
         asked = self.run.asked
         if asked is not None:
-            driver.event(driver.box.modules.complete_operation, ZONE, asked.number, "")
+            driver.event(driver.box.act, Target(ZONE), "operation", "", {"operation": asked.number})
             self.world.step(driver.now.mono, driver.box.modules.runs())
         self.worker.step(driver.now.mono, driver.box_state(ZONE))
         driver.run(period_s)

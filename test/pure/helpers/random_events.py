@@ -71,8 +71,8 @@ def random_events(draw):
         ("on_trouble", ("bad",)), ("on_channel_failed", (6667, "in use")), ("on_devices", (DevicesState(dimmer=5),)),
         ("on_tablet", ("10.0.0.3", TabletState(True, (2**63 - 1, -1), (-(2**63), 0), float("nan"), float("inf")))),
         ("on_tablet", ("10.0.0.4", TabletState(False, (5, 0), (7, 999_999_999), 1.5, -2.5))),
-        ("modules.complete_operation", (zone,)), ("modules.complete_switches", (zone,)),
-        ("modules.press_switch", (zone, 1)), ("tick", ()),
+        ("act", (Target(zone), "operation")), ("act", (Target(zone), "confirm_switches")),
+        ("act", (Target(zone), "switch", "", {"number": 1})), ("tick", ()),
     ]))
 
 

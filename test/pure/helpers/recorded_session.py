@@ -8,6 +8,7 @@ from helpers.golden import PASSWORD, load
 from helpers.module_player import ScriptedModules
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.comm.frame import decode_private, decode_public
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.referee import Refused
@@ -82,7 +83,7 @@ class Replay:
     def _command(self, command):
         try:
             if command == OPERATION:
-                self.driver.event(self.driver.box.modules.complete_operation, "tbm")
+                self.driver.event(self.driver.box.act, Target("tbm"), "operation")
             else:
                 self.driver.command(command)
         except Refused as refused:

@@ -3,7 +3,7 @@
 from typing import Callable, Dict, List, Optional
 
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.model.actions import ACTIONS, ENTRIES
+from roah_rsbb.model.actions import ACTIONS, Row
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.state import (
     CONNECTED,
@@ -203,7 +203,7 @@ class FakeLink:
 
     def act(self, action: str, name: str, given: Optional[dict] = None, run: str = "") -> None:
         """Do an action as the core would: in this run, if one is named, and with this robot."""
-        if action in ENTRIES:
+        if ACTIONS[action].row is Row.MODULE:
             self._enter(action, given or {})
             return
         self._call(action, name)

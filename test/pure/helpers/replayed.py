@@ -8,6 +8,7 @@ from helpers.competition import BUMPS, DOOR, OBJECTS, competition, event
 from helpers.journaled import NO_LISTENING, JournaledDriver
 from helpers.module_player import FakeModules, does_goal
 from helpers.results_of import EVIL
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
 from roah_rsbb.core.views import views
 from roah_rsbb.core.views.explained import Explanation, explanations
@@ -116,7 +117,7 @@ class ReplayedCompetition(JournaledDriver):
         for number in (1, 2):
             modules.asks(RequestKind.REFEREE, "fbm", text=f"Place the robot {EVIL}")
             self.passes(other)
-            self.event(self.box.modules.complete_operation, "fbm")
+            self.event(self.box.act, Target("fbm"), "operation")
             self.look()
             modules.asks(RequestKind.GOAL, "fbm", timeout=60.0, goal=f"[{number}.0, 2.0, 0.5]")
             self.look()

@@ -20,6 +20,7 @@ from roah_rsbb.bmbox.framework.own_rules import own_files
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.bmbox.framework.rehearsal import Poses
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState
 from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.records import Phase
@@ -230,7 +231,7 @@ class Day:
             asked = getattr(run, "asked", None)
             if run.phase is not Phase.ENDED and asked is not None:
                 answer = self.behaviour.answer(event, asked)
-                box.event(box.box.modules.complete_operation, zone, asked.number, answer)
+                box.event(box.box.act, Target(zone), "operation", "", {"operation": asked.number, "answer": answer})
 
     def _press(self, zone, command):
         yield lambda: not self.world.box.off(command, zone)

@@ -1,9 +1,25 @@
 """Fields read values of JSON and typed words, and name the remedy of what does not fit."""
 
+import math
+
 import pytest
 
+from helpers.forms import MEASURED, ODD
 from roah_rsbb.model.actions import EVERY
-from roah_rsbb.model.fields import BadValue, Choice, Number, Team, Text, Toggle, field_of, read
+from roah_rsbb.model.fields import (
+    BadValue,
+    Choice,
+    Number,
+    Pose,
+    Team,
+    Text,
+    Toggle,
+    answered,
+    field_of,
+    form_of,
+    form_text,
+    read,
+)
 from roah_rsbb.model.reason import say
 
 SECONDS = Number("seconds", say("How long"), low=1, high=600)
@@ -13,12 +29,17 @@ CUT = Text("reason", say("Reason"), required=False, characters=10, cut=True)
 WHO = Choice("who", say("Who"), required=False, choices=("team", "jury"))
 QUIET = Toggle("quiet", say("Quiet"), required=False)
 TEAM = Team("team", say("Team"))
+POSE, MAYBE = Pose("pose", say("Pose")), Pose("pose", say("Pose"), required=False)
 
 
 @pytest.mark.parametrize("field, value", [
     (SECONDS, 0), (SECONDS, 601), (SECONDS, True), (SECONDS, 2.5), (SECONDS, "60"), (SECONDS, None), (SECONDS, [1]),
     (OPTIONAL, -2), (OPTIONAL, "x"), (OPTIONAL, False),
     (REASON, "x" * 11), (REASON, 5), (REASON, "\ud800"), (REASON, ""),
+    (MEASURED, 2.6), (MEASURED, float("nan")), (MEASURED, True), (MEASURED, "high"), (MEASURED, ""), (MEASURED, None),
+    (POSE, "1 2"), (POSE, "1 2 3 4"), (POSE, ""), (POSE, "one 2 3"), (POSE, "nan 0 0"), (POSE, "1e999 0 0"),
+    (POSE, "2000 0 0"), (POSE, "0 0 400"), (POSE, "1,2,3"), (POSE, [1, 2]), (POSE, [1, 2, True]), (POSE, "0 0 inf"),
+    (POSE, [0.0, float("nan"), 0.0]), (POSE, {}),
     (WHO, "nobody"), (WHO, 1), (QUIET, 0), (QUIET, "yes"), (TEAM, ""), (TEAM, "x" * 501),
 ])
 def test_what_does_not_fit_is_refused_with_the_name_of_the_field(field, value):
@@ -29,12 +50,29 @@ def test_what_does_not_fit_is_refused_with_the_name_of_the_field(field, value):
 
 @pytest.mark.parametrize("field, value, found", [
     (SECONDS, 1, 1), (SECONDS, 600, 600), (Number("n", say("N")), 0, 0), (OPTIONAL, 0, 0), (OPTIONAL, -1, -1),
+    (MEASURED, 1, 1.0), (MEASURED, " 1,5 ", 1.5), (POSE, [1, 2.5, 3], [1.0, 2.5, 3.0]), (MAYBE, None, None),
     (REASON, "why", "why"), (CUT, "x" * 99, "x" * 10), (WHO, "jury", "jury"), (WHO, "", ""), (QUIET, True, True),
     (QUIET, False, False), (TEAM, "Alpha", "Alpha"),
 ])
 def test_what_fits_is_read(field, value, found):
     assert read([field], {field.name: value}) == {field.name: found}
     assert type(read([field], {field.name: value})[field.name]) is type(found)
+
+
+def test_a_pose_is_typed_with_degrees():
+    assert POSE.parse(" 1,5  -2.25 -180 ") == pytest.approx([1.5, -2.25, -math.pi])
+
+
+def test_what_is_left_out_of_a_modules_form():
+    assert answered([WHO, MAYBE, QUIET], {"pose": "", "who": ""}) == {"who": "team", "pose": None, "quiet": False}
+    assert answered([WHO], {"who": "jury"}) == {"who": "jury"}
+    with pytest.raises(BadValue, match="Pose is missing"):
+        answered([POSE], {"pose": ""})
+
+
+def test_a_form_survives_json():
+    assert form_of(form_text([MEASURED, *ODD])) == (MEASURED, *ODD)
+    assert (form_text([]), form_of("")) == ("", ())
 
 
 def test_what_is_left_out():

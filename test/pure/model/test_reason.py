@@ -61,7 +61,7 @@ def test_actions_survive_json():
     found = shown.read(written)
     assert found["connect"].off == ("Clock skew of r1 is +1 s",) and found["connect"].off[0].values["robot"] == "r1"
     assert found["connect"].fields == robots and found["connect"].shown
-    assert found["pause"] == (("why",), False, ()) and found["next"] == ((), True, ())
+    assert found["pause"] == (("why",), False, (), "") and found["next"] == ((), True, (), "")
     assert json.loads(written)["next"] == {}, "what is usual takes no bytes"
 
 

@@ -5,8 +5,12 @@ import re
 
 import pytest
 
+from helpers.forms import MEASURED, ODD, form
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
+from roah_rsbb.model.fields import Choice, Decimal, Fixed, Number, Robot, Text, Toggle, form_text
+from roah_rsbb.model.reason import say
 from roah_rsbb.nodes.modules.limits import (
+    MAX_FIELDS,
     MAX_JSON,
     MAX_LIST,
     MAX_NAME,
@@ -19,8 +23,8 @@ from roah_rsbb.nodes.modules.limits import (
 
 USUAL = Progress(
     "HNF-1", 2, Request(
-        3, RequestKind.GOAL, "Waypoint 1", ("again", "skip"), True, "[1, 2, 3]", (1.0, 2.0, 3.0), (True, False), (2, 1),
-        15.0, '{"a": 1}',
+        3, RequestKind.GOAL, "Waypoint 1", form_text(ODD), "[1, 2, 3]", (1.0, 2.0, 3.0), (True, False), (2, 1), 15.0,
+        '{"a": 1}',
     ),
     (ScoreValue("waypoint 1", "time", "1.5", "s", "Time"),), "under way", ("old",), '{"sum": 1}', True, "",
 )
@@ -47,8 +51,29 @@ def test_usual_values_stay_unchanged():
     ({"number": 0}, "its request has the number 0"),
     ({"number": 2**32}, "numbers start at 1"),
     ({"note": "x" * (MAX_JSON + 1)}, f"its note has {MAX_JSON + 1} characters"),
-    ({"choices": ("a",) * (MAX_LIST + 1)}, f"it offers {MAX_LIST + 1} answers"),
-    ({"choices": ("x" * 1001,)}, "an answer of more than 1000 characters"),
+    ({"form": form(*("a",) * (MAX_LIST + 1))}, f"'answer' has {MAX_LIST + 1} choices"),
+    ({"form": form("x" * 1001)}, "longer than 1000 characters"),
+    ({"form": form("\ud800")}, "its form is no UTF-8"),
+    ({"form": '[{"kind": "\\ud800", "name": "a"}]'}, "KeyError: 'label'"),
+    ({"form": form_text([Choice("a", say("A"))])}, "has 0 choices"),
+    ({"form": form_text([Number("a", say("A"), high=2**31)])}, "'a' is from 0 to 2147483648"),
+    ({"form": form_text([Number("a", say("A"), default=2**31)])}, "'a' is from 0 to"),
+    ({"form": form_text([Decimal("a", say("A"), high=float("nan"))])}, "'a' is from 0.0 to nan"),
+    ({"form": form_text([Text("a", say("A"), characters=1001)])}, "'a' has 1001 characters"),
+    ({"form": form_text([Robot("a", say("A"))])}, "is a robot, which a module cannot ask for"),
+    ({"form": form_text([Fixed("a", say("A"))])}, "is a fixed, which a module cannot ask for"),
+    ({"form": form_text([Toggle("operation", say("A"))])}, "'operation' has a wrong name: names are of a to z"),
+    ({"form": form_text([Toggle("a", say("A"))] * 2)}, "'a' has a wrong name"),
+    ({"form": form_text([Toggle("a b", say("A"))])}, "'a b' has a wrong name"),
+    ({"form": form_text([Toggle(f"a{n}", say("A")) for n in range(MAX_FIELDS + 1)])}, "at most 20 fields"),
+    *(({"form": text}, "its form cannot be read") for text in (
+        "[", "7", "[7]", "{}7", "[" * 2000, '[{"kind": "number"}]', '[{"kind": "toggle", "name": "a", "label": 7}]',
+        '[{"kind": "number", "name": "a", "label": "A", "low": "x"}]',
+        '[{"kind": "choice", "name": "a", "label": "A", "choices": [7]}]',
+        '[{"kind": "choice", "name": "a", "label": "A", "choices": "table"}]',
+        '[{"kind": "toggle", "name": ["a"], "label": "A"}]',
+        '[{"kind": "new", "name": "a", "label": "A", "required": 2}]',
+        '[{"kind": "toggle", "name": "a", "label": "A", "size": 7}]')),
     ({"pose": (1.0, 2.0)}, r"pose is \(1.0, 2.0\)"),
     ({"pose": (1.0, 2.0, 3.0, 4.0)}, "x, y and theta must be finite numbers"),
     ({"pose": (1.0, float("nan"), 0.0)}, "x, y and theta must be finite numbers"),
@@ -66,8 +91,9 @@ def test_a_request_that_would_mean_something_else_ends_the_run(fields, reason):
 
 
 @pytest.mark.parametrize("fields", [
-    {"number": 2**32 - 1}, {"note": "x" * MAX_JSON}, {"choices": ("x" * 1000,) * MAX_LIST}, {"timeout": 0.0},
-    {"initial_state": (True,) * 255}, {"switches": (2**32 - 1,)}, {"pose": None},
+    {"number": 2**32 - 1}, {"note": "x" * MAX_JSON}, {"timeout": 0.0},
+    {"form": form(*(f"{n:0600}" for n in range(MAX_LIST)))}, {"form": form(asks_text=True)},
+    {"form": form_text([MEASURED, *ODD])}, {"initial_state": (True,) * 255}, {"switches": (2**32 - 1,)}, {"pose": None},
 ])
 def test_the_most_that_is_allowed(fields):
     assert with_request(**fields) == Progress("run", 1, REQUEST._replace(**fields))
@@ -108,10 +134,10 @@ def test_texts_and_lists_are_cut():
 
 def test_what_has_no_utf8_is_replaced_everywhere():
     state = checked_state(ModulesState(LONE, (ModuleInfo(LONE, (LONE,), (LONE,)),), (Progress(
-        LONE, 1, REQUEST._replace(text=LONE, choices=(LONE,), goal=LONE, note=LONE),
+        LONE, 1, REQUEST._replace(text=LONE, goal=LONE, note=LONE),
         (ScoreValue(LONE, LONE, LONE, LONE, LONE), ScoreValue("", "", '"\\ud800"', "")),
         LONE, (LONE,), LONE, False, LONE,
-    ), Progress("run", 1, REQUEST._replace(text=LONE, choices=(LONE,), goal=LONE, note=LONE), kept=LONE))))
+    ), Progress("run", 1, REQUEST._replace(text=LONE, goal=LONE, note=LONE), kept=LONE))))
     repr(state).encode("utf-8")
     for progress in state.progress:
         for score in progress.scores:

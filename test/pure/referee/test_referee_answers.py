@@ -1,16 +1,21 @@
 """Manual operations during a run: by itself, or as the referee types."""
 
+import math
+
 import pytest
 
+from helpers.forms import MEASURED, ODD, ODD_ASKED, form
 from helpers.referee_box import FakeLink
 from roah_rsbb.core.referee import Refused
+from roah_rsbb.model.fields import form_of
 from roah_rsbb.referee.answers import MAX_IN_A_ROW, Automatic, GivenUp, Operations, Typed
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.run import RunScript, ScriptPlan
 from roah_rsbb.referee.state import ManualOperation, SwitchesSnapshot
 
-PLACE = ManualOperation(1, "Place it", (), False)
-AGAIN = ManualOperation(2, "No pose", ("try again", "skip"), False)
+PLACE = ManualOperation(1, "Place it")
+AGAIN = ManualOperation(2, "No pose", fields=form_of(form("try again", "skip")))
+WHOM = ManualOperation(1, "Whom?", fields=form_of(form(asks_text=True)))
 TO_CONFIRM = SwitchesSnapshot((1,), 0, True)
 
 
@@ -56,7 +61,7 @@ def test_each_operation_is_completed_once_with_its_usual_answer():
     table.asks(PLACE)  # an old message once more
     table.asks(None)
     table.asks(AGAIN)
-    assert table.link.given == [("operation", 1, ""), ("operation", 2, "")]
+    assert table.link.given == [("operation", 1), ("operation", 2)]
     assert table.notes == ["completed without a human referee: Place it", "completed without a human referee: No pose"]
 
 
@@ -75,7 +80,12 @@ def test_what_does_not_work_is_tried_again(error):
     table.asks(PLACE)
     assert (table.link.given, table.notes) == ([], [])
     table.looks()
-    assert table.link.given == [("operation", 1, "")]
+    assert table.link.given == [("operation", 1)]
+
+
+def test_what_only_a_human_can_measure_is_given_up():
+    with pytest.raises(GivenUp, match="Look at the cup.*: Did the robot hold it.*, Pose of the cup"):
+        Table(Automatic).asks(ManualOperation(1, ODD_ASKED, fields=ODD))
 
 
 def test_the_same_thing_again_is_waited_for_and_not_for_ever():
@@ -111,9 +121,9 @@ def test_enter_completes_what_is_asked_and_nothing_else():
     table.looks(5)
     assert table.link.given == []
     table.types("", "")
-    assert table.link.given == [("operation", 1, "")]
+    assert table.link.given == [("operation", 1)]
     table.asks(AGAIN)
-    assert table.notes[1:] == ["type try again, skip, or the beginning of one (Enter: try again)"]
+    assert table.notes[1:] == ["type try again / skip (Enter: try again)"]
     table.types("SK")
     assert table.link.given[1:] == [("operation", 2, "skip")]
 
@@ -121,7 +131,6 @@ def test_enter_completes_what_is_asked_and_nothing_else():
 @pytest.mark.parametrize("ahead", [True, False])
 def test_what_is_shown_for_a_moment_longer_is_not_asked_again(ahead):
     table = Table(Typed, ahead)
-    table.link.complete_operation = lambda *given: table.link.given.append(given)
     table.asks(PLACE)
     table.types("", "")
     table.looks(3)
@@ -137,7 +146,7 @@ def test_an_invalid_answer_is_reported_and_asked_again():
     table.asks(AGAIN)
     table.types("what")
     assert table.link.given == []
-    assert table.notes[1] == "not done: 'what' is not an answer to 'No pose': choose one of 'try again', 'skip'"
+    assert table.notes[1] == "not done: Answer: choose one of try again, skip"
     table.looks()
     assert table.notes[2] == table.notes[0]
     table.types("skip")
@@ -145,10 +154,10 @@ def test_an_invalid_answer_is_reported_and_asked_again():
 
 
 @pytest.mark.parametrize(("operation", "prompt", "line", "answer"), [
-    (ManualOperation(1, "Whom?", (), True), "type the answer (Enter: none)", "Annie", "Annie"),
-    (ManualOperation(1, "Whom?", (), True), "type the answer (Enter: none)", "", ""),
-    (ManualOperation(1, "Whom?", ("Annie", "Tom"), True), "type Annie, Tom, or the beginning of one (Enter: Annie), or "
-                                                    "another answer", "Bob", "Bob"),
+    (WHOM, "type text (Enter: none)", "don't know", "don't know"),
+    (WHOM, "type text (Enter: none)", "", ""),
+    (AGAIN._replace(number=1), "type try again / skip (Enter: try again)", "", ""),
+    (ManualOperation(1, "How high?", fields=(MEASURED,)), "type 0 to 2.5 m", "1,5", 1.5),
 ])
 def test_an_answer_may_be_typed(operation, prompt, line, answer):
     table = Table(Typed)
@@ -158,14 +167,32 @@ def test_an_answer_may_be_typed(operation, prompt, line, answer):
     assert table.link.given == [("operation", 1, answer)]
 
 
+def test_the_form_of_a_module_that_nobody_knows_is_filled_in():
+    table = Table(Typed)
+    table.asks(ManualOperation(7, ODD_ASKED, fields=ODD))
+    assert table.notes == [
+        "type a value for each, in this order or as NAME=VALUE: held: Did the robot hold it? (yes / no); "
+        "drops: How often did it fall? (0 to 9); place: Where is it now? (table / floor); "
+        "pose: Pose of the cup (x y direction, in m and degrees)"]
+    table.types("yes many")
+    assert table.notes[1] == "not done: How often did it fall?: a whole number from 0 to 9 is expected"
+    table.looks()
+    table.types("yes 2 pose='1.25 0,40 90' fl")
+    (action, number, *values), = table.link.given
+    assert (action, number, values) == ("operation", 7, [True, 2, [1.25, 0.4, pytest.approx(math.pi / 2)], "floor"])
+
+
 def test_switches_are_entered_and_confirmed():
     table = Table(Typed)
     table.asks(switches=TO_CONFIRM)
     assert "damaged" in table.notes[0]
-    table.types("2 3 2", "damaged 1")
+    table.types("switch 2", "switch 3", "switch 2", "damaged 1")
     assert table.link.given == [("switch", 2), ("switch", 3), ("switch", 2), ("damaged", 1)]
-    table.types("two")
-    assert table.notes[1] == "not done: 'two' is not a number from 0 to 255"
+    table.types("damaged two")
+    assert table.notes[1] == "not done: Number: a whole number from 0 to 255 is expected"
+    table.looks()
+    table.types("2")
+    assert table.notes[3] == "not done: '2' is not asked for"
     table.looks()
     table.types("", "2")
     assert table.link.given[4:] == [("confirm_switches",)]
@@ -178,7 +205,7 @@ def test_a_script_may_answer_ahead():
         table.asks(operation)
         table.looks(3)
         table.asks(None)
-    assert table.link.given == [("operation", 1, ""), ("operation", 2, "skip"), ("operation", 3, "")]
+    assert table.link.given == [("operation", 1), ("operation", 2, "skip"), ("operation", 3)]
 
 
 def test_another_referee_may_be_quicker():
@@ -210,7 +237,7 @@ def test_a_run_with_manual_operations():
     link.at(7, lambda: link.end("completed"))
     outcome, notes = _run(link, Operations.AUTOMATIC)
     assert outcome.status is Exit.OK
-    assert link.given == [("operation", 1, ""), ("operation", 2, "")]
+    assert link.given == [("operation", 1), ("operation", 2)]
     assert notes[0] == "completed without a human referee: Place it"
 
 

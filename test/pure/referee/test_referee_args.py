@@ -6,7 +6,8 @@ from roah_rsbb.referee.args import parser
 
 COMMANDS = ("status", "watch", "connect", "start", "stop", "disconnect", "previous", "next", "pause", "resume",
             "next-phase", "previous-phase", "open-sheet", "no-show", "withdrawn", "score", "runs",
-            "sheet", "schedule", "choose", "withdraw", "reason", "sign-off", "done", "switches", "run", "reload")
+            "sheet", "schedule", "choose", "withdraw", "reason", "sign-off", "done", "switch", "damaged",
+            "confirm-switches", "run", "reload")
 
 
 def _parse(line):

@@ -2,6 +2,7 @@
 
 import pytest
 
+from helpers.forms import ODD
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
 from roah_rsbb.referee.changes import changes, news
 from roah_rsbb.referee.state import ManualOperation, ModuleScoreLine, SwitchesSnapshot
@@ -93,10 +94,11 @@ def test_a_line_on_an_item_that_stays_as_it_is(line: str):
 
 
 def test_manual_operations_come_and_go():
-    asked = running_zone(operation=ManualOperation(3, "Place the mug", ("done", "skip"), False))
-    facts = {"operation": 3, "text": "Place the mug", "choices": ["done", "skip"], "asks_text": False}
+    asked = running_zone(operation=ManualOperation(3, "Place the mug", ("done", "skip"), False, ODD))
+    facts = {"operation": 3, "text": "Place the mug", "choices": ["done", "skip"], "asks_text": False,
+             "fields": list(ODD)}
     assert _facts(box(running_zone()), box(asked)) == [("manual_operation", "Home A", facts)]
-    over = {"operation": 0, "text": "", "choices": [], "asks_text": False}
+    over = {"operation": 0, "text": "", "choices": [], "asks_text": False, "fields": []}
     assert _facts(box(asked), box(running_zone())) == [("manual_operation", "Home A", over)]
     again = running_zone(operation=asked.operation._replace(number=4))
     assert _facts(box(asked), box(again)) == [("manual_operation", "Home A", {**facts, "operation": 4})]

@@ -4,12 +4,11 @@ import json
 import pathlib
 from types import SimpleNamespace
 
-import pytest
-
 from helpers.commands import actions_text
+from helpers.forms import form, shown_form
 from helpers.referee_box import UTC0, box, robot, running_zone
 from roah_rsbb.model.actions import ACTIONS
-from roah_rsbb.model.fields import Choice
+from roah_rsbb.model.fields import Choice, form_of
 from roah_rsbb.referee import sheets
 from roah_rsbb.referee.state import (
     BoxSnapshot,
@@ -67,7 +66,7 @@ def _details(**fields):
         "zone": "Home A", "phase": "running", "identity": "HWV-1", "end_reason": "", "robot": "mbot", "port": 6667,
         "box_state": "PREPARE", "robot_state": "STOP", "skew_known": True, "skew": Seconds(-0.15),
         "last_message": Seconds(UTC0 - 1), "messages_saved": 7, "log_file": "/x.bag", "warnings": ["w"], "operation": 0,
-        "operation_choices": [], "operation_asks_text": False, "held": False, "module_status": "", "module_scores": [],
+        "held": False, "module_status": "", "module_scores": [],
         "robots_preparing": 0, "robots_executing": 0, "robots_stopped": 0, "robots": [],
         "items": ITEMS, "points": SimpleNamespace(total="", groups=[]),
         "by_hand": False, "attempt": 0, "attempts": 0, "not_stopped": [],
@@ -140,11 +139,15 @@ def test_what_a_benchmarking_module_asks_and_says():
     state.manual_operation, state.omf, state.omf_switches, state.omf_damaged = "Place it", True, b"\x01\x03", 2
     scores = [SimpleNamespace(group="goal 1", name="time", value="1.5", unit="s", desc="Time"),
               SimpleNamespace(group="", name="odd", value="no JSON", unit="", desc="")]
+    fields = form_of(form("again", "skip", asks_text=True))
     zone = box_of(_gui(state), _details(
-        operation=4, operation_choices=["again", "skip"], operation_asks_text=True, held=True, module_status="Goal 1",
+        operation=4, actions=actions_text(asked=shown_form(4, fields, "Place it")), held=True, module_status="Goal 1",
         module_scores=scores,
     ), _clocks()).zones[0]
-    assert zone.operation == (4, "Place it", ("again", "skip"), True)
+    assert zone.operation == (4, "Place it", ("again", "skip"), True, fields)
+    assert as_json(zone.operation)["fields"][0] == {
+        "kind": "choice", "name": "answer", "label": "Answer", "required": True, "choices": ("again", "skip")}
+    assert "operation" in zone.off and "switch" not in zone.off
     assert zone.switches == ((1, 3), 2, False)
     assert (zone.held, zone.module_status) == (True, "Goal 1")
     assert zone.module_score == (("goal 1", "time", 1.5, "s", "Time"), ("", "odd", "no JSON", "", ""))
@@ -158,11 +161,8 @@ def test_all_robots_at_once():
     assert box_of(_gui(_zone_state()), _details(), _clocks()).zones[0].all_robots is None
 
 
-@pytest.mark.parametrize(("text", "number"), [("Place it", 0), ("", 4)])
-def test_half_a_manual_operation_is_ignored(text, number):
-    state = _zone_state()
-    state.manual_operation = text
-    assert box_of(_gui(state), _details(operation=number), _clocks()).zones[0].operation is None
+def test_what_is_not_asked_any_more_is_ignored():
+    assert box_of(_gui(_zone_state()), _details(operation=4), _clocks()).zones[0].operation is None
 
 
 def test_the_times_of_a_run_are_those_of_the_panels():

@@ -4,8 +4,11 @@ import re
 
 import pytest
 
+from helpers.forms import ODD, form
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
 from helpers.time_zones import local_time
+from roah_rsbb.model.fields import Number, form_of
+from roah_rsbb.model.reason import say
 from roah_rsbb.referee import view
 from roah_rsbb.referee.changes import Change, changes
 from roah_rsbb.referee.state import AllRobotsSnapshot, ManualOperation, ModuleScoreLine, SheetItem, SwitchesSnapshot
@@ -83,11 +86,16 @@ def test_times_are_local_unless_utc_is_asked_for():
 
 
 def test_what_the_referee_has_to_do():
-    asked = ManualOperation(1, "Place the mug", (), False)
+    asked = ManualOperation(1, "Place the mug")
     assert "TO DO by the referee: Place the mug" in _status(running_zone(operation=asked))
-    asked = asked._replace(choices=("again", "skip"), asks_text=True)
-    assert "TO DO by the referee: Place the mug (again / skip) (an answer may be typed)" in _status(
-        running_zone(operation=asked))
+    asked = asked._replace(fields=form_of(form("again", "skip")))
+    assert "TO DO by the referee: Place the mug (again / skip)" in _status(running_zone(operation=asked))
+    asked = asked._replace(fields=(Number("n", say("How often?")),))
+    assert "TO DO by the referee: Place the mug (from 0)" in _status(running_zone(operation=asked))
+    asked = asked._replace(fields=ODD)
+    assert ("TO DO by the referee: Place the mug (held: Did the robot hold it? (yes / no); drops: How often did it "
+            "fall? (0 to 9); place: Where is it now? (table / floor); pose: Pose of the cup (x y direction, in m and "
+            "degrees))") in _status(running_zone(operation=asked))
     assert "switches that are on: 1, 3; damaged: 2\n" in _status(
         running_zone(switches=SwitchesSnapshot((1, 3), 2, False)))
     assert "switches that are on: none; damaged: 0; TO DO by the referee: enter" in _status(
@@ -122,7 +130,8 @@ def test_a_score_that_changes_all_the_time_is_reported_once(old, new, reported):
 
 
 def test_what_happens_by_hand():
-    asked = running_zone(operation=ManualOperation(1, "Place the mug", ("ok",), False), module_status="Goal 1")
+    operation = ManualOperation(1, "Place the mug", fields=form_of(form("ok")))
+    asked = running_zone(operation=operation, module_status="Goal 1")
     lines = _lines(box(running_zone()), box(asked))
     assert lines[0].endswith("Home A: TO DO by the referee: Place the mug (ok)")
     assert lines[1].endswith("Home A: module: Goal 1")

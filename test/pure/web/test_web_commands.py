@@ -70,6 +70,7 @@ def test_a_judge_gives_own_ratings_only():
     ("mark", {**MARK, "added": 1}), ("mark", {**MARK, "value": 2**31}), ("mark", {**MARK, "value": 1.5}),
     ("mark", {**MARK, "note": "x" * 501}), ("stop", {"identity": None}),
     ("stop", {"identity": ["x"]}), ("mark", {**MARK, "note": "\ud83e"}),
+    ("operation", {"given": [1]}), ("start", {"given": "x"}),
 ])
 def test_malformed_commands_are_refused(name, body):
     with pytest.raises(BadCommand):
@@ -79,6 +80,12 @@ def test_malformed_commands_are_refused(name, body):
 def test_a_page_of_an_earlier_version_does_not_set_what_it_adds():
     with pytest.raises(BadCommand, match="has no field 'change'"):
         command_of("mark", {"zone": "Home", "desc": "d", "change": 1, "value": 1}, session())
+
+
+def test_the_fields_of_a_modules_form_are_for_the_core_to_read():
+    given = {"operation": 7, "zone": "a field", "pose": [1, 2, 3]}
+    command = command_of("operation", {"zone": "Home", "identity": "run", "language": "de", "given": given}, session())
+    assert command.fields == {"identity": "run", "event_id": "", "given": given}
 
 
 def test_unknown_fields_are_left_out():

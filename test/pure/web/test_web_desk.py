@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.commands import actions_text
+from helpers.forms import ODD, ODD_ASKED, shown_form
 from helpers.public_messages import NOW, Time
 from roah_rsbb.web import zone_documents
 from roah_rsbb.web.desk import NO_STOP, STOP, Desk
@@ -29,10 +30,11 @@ def gui(clock=NOW, **of_zone):
 def details(**of_zone):
     zone = {
         "zone": "Home", "phase": "running", "end_reason": "", "identity": "run 1", "event": "kx2", "robot": "R",
-        "by_hand": False, "held": False, "module_status": "", "operation": 0, "said": "", "operation_choices": [],
-        "operation_asks_text": False, "not_stopped": ["R"], "items": [],
+        "by_hand": False, "held": False, "module_status": "", "operation": 0, "said": "", "not_stopped": ["R"],
+        "items": [],
         "points": SimpleNamespace(total="", groups=[]),
-        "actions": actions_text({"start": of_zone.pop("start_off", ["Already started"])}),
+        "actions": actions_text(
+            {"start": of_zone.pop("start_off", ["Already started"])}, asked=of_zone.pop("asked", None)),
     }
     return SimpleNamespace(warnings=[], said="", zones=[SimpleNamespace(**{**zone, **of_zone})])
 
@@ -78,6 +80,18 @@ def test_a_zone_is_shown_with_the_reason_of_each_command(desk):
     assert shown["off"]["start"] == ["Already started"] and shown["off"]["stop"] == []
     assert (shown["warnings"], shown["state"]) == ([], ["All OK for start"]), "what to do now is not repeated"
     assert shown["is_urgent"] and shown["todo"] == "No message from the robot for 3 s"
+
+
+def test_the_form_of_a_module_that_nobody_knows_is_shown(desk):
+    assert (data(desk)["fields"], data(desk)["texts"], data(desk)["shown"]["operation"]) == ({}, {}, False)
+    desk.on_details(details(asked=shown_form(7, ODD, ODD_ASKED)))
+    desk.on_gui(MONO + 0.1, gui(clock=NOW + 0.1))
+    shown = data(desk)
+    assert (shown["texts"], shown["shown"]["operation"]) == ({"operation": ODD_ASKED}, True)
+    number, *fields = shown["fields"]["operation"]
+    assert (number["kind"], number["default"]) == ("fixed", 7)
+    assert [(field["kind"], field["name"], field["label"]) for field in fields] == [
+        (field.kind, field.name, str(field.label)) for field in ODD]
 
 
 def test_a_reason_of_a_command_is_no_state_of_the_run_as_well(desk):

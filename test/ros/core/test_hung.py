@@ -21,6 +21,7 @@ from support.own_core import PARAMS, OwnCoreCase
 from support.programs import Program
 from support.waiting import LIMIT_S, wait_until
 
+from helpers.forms import answer_in, form
 from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.file import FILE_NAME, holder_of
@@ -189,12 +190,12 @@ class TestHungCore(OwnCoreCase):
         self.box.connect(ARENA)
         self.box.start(ARENA)
         modules.wait_attempt(ARENA)
-        modules.asks(ARENA, RequestKind.REFEREE, text="Place the robot", choices=("done",))
+        modules.asks(ARENA, RequestKind.REFEREE, text="Place the robot", form=form("done"))
         self.box.wait_details(ARENA, lambda d: d.operation == 1, "the referee is asked")
         self.hang("manual operation")
         self.box.wait_details(ARENA, lambda d: d.phase == "running" and d.operation == 1, "the referee is still asked")
         self.box.act("operation", ARENA, operation=1, answer="done")
-        self.assertEqual(modules.wait_outcome(ARENA).answer, "done")
+        self.assertEqual(answer_in(modules.wait_outcome(ARENA)), "done")
 
 
 def _kill(pid: int) -> None:

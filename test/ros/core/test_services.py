@@ -122,10 +122,11 @@ class TestServices(unittest.TestCase):
         for name, kind, request, event in (
             ("stop_run", StopRun, (RUN.identity,), ("scores.stop", NOW, RUN, self.node)),
             ("stop_run", StopRun, ("",), ("scores.stop", NOW, RunName("Home"), self.node)),
-            ("manual_operation_complete", Zone, (), ("modules.complete_operation", NOW, "Home", 0, "", self.node)),
-            ("omf_switches/button", ZoneUInt8, (4,), ("modules.press_switch", NOW, "Home", 4, self.node)),
-            ("omf_switches/damaged", ZoneUInt8, (2,), ("modules.damage_switches", NOW, "Home", 2, self.node)),
-            ("omf_switches/complete", Zone, (), ("modules.complete_switches", NOW, "Home", self.node)),
+            ("manual_operation_complete", Zone, (), ("act", NOW, Target("Home"), "operation", self.node)),
+            ("omf_switches/button", ZoneUInt8, (4,), ("act", NOW, Target("Home"), "switch", self.node, {"number": 4})),
+            ("omf_switches/damaged", ZoneUInt8, (2,),
+             ("act", NOW, Target("Home"), "damaged", self.node, {"number": 2})),
+            ("omf_switches/complete", Zone, (), ("act", NOW, Target("Home"), "confirm_switches", self.node)),
         ):
             with self.subTest(name):
                 self.box.happened = []

@@ -5,6 +5,7 @@ import math
 import random
 import unittest
 
+from helpers.forms import ODD
 from helpers.random_sheets import random_form, random_mark
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.modules.messages import (
@@ -21,6 +22,7 @@ from roah_rsbb.core.modules.messages import (
 )
 from roah_rsbb.core.scoring.book import RunBook
 from roah_rsbb.core.scoring.sheet import ScoreGroup
+from roah_rsbb.model.fields import form_text
 from roah_rsbb.msg import ModuleOutcome, ModuleRequest, ModuleRuns, RunSheet
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.core.score_convert import group_message, items_message, points_message, sheet_items
@@ -29,8 +31,8 @@ from roah_rsbb.nodes.modules.limits import MAX_LIST, MAX_TEXT
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 GOAL = Request(
-    2, RequestKind.GOAL, "Waypoint 1", ("again", "skip"), True, "[1, 2, 3]", (1.0, -2.0, 3.0), (True, False), (2, 1),
-    15.5, '{"ä": 1}',
+    2, RequestKind.GOAL, "Waypoint 1", form_text(ODD), "[1, 2, 3]", (1.0, -2.0, 3.0), (True, False), (2, 1), 15.5,
+    '{"ä": 1}',
 )
 PROGRESS = Progress(
     "HNF-1", 2, GOAL, (ScoreValue("waypoint 1", "time", "1.5", "s", "Time"),), "under way", ("old",), '{"sum": 1}',
@@ -41,7 +43,8 @@ RUN = RunForModule(
     (ScoreGroup("Penalized", ((ScoringItem("Penalized", "Bumps", ScoreKind.UINT), 3),
                               (ScoringItem("Penalized", "Sings", ScoreKind.BOOL), 1))),),
     (
-        Step(Request(1, RequestKind.REFEREE, "Place it"), RequestOutcome(OutcomeKind.DONE, "yes", ended_utc=1.5e9)),
+        Step(Request(1, RequestKind.REFEREE, "Place it"),
+             RequestOutcome(OutcomeKind.DONE, '{"a": 1}', ended_utc=1.5e9)),
         Step(GOAL, RequestOutcome(OutcomeKind.TIMED_OUT, "", "{x: 1}", 14.25, 1.5e9, (1, 2, 1), 3)),
         Step(Request(3, RequestKind.NOTE)),
     ),

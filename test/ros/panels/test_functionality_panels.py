@@ -1,16 +1,19 @@
 """Manual Operation, OMF Switches and a module's score, clicked on, with a fake core."""
 
+from typing import Any
 from unittest import mock
 
 from support.fakes.core import Asked
 from support.gui_testing import Qt, QTest, click, wait_until
 from support.panel_case import PanelCase
 
+from helpers.forms import ODD, ODD_ASKED
 from roah_rsbb.msg import ModuleScore
 from roah_rsbb.rqt.panels import manual_operation
 from roah_rsbb.rqt.panels.manual_operation import ManualOperationPanel
 from roah_rsbb.rqt.panels.omf_switches import NO_SWITCHES, OmfSwitchesPanel
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
+from roah_rsbb.rqt.qt import QLabel
 from roah_rsbb.rqt.widgets import basic
 
 
@@ -24,14 +27,16 @@ class TestManualOperation(PanelCase):
 
     def ask(self, *asked: object) -> None:
         self.zone.asked = Asked(*asked)
-        # Its text and its number come in two messages.
-        wait_until(lambda: self.panel.text.text() == asked[1] and self.panel._request[2] == asked[0],
+        wait_until(lambda: self.panel.text.text() == asked[1] and (self.panel._request or (0, 0, 0))[2] == asked[0],
                    "the request is shown")
+
+    def editor(self, name: str) -> Any:
+        return self.panel.form.editors[name]
 
     def test_without_a_request_there_is_nothing_to_do(self) -> None:
         wait_until(lambda: self.panel.text.text() == manual_operation.NOTHING, "nothing is to be done")
         self.assertFalse(self.panel.buttons[0].isEnabled())
-        self.assertFalse(self.panel.typed.isVisible())
+        self.assertFalse(self.panel.form.isVisible())
 
     def test_a_request_is_completed_by_a_click(self) -> None:
         self.ask(3, "Place the <b>mug</b> on the table")
@@ -68,17 +73,36 @@ class TestManualOperation(PanelCase):
 
     def test_an_answer_is_typed(self) -> None:
         self.ask(5, "Which person came?", (), True)
-        wait_until(self.panel.typed.isVisible, "there is a line to type in")
-        QTest.keyClicks(self.panel.typed, "the postman")
+        wait_until(self.panel.form.isVisible, "there is a line to type in")
+        QTest.keyClicks(self.editor("answer"), "the postman")
         wait_until(self.panel.buttons[0].isEnabled, "it can be completed")
-        QTest.keyClick(self.panel.typed, Qt.Key_Return)
+        QTest.keyClick(self.editor("answer"), Qt.Key_Return)
         self.wait_call("operation", "Home A", 5, "the postman")
 
     def test_what_was_typed_for_one_request_is_not_the_next_ones_answer(self) -> None:
         self.ask(5, "Which person came?", (), True)
-        QTest.keyClicks(self.panel.typed, "the postman")
+        QTest.keyClicks(self.editor("answer"), "the postman")
         self.ask(6, "And now?", (), True)
-        wait_until(lambda: not self.panel.typed.text(), "the line is empty again")
+        wait_until(lambda: not self.editor("answer").text(), "the line is empty again")
+
+    def test_the_form_of_a_module_that_nobody_knows_is_filled_in(self) -> None:
+        self.ask(7, ODD_ASKED, (), False, ODD)
+        wait_until(self.panel.form.isVisible, "the form is there")
+        labels = [label.text() for label in self.panel.form.findChildren(QLabel)]
+        self.assertLessEqual({str(field.label) for field in ODD}, set(labels))
+        wait_until(self.panel.buttons[0].isEnabled, "it can be completed")
+        click(self.panel.buttons[0])
+        wait_until(lambda: "Pose of the cup" in self.panel.form.problem.text(), "what is missing is named")
+        self.assertEqual(self.core.calls, [])
+        self.editor("held").setChecked(True)
+        self.editor("drops").setValue(2)
+        self.editor("place").setCurrentText("floor")
+        QTest.keyClicks(self.editor("pose"), "1,25 0.40 90")
+        click(self.panel.buttons[0])
+        wait_until(lambda: self.core.calls, "it is answered")
+        (action, zone, number, *values), = self.core.calls
+        self.assertEqual((action, zone, number, values[:3]), ("operation", "Home A", 7, [True, 2, "floor"]))
+        self.assertEqual([round(part, 4) for part in values[3]], [1.25, 0.4, 1.5708])
 
     def test_a_failed_call_is_shown_and_may_be_given_again(self) -> None:
         self.core.refuse = "that manual operation is over"

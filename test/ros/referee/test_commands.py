@@ -6,6 +6,7 @@ status, its signals, its files and what it leaves at the master.
 
 import contextlib
 import json
+import math
 import os
 import pty
 import signal
@@ -24,6 +25,7 @@ from support.programs import own
 from support.referee_program import Referee, called, referee
 from support.waiting import LIMIT_S, wait_until
 
+from helpers.forms import ODD, ODD_ASKED
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.msg import ModuleScore
 from roah_rsbb.referee import link
@@ -240,12 +242,26 @@ class TestCommands(WithCore):
         self.assertEqual(self.core.calls, [("operation", "Home A", 4, "skip")])
         self.assertNotIn("TO DO", done.stdout)
 
+    def test_the_form_of_a_module_that_nobody_knows_is_filled_in(self) -> None:
+        self.zone.asked = Asked(7, ODD_ASKED, form=ODD)
+        shown = self.called("status", "Home A").stdout
+        for words in (ODD_ASKED, "held: Did the robot hold it? (yes / no)", "place: Where is it now? (table / floor)"):
+            self.assertIn(words, shown)
+        wrong = self.called("done", "Home A", "yes", "many")
+        self.assertEqual((wrong.returncode, "a whole number from 0 to 9" in wrong.stderr), (2, True))
+        done = self.called("done", "Home A", "yes", "2", "pose=1.25 0,40 180", "fl")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        (action, zone, number, *values), = self.core.calls
+        self.assertEqual((action, zone, number, values), ("operation", "Home A", 7, [
+            True, 2, [1.25, 0.4, math.pi], "floor"]))
+
     def test_switches_are_entered(self) -> None:
         self.zone.switches, self.zone.switches_asked = {1, 2}, True
-        self.assertIn("switches that are on: 1, 2; damaged: 0; TO DO", self.called("switches", "Home A").stdout)
-        self.assertEqual(self.called("switches", "Home A", "--press", "300").returncode, 2)
-        done = self.called("switches", "Home A", "--press", "2", "--press", "3", "--damaged", "1", "--confirm")
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("switches that are on: 1, 2; damaged: 0; TO DO", self.called("status", "Home A").stdout)
+        self.assertEqual(self.called("damaged", "Home A", "300").returncode, 2)
+        for words in (("switch", "2"), ("switch", "3"), ("damaged", "1"), ("confirm-switches",)):
+            done = self.called(words[0], "Home A", *words[1:])
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(self.core.calls, [("switch", "Home A", 2), ("switch", "Home A", 3), ("damaged", "Home A", 1),
                                            ("confirm_switches", "Home A")])
         self.assertIn("switches that are on: 1, 3; damaged: 1\n", done.stdout)

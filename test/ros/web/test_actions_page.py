@@ -7,6 +7,7 @@ from unittest import mock
 from support.browser import NeedsBrowser
 from support.fakes.gateway import FakeGateway
 
+from helpers.forms import ODD, ODD_ASKED
 from roah_rsbb.model.actions import ACTIONS, EVERY, Action, Row
 from roah_rsbb.model.fields import Choice, Number, Text, Toggle
 from roah_rsbb.model.reason import say
@@ -61,6 +62,28 @@ class TestActions(NeedsBrowser):
             "identity": "Home A run 1", "event_id": "",
             "given": {"seconds": 90, "reason": "the door", "who": "jury", "quiet": True}})
         page.wait(f"{FORM}.querySelector('input[type=number]').value === ''", "it is done, and the form is empty again")
+
+    def test_the_form_of_a_module_that_nobody_knows_is_filled_in(self) -> None:
+        page = self.gateway.phone(self.browser, (390, 844))
+        self.gateway.do(lambda: setattr(self.gateway.zones[0], "form", ODD))
+        self.gateway.set(operation=ODD_ASKED)
+        asks = "document.querySelector('.now .asks')"
+        page.wait(f"{asks} !== null", "the form is there")
+        for text in (ODD_ASKED, *(str(field.label) for field in ODD)):
+            self.assertIn(text, page.get(f"{asks}.textContent"))
+        act = f"{asks}.querySelector('button[data-command=operation]')"
+        self.assertTrue(page.get(f"{act}.disabled"), "what is required is missing")
+        page.screenshot(SHOTS / "module_form.png")
+        page.get(f"{asks}.querySelector('input[type=checkbox]').click()")
+        page.fill(".asks input[type=number]", "2")
+        page.fill(".asks input[maxlength]", "1.25 0,40 90")
+        page.get(f"(choice => (choice.value = 'floor', choice.dispatchEvent(new Event('change', {{bubbles: true}}))))"
+                 f"({asks}.querySelector('select'))")
+        page.wait(CLICKED.format(".asks button[data-command=operation]"), "it is answered")
+        self.assertEqual(self.given("operation"), {
+            "identity": "Home A run 1", "event_id": "",
+            "given": {"operation": 7, "held": True, "drops": 2, "place": "floor", "pose": "1.25 0,40 90"}})
+        page.wait(f"{asks} === null", "nothing is asked any more")
 
     def test_an_action_without_fields_is_a_button_in_its_row(self) -> None:
         page = self.gateway.phone(self.browser, (390, 844))

@@ -5,7 +5,7 @@ for whatever reason, the `await` raises `RunEnded`. Modules need not handle it: 
 kept.
 """
 
-import math
+import json
 import random
 from types import SimpleNamespace
 from typing import Any, Callable, Dict, Generator, List, NamedTuple, Optional, Sequence, Tuple, Union
@@ -13,13 +13,24 @@ from typing import Any, Callable, Dict, Generator, List, NamedTuple, Optional, S
 import yaml
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose2D, Pose3, Source, normalised, seen_from
-from roah_rsbb.bmbox.framework.parameters import FARTHEST_M, Field
+from roah_rsbb.bmbox.framework.parameters import Field
 from roah_rsbb.bmbox.framework.results import BadResult, Kind, read_record
 from roah_rsbb.bmbox.framework.score import Score, Value
-from roah_rsbb.core.modules.messages import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule
+from roah_rsbb.core.modules.messages import (
+    OutcomeKind,
+    Request,
+    RequestKind,
+    RequestOutcome,
+    RunForModule,
+    form_of_one,
+)
+from roah_rsbb.model.fields import Field as AskedField
+from roah_rsbb.model.fields import Pose, form_of, form_text
+from roah_rsbb.model.reason import say
 
 TRY_AGAIN = "Try again"
 SKIP = "Skip"
+POSE = say("Pose")
 
 
 class RunEnded(BaseException):
@@ -99,13 +110,22 @@ class Module:
 
     # -- asking -------------------------------------------------------------------------------------
 
-    async def referee(self, text: str, choices: Sequence[str] = (), asks_text: bool = False) -> str:
-        """Ask the referee to do something. The run's time is paused.
+    async def ask(self, text: str, *fields: AskedField) -> Dict[str, Any]:
+        """Ask the referee to do something and to fill in a form (`roah_rsbb.model.fields`). The run's time is paused.
 
-        Returns the answer: one of `choices` (the usual one first), with `asks_text` the entered text, else "".
+        Returns the values by the names of the fields.
         """
-        asked = Request(0, RequestKind.REFEREE, text, tuple(choices), asks_text)
-        return (await Ask(asked)).answer
+        outcome = await Ask(Request(0, RequestKind.REFEREE, text, form_text(fields)))
+        return json.loads(outcome.values or "{}")
+
+    async def referee(self, text: str, choices: Sequence[str] = (), asks_text: bool = False) -> str:
+        """Ask the referee to do something, with a form of one answer at most. The run's time is paused.
+
+        Returns the answer: one of `choices` (the usual one first), with `asks_text` the entered text if there is one,
+        else "".
+        """
+        given = await self.ask(text, *form_of(form_of_one(choices, asks_text)))
+        return given.get("text") or given.get("answer", "")
 
     async def goal(
         self,
@@ -188,17 +208,14 @@ class Module:
     async def _entered_pose(self, subject: str, may_skip: bool, base: str) -> Optional[Pose3]:
         """The pose that the referee measures and enters; None if the referee skips it."""
         where = f"from the {base}'s corner" if base else "in the test bed"
-        asked = (f"Measure the pose of the {subject} {where}. Enter x, y and its direction, in metres and degrees: "
-                 "1.25 0.40 90")
-        text = asked
-        while True:
-            answer = await self.referee(text, (SKIP,) if may_skip else (), asks_text=True)
-            if may_skip and answer == SKIP:
-                return None
-            pose = read_pose(answer)
-            if pose is not None:
-                return pose
-            text = f"'{answer}' is not a pose. {asked}"
+        skip = ". Leave it empty to skip it" if may_skip else ""
+        given = await self.ask(
+            f"Measure the pose of the {subject} {where}. Enter x, y and its direction, in metres and degrees: "
+            f"1.25 0.40 90{skip}", Pose("pose", POSE, required=not may_skip))
+        if given["pose"] is None:
+            return None
+        x, y, theta = given["pose"]
+        return Pose3(x, y, 0.0, normalised(theta))
 
     def peek(self, subject: str) -> Optional[Pose3]:
         """The present pose of a subject, for a watch: not recorded; None if it is not available."""
@@ -240,22 +257,6 @@ class Module:
         """Warn the referee of a problem."""
         if text not in self.warnings:
             self.warnings.append(text)
-
-
-def read_pose(text: str) -> Optional[Pose3]:
-    """Read a pose that a referee entered: x, y, perhaps z (metres), and the direction (degrees); None: not a pose."""
-    words = text.replace(",", ".").split()
-    try:
-        numbers = [float(word) for word in words]
-    except ValueError:
-        return None
-    if len(numbers) not in (3, 4) or not all(math.isfinite(number) for number in numbers):
-        return None
-    *metres, degrees = numbers
-    if max(map(abs, metres)) > FARTHEST_M or abs(degrees) > 360.0:
-        return None
-    x, y, z = (*metres, 0.0)[:3]
-    return Pose3(x, y, z, normalised(math.radians(degrees)))
 
 
 def _yaml(goal: Any) -> str:

@@ -10,12 +10,11 @@ from types import SimpleNamespace
 from typing import Any, Dict, List, Optional
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3
+from roah_rsbb.model.fields import FARTHEST_M
 from roah_rsbb.rulebook import yaml_fields
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.yaml_lines import Node, read_yaml
 
-# Largest coordinate in a test bed (m).
-FARTHEST_M = 1000.0
 MAX_SECONDS = 86400.0
 
 

@@ -6,6 +6,7 @@
     assert rehearsal.score["A", "time"] == 4.0
 """
 
+import json
 import os
 from types import SimpleNamespace
 from typing import Any, Dict, Optional, Type
@@ -16,6 +17,7 @@ from roah_rsbb.bmbox.framework.own_rules import load_rules
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.core.modules.messages import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule, Step
+from roah_rsbb.model.fields import answered
 
 UTC0 = 1_800_000_000.0
 
@@ -79,10 +81,13 @@ class Rehearsal:
 
     # -- referee and robot --------------------------------------------------------------------------
 
-    def answer(self, answer: str = "") -> None:
-        """The referee answers the request; "" is the usual answer if there are choices."""
-        asked = self._expect(RequestKind.REFEREE)
-        self._done(RequestOutcome(OutcomeKind.DONE, answer=answer or (asked.choices[0] if asked.choices else "")))
+    def answer(self, answer: Any = "", **values: Any) -> None:
+        """The referee fills in the form: its first field, or fields by their names; "" is the usual answer if there are
+        choices. Raises `BadValue`."""
+        fields = self._expect(RequestKind.REFEREE).fields
+        name = fields[0].name if fields else "answer"
+        given = values if answer == "" else {name: answer, **values}
+        self._done(RequestOutcome(OutcomeKind.DONE, values=json.dumps(answered(fields, given))))
 
     def switches(self, *changed: int, damaged: int = 0) -> None:
         """The referee enters switches."""

@@ -10,7 +10,7 @@ from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.records import By
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.actions import ACTIONS
-from roah_rsbb.model.fields import Field
+from roah_rsbb.model.fields import Field, read
 
 Given = Mapping[str, Any]  # the values of an action's fields, all of them
 
@@ -26,6 +26,7 @@ class ZoneAction(abc.ABC):
     """An action in a zone. `off`, `refused` and `do` get the values of all fields of the action."""
 
     name: str  # in `model.actions`
+    journaled = ""  # in the journal, where earlier versions of the box used another name
 
     def __init__(self, parts: Parts) -> None:
         self._candidates = parts.candidates
@@ -39,6 +40,14 @@ class ZoneAction(abc.ABC):
     def form(self, now: Now, zone: Zone) -> Tuple[Field, ...]:
         """Return its fields as they are now."""
         return self.action.fields
+
+    def text(self, zone: Zone) -> str:
+        """Return what the referee should do, in the words of a benchmarking module; empty: the explanation says it."""
+        return ""
+
+    def read(self, zone: Zone, given: Given) -> Dict[str, Any]:
+        """Return the values of all its fields. Raises `BadValue`."""
+        return read(self.action.fields, given)
 
     @abc.abstractmethod
     def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
@@ -54,5 +63,5 @@ class ZoneAction(abc.ABC):
         """Carry it out. Nothing is off, or refused."""
 
     def recorded(self, zone: Zone, given: Given) -> Dict[str, Any]:
-        """Return what the journal keeps of the fields."""
-        return dict(given)
+        """Return what the journal keeps of the fields: no toggle that is off."""
+        return {name: value for name, value in given.items() if value is not False}

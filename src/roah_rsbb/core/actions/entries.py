@@ -1,4 +1,4 @@
-"""What is entered for one run, and for a benchmarking module: the entries of the table for the desks of the box."""
+"""What is entered for one run: the entries of the table for the desks of the box."""
 
 from typing import Any, Callable, Dict, Mapping
 
@@ -6,7 +6,6 @@ from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.actions.table import Target, is_plain
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.judges.desk import JudgeDesk
-from roah_rsbb.core.modules.desk import ModuleDesk
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.desk import ScoreDesk
 from roah_rsbb.core.scoring.sheet import Mark
@@ -20,7 +19,7 @@ Enter = Callable[[Now, RunName, str, Mapping[str, Any]], None]
 class Entries:
     """All of `model.actions.ENTRIES`."""
 
-    def __init__(self, scores: ScoreDesk, judges: JudgeDesk, modules: ModuleDesk, record: CommandRecord) -> None:
+    def __init__(self, scores: ScoreDesk, judges: JudgeDesk, record: CommandRecord) -> None:
         self._record = record
         self._scores = scores
         self._judges = judges
@@ -44,11 +43,6 @@ class Entries:
             "object": lambda now, run, who, given: judges.object(now, run, given["by"], given["text"], who),
             "answer": lambda now, run, who, given: judges.answer(
                 now, run, given["number"], given["upheld"], given["text"], who),
-            "operation": lambda now, run, who, given: modules.complete_operation(
-                now, run.zone, given["operation"], given["answer"], who),
-            "switch": lambda now, run, who, given: modules.press_switch(now, run.zone, given["number"], who),
-            "damaged": lambda now, run, who, given: modules.damage_switches(now, run.zone, given["number"], who),
-            "confirm_switches": lambda now, run, who, given: modules.complete_switches(now, run.zone, who),
         }
 
     def do(self, now: Now, target: Target, name: str, who: str, given: Mapping[str, Any]) -> None:

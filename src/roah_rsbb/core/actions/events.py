@@ -89,8 +89,8 @@ class ChooseEvent(ZoneAction):
 
     def recorded(self, zone: Zone, given: Given) -> Dict[str, Any]:
         """Also what the event is, for the eye."""
-        place = zone.place_named(given["event"])
+        place, recorded = zone.place_named(given["event"]), super().recorded(zone, given)
         if place is None:
-            return dict(given)
+            return recorded
         event = zone.events[place]
-        return {**given, "event": f"{event.benchmark.code} {event.team} {event.round} {event.run}"}
+        return {**recorded, "event": f"{event.benchmark.code} {event.team} {event.round} {event.run}"}

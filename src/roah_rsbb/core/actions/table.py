@@ -4,7 +4,7 @@ import contextlib
 from types import MappingProxyType
 from typing import Any, Dict, List, Mapping, NamedTuple, Tuple, Type
 
-from roah_rsbb.core.actions import connecting, events, running
+from roah_rsbb.core.actions import connecting, events, modules, running
 from roah_rsbb.core.actions.base import Given, Parts, ZoneAction
 from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.candidates import Candidates
@@ -25,6 +25,7 @@ KINDS: Tuple[Type[ZoneAction], ...] = (
     connecting.Connect, connecting.Disconnect, running.Start, running.Stop, events.Previous, events.Next,
     running.PreviousPhase, running.NextPhase, running.Pause, running.Resume,
     connecting.OpenSheet, connecting.NoShow, connecting.Withdrawn, events.ChooseEvent,
+    modules.Operation, modules.Switch, modules.Damaged, modules.ConfirmSwitches,
 )
 
 NO_ACTION = say("no action '{action}'{hint}")
@@ -74,7 +75,7 @@ class Actions:
         closed = (self._record.closed,) if self._record.closed else ()
         return tuple([
             Shown(closed or tuple(action.off(now, zone, self._nothing[name])), action.shown(zone),
-                  action.form(now, zone))
+                  action.form(now, zone), action.text(zone))
             for name, action in self._all.items()])
 
     def do(self, now: Now, target: Target, name: str, who: str = "", given: Mapping[str, Any] = NOTHING) -> None:
@@ -82,17 +83,18 @@ class Actions:
         if name not in self._all:
             raise Refused([NO_ACTION(action=cut_note(name), hint=did_you_mean(name, self._all))])
         action, run = self._all[name], RunName(target.zone, target.run)
-        recorded = {field.name: given[field.name] for field in action.action.fields if is_plain(given.get(field.name))}
+        recorded = {field.name: given[field.name] for field in action.action.fields if is_plain(given.get(field.name))
+                    and given[field.name] is not False}
         zone = self._zones.get(target.zone)
         if zone is not None:
             with contextlib.suppress(fields.BadValue):  # it is refused below
-                recorded = action.recorded(zone, fields.read(action.action.fields, given))
-        with self._record.of(run, who, name, **{key: value for key, value in recorded.items() if value is not False}):
+                recorded = action.recorded(zone, action.read(zone, given))
+        with self._record.of(run, who, action.journaled or name, **recorded):
             zone = self._zones.named(target.zone)
             try:
-                values = fields.read(action.action.fields, given)
+                values = action.read(zone, given)
             except fields.BadValue as bad:
-                raise Refused([_name_the_team(name, bad.reason, given)]) from None
+                raise Refused(_elsewhere(zone, target, "") or [_name_the_team(name, bad.reason, given)]) from None
             team = values.get("team", "") if action.action.aims else ""
             reasons = _elsewhere(zone, target, team) or action.refused(now, zone, run, values)
             if reasons:

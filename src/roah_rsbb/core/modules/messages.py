@@ -11,19 +11,36 @@ It runs its rules with the known outcomes, until it reaches the current step.
 """
 
 import enum
-from typing import NamedTuple, Optional, Tuple
+import json
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.scoring.records import ScoreValue
 from roah_rsbb.core.scoring.sheet import ScoreGroup
+from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.fields import Choice, Field, Text, form_of, form_text
+from roah_rsbb.model.reason import say
+
+# Characters of a typed answer.
+MAX_ANSWER = 1000
+ANSWER, ANOTHER = ACTIONS["operation"].fields[1].label, say("Another answer")
 
 
 class RequestKind(enum.IntEnum):
     """The kind of a module's request. The numbers are those of ModuleRequest.msg."""
 
-    REFEREE = 1  # a manual operation
+    REFEREE = 1  # a manual operation, with a form for the referee
     GOAL = 2  # a goal for the robot
     SWITCHES = 3  # the referee enters which switches changed and how many were damaged
     NOTE = 4  # no action; a value to remember, e.g. a measured pose
+
+
+def form_of_one(choices: Sequence[str], asks_text: bool) -> str:
+    """Return the form of one answer: one of `choices`, and a text."""
+    fields: List[Field] = [Choice("answer", ANSWER, choices=tuple(choices))] if choices else []
+    if asks_text:
+        name, label = ("text", ANOTHER) if choices else ("answer", ANSWER)
+        fields.append(Text(name, label, required=False, characters=MAX_ANSWER))
+    return form_text(fields)
 
 
 class Request(NamedTuple):
@@ -32,14 +49,24 @@ class Request(NamedTuple):
     number: int
     kind: RequestKind
     text: str = ""  # REFEREE, SWITCHES: what the referee should do. GOAL: a description for the referee
-    choices: Tuple[str, ...] = ()  # REFEREE: the possible answers, the usual one first
-    asks_text: bool = False  # REFEREE: an answer may be typed
+    form: str = ""  # REFEREE: the fields to fill in, as JSON (`model.fields.form_text`)
     goal: str = ""  # GOAL: YAML, as robots of 2019 read it; empty: no explicit goal
     pose: Optional[Tuple[float, float, float]] = None  # GOAL: as robots of 2015 read it; metres, radians
     initial_state: Tuple[bool, ...] = ()  # GOAL: initial state of the switches
     switches: Tuple[int, ...] = ()  # GOAL: switches to toggle, in this order
     timeout: float = 0.0  # GOAL: seconds; 0: no limit except the run's timeout
     note: str = ""  # NOTE: JSON
+
+    @property
+    def fields(self) -> Tuple[Field, ...]:
+        """What the referee fills in."""
+        return form_of(self.form)
+
+    @staticmethod
+    def upgraded(saved: Dict[str, Any]) -> Dict[str, Any]:
+        """Return what was saved before there were forms, with its form."""
+        form = form_of_one(saved.get("choices", ()), saved.get("asks_text", False))
+        return {**saved, "form": form} if form else saved
 
     @property
     def explicit_goal(self) -> bool:
@@ -58,12 +85,17 @@ class RequestOutcome(NamedTuple):
     """The answer to a request."""
 
     kind: OutcomeKind
-    answer: str = ""  # REFEREE: chosen or typed
+    values: str = ""  # REFEREE: JSON, the values of the form by the names of its fields; empty: it has none
     result: str = ""  # GOAL: YAML, as robots of 2019 write it; converted if the robot only sent the other form
     executing_s: float = 0.0  # GOAL: seconds from the request to execute until the result or the timeout
     ended_utc: float = 0.0  # UTC seconds
     changed: Tuple[int, ...] = ()  # SWITCHES: the changes, in order; a switch that changed twice occurs twice
     damaged: int = 0  # SWITCHES: how many were damaged
+
+    @staticmethod
+    def upgraded(saved: Dict[str, Any]) -> Dict[str, Any]:
+        """Return what was saved before there were forms, with its values."""
+        return {**saved, "values": json.dumps({"answer": saved["answer"]})} if "answer" in saved else saved
 
 
 class Step(NamedTuple):

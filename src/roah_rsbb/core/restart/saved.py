@@ -160,6 +160,7 @@ def _not_none(hint: Any) -> Any:
 def _thaw_of_fields(hint: Any) -> _Thaw:
     fields: Optional[Dict[str, _Thaw]] = None
     kinds: Dict[str, type] = {}  # of the fields whose values need no conversion: most of a large journal
+    upgraded = getattr(hint, "upgraded", lambda data: data)  # what an earlier version wrote
 
     def read(data: Any, shift: float) -> Any:
         nonlocal fields
@@ -169,7 +170,7 @@ def _thaw_of_fields(hint: Any) -> _Thaw:
             found = {name: _not_none(hints[name]) for name in fields}
             kinds.update((name, kind) for name, kind in found.items() if kind in (bool, int, str, float))
         values = {}
-        for name, item in data.items():
+        for name, item in upgraded(data).items():
             if item.__class__ is kinds.get(name):
                 values[name] = item
             elif name in fields:

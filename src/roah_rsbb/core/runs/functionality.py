@@ -6,7 +6,7 @@ of any benchmark.
 
 import json
 from dataclasses import dataclass, field
-from typing import List, Optional, Tuple
+from typing import Any, List, Mapping, Optional, Tuple
 
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.clock import Now
@@ -24,9 +24,8 @@ from roah_rsbb.core.modules.messages import (
 )
 from roah_rsbb.core.modules.presence import Driver, Modules
 from roah_rsbb.core.modules.texts import goal_json, result_text, scores_json
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs.machine import Reaction, react
-from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, GoalState, RunningGoal, Switches, SwitchesState, check_answer
+from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, GoalState, RunningGoal, Switches, SwitchesState
 from roah_rsbb.core.runs.run import EXECUTING, FELL_BACK, Assignment, Run, RunContext, RunState
 from roah_rsbb.core.scoring.book import Marked
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
@@ -38,7 +37,6 @@ from roah_rsbb.rulebook.registry import ResultForm
 # No benchmark has more steps. A module with more is out of control.
 MAX_STEPS = 2000
 
-NO_OPERATION = say("zone '{zone}' has no manual operation now")
 BEGINS = say("Started: the benchmarking module begins")
 NEW_GOAL = say("Requested the robot to prepare for a new goal")
 GOAL_SENT = say("Robot prepared, goal sent")
@@ -135,37 +133,38 @@ class FunctionalityRun(Run):
         wanted = (RequestKind.REFEREE, RequestKind.SWITCHES)
         return request if request is not None and request.kind in wanted else None
 
-    def complete_operation(self, now: Now, operation: int, answer: str) -> None:
-        """The referee has done the manual operation. Raises `Refused` (see `check_answer`)."""
+    def complete_operation(self, now: Now, values: Mapping[str, Any]) -> None:
+        """The referee has done the manual operation that the module asks for. `values`: of its fields."""
         asked = self.asked
-        if asked is None or asked.kind is not RequestKind.REFEREE:
-            raise Refused([NO_OPERATION(zone=self.zone)])
-        answer = check_answer(asked, operation, answer)
+        assert asked is not None, "it was checked before"
+        answer = _answer_words(asked, values)
         self._emit(effects.RunLogged(self.port, run_log.MANUAL_OPERATION, f"{asked.text}: done {answer}".rstrip()))
         self.say(now, Level.INFO, f"Manual operation done: {asked.text} {answer}".rstrip())
-        self._answer_referee(now, RequestOutcome(OutcomeKind.DONE, answer=answer, ended_utc=now.utc))
+        text = json.dumps(values, ensure_ascii=False) if values else ""
+        self._answer_referee(now, RequestOutcome(OutcomeKind.DONE, values=text, ended_utc=now.utc))
 
-    def sheet_of_switches(self) -> Switches:
-        """Return the switches that the referee enters. Raises `Refused` if the run has none now."""
-        if self.switches is None or self.phase is not Phase.RUNNING:
-            raise Refused([say("zone '{zone}' has no switches to enter: they come with a goal for switches")(
-                zone=self.zone)])
-        return self.switches
+    @property
+    def entering(self) -> Optional[Switches]:
+        """The switches that the referee enters; None: there are none now."""
+        return self.switches if self.phase is Phase.RUNNING else None
 
-    def switches_entered(self, now: Now, topic: str, value: int) -> None:
-        """Keep what the referee entered about a switch or about damaged ones; `topic` and `value` are for the log."""
-        switches = self.sheet_of_switches()
+    def enter_switches(self, now: Now, topic: str, value: int) -> None:
+        """The referee saw a switch change, or damaged ones: `topic` of the log says which. Raises `Refused`."""
+        switches = self.switches
+        assert switches is not None, "it was checked before"
+        if topic == run_log.OMF_BUTTON:
+            switches.press(value)
+        else:
+            switches.state.damaged = value
         self._emit(effects.RunLogged(self.port, topic, value))
         text = json.dumps({"changed": switches.changed, "on": switches.on, "damaged": switches.damaged})
         self._emit(effects.RunLogged(self.port, run_log.SWITCHES, text))
         self.say(now, Level.INFO, f"Switches changed: {switches.changed or 'none'}, damaged: {switches.damaged}")
 
     def complete_switches(self, now: Now) -> None:
-        """The referee confirms the entered switches. Raises `Refused`."""
-        asked = self.asked
-        if asked is None or asked.kind is not RequestKind.SWITCHES:
-            raise Refused([say("the switches cannot be confirmed yet: the robot has not finished")])
-        switches = self.sheet_of_switches()
+        """The referee confirms the entered switches."""
+        switches = self.switches
+        assert switches is not None, "a module cannot ask for switches before (see `_problem`)"
         text = json.dumps({"switches": switches.changed, "damaged_switches": switches.damaged})
         self._emit(effects.RunLogged(self.port, run_log.OMF_COMPLETE, text))
         self.say(now, Level.INFO, "Switches confirmed by the referee")
@@ -450,6 +449,12 @@ class FunctionalityRun(Run):
                 left = PAUSED_LEFT if self.clock.paused else LEFT
                 lines.append(left(time=f"{minutes:02d}:{seconds:02d}"))
         return lines + ([self.module_status] if self.module_status else []) + super().status_lines(now)
+
+
+def _answer_words(asked: Request, values: Mapping[str, Any]) -> str:
+    words = [(field.label, value if isinstance(value, str) else json.dumps(value))
+             for field in asked.fields for value in [values[field.name]]]
+    return ", ".join(text if len(words) == 1 else f"{label}: {text}" for label, text in words)
 
 
 def _or_zero(limit: float) -> float:

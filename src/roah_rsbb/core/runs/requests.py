@@ -15,10 +15,6 @@ from roah_rsbb.model.reason import say
 
 # Bytes for the rest of a datagram that carries a goal: frame, cipher, code, state, acknowledgement, a pose.
 GOAL_OVERHEAD = 140
-# An answer is shown, logged and sent to the module.
-MAX_ANSWER = 1000
-# `uint8` on the ROS interface.
-MAX_DAMAGED = 255
 # No referee makes more changes. Something is lying on the keyboard.
 MAX_CHANGES = 1000
 
@@ -49,27 +45,6 @@ class RunningGoal:
         """Return for how many seconds the robot has been executing the goal at `mono` (s); 0.0: not yet."""
         told = self.state.told
         return 0.0 if told is None else max(0.0, mono - told.mono)
-
-
-def check_answer(request: Request, operation: int, answer: str) -> str:
-    """Return the answer to a manual operation. Raises `Refused` if it is not valid.
-
-    `operation`: number of the answered request; 0: the current one. An empty answer selects the first choice, which is
-    the usual one.
-    """
-    if operation not in (0, request.number):
-        raise Refused([say("that manual operation is over; the current one is: {text}")(text=request.text)])
-    if not answer:
-        return request.choices[0] if request.choices else ""
-    if len(answer) > MAX_ANSWER:
-        raise Refused([say("an answer has at most {most} characters, not {number}")(
-            most=MAX_ANSWER, number=len(answer))])
-    if answer in request.choices or request.asks_text:
-        return answer
-    if request.choices:
-        raise Refused([say("'{answer}' is not an answer to '{text}': choose from {choices}")(
-            answer=answer, text=request.text, choices=", ".join(request.choices))])
-    raise Refused([say("'{text}' has no choices: complete it without an answer")(text=request.text)])
 
 
 @dataclass
@@ -106,13 +81,6 @@ class Switches:
         if len(self.changed) >= MAX_CHANGES:
             raise Refused([say("no more than {most} changes of switches can be entered")(most=MAX_CHANGES)])
         self.changed.append(switch)
-
-    def damage(self, damaged: int) -> None:
-        """Set how many switches were damaged. Raises `Refused`."""
-        if not 0 <= damaged <= MAX_DAMAGED:
-            raise Refused([say("the number of damaged switches must be from 0 to {most}, not {damaged}")(
-                most=MAX_DAMAGED, damaged=damaged)])
-        self.state.damaged = damaged
 
     @property
     def on(self) -> Tuple[int, ...]:

@@ -277,8 +277,6 @@ def _add_all_robots(message: ZoneDetails, view: views.AllRobotsView) -> None:
 def _add_module(message: ZoneDetails, module: views.ModuleView) -> None:
     if module.operation is not None:
         message.operation = module.operation.number
-        message.operation_choices = list(module.operation.choices)
-        message.operation_asks_text = module.operation.asks_text
     message.held = module.held
     message.module_status = module.status
     message.module_scores = [score_message(score) for score in module.scores]

@@ -85,14 +85,12 @@ class CoreServices:
                     box.act, Target(r.zone), action.name, who_of(r), ORIGINAL_GIVEN.get(action.name, NOTHING)
                 ), is_urgent=action.name == STOP)
         self._serve("stop_run", StopRun, lambda r: (box.scores.stop, _run_of(r), who_of(r)), is_urgent=True)
-        self._serve("manual_operation_complete", Zone, lambda r: (
-            box.modules.complete_operation, r.zone, 0, "", who_of(r)
-        ))
-        self._serve("omf_switches/button", ZoneUInt8, lambda r: (box.modules.press_switch, r.zone, r.data, who_of(r)))
-        self._serve("omf_switches/damaged", ZoneUInt8, lambda r: (
-            box.modules.damage_switches, r.zone, r.data, who_of(r)
-        ))
-        self._serve("omf_switches/complete", Zone, lambda r: (box.modules.complete_switches, r.zone, who_of(r)))
+        for name, action in (("manual_operation_complete", "operation"), ("omf_switches/complete", "confirm_switches")):
+            self._serve(name, Zone, lambda r, action=action: (box.act, Target(r.zone), action, who_of(r)))
+        for name, action in (("omf_switches/button", "switch"), ("omf_switches/damaged", "damaged")):
+            self._serve(name, ZoneUInt8, lambda r, action=action: (
+                box.act, Target(r.zone), action, who_of(r), {"number": r.data}
+            ))
         self._serve_scores(box)
         self._add("clock", GetClock, self._clock)
 

@@ -137,7 +137,7 @@ def _request_of(message: ModuleRequest) -> Optional[Request]:
     if kind is None:
         return None
     return Request(
-        message.number, kind, message.text, tuple(message.choices), message.asks_text, message.goal,
+        message.number, kind, message.text, message.form, message.goal,
         tuple(message.pose) or None, tuple(map(bool, message.initial_state)), tuple(message.switches), message.timeout,
         message.note,
     )
@@ -149,6 +149,6 @@ def _outcome_message(outcome: Optional[RequestOutcome]) -> ModuleOutcome:
 
 def _outcome_of(kind: OutcomeKind, message: ModuleOutcome) -> RequestOutcome:
     return RequestOutcome(
-        kind, message.answer, message.result, message.executing_s, message.ended_utc, tuple(message.changed),
+        kind, message.values, message.result, message.executing_s, message.ended_utc, tuple(message.changed),
         message.damaged,
     )

@@ -6,10 +6,11 @@ Texts for the referee are shortened. Data that cannot be shortened ends the run 
 
 import json
 import math
+import re
 from typing import Tuple
 
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, ScoreValue
-from roah_rsbb.core.runs.requests import MAX_ANSWER
+from roah_rsbb.model.fields import ASKED, Choice, Decimal, Field, Number, Text, form_of
 
 # Characters and entries: more than any benchmark needs, and few enough not to slow down the box.
 MAX_NAME = 200
@@ -17,6 +18,10 @@ MAX_TEXT = 1000
 MAX_LIST = 100
 MAX_SCORES = 1000
 MAX_JSON = 65536
+MAX_FIELDS = 20
+# Spin boxes of panels hold no more.
+MAX_SIZE = 2**31 - 1
+_NAME = re.compile("[a-z][a-z0-9_]{0,39}")  # of a field
 # `uint32`, `uint16` and `uint8` on the ROS interface.
 MAX_NUMBER = 2**32 - 1
 MAX_ATTEMPT = 2**16 - 1
@@ -91,11 +96,10 @@ def _problem_of(progress: Progress) -> str:
         return ""
     if not 1 <= request.number <= MAX_NUMBER:
         return f"its request has the number {request.number}: numbers start at 1"
+    of_form = _form_problem(request.form)
     for fits, problem in (
+        (not of_form, of_form),
         (len(request.note) <= MAX_JSON, f"its note has {len(request.note)} characters: at most {MAX_JSON} are allowed"),
-        (len(request.choices) <= MAX_LIST, f"it offers {len(request.choices)} answers: at most {MAX_LIST} are allowed"),
-        (all(len(choice) <= MAX_ANSWER for choice in request.choices),
-         f"it offers an answer of more than {MAX_ANSWER} characters"),
         (request.pose is None or (len(request.pose) == 3 and all(map(math.isfinite, request.pose))),
          f"its goal's pose is {request.pose}: x, y and theta must be finite numbers"),
         (math.isfinite(request.timeout) and request.timeout >= 0.0,
@@ -110,10 +114,41 @@ def _problem_of(progress: Progress) -> str:
     return ""
 
 
+def _form_problem(text: str) -> str:
+    """Return why a form cannot be shown; empty: it can."""
+    try:
+        fields = form_of(text) if clean(text, MAX_JSON) == text else None
+    except (TypeError, ValueError, KeyError, AttributeError, RecursionError) as error:
+        return f"its form cannot be read: {type(error).__name__}: {error}"
+    if fields is None or len(fields) > MAX_FIELDS:
+        return f"its form is no UTF-8 or too long: at most {MAX_FIELDS} fields and {MAX_JSON} characters are allowed"
+    names = [field.name for field in fields]
+    for field in fields:
+        problem = _field_problem(field, names.count(field.name))
+        if problem:
+            return f"its form's field '{clean(field.name, MAX_NAME)}' {problem}"
+    return ""
+
+
+def _field_problem(field: Field, times: int) -> str:
+    if not _NAME.fullmatch(field.name) or field.name == "operation" or times > 1:
+        return "has a wrong name: names are of a to z, 0 to 9 and _, each once, and not 'operation'"
+    if type(field) not in ASKED:
+        return f"is a {field.kind}, which a module cannot ask for"
+    if isinstance(field, (Number, Decimal)) and not (
+            -MAX_SIZE <= field.low <= field.high <= MAX_SIZE and abs(field.nothing or 0) <= MAX_SIZE):
+        return f"is from {field.low} to {field.high}: at most from {-MAX_SIZE} to {MAX_SIZE} is possible"
+    if isinstance(field, Text) and not 1 <= field.characters <= MAX_TEXT:
+        return f"has {field.characters} characters: 1 to {MAX_TEXT} are allowed"
+    if isinstance(field, Choice) and not 1 <= len(field.choices) <= MAX_LIST:
+        return f"has {len(field.choices)} choices: 1 to {MAX_LIST} are allowed"
+    texts = [field.label, *getattr(field, "choices", ()), getattr(field, "unit", "")]
+    return "" if all(clean(text) == text for text in texts) else f"has a text longer than {MAX_TEXT} characters"
+
+
 def _cleaned(request: Request) -> Request:
     return request._replace(
         text=clean(request.text),
-        choices=tuple(clean(choice, MAX_ANSWER) for choice in request.choices),
         goal=clean(request.goal, MAX_JSON),
         note=clean(request.note, MAX_JSON),
     )

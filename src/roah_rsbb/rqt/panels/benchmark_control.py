@@ -8,11 +8,11 @@ from typing import Any, Dict, FrozenSet, Optional, Tuple
 
 from roah_rsbb.model import shown
 from roah_rsbb.model.actions import ACTIONS, Action
-from roah_rsbb.model.fields import Team
+from roah_rsbb.model.fields import Team, entered
 from roah_rsbb.msg import RunSummary, ZoneDetails, ZoneState
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels.history import RunSheets, why_fixed
-from roah_rsbb.rqt.panels.more_commands import ActionForm, MoreMenu, RuleButtons, entered, what_text, why_off
+from roah_rsbb.rqt.panels.more_commands import ActionForm, MoreMenu, RuleButtons, what_text, why_off
 from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel, ask, keep_true
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
 from roah_rsbb.rqt.qt import (
@@ -338,9 +338,9 @@ class BenchmarkControlPanel(Panel):
         zone, details, event = self.model.zone_name, self.model.zone_details, self.model.zone
         if details is None or event is None:
             return
-        fields = entered(shown.of(details, action.name).fields)
+        fields = shown.of(details, action.name).fields
         same = partial(self._send_if_same, action, zone, (event.team, details.event, details.identity))
-        if fields:
+        if entered(fields):
             basic.show_dialog(ActionForm(self, action, what_text(action, zone), fields, same))
         elif action.question:
             text = "\n\n".join(filter(None, [

@@ -1,9 +1,11 @@
 """Manual Operation: the benchmarking module's requests to the referee (docs/referee.md, "Manual Operation")."""
 
-from typing import List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-from roah_rsbb.msg import ZoneDetails
+from roah_rsbb.model import shown
+from roah_rsbb.model.fields import Choice, Field, entered, fixed
 from roah_rsbb.rqt.panels.collapsing import scoring_in
+from roah_rsbb.rqt.panels.more_commands import FieldEditors
 from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel
 from roah_rsbb.rqt.qt import QApplication, QHBoxLayout, QLabel, QLineEdit, QScrollArea, Qt, QTimer, QWidget
 from roah_rsbb.rqt.widgets import basic
@@ -19,7 +21,7 @@ FLASHES = 8
 FLASH_MS = 350
 
 # Identifies a request: zone, run and number.
-OperationKey = Tuple[str, int, int]
+OperationKey = Tuple[str, str, int]
 
 
 def to_front(panel: QWidget) -> None:
@@ -30,7 +32,8 @@ def to_front(panel: QWidget) -> None:
 
 
 class ManualOperationPanel(Panel):
-    """The request in large letters, and its answers. A new request flashes and beeps."""
+    """The request in large letters, and its form: of one choice, a button for each answer. A new request flashes and
+    beeps."""
 
     TITLE = tr_later("Manual Operation")
     TAB = tr_later("Manual")
@@ -39,7 +42,7 @@ class ManualOperationPanel(Panel):
     def __init__(self, client) -> None:
         super().__init__(client)
         self._request: Optional[OperationKey] = None
-        self._choices: Tuple[str, ...] = ()
+        self._fields: Sequence[Field] = ()
         self._came = False  # to the front, for this request
         self._flashes_left = 0
         self._flash = QTimer(self, interval=FLASH_MS)
@@ -50,44 +53,39 @@ class ManualOperationPanel(Panel):
         area = QScrollArea(widgetResizable=True)
         area.setWidget(self.text)
         self.body.addWidget(area, 1)
-        self.typed = basic.enlarged(QLineEdit(placeholderText=tr("Answer (optional)")), 1.3)
-        self.typed.setMaxLength(1000)
-        self.typed.returnPressed.connect(self._on_return)
-        self.typed.hide()
-        self.body.addWidget(self.typed)
+        self.form = FieldEditors(())
+        self.body.addWidget(self.form)
         self._answer = Answer()
         self.body.addWidget(self._answer)
         self._line = QHBoxLayout()
         self.body.addLayout(self._line)
         self.buttons: List[basic.CommandButton] = []
-        self._build(())
+        self._build()
 
     # -- showing ------------------------------------------------------------------------------------
 
     def show_model(self) -> None:
         zone, details = self.model.zone, self.model.zone_details
-        request = None
-        if zone is not None and details is not None and details.operation and zone.manual_operation:
-            request = (zone.zone, details.port, details.operation)
+        action = shown.Shown(shown=False) if details is None else shown.of(details, "operation")
+        request = (details.zone, details.identity, details.operation) if action.shown else None
         if request != self._request:
-            self._show_another(request, details)
+            self._fields = action.fields if request is not None else ()
+            self._show_another(request)
         waits_for_switches = zone is not None and zone.omf_complete
-        self.text.setText(zone.manual_operation if request else tr(SWITCHES if waits_for_switches else NOTHING))
+        self.text.setText(action.text if request else tr(SWITCHES if waits_for_switches else NOTHING))
         self.text.setEnabled(not self.model.is_old and (request is not None or waits_for_switches))
         self._show_tone()
         why_off = self.model.why_read_only(tr(SILENT)) or ("" if request is not None else tr(NOTHING))
         can_answer = not why_off
-        self.typed.setEnabled(can_answer)
+        self.form.setEnabled(can_answer)
         for number, button in enumerate(self.buttons):
             button.allow(can_answer, [why_off], basic.READY if number == 0 else None)
 
-    def _show_another(self, request: Optional[OperationKey], details: Optional[ZoneDetails]) -> None:
+    def _show_another(self, request: Optional[OperationKey]) -> None:
         """Show another request, or none."""
         self._request = request
         self._answer.clear_answer()
-        self.typed.clear()
-        self.typed.setVisible(request is not None and details.operation_asks_text)
-        self._build(tuple(details.operation_choices) if request is not None else ())
+        self._build()
         self._flashes_left = FLASHES if request is not None else 0
         if request is not None:
             for button in self.buttons:
@@ -102,28 +100,29 @@ class ManualOperationPanel(Panel):
             if scoring is not None:
                 to_front(scoring)
 
-    def _build(self, choices: Tuple[str, ...]) -> None:
-        """Create a button for each answer, or one that completes the operation."""
-        if self.buttons and choices == self._choices:
-            self._name_button()
-            return
-        self._choices = choices
-        for button in self.buttons:
-            self._line.removeWidget(button)
-            button.hide()
-            button.deleteLater()
-        self.buttons = []
-        for choice in choices or ("",):
-            button = basic.CommandButton(
-                choice or tr(COMPLETE), tr("Confirm that it is done. The run continues."), 1.5)
-            button.clicked.connect(lambda _=False, choice=choice: self._complete(choice))
+    def _build(self) -> None:
+        """Create a button for each answer, or the form and a button that completes the operation."""
+        for widget in (self.form, *self.buttons):
+            widget.hide()
+            widget.deleteLater()
+        asked = entered(self._fields)
+        only = asked[0] if len(asked) == 1 and isinstance(asked[0], Choice) else None
+        form = FieldEditors(() if only else self._fields)
+        self.body.replaceWidget(self.form, form)
+        self.form, self.buttons = form, []
+        form.setVisible(bool(form.editors))
+        for editor in form.editors.values():
+            basic.enlarged(editor, 1.3)
+            if isinstance(editor, QLineEdit):
+                editor.returnPressed.connect(self._on_return)
+        answers: List[Tuple[str, Dict[str, str]]] = [(tr(COMPLETE_WITH if asked else COMPLETE), {})]
+        if only:
+            answers = [(choice, {only.name: choice}) for choice in only.choices]
+        for text, chosen in answers:
+            button = basic.CommandButton(text, tr("Confirm that it is done. The run continues."), 1.5)
+            button.clicked.connect(lambda _=False, chosen=chosen: self._complete(chosen))
             self._line.addWidget(button)
             self.buttons.append(button)
-        self._name_button()
-
-    def _name_button(self) -> None:
-        if not self._choices:
-            self.buttons[0].setText(tr(COMPLETE_WITH if self.typed.isVisibleTo(self) else COMPLETE))
 
     def _on_flash(self) -> None:
         self._flashes_left = max(0, self._flashes_left - 1)
@@ -142,21 +141,19 @@ class ManualOperationPanel(Panel):
     # -- answering ----------------------------------------------------------------------------------
 
     def _on_return(self) -> None:
-        if not self._choices and self.buttons[0].is_on():
-            self._complete("")
+        if self.buttons[0].is_on():
+            self._complete({})
 
-    def _complete(self, choice: str) -> None:
-        """The referee did it. `choice`: the answer; empty if there are no choices."""
-        if self._request is None:
+    def _complete(self, chosen: Dict[str, Any]) -> None:
+        """The referee did it. `chosen`: the answer of a button; empty: what is in the form."""
+        request, given = self._request, {**fixed(self._fields), **chosen} if chosen else self.form.given()
+        if request is None or given is None:
             return
-        zone, _, operation = self._request
-        answer = choice or self.typed.text().strip()
         for button in self.buttons:
             button.hold()
         self._answer.say(tr("Manual operation complete …"))
-        request = self._request
-        self.client.calls.act(self, "operation", zone, "", {"operation": operation, "answer": answer},
-                              lambda outcome: self._answered(request, outcome))
+        zone, run, _ = request
+        self.client.calls.act(self, "operation", zone, run, given, lambda outcome: self._answered(request, outcome))
 
     def _answered(self, request: OperationKey, outcome) -> None:
         if request == self._request or outcome.error:

@@ -2,12 +2,22 @@
 the table of actions (docs/referee.md, "Setup time, phases, pauses" and "Without a robot").
 """
 
-from typing import Any, Callable, Dict, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Optional, Sequence
 
-from roah_rsbb.model import fields as model_fields
 from roah_rsbb.model import shown
 from roah_rsbb.model.actions import ACTIONS, Action, Row
-from roah_rsbb.model.fields import BadValue, Choice, Event, Field, Number, Robot, Team, Toggle
+from roah_rsbb.model.fields import (
+    BadValue,
+    Choice,
+    Event,
+    Field,
+    Number,
+    Robot,
+    Toggle,
+    entered,
+    fixed,
+    read,
+)
 from roah_rsbb.msg import ZoneDetails
 from roah_rsbb.rqt.qt import (
     QAction,
@@ -29,8 +39,9 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.said import tr_reason, tr_said
 
-# Actions that panels lay out by hand: Benchmark Control, the strip with STOP, Schedule.
-PLACED = ("previous", "next", "connect", "start", "disconnect", "stop", "choose_event")
+# Actions that panels lay out by hand: Benchmark Control, the strip with STOP, Schedule, Manual Operation, OMF Switches.
+PLACED = ("previous", "next", "connect", "start", "disconnect", "stop", "choose_event", "operation", "switch",
+          "damaged", "confirm_switches")
 # A paused clock is easily forgotten.
 HIGHLIGHTED = ("resume",)
 # Width that shows a typed text, in units of the desktop's font.
@@ -54,14 +65,36 @@ def why_off(details: Optional[ZoneDetails], name: str, silent: str) -> Sequence[
     return [tr_said(reason) for reason in shown.off(details, name)]
 
 
-def entered(fields: Sequence[Field]) -> Tuple[Field, ...]:
-    """Return the fields that somebody must enter. The team is the one that is shown."""
-    return tuple(field for field in fields if not isinstance(field, Team))
-
-
 def is_offered(action: Action) -> bool:
     """Whether a form can offer all fields of an action. Robots and events are chosen elsewhere."""
     return not any(isinstance(field, (Event, Robot)) for field in action.fields)
+
+
+class FieldEditors(QWidget):
+    """An editor for each field that somebody must enter."""
+
+    def __init__(self, fields: Sequence[Field]) -> None:
+        super().__init__()
+        self._fields = fields
+        form = QFormLayout(self)
+        form.setContentsMargins(0, 0, 0, 0)
+        self.editors: Dict[str, QWidget] = {}
+        for field in entered(fields):
+            self.editors[field.name] = _editor(field)
+            form.addRow(tr(field.label), self.editors[field.name])
+        self.problem = QLabel(wordWrap=True)
+        self.problem.hide()
+        form.addRow(self.problem)
+
+    def given(self) -> Optional[Dict[str, Any]]:
+        """Return the values of all fields but the team; None: one is wrong, and it is said which."""
+        values = {name: value for name, editor in self.editors.items() for value in [_entry(editor)] if value != ""}
+        try:
+            return {**read(entered(self._fields), values), **fixed(self._fields)}
+        except BadValue as bad:
+            self.problem.setText(f"⚠ {tr_reason(bad.reason)}")
+            self.problem.show()
+            return None
 
 
 class ActionForm(QDialog):
@@ -75,20 +108,16 @@ class ActionForm(QDialog):
         super().__init__(parent)
         self.setWindowTitle(what)
         self.setAttribute(Qt.WA_DeleteOnClose)
-        self._fields, self._then = fields, then
+        self._then = then
         form = QFormLayout(self)
         heading = basic.enlarged(QLabel(what, wordWrap=True), 1.2, bold=True)
         heading.setTextFormat(Qt.PlainText)
         heading.setMinimumWidth(round(WIDE_EMS * basic.em()))
         form.addRow(heading)
         form.addRow(QLabel(tr(action.explanation), wordWrap=True))
-        self.editors: Dict[str, QWidget] = {}
-        for field in fields:
-            self.editors[field.name] = _editor(field)
-            form.addRow(tr(field.label), self.editors[field.name])
-        self.problem = QLabel(wordWrap=True)
-        self.problem.hide()
-        form.addRow(self.problem)
+        self._inside = FieldEditors(fields)
+        self.editors, self.problem = self._inside.editors, self._inside.problem
+        form.addRow(self._inside)
         buttons = QDialogButtonBox()
         self.yes = buttons.addButton(tr(action.label), QDialogButtonBox.AcceptRole)
         self.cancel = buttons.addButton(tr("Cancel"), QDialogButtonBox.RejectRole)
@@ -98,15 +127,10 @@ class ActionForm(QDialog):
         next(iter(self.editors.values())).setFocus()
 
     def _accept(self) -> None:
-        try:
-            given = model_fields.read(
-                self._fields, {name: _entry(editor) for name, editor in self.editors.items()})
-        except BadValue as bad:
-            self.problem.setText(f"⚠ {tr_reason(bad.reason)}")
-            self.problem.show()
-            return
-        self.accept()
-        self._then(given)
+        given = self._inside.given()
+        if given is not None:
+            self.accept()
+            self._then(given)
 
 
 def _editor(field: Field) -> QWidget:
@@ -120,8 +144,10 @@ def _editor(field: Field) -> QWidget:
         number = QSpinBox()
         number.setRange(field.low, field.high)
         number.setSuffix(f" {field.unit}" if field.unit else "")
+        number.setValue(field.default)
         return number
-    return QLineEdit(maxLength=field.most)
+    hints = {"pose": "x y ° (1.25 0.40 90)", "decimal": getattr(field, "unit", "")}
+    return QLineEdit(maxLength=field.most, placeholderText=hints.get(field.kind, ""))
 
 
 def _entry(editor: QWidget) -> Any:
@@ -133,14 +159,14 @@ def _entry(editor: QWidget) -> Any:
 
 
 class RuleButtons(QWidget):
-    """Phases and pause, in a row that is only visible where the benchmark has such rules."""
+    """Phases and pause, and what a module asks for, in a row that is only visible where there are such actions."""
 
     def __init__(self, press: Callable[[Action], None]) -> None:
         super().__init__()
         self.buttons: Dict[str, basic.CommandButton] = {}
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
-        for action in others(Row.CLOCK):
+        for action in (*others(Row.CLOCK), *others(Row.MODULE)):
             dots = " …" if entered(action.fields) else ""
             button = basic.CommandButton(tr(action.label) + dots, tr(action.explanation), 1.1)
             button.clicked.connect(lambda _checked=False, action=action: press(action))

@@ -2,6 +2,7 @@
 
 from typing import Dict, List
 
+from roah_rsbb.model.actions import MAX_DAMAGED
 from roah_rsbb.msg import ZoneState
 from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel
 from roah_rsbb.rqt.qt import QGridLayout, QHBoxLayout, QLabel, Qt
@@ -13,7 +14,6 @@ EXECUTING = tr_later("The robot has not finished. Confirm when it has.")
 # The test bed's panel has ten switches.
 COUNT = 10
 COLUMNS = 5
-MAX_DAMAGED = 255
 
 
 class OmfSwitchesPanel(Panel):

@@ -1,6 +1,7 @@
 """A restart at any moment loses nothing, in no field of any object; and states of the version before are continued."""
 
 import collections
+import copy
 import enum
 import json
 import pathlib
@@ -12,7 +13,9 @@ from hypothesis import strategies as st
 from helpers.box_driver import BoxDriver, beacon_bytes
 from helpers.competition import BUMPS, DOOR, competition, event
 from helpers.examples import examples
+from helpers.forms import form
 from helpers.module_player import FakeModules
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import DevicesState, TabletState
@@ -205,9 +208,10 @@ _EVENTS = st.one_of(
     ), _ZONE, st.sampled_from([DOOR, BUMPS]), st.integers(0, 1), st.sampled_from(["", "seen"])),
     st.builds(lambda zone: ("scores.withdraw", RunName(zone), 1, "Berta", "why"), _ZONE),
     st.builds(lambda zone: ("scores.give_stop_reason", RunName(zone), "tired", "Anna"), _ZONE),
-    st.builds(lambda zone: ("modules.complete_operation", zone), st.sampled_from(["fbm", "omf"])),
+    st.builds(lambda zone: ("act", Target(zone), "operation"), st.sampled_from(["fbm", "omf"])),
     st.sampled_from([
-        ("modules.press_switch", "omf", 2), ("modules.damage_switches", "omf", 1), ("modules.complete_switches", "omf"),
+        ("act", Target("omf"), "switch", "", {"number": 2}), ("act", Target("omf"), "damaged", "", {"number": 1}),
+        ("act", Target("omf"), "confirm_switches"),
         ("on_devices", DevicesState((5, 6), True, blinds=30)),
         ("on_tablet", "10.0.0.99", TabletState(False, (7, 8), (9, 1), 1.5, -2.5)),
     ]),
@@ -285,6 +289,18 @@ def _config():
     )
 
 
+def with_forms(old):
+    """A state whose requests to the referee have forms, as this version writes it."""
+    states = copy.deepcopy(old)
+    for step in states.get("zone:fbm", {}).get("for_module", {}).get("steps", ()):
+        request, outcome = step["request"], step.get("outcome", {})
+        if request["kind"] == "REFEREE":
+            request["form"] = form(*request.pop("choices"), asks_text=request.pop("asks_text"))
+        if "answer" in outcome:
+            outcome["values"] = json.dumps({"answer": outcome.pop("answer")})
+    return states
+
+
 @pytest.mark.parametrize("old", OLD, ids=lambda old: old["moment"])
 @pytest.mark.parametrize("boot", ["boot 1", "boot 2"])
 def test_a_state_that_the_version_before_wrote_is_continued(old, boot):
@@ -298,7 +314,7 @@ def test_a_state_that_the_version_before_wrote_is_continued(old, boot):
     records = tuple(thaw(RunRecord, record) for record in old["outcomes"])
     box = Box(_config(), SETTINGS, beacon_bytes)
     box.resume(now, Saved(now.utc, thaw(BoxSaved, old["states"]["box"]), zones, records))
-    expected = {name: state for name, state in old["states"].items() if name != "box"}
+    expected = with_forms({name: state for name, state in old["states"].items() if name != "box"})
     found = {f"zone:{name}": freeze(zone.saved()) for name, zone in box.zones.items()}
     assert freeze(box.saved()) == old["states"]["box"]
     for run in box.zones.runs():

@@ -14,6 +14,7 @@ from helpers.all_robots import (
 )
 from helpers.competition import event
 from roah_rsbb.core import effects, run_log
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.views import views
@@ -69,9 +70,9 @@ def test_device_commands_are_ignored_and_said_once_a_robot():
 def test_manual_operations_and_switches_are_refused():
     driver, _ = running()
     with pytest.raises(Refused, match="zone 'tbm' has no manual operation now"):
-        driver.event(driver.box.modules.complete_operation, "tbm")
+        driver.event(driver.box.act, Target("tbm"), "operation")
     with pytest.raises(Refused, match="which has no switches"):
-        driver.event(driver.box.modules.complete_switches, "tbm")
+        driver.event(driver.box.act, Target("tbm"), "confirm_switches")
 
 
 def test_a_step_of_the_boxs_clock_makes_all_skews_be_measured_again():

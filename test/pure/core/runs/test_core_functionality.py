@@ -4,9 +4,11 @@ import json
 
 import pytest
 
+from helpers.forms import answer_in, form
 from helpers.module_player import does_goal, functionality, started
 from roah_rsbb.bmbox.framework.results import MAX_RESULT, BadResult, read_record
 from roah_rsbb.core import effects, run_log
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.messages import NO_GOAL, GoalMessage
 from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
 from roah_rsbb.core.referee import Refused
@@ -49,7 +51,7 @@ def test_a_whole_run_with_waypoints_and_manual_operations():
     modules.asks(RequestKind.REFEREE, text="Place the robot")
     assert driver.run_in().asked.text == "Place the robot"
     assert driver.box_state() is BoxState.STOP
-    driver.event(driver.box.modules.complete_operation, "tbm")
+    driver.event(driver.box.act, Target("tbm"), "operation")
     assert modules.outcome().kind is OutcomeKind.DONE
     modules.asks(timeout=120.0, **WAYPOINT)
     assert driver.box_state() is BoxState.PREPARE
@@ -125,24 +127,24 @@ def test_a_goal_of_homf_carries_switches():
     goal = driver.run_in().message.goal
     assert (goal.initial_state, goal.switches) == ((True, False, False), (2, 3))
     box = driver.box
-    driver.event(box.modules.press_switch, "tbm", 2)
+    driver.event(box.act, Target("tbm"), "switch", "", {"number": 2})
     robot.says(RobotState.EXECUTING)
     with pytest.raises(Refused, match="the robot has not finished"):
-        driver.event(box.modules.complete_switches, "tbm")
+        driver.event(box.act, Target("tbm"), "confirm_switches")
     robot.says(RobotState.RESULT_TX)
     modules.asks(RequestKind.SWITCHES, text="Enter the switches")
-    driver.event(box.modules.press_switch, "tbm", 1)
-    driver.event(box.modules.damage_switches, "tbm", 1)
+    driver.event(box.act, Target("tbm"), "switch", "", {"number": 1})
+    driver.event(box.act, Target("tbm"), "damaged", "", {"number": 1})
     assert driver.run_in().switches.on == (2,)
     with pytest.raises(Refused, match="numbered 1 to 3"):
-        driver.event(box.modules.press_switch, "tbm", 4)
+        driver.event(box.act, Target("tbm"), "switch", "", {"number": 4})
     before = driver.run_in().clock.left(driver.now)
     modules.lives(30.0, robot)
     assert driver.run_in().clock.left(driver.now) == before, "the referee's time does not count"
-    driver.event(box.modules.complete_switches, "tbm")
+    driver.event(box.act, Target("tbm"), "confirm_switches")
     driver.command("stop")
     with pytest.raises(Refused, match="zone 'tbm' has no switches to enter"):
-        driver.event(box.modules.press_switch, "tbm", 2)
+        driver.event(box.act, Target("tbm"), "switch", "", {"number": 2})
     assert (modules.outcome().changed, modules.outcome().damaged) == ((2, 1), 1)
 
 
@@ -199,28 +201,28 @@ def test_between_goals_nothing_that_the_robot_says_moves_the_state():
 def test_what_the_referee_does_not_know_is_refused():
     driver, modules, _ = started()
     with pytest.raises(Refused, match="has no manual operation now"):
-        driver.event(driver.box.modules.complete_operation, "tbm")
-    modules.asks(RequestKind.REFEREE, text="Try again?", choices=("try again", "skip"))
-    with pytest.raises(Refused, match="choose from try again, skip"):
-        driver.event(driver.box.modules.complete_operation, "tbm", 1, "perhaps")
+        driver.event(driver.box.act, Target("tbm"), "operation")
+    modules.asks(RequestKind.REFEREE, text="Try again?", form=form("try again", "skip"))
+    with pytest.raises(Refused, match="Answer: choose one of try again, skip"):
+        driver.event(driver.box.act, Target("tbm"), "operation", "", {"operation": 1, "answer": "perhaps"})
     with pytest.raises(Refused, match="is over; the current one is: Try again"):
-        driver.event(driver.box.modules.complete_operation, "tbm", 7, "skip")
-    driver.event(driver.box.modules.complete_operation, "tbm", 1, "skip")
-    assert modules.outcome().answer == "skip"
+        driver.event(driver.box.act, Target("tbm"), "operation", "", {"operation": 7, "answer": "skip"})
+    driver.event(driver.box.act, Target("tbm"), "operation", "", {"operation": 1, "answer": "skip"})
+    assert answer_in(modules.outcome()) == "skip"
     with pytest.raises(Refused):
-        driver.event(driver.box.modules.complete_operation, "tbm", 1, "skip")
-    modules.asks(RequestKind.REFEREE, text="Again?", choices=("try again", "skip"))
-    driver.event(driver.box.modules.complete_operation, "tbm")
-    assert modules.outcome().answer == "try again", "no answer is the usual one"
+        driver.event(driver.box.act, Target("tbm"), "operation", "", {"operation": 1, "answer": "skip"})
+    modules.asks(RequestKind.REFEREE, text="Again?", form=form("try again", "skip"))
+    driver.event(driver.box.act, Target("tbm"), "operation")
+    assert answer_in(modules.outcome()) == "try again", "no answer is the usual one"
     modules.asks(RequestKind.REFEREE, text="Place it")
-    with pytest.raises(Refused, match="has no choices"):
-        driver.event(driver.box.modules.complete_operation, "tbm", 0, "done")
-    driver.event(driver.box.modules.complete_operation, "tbm")
-    modules.asks(RequestKind.REFEREE, text="Which one?", asks_text=True)
-    with pytest.raises(Refused, match="at most 1000 characters"):
-        driver.event(driver.box.modules.complete_operation, "tbm", 0, "x" * 1001)
-    driver.event(driver.box.modules.complete_operation, "tbm", 0, "the blue one")
-    assert modules.outcome().answer == "the blue one"
+    with pytest.raises(Refused, match="The command has no field 'answer': it has none"):
+        driver.event(driver.box.act, Target("tbm"), "operation", "", {"answer": "done"})
+    driver.event(driver.box.act, Target("tbm"), "operation")
+    modules.asks(RequestKind.REFEREE, text="Which one?", form=form(asks_text=True))
+    with pytest.raises(Refused, match="at most 1000 are allowed"):
+        driver.event(driver.box.act, Target("tbm"), "operation", "", {"answer": "x" * 1001})
+    driver.event(driver.box.act, Target("tbm"), "operation", "", {"answer": "the blue one"})
+    assert answer_in(modules.outcome()) == "the blue one"
 
 
 # -- score and what else the module says --------------------------------------------------------------
@@ -271,7 +273,7 @@ def test_repeated_late_or_foreign_messages_change_nothing():
     driver, modules, robot = started()
     modules.asks(RequestKind.REFEREE, text="first")
     first = dict(modules.progress)
-    driver.event(driver.box.modules.complete_operation, "tbm")
+    driver.event(driver.box.act, Target("tbm"), "operation")
     modules.asks(RequestKind.REFEREE, text="second")
     steps = modules.run().steps
     identity, last = next(iter(modules.progress.items()))

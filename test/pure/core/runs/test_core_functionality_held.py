@@ -5,6 +5,7 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from helpers.module_player import FakeModules, does_goal, started
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, OutcomeKind, RequestKind, ScoreValue
@@ -84,7 +85,7 @@ def test_the_referee_may_work_while_the_module_is_gone():
     driver, modules, robot = started()
     modules.asks(RequestKind.REFEREE, text="Place it")
     driver.run(3.0)
-    driver.event(driver.box.modules.complete_operation, "tbm")
+    driver.event(driver.box.act, Target("tbm"), "operation")
     driver.run(100.0)
     assert driver.run_in().clock.left(driver.now) == pytest.approx(600.0), "held, though nothing is asked any more"
     rejoined(driver, modules).beat()
@@ -104,7 +105,7 @@ def test_a_module_that_is_back_while_the_referee_works_does_not_start_the_clock(
 def test_a_module_that_has_not_arrived_where_it_was_changes_nothing():
     driver, modules, robot = started()
     first = modules.asks(RequestKind.REFEREE, text="first")
-    driver.event(driver.box.modules.complete_operation, "tbm")
+    driver.event(driver.box.act, Target("tbm"), "operation")
     modules.asks(**GOAL)
     modules.says(scores=(SCORE,), kept="{}")
     driver.run(3.0)
@@ -136,7 +137,7 @@ def test_of_two_nodes_only_the_first_is_listened_to():
     modules.asks(RequestKind.REFEREE, text="of the first")
     other = FakeModules(driver, "HNF", node="n2")
     other.beat()
-    driver.event(driver.box.modules.complete_operation, "tbm")
+    driver.event(driver.box.act, Target("tbm"), "operation")
     other.asks(RequestKind.REFEREE, text="of the second")
     assert len(modules.run().steps) == 1
     assert any("2 nodes drive HNF" in warning for warning in driver.view().warnings)

@@ -7,6 +7,7 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from helpers.module_player import does_goal, started
 from roah_rsbb.core import effects
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.records import EndReason, Phase
@@ -22,7 +23,7 @@ def test_manual_operations_do_not_count_and_goals_do():
     modules.asks(RequestKind.REFEREE, text="Place it")
     modules.lives(100.0, robot)
     assert driver.run_in().clock.left(driver.now) == pytest.approx(600.0)
-    driver.event(driver.box.modules.complete_operation, "tbm")
+    driver.event(driver.box.act, Target("tbm"), "operation")
     modules.lives(10.0, robot)
     assert driver.run_in().clock.left(driver.now) == pytest.approx(590.0)
     modules.asks(timeout=120.0, **WAYPOINT)
@@ -35,7 +36,7 @@ def test_the_referee_sees_the_limit_that_applies():
     driver, modules, robot = started("STB", goal=30.0, total=120.0)
     assert driver.view().timeout == 30.0, "of the benchmarks file"
     modules.asks(RequestKind.REFEREE, text="Place it")
-    driver.event(driver.box.modules.complete_operation, "tbm")
+    driver.event(driver.box.act, Target("tbm"), "operation")
     assert driver.view().timeout == 30.0
     modules.asks(timeout=15.0, goal="GOAL 1")
     assert driver.view().timeout == 15.0, "the module's parameters say otherwise"
@@ -176,7 +177,7 @@ def test_stop_and_start_again_anywhere(reach):
     run = modules.run()
     assert (run.attempt, run.running, run.end_reason) == (1, False, "stopped")
     with pytest.raises(Refused):
-        driver.event(driver.box.modules.complete_operation, "tbm")
+        driver.event(driver.box.act, Target("tbm"), "operation")
     left = driver.run_in().clock.left(driver.now)
     modules.says(scores=(ScoreValue("", "reached", "2", ""),), finished=True)
     assert driver.run_in().scores[0].value == "2", "the last score of a module comes after the stop"
@@ -220,7 +221,7 @@ def test_run_time_goal_time_and_pause_are_shown_side_by_side():
     clock = driver.view().clock
     assert (clock.limit, clock.elapsed, clock.counting, clock.paused) == (600.0, 0.0, False, "manual operation")
     assert (clock.goal, clock.goal_limit) == (0, 120.0)
-    driver.event(driver.box.modules.complete_operation, "tbm")
+    driver.event(driver.box.act, Target("tbm"), "operation")
     modules.asks(timeout=60.0, **WAYPOINT)
     modules.lives(10.0, robot)
     clock = driver.view().clock

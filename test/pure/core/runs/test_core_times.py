@@ -6,6 +6,7 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
 from helpers.module_player import FakeModules
 from roah_rsbb.core import effects, run_log
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.records import EndReason, Phase
@@ -220,7 +221,7 @@ def test_a_manual_operation_in_a_pause_ends_without_ending_the_pause():
     driver, modules = started_hnf()
     modules.asks(RequestKind.REFEREE, text="Place it")
     driver.command("pause")
-    driver.event(driver.box.modules.complete_operation, "tbm")
+    driver.event(driver.box.act, Target("tbm"), "operation")
     assert clock(driver).paused == "by the referee"
     driver.command("resume")
     assert clock(driver).counting

@@ -370,10 +370,11 @@ def test_all_that_a_referee_does_is_on_record(driver):
         (box.scores.withdraw, (name, 7), {"entry": 7}),
         (box.scores.give_stop_reason, (name, "r"), {"reason": "r", "stop": 0}),
         (box.scores.sign_off, (name,), {}),
-        (box.modules.complete_operation, ("tbm", 3, "yes"), {"operation": 3, "answer": "yes"}),
-        (box.modules.press_switch, ("tbm", 2), {"switch": 2}),
-        (box.modules.damage_switches, ("tbm", 1), {"damaged": 1}),
-        (box.modules.complete_switches, ("tbm",), {}),
+        (box.act, (Target("tbm"), "operation", "", {"operation": 3, "answer": "yes"}),
+         {"operation": 3, "answer": "yes"}),
+        (box.act, (Target("tbm"), "switch", "", {"number": 2}), {"switch": 2}),
+        (box.act, (Target("tbm"), "damaged", "", {"number": 1}), {"damaged": 1}),
+        (box.act, (Target("tbm"), "confirm_switches"), {}),
     ):
         driver.taken()
         with contextlib.suppress(Refused):

@@ -8,6 +8,7 @@ from helpers.all_robots import all_robots_box, connect_all, robots_of, start_all
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from helpers.module_player import does_goal, started
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.runs.online_data import MAX_SAID
 from roah_rsbb.core.views.explained import Doing, explanations
@@ -43,7 +44,8 @@ def test_the_waypoints_of_a_run():
     modules.lives(1.0, robot)
     assert explained(driver).doing is Doing.REFEREE
     assert "secret" not in repr(explained(driver, with_texts=True)), "an operation may show what the robots will meet"
-    driver.event(driver.box.modules.complete_operation, "tbm", modules.run().steps[-1].request.number, "")
+    number = modules.run().steps[-1].request.number
+    driver.event(driver.box.act, Target("tbm"), "operation", "", {"operation": number})
     modules.asks(goal="[1, 2, 3]", timeout=50.0)
     modules.lives(1.0, robot)
     assert (explained(driver).goals, explained(driver).goals_ended) == (1, 0)

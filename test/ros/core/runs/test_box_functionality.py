@@ -4,7 +4,10 @@
 from support.box_client import Refusal
 from support.fakes.modules import ModulesCase
 
+from helpers.forms import answer_in, form
 from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
+from roah_rsbb.model import shown
+from roah_rsbb.model.fields import entered
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.goals import HopfResult, Pose
 from roah_rsbb.srv import Zone, ZoneUInt8
@@ -66,32 +69,36 @@ class TestOnTheWire(ModulesCase):
 
 
 class TestReferee(ModulesCase):
+    def form(self):
+        """What the referee is asked for in zone Hands."""
+        return entered(shown.of(self.box.zone_details("Hands"), "operation").fields)
+
     def test_manual_operations(self) -> None:
         self.fbm = self.modules("STB")
         self.robot("Gamma")
         self.started("Hands")
         self.fbm.asks("Hands", REFEREE, text="Place it")
         number = self.wait_asked("Hands", "Place it")
-        self.assertEqual((number, list(self.box.zone_details("Hands").operation_choices)), (1, []))
+        self.assertEqual((number, self.form()), (1, ()))
         self.assertIn("Manual operation: Place it", self.box.zone("Hands").state)
-        self.assertRefused("has no choices", "Hands", 1, "yes")
+        self.assertRefused("has no field 'answer'", "Hands", 1, "yes")
         self.box.command("manual_operation_complete", "Hands")
-        self.assertEqual(self.fbm.wait_outcome("Hands").answer, "")
+        self.assertEqual(self.fbm.wait_outcome("Hands").values, "")
         self.box.wait_zone("Hands", lambda z: not z.manual_operation, "nothing is asked any more")
 
-        self.fbm.asks("Hands", REFEREE, text="No pose", choices=("try again", "skip"))
+        self.fbm.asks("Hands", REFEREE, text="No pose", form=form("try again", "skip"))
         self.assertEqual(self.wait_asked("Hands", "No pose"), 2)
-        self.assertEqual(list(self.box.zone_details("Hands").operation_choices), ["try again", "skip"])
+        self.assertEqual(self.form()[0].choices, ("try again", "skip"))
         self.assertRefused("that manual operation is over", "Hands", 1, "skip")
-        self.assertRefused("'fly' is not an answer", "Hands", 2, "fly")
+        self.assertRefused("Answer: choose one of try again, skip", "Hands", 2, "fly")
         self.answer("Hands", 2, "skip")
-        self.assertEqual(self.fbm.wait_outcome("Hands").answer, "skip")
+        self.assertEqual(answer_in(self.fbm.wait_outcome("Hands")), "skip")
 
-        self.fbm.asks("Hands", REFEREE, text="Which mug?", asks_text=True)
+        self.fbm.asks("Hands", REFEREE, text="Which mug?", form=form(asks_text=True))
         self.wait_asked("Hands", "Which mug?")
-        self.assertTrue(self.box.zone_details("Hands").operation_asks_text)
+        self.assertEqual([field.kind for field in self.form()], ["text"])
         self.answer("Hands", 0, "the blue one, ä")
-        self.assertEqual(self.fbm.wait_outcome("Hands").answer, "the blue one, ä")
+        self.assertEqual(answer_in(self.fbm.wait_outcome("Hands")), "the blue one, ä")
         self.assertEqual(self.leave("Hands").values("/rsbb_log/manual_operation"), [
             "Place it", "Place it: done", "No pose", "No pose: done skip", "Which mug?",
             "Which mug?: done the blue one, ä",

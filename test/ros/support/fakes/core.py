@@ -15,12 +15,14 @@ from unittest import mock
 import rospy
 
 from helpers.commands import given_with
+from helpers.forms import shown_form
 from roah_rsbb.core.actions.base import ZoneAction
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now, one_moment
 from roah_rsbb.core.effects import RecordChanged
 from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.core.modules.messages import form_of_one
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs.run import ZoneRun
@@ -28,7 +30,7 @@ from roah_rsbb.core.scoring.book import RunBook
 from roah_rsbb.core.scoring.records import EndReason
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.model import fields
+from roah_rsbb.model import fields, shown
 from roah_rsbb.model.actions import ACTIONS, EVERY, MARK
 from roah_rsbb.msg import (
     CoreDetails,
@@ -88,6 +90,9 @@ def _acted(zone: str, action: str, given: Any) -> tuple:
                 f"{int(given['added']):+d}" if given.get("added") else given["value"])
     if action == "choose_event":
         return action, zone, EVENTS[int(given["event"].rpartition("e")[2]) - 1][0], given.get("unsigned", False)
+    if EVERY[action].is_open:
+        others = {name: value for name, value in given.items() if name != "operation"}
+        return action, zone, given["operation"], *(others.values() or [""])
     values = fields.read(EVERY[action].fields, given)
     return action, zone, *(values[name] for name in _SEEN.get(action, ()) if values[name] != "" or name == "answer")
 
@@ -100,8 +105,7 @@ _CALLS: Dict[str, Callable[..., tuple]] = {
 # Of the values of an action, which tests see with its name and its zone.
 _SEEN = {
     "connect": ("robot",), "open_sheet": ("team",), "no_show": ("team",), "withdrawn": ("team",),
-    "withdraw": ("entry",), "stop_reason": ("stop",), "operation": ("operation", "answer"),
-    "switch": ("number",), "damaged": ("number",),
+    "withdraw": ("entry",), "stop_reason": ("stop",), "switch": ("number",), "damaged": ("number",),
 }
 # What the referee said with these: the note or reason.
 _SAID = {MARK: "note", "withdraw": "note", "stop_reason": "reason", "sign_off": ""}
@@ -114,6 +118,12 @@ class Asked(NamedTuple):
     text: str
     choices: tuple = ()
     asks_text: bool = False
+    form: tuple = ()  # of other fields
+
+    @property
+    def fields(self) -> tuple:
+        """What the referee fills in."""
+        return self.form or fields.form_of(form_of_one(self.choices, self.asks_text))
 
 
 class FakeZone:
@@ -226,8 +236,9 @@ class FakeZone:
         asked, switches = self.asked, self.switches  # the test or a call may change them at any moment
         if asked is not None:
             state.manual_operation = asked.text
-            details.operation, details.operation_asks_text = asked.operation, asked.asks_text
-            details.operation_choices = list(asked.choices)
+            details.operation = asked.operation
+            operation = shown_form(asked.operation, asked.fields, asked.text)
+            details.actions = shown.written({**shown.read(details.actions), "operation": operation}.items())
         if switches is not None:
             state.omf, state.omf_switches = True, bytes(sorted(switches))
             state.omf_damaged, state.omf_complete = self.damaged, self.switches_asked

@@ -11,6 +11,9 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import genpy
 
 from helpers.commands import actions_text
+from helpers.forms import shown_form
+from roah_rsbb.core.modules.messages import form_of_one
+from roah_rsbb.model.fields import form_of
 from roah_rsbb.msg import CoreDetails, CoreToGui, RunClock, RunClocks, ScoreItem, ZoneDetails, ZoneState
 from roah_rsbb.web.commands import Command, Outcome
 from roah_rsbb.web.pairing import Grant
@@ -55,6 +58,7 @@ class Zone:
         self.run = 0
         self.operation = ""
         self.choices: List[str] = []
+        self.form: Tuple[Any, ...] = ()  # of the operation, instead of the choices or a text
         self.warning = ""
         self.not_stopped: List[str] = []
         self.stops = True  # whether the robot reports STOP after a stop
@@ -101,10 +105,10 @@ class Zone:
         for name, phase in (("connect", "idle"), ("start", "connected"), ("disconnect", "connected")):
             if self.phase not in (phase, "ended" if name != "connect" else phase):
                 off[name] = [f"{name} is not possible in phase {self.phase}"]
-        message.actions = actions_text(off, hidden=("pause", "resume", "next_phase", "previous_phase"))
+        asked, fields = None, self.form or form_of(form_of_one(self.choices, not self.choices))
         if self.operation:
-            message.operation, message.operation_choices = 7, self.choices
-            message.operation_asks_text = not self.choices
+            message.operation, asked = 7, shown_form(7, fields, self.operation)
+        message.actions = actions_text(off, ("pause", "resume", "next_phase", "previous_phase"), asked=asked)
         if self.phase != "idle":
             message.items = [ScoreItem(group=group, desc=desc, type=kind, value=value)
                              for (group, desc, kind), value in zip(ITEMS, self.values)]
