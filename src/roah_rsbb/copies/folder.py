@@ -9,7 +9,8 @@ be only in memory. All of it is written again, and the old one stays in its plac
 replaces it.
 
 Where the box continued an earlier state of the journal, such as after a power failure that took the newest records, the
-copy is begun again. The one before stays in its place until the new one is complete: a takeover needs what was confirmed.
+copy is begun again. The one before stays in its place until the new one is complete: a takeover needs what was
+confirmed.
 
 The records of a segment say what was proven on the disk of the box, which says nothing of this disk. So a file beside
 the journal says how much of the newest segment was on this one. A gap after that is a torn tail, not damage.

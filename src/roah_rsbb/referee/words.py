@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 
 from roah_rsbb.core.scoring.points import number_of, text_of
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
-from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Pose, Toggle
+from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Pose, Text, Toggle
 from roah_rsbb.referee.state import EventSnapshot, SheetItem
 from roah_rsbb.rulebook.scoring import MAX_VALUE, ScoreKind, ScoringItem
 from roah_rsbb.wording.suggestions import did_you_mean
@@ -148,7 +148,8 @@ def given_of(words: Sequence[str], fields: Sequence[Field]) -> Dict[str, Any]:
     """Return the values of a form: NAME=VALUE, or values in the order of its fields; of a choice, also its beginning.
     Raises `BadWord`."""
     given: Dict[str, Any] = {}
-    for word in [" ".join(words)] if words and len(fields) == 1 else words:
+    other = other_answer(fields)
+    for word in [" ".join(words)] if words and (len(fields) == 1 or other is not None) else words:
         name, equals, value = word.partition("=")
         named = [field for field in fields if equals and field.name == name]
         field, = (named or [field for field in fields if field.name not in given] or [None])[:1]
@@ -156,6 +157,8 @@ def given_of(words: Sequence[str], fields: Sequence[Field]) -> Dict[str, Any]:
             raise BadWord(f"'{word}' is not asked for: {form_words(fields)}")
         text = (value if named else word).strip()
         found = _found(text, field.choices, str, str.startswith) if text and isinstance(field, Choice) else []
+        if text and not found and other is not None and not named:
+            field = other
         try:
             given[field.name] = field.parse(found[0] if len(found) == 1 else text) if text else ""
         except BadValue as bad:
@@ -166,15 +169,26 @@ def given_of(words: Sequence[str], fields: Sequence[Field]) -> Dict[str, Any]:
 def given_in(line: str, fields: Sequence[Field]) -> Dict[str, Any]:
     """Return the values of a form in a line; of several, those with blanks are in quotes. Raises `BadWord`."""
     try:
-        return given_of([line] if len(fields) == 1 else shlex.split(line), fields)
+        is_one = len(fields) == 1 or other_answer(fields) is not None
+        return given_of([line] if is_one else shlex.split(line), fields)
     except ValueError as bad:
         raise BadWord(f"'{line}': {bad}") from None
+
+
+def other_answer(fields: Sequence[Field]) -> Optional[Field]:
+    """Return the text of a form of a choice and a text, for an answer that is none of the choices; None: the form has
+    other fields."""
+    if [type(field) for field in fields] == [Choice, Text] and not fields[1].required:
+        return fields[1]
+    return None
 
 
 def form_words(fields: Sequence[Field]) -> str:
     """Return what a form asks for; with several fields, also their names."""
     if len(fields) == 1:
         return expected(fields[0])
+    if other_answer(fields) is not None:
+        return f"{expected(fields[0])}, or another answer"
     return "; ".join(f"{field.name}: {field.label} ({expected(field)})" for field in fields) or "it needs no answer"
 
 

@@ -268,7 +268,7 @@ class TestStopAtAPrompt(StopCase):
         wait_until(lambda: self.zone.phase == "running", "it runs")
         self.core.zones["Home B"].command("connect", "start")
         self.zone.asked = Asked(1, "Whom?", ("Annie", "Tom"), True)
-        run.wait_shown("type Annie, Tom")
+        run.wait_shown("type Annie / Tom, or another answer (Enter: Annie)")
         run.type("stop home b")
         run.wait_shown("STOP Home B: the robot has stopped")
         self.assertEqual(self.phases(), ["running", "ended"])
