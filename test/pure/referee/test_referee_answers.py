@@ -55,10 +55,10 @@ class Table:
 def test_an_answer_that_is_none_of_the_choices_is_the_text_of_the_form():
     table = Table(Typed)
     fields = form_of(form("Annie", "Tom", asks_text=True))
-    for number, (typed, given) in enumerate((("tom", {"answer": "Tom"}), ("a man", {"text": "a man"}), ("", {"answer": ""})), 1):
+    for number, (typed, given) in enumerate((("tom", "Tom"), ("a man", "a man"), ("", "")), 1):
         table.asks(ManualOperation(number, "Whom?", fields=fields))
         table.types(typed)
-        assert table.link.given[-1] == ("operation", number, *given.values())
+        assert table.link.given[-1] == ("operation", number, given)
     assert "type Annie / Tom, or another answer (Enter: Annie)" in table.notes
 
 

@@ -83,6 +83,7 @@ class Storage:
         self.slow_until = self.broken_until = self.full_until = 0.0  # true time
         self.slow_s = 1.0
         self._lock: Optional[int] = None  # of the journal, which the present core has
+        self._journal: Optional[Journal] = None  # of the present core
         self._folders: Dict[str, _Folder] = {}
         self._open: Dict[int, _Inode] = {}
         os.makedirs(self.folder, exist_ok=True)
@@ -100,9 +101,10 @@ class Storage:
         def make(session, events, on_trouble):
             lock = files.lock(self.folder)
             self._lock = lock.fd
-            return Journal(
+            self._journal = Journal(
                 self.folder, session, events, Resume.ALWAYS, on_trouble, lock, Files(self, process),
                 process.loop.time, lambda work: Syncer(process, work))
+            return self._journal
         return make
 
     @property
@@ -118,9 +120,12 @@ class Storage:
 
     def killed(self):
         """The process was killed: its files are closed, and the system keeps what was written."""
-        for fd in list(self._open):
+        writer = None if self._journal is None else self._journal._writer
+        read = [] if writer is None else [fd for _, fd in writer.log._kept]
+        for fd in {*self._open, *read}:
             os.close(fd)
         self._open.clear()
+        self._journal = None
         if self._lock is not None:
             os.close(self._lock)
             self._lock = None

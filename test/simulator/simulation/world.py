@@ -118,6 +118,8 @@ class World:
                 process.end()
             for process in self.scheduler.processes:
                 process.bury()
+            for box in self.boxes:
+                box.storage.killed()
 
     def _play(self):
         self.oracles.begin()

@@ -5,6 +5,7 @@ from typing import List
 from roah_rsbb.core.actions.base import Given, ZoneAction
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import RunName
+from roah_rsbb.core.runs.phases import RunEvent, is_possible
 from roah_rsbb.core.scoring.records import By, EndReason, Phase
 from roah_rsbb.core.zones import NO_RUN, Zone
 from roah_rsbb.model.reason import say
@@ -35,7 +36,7 @@ class Start(ZoneAction):
         run = zone.run
         if run is None:
             return [NO_RUN]
-        if run.phase is Phase.RUNNING:
+        if not is_possible(run.phase, RunEvent.START):
             return [STARTED]
         if run.phase is Phase.ENDED and run.times.rules.restarts is Restarts.NOT_ALLOWED:
             return [NO_RESTART]
@@ -61,10 +62,10 @@ class Stop(ZoneAction):
         """See `ZoneAction`."""
         if zone.run is None:
             return [NOTHING_TO_STOP]
+        if is_possible(zone.run.phase, RunEvent.END):
+            return []
         if zone.run.phase is Phase.CONNECTED:
             return [NOT_STARTED]
-        if zone.run.phase is Phase.RUNNING:
-            return []
         return [NO_ANSWER] if zone.run.ignores_stop(now) else [OVER]
 
     def refused(self, now: Now, zone: Zone, target: RunName, given: Given) -> List[str]:
@@ -73,7 +74,7 @@ class Stop(ZoneAction):
 
     def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
         """See `ZoneAction`."""
-        if zone.run is not None and zone.run.phase is Phase.RUNNING:
+        if zone.run is not None and is_possible(zone.run.phase, RunEvent.END):
             zone.run.stop(now, by)
 
 

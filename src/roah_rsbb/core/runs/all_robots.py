@@ -16,6 +16,7 @@ from roah_rsbb.core.effects import Level
 from roah_rsbb.core.link.link import SILENT_S
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.runs.clock import CountdownState
+from roah_rsbb.core.runs.phases import RunEvent
 from roah_rsbb.core.runs.run import AllRobotsState, Assignment, Run, RunContext, RunState, ZoneRun
 from roah_rsbb.core.runs.times import RunTimes
 from roah_rsbb.core.scoring.book import BookState
@@ -77,7 +78,7 @@ class MemberRun(Run):
 
     def leave_out(self, now: Now) -> None:
         """Note that the others start without this robot, which is not ready."""
-        self.state.phase, self.state.end_reason = Phase.CONNECTED, None
+        self._enter(RunEvent.LEAVE_OUT)
         self.say(now, Level.WARNING, LEFT_OUT(why=self.why_not_ready(now)))
 
     def why_not_ready(self, now: Now) -> str:
@@ -170,7 +171,7 @@ class AllRobotsRun(ZoneRun):
 
     def start(self, now: Now) -> None:
         """See `ZoneRun`. All members share the clock: they start it, and stop it when they end."""
-        self.state.phase, self.state.end_reason = Phase.RUNNING, None
+        self._enter(RunEvent.START)
         self._note_start(now)
         for member in self._members:
             if member.why_not_ready(now):
@@ -219,7 +220,7 @@ class AllRobotsRun(ZoneRun):
             self._end(now, EndReason.NO_MESSAGES_SAVED)
 
     def _end(self, now: Now, reason: EndReason, by: By = NOBODY) -> None:
-        self.state.phase, self.state.end_reason = Phase.ENDED, reason
+        self._enter(RunEvent.END, reason)
         self._settled_mono = now.mono + SETTLE_S
         ends = [member.end_reason for member in self._in_phase(Phase.ENDED)]
         counted = [COUNTED(number=ends.count(end), end=text) for end, text in ENDS.items() if end in ends]

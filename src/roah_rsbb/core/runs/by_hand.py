@@ -9,6 +9,7 @@ from typing import List, Optional, Tuple
 from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.runs.clock import CountdownState
+from roah_rsbb.core.runs.phases import RunEvent
 from roah_rsbb.core.runs.run import Run, RunContext, ZoneRun, ZoneRunState, identity_of
 from roah_rsbb.core.scoring.book import BookState
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
@@ -51,7 +52,7 @@ class HandRun(ZoneRun):
     def start(self, now: Now) -> None:
         """See `ZoneRun`."""
         self.clock.start(now)
-        self.state.phase, self.state.end_reason = Phase.RUNNING, None
+        self._enter(RunEvent.START)
         self._note_start(now)
         self._describe(now, "Started by the referee")
 
@@ -64,7 +65,7 @@ class HandRun(ZoneRun):
         self._note_close(now, by)
 
     def _end(self, now: Now, reason: EndReason, by: By = NOBODY) -> None:
-        self.state.phase, self.state.end_reason = Phase.ENDED, reason
+        self._enter(RunEvent.END, reason)
         self.clock.stop(now)
         self._note_end(now, reason.value, by)
         self._describe(now, reason.value)

@@ -22,6 +22,7 @@ from roah_rsbb.core.runs.clock import CountdownState, RunClock, SavingWatch
 from roah_rsbb.core.runs.device_commands import DeviceCommands, DeviceCommandsState
 from roah_rsbb.core.runs.machine import Reaction, react
 from roah_rsbb.core.runs.online_data import MAX_SAID, Said, Strings, StringsBudget, receive, said, with_line
+from roah_rsbb.core.runs.phases import RunEvent, following
 from roah_rsbb.core.runs.requests import RunningGoal
 from roah_rsbb.core.runs.times import BY_REFEREE, RunTimes, TimesState
 from roah_rsbb.core.scoring.book import BookState, Marked, RunBook
@@ -311,12 +312,16 @@ class ZoneRun(abc.ABC):
 
     def give_up(self, now: Now, reason: EndReason, by: By) -> None:
         """End a run that is not in progress because its team did not appear or withdrew."""
-        self.state.phase, self.state.end_reason = Phase.ENDED, reason
+        self._enter(RunEvent.GIVE_UP, reason)
         self.times.ended(now)
         self.state.desc = reason.value
         self.book.ended(now, reason.name.lower(), reason.value, by, self.book.state.elapsed_s)
         self.say(now, Level.INFO, reason.value)
         self._record_changed(now)
+
+    def _enter(self, event: RunEvent, reason: Optional[EndReason] = None) -> None:
+        """Go to the phase after an event. `reason`: why the run ended. Raises `WrongPhase`, and changes nothing."""
+        self.state.phase, self.state.end_reason = following(self.phase, event), reason
 
     def _set_pauses(self, now: Now) -> None:
         """Pause or resume what counts."""
@@ -428,7 +433,7 @@ class ZoneRun(abc.ABC):
         self._closed_utc = now.utc
         self.times.ended(now)
         if self.phase is Phase.RUNNING:
-            self.state.end_reason, self.state.phase = EndReason.STOPPED, Phase.ENDED
+            self._enter(RunEvent.END, EndReason.STOPPED)
             self.book.ended(now, "stopped", EndReason.STOPPED.value, by, self.clock.elapsed(now))
         self._record_changed(now)
 
@@ -497,7 +502,7 @@ class Run(ZoneRun):
         """See `ZoneRun`."""
         self.clock.start(now)
         self.state.said.clear()
-        self.state.phase, self.state.end_reason = Phase.RUNNING, None
+        self._enter(RunEvent.START)
         self._note_start(now)
         self._begin(now)
 
@@ -637,7 +642,7 @@ class Run(ZoneRun):
     # -- shared ------------------------------------------------------------------------------------
 
     def _end(self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY) -> None:
-        self.state.phase, self.state.end_reason = Phase.ENDED, reason
+        self._enter(RunEvent.END, reason)
         self.clock.stop(now)
         self._note_end(now, desc or reason.value, by)
         self._set_state(now, BoxState.STOP, desc or reason.value)

@@ -7,6 +7,7 @@ from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.referee import Refused, RunName, checked_note, checked_who
+from roah_rsbb.core.runs.phases import RunEvent, is_possible
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRun, FinishedRuns
 from roah_rsbb.core.scoring.counting import Counted, Counting, EventResult, Ruling, Why
@@ -170,7 +171,7 @@ class ScoreDesk:
         with self._record.of(name, who, "stop"):
             run = self.named(name)
             if not isinstance(run, FinishedRun):
-                if run.phase is Phase.RUNNING:
+                if is_possible(run.phase, RunEvent.END):
                     run.stop(now, By(checked_who(who)))
                 return
             zone = self._zones.get(name.zone)
