@@ -992,6 +992,36 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>The values are shown when all judges have submitted, or when you do not wait for the others.</source>
+        <translation>Die Werte erscheinen, wenn alle Jurymitglieder abgegeben haben oder wenn Sie auf die anderen nicht warten.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>The referee scores this benchmark: see Results.</source>
+        <translation>Diesen Benchmark bewertet der Schiedsrichter: siehe Ergebnisse.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>No judge has submitted</source>
+        <translation>Kein Jurymitglied hat abgegeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>No judge has a sheet</source>
+        <translation>Kein Jurymitglied hat einen Bogen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>No judge is waited for</source>
+        <translation>Auf kein Jurymitglied wird gewartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>The result is not published yet</source>
+        <translation>Das Ergebnis ist noch nicht veröffentlicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
         <source>Uphold the objection</source>
         <translation>Dem Einspruch stattgeben</translation>
     </message>
@@ -2362,16 +2392,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>The values are shown when all judges have submitted, or when you do not wait for the others.</source>
-        <translation>Die Werte erscheinen, wenn alle Jurymitglieder abgegeben haben oder wenn Sie auf die anderen nicht warten.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>The referee scores this benchmark: see Results.</source>
-        <translation>Diesen Benchmark bewertet der Schiedsrichter: siehe Ergebnisse.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
         <source>Answer the objection</source>
         <translation>Einspruch beantworten</translation>
     </message>
@@ -2429,26 +2449,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
         <source>Choose an item above</source>
         <translation>Wählen Sie oben ein Kriterium</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>No judge has submitted</source>
-        <translation>Kein Jurymitglied hat abgegeben</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>No judge has a sheet</source>
-        <translation>Kein Jurymitglied hat einen Bogen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>No judge is waited for</source>
-        <translation>Auf kein Jurymitglied wird gewartet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>The result is not published yet</source>
-        <translation>Das Ergebnis ist noch nicht veröffentlicht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>

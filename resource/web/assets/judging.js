@@ -163,7 +163,7 @@ function Objections({run, objections, give, texts}) {
           <button type="button" aria-pressed=${value === seconds} onClick=${() => setSeconds(value)}>${text}</button>`)}
       </div>
       <${Twice} name="publish" label=${texts.publish} question=${texts.really}
-        reasons=${run.is_over ? [] : [texts.not_over]} act=${() => ask("publish", texts.publish, {seconds})} />
+        reasons=${run.off.publish ? [run.off.publish] : []} act=${() => ask("publish", texts.publish, {seconds})} />
       <ul>${objections.map((one) => html`
         <li class="item" key=${one.number}><p><strong>${one.number}. ${one.by}</strong>: ${one.text}</p>
           ${one.is_answered && html`<p class="why">${one.answer}</p>`}
@@ -172,7 +172,7 @@ function Objections({run, objections, give, texts}) {
           <${Reasoned} name="reject" label=${texts.reject} texts=${texts}
             act=${(text) => ask("answer", texts.reject, {number: one.number, upheld: false, text})} />
         </li>`)}</ul>
-      ${run.is_published && html`
+      ${!run.off.object && html`
         <${Reasoned} name="object" label=${texts.object} texts=${texts}
           act=${(text) => ask("object", texts.object, {by: by.trim(), text})}
           more=${html`<label>${texts.objection_by}<input maxlength="100" required value=${by}
@@ -202,7 +202,7 @@ export function HeadReferee({zone, run, give, texts}) {
             settle=${(item, value, reason) => decide("settle", texts.settle, {group: item.group, desc: item.desc, ...value, reason})} />`)}</ul>`}
       <details>
         <summary>${texts.judges_more}</summary>
-        ${run.missing > 0 && !run.waiver && html`<${Reasoned} name="waive" label=${texts.waive} texts=${texts}
+        ${!run.off.waive && html`<${Reasoned} name="waive" label=${texts.waive} texts=${texts}
           act=${(reason) => decide("waive", texts.waive, {reason})} />`}
         ${run.judges.map((one) => html`
           <div key=${one.judge}><h3>${one.judge}</h3>

@@ -144,12 +144,12 @@ def _judging(judgings: List[judging.Judging], runs: List[Any], utc_s: float) -> 
 
     return [{
         "identity": one.identity, "revision": one.revision, "title": names.get(one.identity, one.identity),
-        "is_over": one.identity in over, "count": one.count, "missing": one.missing, "is_complete": one.complete,
+        "off": judging.off(one, one.identity in over), "count": one.count, "missing": one.missing,
+        "is_complete": one.complete,
         "waiver": one.waiver, "differences": one.differences,
         "judges": [{"judge": each.judge, "submitted": each.submitted_utc_s is not None,
                     "state": judging.judge_state(each)} for each in one.judges],
         "publication": judging.publication_text(one, utc_s, when),
-        "is_published": one.published_utc_s is not None,
     } for one in judgings]
 
 

@@ -143,7 +143,6 @@ def page_words() -> Dict[str, Any]:
         "judges_score": tr("Several judges score this run, each on a sheet of their own"),
         "publication": tr("Provisional result and objections"), "publish": tr(judging.PUBLISH),
         "objection_time": tr(judging.OBJECTION_TIME), "objection_times": list(map(list, judging.objection_times())),
-        "not_over": tr(judging.NOT_OVER),
         "object": tr(judging.OBJECT), "objection_by": tr("Who objects"),
         "uphold": tr(judging.UPHOLD), "reject": tr(judging.REJECT),
         "no_answer": tr("No answer from the box: check the network, and try again"),

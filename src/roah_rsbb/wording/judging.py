@@ -5,7 +5,7 @@ Panel, terminal and pages show this model of /core/judging and of the answer of 
 (docs/referee.md, "JSON") and never change. Times are UTC seconds since 1970; None: not yet.
 """
 
-from typing import Any, Callable, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.actions import BY_THE_FILE_S, ENTRIES
 from roah_rsbb.wording import sheets
@@ -24,6 +24,10 @@ OBJECTIONS_OVER = tr_later("the time for objections is over")
 OPEN_OBJECTIONS = tr_later("objections to answer: {number}")
 UPHELD, REJECTED = tr_later("upheld"), tr_later("rejected")
 NOT_OVER = tr_later("The run is still connected")
+WAITING = tr_later("The values are shown when all judges have submitted, or when you do not wait for the others.")
+NO_JUDGES = tr_later("The referee scores this benchmark: see Results.")
+NONE_SUBMITTED, NO_SHEETS = tr_later("No judge has submitted"), tr_later("No judge has a sheet")
+NOBODY_MISSING, NOT_PUBLISHED = tr_later("No judge is waited for"), tr_later("The result is not published yet")
 # What the head referee does. Buttons have these names.
 SETTLE, HAND_BACK, WITHDRAW, WAIVE, PUBLISH, OBJECT = (
     ENTRIES[name].label for name in ("settle", "hand_back", "withdraw_sheet", "waive", "publish", "object"))
@@ -145,6 +149,22 @@ def judgings_of(judgings: Iterable[Any], runs: Iterable[Any], zone: str) -> List
     known = {one.identity for one in found}
     return found + [Judging(zone, run.identity) for run in runs if run.zone == zone and run.closed.to_sec()
                     and not run.signed.to_sec() and run.identity not in known]
+
+
+def off(judging: Judging, is_over: bool) -> Dict[str, str]:
+    """Return why each action of the head referee is off for a run, by its name; empty: it is on. `is_over`: the run is
+    not connected any more. The core refuses what is off (a test compares both)."""
+    has_submitted = any(judge.submitted_utc_s for judge in judging.judges)
+    is_waited_for = judging.count and judging.missing and not judging.waiver
+    over = "" if is_over else tr(NOT_OVER)
+    return {
+        "settle": "" if judging.complete and judging.count else tr(WAITING if judging.count else NO_JUDGES),
+        "hand_back": "" if has_submitted else tr(NONE_SUBMITTED),
+        "withdraw_sheet": "" if judging.judges else tr(NO_SHEETS),
+        "waive": "" if is_waited_for else tr(NOBODY_MISSING),
+        "publish": over,
+        "object": over or ("" if judging.published_utc_s is not None else tr(NOT_PUBLISHED)),
+    }
 
 
 # -- in words ---------------------------------------------------------------------------------------

@@ -181,9 +181,9 @@ def test_a_result_without_judges_can_be_published(desk):
     shown = {run["identity"]: run for run in data(desk)["judging"]}
     assert list(shown) == ["run 6", "judged", "run 0", "run 1", "run 2", "run 3", "run 4"]
     new, old = shown["run 0"], shown["run 6"]
-    assert (new["count"], new["revision"], new["is_over"], new["is_published"], new["publication"]) == (
-        0, 0, True, False, "")
-    assert old["is_published"] and "objections to answer: 1" in old["publication"]
+    assert (new["count"], new["revision"], new["publication"]) == (0, 0, "")
+    assert not new["off"]["publish"] and new["off"]["object"] == "The result is not published yet"
+    assert not old["off"]["object"] and "objections to answer: 1" in old["publication"]
 
 
 def test_a_message_names_each_document_once(desk):

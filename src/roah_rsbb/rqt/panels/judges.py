@@ -23,8 +23,6 @@ from roah_rsbb.wording.judging import Judged, Judging, ObjectionLine
 from roah_rsbb.wording.language import tr, tr_later
 
 NO_RUNS = tr_later("No run of this zone has judges, or is to be signed off.")
-WAITING = tr_later("The values are shown when all judges have submitted, or when you do not wait for the others.")
-NO_JUDGES = tr_later("The referee scores this benchmark: see Results.")
 ANSWER = tr_later("Answer the objection")
 NO_OBJECTIONS = tr_later("No objections")
 ENTER_NAME = tr_later("Enter your name at the bottom left")
@@ -189,7 +187,7 @@ class JudgesPanel(RefereePanel):
             ), bold=item.outcome == judging.DIFFER))
             group = item.group
         if not rows and one is not None:
-            rows = [Row(None, ("", tr(WAITING if one.count else NO_JUDGES), "", ""))]
+            rows = [Row(None, ("", tr(judging.WAITING if one.count else judging.NO_JUDGES), "", ""))]
         self.items.show_rows(rows)
         if self._item() is None:
             self.items.blockSignals(True)
@@ -213,20 +211,15 @@ class JudgesPanel(RefereePanel):
         summary = None if one is None else self._summary(one)
         general = why_fixed(summary, self.model) or (tr(NO_RUNS) if one is None else "")
         named = general or ("" if self.client.referee.name else tr(ENTER_NAME))
-        over = general or ("" if summary is not None and summary.closed.to_sec() else tr(judging.NOT_OVER))
-        judged = one is not None and one.count
-        submitted = judged and any(judge.submitted_utc_s for judge in one.judges)
-        is_missing = judged and one.missing and not one.waiver
-        published = one is not None and one.published_utc_s is not None
-        basic.allow(self.settle, named or ("" if self._item() else tr("Choose an item above") if self._judged else
-                                           tr(WAITING if judged else NO_JUDGES)))
-        basic.allow(self.hand_back, named or ("" if submitted else tr("No judge has submitted")))
-        basic.allow(self.withdraw, named or ("" if judged and one.judges else tr("No judge has a sheet")))
-        basic.allow(self.waive, named or ("" if is_missing else tr("No judge is waited for")))
-        basic.allow(self.publish, over)
-        basic.allow(self.object, over or ("" if published else tr("The result is not published yet")))
-        basic.allow(self.reply, over or ("" if self._objection() else tr(NO_OBJECTIONS)))
-        basic.allow(self.sign, over or named)
+        off = judging.off(one or Judging("", ""), summary is not None and bool(summary.closed.to_sec()))
+        basic.allow(self.settle, named or off["settle"] or ("" if self._item() else tr("Choose an item above")))
+        basic.allow(self.hand_back, named or off["hand_back"])
+        basic.allow(self.withdraw, named or off["withdraw_sheet"])
+        basic.allow(self.waive, named or off["waive"])
+        basic.allow(self.publish, general or off["publish"])
+        basic.allow(self.object, general or off["object"])
+        basic.allow(self.reply, general or off["publish"] or ("" if self._objection() else tr(NO_OBJECTIONS)))
+        basic.allow(self.sign, general or off["publish"] or named)
 
     # -- doing it -----------------------------------------------------------------------------------
 
