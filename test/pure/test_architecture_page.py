@@ -77,7 +77,8 @@ def tracked(*options: str) -> List[str]:
     """The files that git tracks."""
     if not (ROOT / ".git").exists():
         pytest.skip("not a checkout")
-    listed = subprocess.run(["git", "ls-files", *options], cwd=str(ROOT), stdout=subprocess.PIPE, text=True, check=False)
+    command = ["git", "-C", str(ROOT), "ls-files", *options]
+    listed = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
     if listed.returncode != 0:
         pytest.skip("git does not read this checkout")
     return listed.stdout.splitlines()
