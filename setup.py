@@ -101,7 +101,7 @@ def setup_for_pip():
             packages=find_packages("src", include=[
                 "roah_rsbb", "roah_rsbb.comm*", "roah_rsbb.model*", "roah_rsbb.robot*", "roah_rsbb.rulebook*",
                 "roah_rsbb.wording*", "roah_rsbb.core*", "roah_rsbb.radio*", "roah_rsbb.bmbox*", "roah_rsbb.check*",
-                "roah_rsbb.results", "roah_rsbb.tools", "roah_rsbb.tools.capture*",
+                "roah_rsbb.results", "roah_rsbb.capture*", "roah_rsbb.tools",
             ]),
             cmdclass={"build_py": BuildWithProtobuf},
             options={"build": {"build_base": build_base}},

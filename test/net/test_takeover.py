@@ -14,7 +14,7 @@ from namespaces import NoRight, Switch, address, other_address
 from support.waiting import wait_until
 from two_boxes import BOX, FIRST_ROBOT, LIMIT_S, STANDBY, WITNESS, Capture, Pair, addresses_of, zone_of
 
-from roah_rsbb.tools.standby_network import NoAddress, give_back_address, take_address
+from roah_rsbb.standby.program.network import NoAddress, give_back_address, take_address
 
 FOLDER = pathlib.Path(__file__).resolve().parents[2] / "build" / "net" / "pair"
 ALPHA = zone_of("Alpha")

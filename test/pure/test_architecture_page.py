@@ -4,6 +4,7 @@ import ast
 import functools
 import pathlib
 import re
+import subprocess
 from typing import Dict, List, Set
 
 import pytest
@@ -70,6 +71,28 @@ def test_the_tree_names_all_folders_and_files_of_the_package():
     there = {f"{path.relative_to(PACKAGE)}/" for path in PACKAGE.rglob("*/") if list(path.glob("*.py"))}
     there |= {path.name for path in PACKAGE.glob("*.py")} - {"__init__.py"}
     assert set(tree_paths()) == there
+
+
+def tracked(*options: str) -> List[str]:
+    """The files that git tracks."""
+    if not (ROOT / ".git").exists():
+        pytest.skip("not a checkout")
+    command = ["git", "-C", str(ROOT), "ls-files", *options]
+    listed = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    if listed.returncode != 0:
+        pytest.skip("git does not read this checkout")
+    return listed.stdout.splitlines()
+
+
+def test_the_top_folder_has_only_what_the_page_names():
+    block = re.search(r"^The top folder:\n+```text\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL).group(1)
+    named = {name for line in block.splitlines() for name in line.split("  ")[0].split()}
+    assert named == {re.sub("/.*", "/", path) for path in tracked()}
+
+
+def test_no_file_was_committed_by_mistake():
+    """`.gitignore` lists what no build and no person needs."""
+    assert tracked("--cached", "--ignored", "--exclude-from=.gitignore") == []
 
 
 @pytest.mark.parametrize("name", FILES)

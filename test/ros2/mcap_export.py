@@ -12,7 +12,7 @@ from helpers.journals import Writer
 from helpers.results_of import write_competition
 from roah_rsbb.core.run_log import KINDS
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.tools import results
+from roah_rsbb.results.program import main as results
 
 CONFIG = pathlib.Path(__file__).resolve().parents[2] / "config"
 # Values that do not fit into their messages, and one that does.

@@ -31,11 +31,12 @@ from roah_rsbb.core.scoring.desk import ScoreDesk
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
-from roah_rsbb.core.zones import EventKey, Zones, ZoneState
+from roah_rsbb.core.zones import Zones, ZoneState
 from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.model.reason import say
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.benchmarks import Config
+from roah_rsbb.rulebook.event_ids import EventKey
 from roah_rsbb.rulebook.registry import DEVICES, TABLET
 
 REPLAY = say("This is a replay of {run}: nothing here is live, and commands have no effect")
@@ -362,6 +363,7 @@ class Box:
         if run.on_report(now, host, report, arrival):
             self.robots.hear(arrival, run.robot, host, report.time, certain=True)
         due = run.deadline()
+        assert calm_until is not None, "`_take_arrival` sets it"
         self._calm_until = calm_until if due is None else min(calm_until, due)
 
     def on_robot_copy(self, now: Now, port: int, host: str, count: int = 1) -> None:

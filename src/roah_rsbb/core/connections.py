@@ -5,7 +5,7 @@ one is tried. A run that continues after a restart keeps its port, because its r
 opened, it is tried again.
 """
 
-from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.capacity import LAST_PORT, Capacity, ports_warning
@@ -137,6 +137,7 @@ class Connections:
         text = f"UDP port {port} cannot be used for the private channel: {error}"
         self._outbox.notice(Level.WARNING, text, zone.name)
         run.close(now)
+        assert zone.run is not None, "this run is in it"
         zone.run = zone.run.without(run)
         self._failures_left[zone.name] -= 1
         robot = self._robots.find(run.robot)
@@ -156,12 +157,15 @@ class Connections:
         self._outbox.emit(effects.OpenChannel(port, robot.id.team, robot.host, zone.version))
         if zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
             whole = zone.run or AllRobotsRun(now, assignment, context)
+            assert isinstance(whole, AllRobotsRun), "its event is one of all robots"
             whole.add(now, assignment)
             zone.run = whole
         else:
             zone.run = run = self._make_run(now, assignment, context)
             run.open(now)
-        self._zones.run_at(port).link.expect_after(robot.last_heard, robot.time)
+        opened = self._zones.run_at(port)
+        assert opened is not None, "it was opened above"
+        opened.link.expect_after(robot.last_heard, robot.time)
         if TABLET in zone.event.benchmark.profile.uses:
             self._tablet.display_map = False  # the view that the previous run's robot selected ends with its run
         self._outbox.emit(effects.SendBeacon())
@@ -202,7 +206,7 @@ class Connections:
             self.leave_out([state.by_hand.identity])
             zone.run = HandRun(now, zone.name, zone.event, self._context(zone.name), state=state.by_hand)
             return
-        runs = () if state.all_robots is None else state.all_robots.members
+        runs: Sequence[RunState] = () if state.all_robots is None else state.all_robots.members
         runs = runs if state.run is None else (state.run,)
         if not runs:
             return
@@ -213,11 +217,13 @@ class Connections:
             self._outbox.emit(effects.OpenChannel(run.port, run.robot.team, run.link.host, zone.version))
         first = Assignment(zone.name, zone.event, runs[0].robot, runs[0].port)
         context = self._context(zone.name)
+        continued: Union[Run, AllRobotsRun]
         if state.run is not None:
-            zone.run = self._make_run(now, first, context, state.run, state.for_module)
+            continued = self._make_run(now, first, context, state.run, state.for_module)
         else:
-            zone.run = AllRobotsRun(now, first, context, state.all_robots)
-        zone.run.resume()
+            continued = AllRobotsRun(now, first, context, state.all_robots)
+        zone.run = continued
+        continued.resume()
 
     def _check_channels(self, runs: Sequence[RunState], teams: Optional[Container[str]]) -> None:
         """Raise ValueError if these runs cannot have private channels."""

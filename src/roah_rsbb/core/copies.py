@@ -187,7 +187,8 @@ class Copies:
         texts = [self._text(now, place, copy) for place, copy in late.items()]
         if self._is_unconfirmed and STANDBY not in late:
             texts.insert(0, self._not_confirmed(now))
-        return texts + [copy.report.notice for copy in self._copies.values() if copy.has_notice(now)]
+        return texts + [copy.report.notice for copy in self._copies.values()
+                        if copy.report is not None and copy.has_notice(now)]
 
     @staticmethod
     def _is_late(now: Now, copy: _Copy) -> bool:

@@ -13,14 +13,12 @@ otherwise fill the disk and the network.
 """
 
 import math
-from typing import Generic, List, NamedTuple, Optional, TypeVar
+from typing import Any, List, NamedTuple, Optional
 
 from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import NEVER, TabletState
 from roah_rsbb.protocol import WireTime, wire_ns
-
-T = TypeVar("T")
 
 # The tablet sends a beacon each second. Without one for this long, it is gone.
 SILENT_S = 5.0
@@ -44,17 +42,17 @@ class HeardTablet(NamedTuple):
     rival_of: Optional[str] = None  # the host of the tablet that counts instead
 
 
-class _Said(NamedTuple, Generic[T]):
+class _Said(NamedTuple):
     """A value, with its time by the tablet's clock."""
 
     time: WireTime
-    value: T
+    value: Any
 
 
-class _Newest(Generic[T]):
+class _Newest:
     """The newest of the values that the tablet repeats, with its time."""
 
-    def __init__(self, value: T) -> None:
+    def __init__(self, value: Any) -> None:
         self.said = _Said(NEVER, value)
         self._older: Optional[_Said] = None
         self._older_since = 0.0

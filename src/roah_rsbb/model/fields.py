@@ -103,7 +103,7 @@ class Number(Field):
     kind: ClassVar[str] = "number"
 
     @property
-    def nothing(self) -> int:  # type: ignore[override]
+    def nothing(self) -> int:
         """See `Field`."""
         return self.default
 
@@ -236,7 +236,7 @@ _KINDS: Dict[str, Type[Field]] = {kind.kind: kind for kind in (Field, Fixed, Rob
 
 def field_of(form: Mapping[str, Any]) -> Field:
     """Return the field that `Field.form` wrote; one of an unknown kind, of a newer box, is a text. Raises TypeError."""
-    values = {name: tuple(value) if isinstance(value, list) else value for name, value in form.items()}
+    values: Dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in form.items()}
     kind = _KINDS.get(values.pop("kind", ""))
     if kind is None:
         kind, values = Text, {name: values[name] for name in ("name", "label", "required")}

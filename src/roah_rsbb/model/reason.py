@@ -5,10 +5,11 @@ sentence, and knows its template and its values: a face translates the template,
 them. A template without places is a reason itself.
 """
 
-from typing import Any, Dict, Iterable, List, Mapping, Sequence, Union
+from typing import Any, Dict, Iterable, List, Mapping, Sequence, Type, TypeVar, Union
 
 # A reason in JSON: the English text if it has no values, else its template and them.
 Encoded = Union[str, List[Any]]
+R = TypeVar("R", bound="Reason")
 
 
 class Reason(str):
@@ -17,7 +18,7 @@ class Reason(str):
     template: str
     values: Mapping[str, Any]
 
-    def __new__(cls, template: str, values: Mapping[str, Any]) -> "Reason":
+    def __new__(cls: Type[R], template: str, values: Mapping[str, Any]) -> R:
         """Make a sentence. `values`: numbers, texts, and other reasons; a wrong one leaves the places of the template
         as they are, because no text may prevent a STOP."""
         try:
@@ -36,9 +37,9 @@ class Reason(str):
 class Template(Reason):
     """A sentence with places for values; without places, it is a reason itself."""
 
-    def __new__(cls, template: str) -> "Template":  # type: ignore[misc]
+    def __new__(cls, template: str) -> "Template":
         """Return the template of that text."""
-        return super().__new__(cls, template, {})  # type: ignore[return-value]
+        return super().__new__(cls, template, {})
 
     def __reduce__(self) -> Any:
         """A copy is the same template."""

@@ -9,7 +9,7 @@ import re
 import shlex
 import stat
 from dataclasses import replace
-from typing import Dict, FrozenSet, List, Optional, Set, Tuple
+from typing import Any, Dict, FrozenSet, List, Optional, Set, Tuple
 
 from roah_rsbb.rulebook.benchmarks import (
     ALL_TEAMS,
@@ -193,7 +193,7 @@ class BenchmarksFile:
     def _rules(self, got: Dict[str, Node], kind: Optional[BenchmarkKind]) -> Optional[EventRules]:
         """Read the rules about time and attempts; None after an error."""
         report = self._report
-        found: Dict[str, object] = {}
+        found: Dict[str, Any] = {}
         if "setup_time" in got:
             found["setup_time"] = _timeout(report, got, "setup_time", infinity="")
         if "attempts" in got:
@@ -246,7 +246,7 @@ class BenchmarksFile:
         nodes = sequence(report, node, "phases", _PHASES_SHAPE)
         if nodes is None:
             return None
-        if kind not in (None, BenchmarkKind.TASK):
+        if kind is not None and kind is not BenchmarkKind.TASK:
             return report.error(node.place, f"phases in a benchmark of kind '{kind.value}'", "phases in a task only")
         phases: List[Optional[PhaseRule]] = []
         places: Dict[str, Place] = {}
@@ -257,7 +257,7 @@ class BenchmarksFile:
             if name is not None:
                 report.once(places, name, got["name"].place, f"a second phase {quote(name)}", "each name once")
             phases.append(None if name is None or limit is None else PhaseRule(name, limit))
-        return None if None in phases else tuple(phases)
+        return None if None in phases else tuple(filter(None, phases))
 
     def _code(self, node: Optional[Node], is_new: bool) -> Optional[str]:
         """Read a code: one that the programs know or, with `is_new`, one that the file defines."""
@@ -266,7 +266,7 @@ class BenchmarksFile:
             expected = "a benchmark code, or the key 'kind' for a new one"
             return choice(self._report, node, "code", tuple(PROFILES), expected)
         code = text(self._report, node, "code")
-        if code is None:
+        if code is None or node is None:
             return None
         if not CODE.fullmatch(code):
             found = f"{describe(node)} as code"
@@ -300,7 +300,7 @@ class BenchmarksFile:
         """Read what a goal counts as when its timeout is over; empty after an error; None: not given."""
         if node is None:
             return None
-        if kind not in (None, BenchmarkKind.FUNCTIONALITY):
+        if kind is not None and kind is not BenchmarkKind.FUNCTIONALITY:
             self._report.error(node.place, f"timed_out_goal in a benchmark of kind '{kind.value}'",
                                "it in a functionality benchmark only: the others have no goals")
             return ""
@@ -319,7 +319,7 @@ class BenchmarksFile:
         for word, each in zip(words, nodes):
             if word is not None:
                 self._report.once(places, word, each.place, f"{quote(word)} again in uses", "each once")
-        return None if None in words else frozenset(words)
+        return None if None in words else frozenset(filter(None, words))
 
 
 def _timeout(report: Report, got: Dict[str, Node], key: str, infinity: str = NO_LIMIT_TEXT) -> Optional[float]:
@@ -430,7 +430,7 @@ class DurableSetting:
         if not keys or nearest(keys[0], (*_ZONE, *_SETTING)) not in _SETTING:
             return False
         report = self._report
-        got = fields(report, node, "a setting", _SETTING, {})
+        got = fields(report, node, "a setting", _SETTING, {}) or {}
         if "durable" in got:
             report.once(self._places, "durable", node.place, "the setting 'durable' again", "each setting once")
             words = tuple(each.value for each in Durable)
@@ -529,8 +529,8 @@ class ScheduleFile:
 
     def _code(self, node: Optional[Node]) -> Optional[str]:
         """Read a code. If the codes of the benchmarks file are unknown, it may be a new one."""
-        new = isinstance(node, Scalar) and self._benchmarks.codes is None and CODE.fullmatch(node.text)
-        if new and nearest(node.text, PROFILES) is None:
+        if (isinstance(node, Scalar) and self._benchmarks.codes is None and CODE.fullmatch(node.text)
+                and nearest(node.text, PROFILES) is None):
             return node.text
         return choice(self._report, node, "benchmark", tuple(self._benchmarks.kinds), "a benchmark code")
 

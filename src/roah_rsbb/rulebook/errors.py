@@ -4,7 +4,7 @@ An organiser corrects a file with a text editor. Each error therefore names the 
 what was expected (docs/architecture.md, "Errors name the remedy"). All errors are reported together.
 """
 
-from typing import Any, Dict, Iterable, List, NamedTuple
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional
 
 # Nobody reads more. The limit keeps the report short and reading fast, even for a malicious file.
 MAX_ERRORS = 1000
@@ -62,11 +62,12 @@ class Report:
         self.errors: List[ConfigError] = []
         self.warnings: List[str] = []
 
-    def error(self, place: Place, found: str, expected: str) -> None:
-        """Add an error. Raises `ConfigErrors` when there are `MAX_ERRORS` of them."""
+    def error(self, place: Place, found: str, expected: str) -> Optional[Any]:
+        """Add an error, and return None for the value. Raises `ConfigErrors` when there are `MAX_ERRORS` of them."""
         self.errors.append(ConfigError(place.file, place.line, place.column, found, expected))
         if len(self.errors) >= MAX_ERRORS:
             self.raise_errors()
+        return None
 
     def once(self, seen: Dict[Any, Place], thing: Any, place: Place, found: str, expected: str) -> None:
         """Add an error if `thing` is already in `seen`, which holds the place of its first occurrence."""

@@ -5,7 +5,7 @@ docs/organiser.md, "Points", describes the keys.
 
 from dataclasses import replace
 from decimal import Decimal
-from typing import Dict, List, NamedTuple, Optional, Tuple
+from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
 from roah_rsbb.rulebook.scoring import (
@@ -98,7 +98,7 @@ class ScoringSection:
             for key, value in group.pairs:
                 self._group(key, value)
 
-    def _group(self, key: Scalar, node: Node) -> None:
+    def _group(self, key: Scalar, node: Optional[Node]) -> None:
         """Read a group: a sequence of items, or a map with limits."""
         name = text(self._report, key, "name of a scoring group")
         what = f"items of the scoring group {quote(key.text)}"
@@ -259,7 +259,7 @@ class ScoringSection:
         desc = text(report, node, "needs")
         if desc is None:
             return None
-        if (group, desc) in self._places and (group, desc) != own:
+        if group is not None and (group, desc) in self._places and (group, desc) != own:
             return group, desc
         keys = [key for key in self._places if key[1] == desc and key != own]
         if len(keys) == 1:
@@ -278,7 +278,8 @@ class ScoringSection:
 
     def _circle(self, start: Key) -> Tuple[Key, ...]:
         """Return a path of needs from an item to itself; empty: there is none."""
-        paths, seen = [(start,)], set()
+        paths: List[Tuple[Key, ...]] = [(start,)]
+        seen: Set[Key] = set()
         while paths:
             path = paths.pop()
             for key in self._items[path[-1]].needs if path[-1] in self._items else ():

@@ -222,9 +222,9 @@ def _overall(report: Report, node: Node, rules: Dict[str, Rules]) -> Optional[Ov
     codes = tuple(part.benchmark for part in parts if part is not None)
     ties: List[Optional[str]] = []
     if "ties" in got:
-        words = sequence(report, got["ties"], "ties", "benchmarks of this standing") or ()
+        named = sequence(report, got["ties"], "ties", "benchmarks of this standing") or ()
         expected = "a benchmark of this standing"
-        ties = [choice(report, word, "ties", codes, expected) for word in words] if None not in parts else []
+        ties = [choice(report, word, "ties", codes, expected) for word in named] if None not in parts else []
     if name is None or normalised is None or not parts or None in parts or None in ties:
         return None
     return Overall(name, tuple(filter(None, parts)), Normalised(normalised), tuple(filter(None, ties)))

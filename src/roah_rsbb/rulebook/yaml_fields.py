@@ -10,7 +10,7 @@ import math
 import re
 import unicodedata
 from decimal import Decimal
-from typing import Callable, Dict, Optional, Tuple, TypeVar, Union
+from typing import Any, Callable, Dict, Optional, Tuple, TypeVar, Union
 
 import yaml
 
@@ -46,7 +46,7 @@ _KINDS = {
 
 
 def _tag(scalar: Scalar) -> str:
-    return _RESOLVER.resolve(yaml.ScalarNode, scalar.text, (not scalar.quoted, scalar.quoted))
+    return str(_RESOLVER.resolve(yaml.ScalarNode, scalar.text, (not scalar.quoted, scalar.quoted)))
 
 
 def describe(node: Node) -> str:
@@ -70,9 +70,10 @@ def describe(node: Node) -> str:
     return f"{quote(node.text)} (to YAML, a {kind})"
 
 
-def _wrong(report: Report, node: Node, what: str, expected: str) -> None:
-    if not isinstance(node, Unusable):
-        report.error(node.place, f"{describe(node)} as {what}", expected)
+def _wrong(report: Report, node: Optional[Node], what: str, expected: str) -> Optional[Any]:
+    if node is None or isinstance(node, Unusable):
+        return None
+    return report.error(node.place, f"{describe(node)} as {what}", expected)
 
 
 def text(report: Report, node: Optional[Node], what: str, max_bytes: Optional[int] = None) -> Optional[str]:
@@ -191,13 +192,13 @@ def utc_time(report: Report, node: Optional[Node], what: str) -> Optional[float]
 
 
 def _utc_seconds(found: "re.Match[str]") -> float:
-    whole = [int(part or 0) for part in found.group(1, 2, 3, 4, 5, 6)]
+    year, month, day, hour, minute, second = (int(part or 0) for part in found.group(1, 2, 3, 4, 5, 6))
     sign, hours, minutes = found.group(8, 9, 10)
     offset = datetime.timedelta(hours=int(hours or 0), minutes=int(minutes or 0))
     if offset >= datetime.timedelta(days=1) or int(minutes or 0) >= 60:
         raise ValueError("no such time zone")
-    utc = datetime.datetime(*whole, tzinfo=datetime.timezone.utc) + (offset if sign == "-" else -offset)
-    return utc.timestamp() + float("0" + (found.group(7) or ""))
+    local = datetime.datetime(year, month, day, hour, minute, second, tzinfo=datetime.timezone.utc)
+    return (local + (offset if sign == "-" else -offset)).timestamp() + float("0" + (found.group(7) or ""))
 
 
 def sequence(

@@ -7,7 +7,7 @@ from typing import List, Optional
 # Command -> its module, and what it does.
 COMMANDS = {
     "check-robot": ("roah_rsbb.check.program", "check a robot: plays the box against it, and reports what works"),
-    "capture": ("roah_rsbb.tools.capture.program", "show the datagrams on the network"),
+    "capture": ("roah_rsbb.capture.program", "show the datagrams on the network"),
     "dummy-robot": ("roah_rsbb.robot.dummy", "a simulated robot"),
     "dummy-box": ("roah_rsbb.check.dummy_box", "the referee's box for a laptop: leads a robot through a run"),
 }

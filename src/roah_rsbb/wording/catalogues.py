@@ -12,8 +12,9 @@ CONTEXT = "roah_rsbb"
 # The forms of a text, by context and English text: one form, or several if the text has a count.
 Texts = Dict[Tuple[str, str], Tuple[str, ...]]
 
-# Languages with other rules than "the first form for 1, the second for all other counts": count to index of the form.
+# The index of the form for a count, by language.
 _FORMS: Dict[str, Callable[[int], int]] = {
+    "": lambda n: int(n != 1),  # most of them
     "fr": lambda n: int(n > 1),
     "ja": lambda n: 0,
     "zh": lambda n: 0,
@@ -27,6 +28,7 @@ def read(path: pathlib.Path) -> Texts:
         name = context.findtext("name", "")
         for message in context.iter("message"):
             translation = message.find("translation")
+            assert translation is not None  # Qt writes one, even if it is empty
             forms = tuple(form.text or "" for form in translation.iter("numerusform")) or (translation.text or "",)
             if all(forms) and translation.get("type") not in ("unfinished", "obsolete", "vanished"):
                 found[name, message.findtext("source", "")] = forms
@@ -37,7 +39,7 @@ def form(language: str, forms: Optional[Tuple[str, ...]], n: int) -> Optional[st
     """Return the form of a text for a count; `n` is -1 without one. None: the text is not translated."""
     if forms is None:
         return None
-    number = _FORMS.get(language.partition("_")[0], lambda n: int(n != 1))(n) if n >= 0 else 0
+    number = _FORMS.get(language.partition("_")[0], _FORMS[""])(n) if n >= 0 else 0
     return forms[min(number, len(forms) - 1)]
 
 

@@ -4,7 +4,7 @@ Works on anything with the fields of RunClock; ROS is not imported. A figure nev
 """
 
 import enum
-from typing import List, NamedTuple, Optional
+from typing import Any, List, NamedTuple, Optional
 
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.said import tr_said
@@ -40,7 +40,7 @@ class Clock(NamedTuple):
     aside: str = ""  # less important details
 
 
-def clock_of(message, passed_s: float) -> Clock:
+def clock_of(message: Any, passed_s: float) -> Clock:
     """Return the times of `message` (RunClock), `passed_s` seconds after it."""
     limit_s = message.limit.to_sec()
     if message.phase == "ended":
@@ -72,14 +72,14 @@ def lines(clock: Clock) -> List[str]:
     return [text for text in (clock.pause, *figures, clock.aside) if text]
 
 
-def _setup(message, passed_s: float) -> Figure:
+def _setup(message: Any, passed_s: float) -> Figure:
     left_s = message.setup_limit.to_sec() - _spent(message.setup_elapsed.to_sec(), True, passed_s)
     if left_s > 0.0:
         return _left(tr("Setup: time left"), left_s, True)
     return Figure(tr("Setup: over by"), countdown(int(-left_s)), Hurry.LAST)
 
 
-def _phase(message, passed_s: float) -> Figure:
+def _phase(message: Any, passed_s: float) -> Figure:
     """Return the time of the current phase of a task."""
     name = tr("Phase {number} of {count}, {name}", number=message.phase_number, count=message.phases,
               name=message.phase_name)

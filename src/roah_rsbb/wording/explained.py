@@ -3,7 +3,7 @@
 The functions work on anything with the fields of the message; ROS is not imported.
 """
 
-from typing import List, NamedTuple, Tuple
+from typing import Any, Dict, List, NamedTuple, Tuple
 
 from roah_rsbb.wording.language import tr, tr_later
 
@@ -36,23 +36,23 @@ class ExplainedTexts(NamedTuple):
     said: Tuple[str, ...]  # the newest last
 
 
-def explained(run, language: str, shows_outcomes: bool) -> ExplainedTexts:
+def explained(run: Any, language: str, shows_outcomes: bool) -> ExplainedTexts:
     """Return the texts of a run. `shows_outcomes`: whether the public may see how runs end."""
     return ExplainedTexts(
         _about(run, language), tuple(_steps(run)), _now(run), _progress(run, shows_outcomes),
         tuple(_said(one) for one in run.said))
 
 
-def _about(run, language: str) -> str:
+def _about(run: Any, language: str) -> str:
     """The text in a language. If that is missing, the English one, or else the first one."""
-    texts = dict(zip(run.languages, run.about))
+    texts: Dict[str, str] = dict(zip(run.languages, run.about))
     for name in (language, language.partition("_")[0], _ENGLISH):
         if name in texts:
             return texts[name]
     return next(iter(texts.values()), "")
 
 
-def _steps(run) -> List[ShownStep]:
+def _steps(run: Any) -> List[ShownStep]:
     """The phases of a task or, without them, what happens in every run. Goals repeat, so their
     steps are never done while the run continues."""
     if run.phases:
@@ -70,7 +70,7 @@ def _steps(run) -> List[ShownStep]:
             for number, text in ((2, _PREPARES), (3, _EXECUTES))]
 
 
-def _now(run) -> str:
+def _now(run: Any) -> str:
     if run.doing == "executing" and run.kind == "functionality":
         if run.waypoints:
             return tr("The robot drives to waypoint {number}", number=run.goals)
@@ -84,7 +84,7 @@ def _now(run) -> str:
     }[run.doing]
 
 
-def _progress(run, shows_outcomes: bool) -> str:
+def _progress(run: Any, shows_outcomes: bool) -> str:
     if not run.goals_ended:
         return ""
     if not shows_outcomes:
@@ -95,6 +95,6 @@ def _progress(run, shows_outcomes: bool) -> str:
     return tr("Goals completed: {number} of {all}", number=run.goals_completed, all=run.goals_ended)
 
 
-def _said(one) -> str:
+def _said(one: Any) -> str:
     text = tr(_SAID.get(one.kind, _SAID["notifications"]), words=one.text)
     return f"{one.robot}: {text}" if one.robot else text

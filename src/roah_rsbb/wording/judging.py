@@ -53,7 +53,8 @@ class Judging(NamedTuple):
     zone: str
     identity: str
     revision: int = 0  # changes whenever the items and objections may change; 0: neither judges nor a published result
-    count: int = 0  # judges that the benchmark asks for; 0: the referee scores
+    # Judges that the benchmark asks for; 0: the referee scores.
+    count: int = 0  # type: ignore[assignment] # it hides tuple.count, which nobody calls
     rule: str = ""
     missing: int = 0
     complete: bool = False  # no more sheets are expected
@@ -103,7 +104,7 @@ class ObjectionLine(NamedTuple):
     answer: str
 
 
-def judging_of(message) -> Judging:
+def judging_of(message: Any) -> Judging:
     """Read a Judging message."""
     return Judging(
         message.zone, message.identity, message.revision, message.count, message.rule, message.missing,
@@ -114,14 +115,14 @@ def judging_of(message) -> Judging:
     )
 
 
-def judged_of(answer) -> Tuple[Judged, ...]:
+def judged_of(answer: Any) -> Tuple[Judged, ...]:
     """Read the items of a GetJudging response; empty: more sheets are expected."""
     items = {(item.group, item.desc): item for item in answer.items}
     numbers = {key: number for number, key in enumerate(items, 1)}
     return tuple(_judged(one, items[one.group, one.desc], numbers[one.group, one.desc]) for one in answer.judged)
 
 
-def _judged(one, item, number: int) -> Judged:
+def _judged(one: Any, item: Any, number: int) -> Judged:
     kind = sheets.type_word(item.type)
     return Judged(
         number, one.group, one.desc, kind, OUTCOMES[one.outcome],
@@ -132,7 +133,7 @@ def _judged(one, item, number: int) -> Judged:
     )
 
 
-def objections_of(answer) -> Tuple[ObjectionLine, ...]:
+def objections_of(answer: Any) -> Tuple[ObjectionLine, ...]:
     """Read the objections of a GetJudging response."""
     return tuple(
         ObjectionLine(one.number, one.time.to_sec(), one.by, one.text, sheets.person(one.who),

@@ -5,7 +5,7 @@ Works on anything with the fields of ModuleScore; ROS is not imported.
 
 import json
 import math
-from typing import Dict, Iterable, List, NamedTuple, Tuple
+from typing import Any, Dict, Iterable, List, NamedTuple, Tuple
 
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import NOTHING
@@ -22,12 +22,12 @@ class ScoreLine(NamedTuple):
     value: str
 
 
-def readable(score) -> ScoreLine:
+def readable(score: Any) -> ScoreLine:
     """Return one score, such as ("Distance error", "0.124 m")."""
     return ScoreLine(score.desc or score.name.replace("_", " "), _with_unit(_value(score.value), score.unit))
 
 
-def by_group(scores: Iterable) -> List[Tuple[str, List[ScoreLine]]]:
+def by_group(scores: Iterable[Any]) -> List[Tuple[str, List[ScoreLine]]]:
     """Return all scores by group, in their order; those of the whole run come first."""
     groups: Dict[str, List[ScoreLine]] = {}
     for score in scores:

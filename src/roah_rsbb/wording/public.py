@@ -7,7 +7,7 @@ compares them with the clock on the wall.
 
 import math
 import time
-from typing import Dict, NamedTuple, Optional, Tuple
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.wording import module_scores, sheets, times
 from roah_rsbb.wording.clock import PAUSED
@@ -83,7 +83,7 @@ class PublicContent(NamedTuple):
 NOTHING = PublicContent("", "", "", (), (), (), is_known=False)
 
 
-def content(details: Optional[object], utc_s: float, is_old: bool, board: Optional[object] = None) -> PublicContent:
+def content(details: Optional[Any], utc_s: float, is_old: bool, board: Optional[Any] = None) -> PublicContent:
     """Return what to show at `utc_s`, the box's UTC seconds.
 
     `details` is None until the core is heard, and `board` (PublicBoard) until results are published.
@@ -109,7 +109,7 @@ def content(details: Optional[object], utc_s: float, is_old: bool, board: Option
     )
 
 
-def cards(details) -> Tuple[RunCard, ...]:
+def cards(details: Any) -> Tuple[RunCard, ...]:
     """Return the texts of all runs. Their largest text has the place `TIME` for the countdown. Those of a replay say
     so."""
     many_zones = _has_many_zones(details)
@@ -119,27 +119,27 @@ def cards(details) -> Tuple[RunCard, ...]:
     return tuple(card._replace(word=f"{tr(MARK)} · {card.word}" if card.word else tr(MARK)) for card in found)
 
 
-def still(card: RunCard, run, clock_s: float) -> str:
+def still(card: RunCard, run: Any, clock_s: float) -> str:
     """Return the largest text of a run. If its clock runs, the text has the place `TIME` for the countdown."""
     return card.big if run.counting else _at(card, run, clock_s, clock_s)
 
 
-def _at(card: RunCard, run, utc_s: float, clock_s: float) -> str:
+def _at(card: RunCard, run: Any, utc_s: float, clock_s: float) -> str:
     return card.big.replace(TIME, times.countdown(_shown_s(run, utc_s, clock_s)))
 
 
-def following(details, utc_s: float) -> Tuple[ListLine, ...]:
+def following(details: Any, utc_s: float) -> Tuple[ListLine, ...]:
     """Return the texts of the next events."""
     many_zones = _has_many_zones(details)
     return tuple(_following(event, utc_s, many_zones) for event in details.following)
 
 
-def result_lines(results, utc_s: float) -> Tuple[ListLine, ...]:
+def result_lines(results: Iterable[Any], utc_s: float) -> Tuple[ListLine, ...]:
     """Return the texts of results."""
     return tuple(_result(result, utc_s) for result in results)
 
 
-def standings(board) -> Tuple[StandingTexts, ...]:
+def standings(board: Any) -> Tuple[StandingTexts, ...]:
     """Return the texts of all standings."""
     return tuple(_standing(standing) for standing in board.standings)
 
@@ -165,22 +165,24 @@ def page_words() -> Dict[str, str]:
     }
 
 
-def _has_many_zones(details) -> bool:
+def _has_many_zones(details: Any) -> bool:
     return len({event.zone for event in _events(details)}) > 1
 
 
-def _events(details) -> list:
+def _events(details: Any) -> List[Any]:
     return [run.event for run in details.runs] + list(details.following)
 
 
-def _shown_s(run, utc_s: float, clock_s: float) -> float:
+def _shown_s(run: Any, utc_s: float, clock_s: float) -> float:
     """Return the seconds that are left or, without a limit, counted. `clock_s`: the time of the message."""
     if run.unlimited:
-        return math.floor(run.elapsed.to_sec() + (max(0.0, utc_s - clock_s) if run.counting else 0.0))
-    return run.ends.to_sec() - utc_s if run.counting else run.left.to_sec()
+        elapsed_s: float = run.elapsed.to_sec()
+        return math.floor(elapsed_s + (max(0.0, utc_s - clock_s) if run.counting else 0.0))
+    left_s: float = run.ends.to_sec() - utc_s if run.counting else run.left.to_sec()
+    return left_s
 
 
-def _card(run, many_zones: bool) -> RunCard:
+def _card(run: Any, many_zones: bool) -> RunCard:
     event = run.event
     parts = ([event.zone] if many_zones else []) + [sheets.turn(event.round, event.run)]
     if event.team == ALL_TEAMS:
@@ -196,12 +198,12 @@ def _card(run, many_zones: bool) -> RunCard:
                    is_paused=run.phase == "running" and not run.counting)
 
 
-def _following(event, utc_s: float, many_zones: bool) -> ListLine:
+def _following(event: Any, utc_s: float, many_zones: bool) -> ListLine:
     zone = event.zone if many_zones else ""
     return ListLine(_when(event.scheduled, utc_s), team_text(event.team), event.benchmark, zone)
 
 
-def _standing(standing) -> StandingTexts:
+def _standing(standing: Any) -> StandingTexts:
     return StandingTexts(standing.benchmark, tuple(
         ListLine(rank.rank, rank.team, "", "", tuple(
             f"{criterion}: {number}" if number else criterion
@@ -211,7 +213,7 @@ def _standing(standing) -> StandingTexts:
     ))
 
 
-def _result(result, utc_s: float) -> ListLine:
+def _result(result: Any, utc_s: float) -> ListLine:
     event = result.event
     groups = [
         sheets.GroupOfValues(group.group_name, group.current_values, not_attempted)
@@ -240,7 +242,7 @@ def _end(end_reason: str) -> str:
     return f"{'✓' if end_reason == 'completed' else '■'} {sheets.end_reason(end_reason)}"
 
 
-def _when(moment, utc_s: float) -> str:
+def _when(moment: Any, utc_s: float) -> str:
     return local_time(moment.to_sec(), utc_s)
 
 

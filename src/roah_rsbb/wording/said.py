@@ -37,7 +37,7 @@ def tr_said(text: str) -> str:
     """Return a sentence of the box in the language of this process. It never raises."""
     if language.is_english():
         return text
-    return tr_reason(text if isinstance(text, Reason) else _known.get(text, text))
+    return tr_reason(text if isinstance(text, Reason) else _known.get(text) or text)
 
 
 def tr_reason(text: str) -> str:

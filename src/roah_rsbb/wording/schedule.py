@@ -4,7 +4,7 @@ Panel and terminal decorate these words and add none of their own.
 """
 
 import enum
-from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence
 
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.counting import with_counting
@@ -53,7 +53,7 @@ class Event(NamedTuple):
         return self.state == "ended" or (bool(self.identity) and self.signed_utc_s is None)
 
 
-def events_of(schedule) -> List[Event]:
+def events_of(schedule: Any) -> List[Event]:
     """Make the events of a Schedule message, or of anything with its fields."""
     numbers: Dict[str, int] = {}
     found = []
@@ -141,7 +141,7 @@ class EventFilter(NamedTuple):
         )
 
 
-_SHOWN = {
+_SHOWN: Dict[Show, Callable[[Event], bool]] = {
     Show.ALL: lambda event: True,
     Show.TO_COME: lambda event: event.state in _TO_COME,
     Show.UNSIGNED: lambda event: event.unsigned,

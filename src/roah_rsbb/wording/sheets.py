@@ -255,7 +255,7 @@ class EntryTexts(NamedTuple):
     withdrawn: str
 
 
-def history_entry(message, type_: str) -> HistoryEntry:
+def history_entry(message: Any, type_: str) -> HistoryEntry:
     """Make an entry of a ScoreChange message, or of anything with its fields. `type_`: of its item."""
     return HistoryEntry(
         message.number, message.time.to_sec(), message.who, message.group, message.desc, type_,

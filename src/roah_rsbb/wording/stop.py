@@ -1,6 +1,7 @@
 """The way of a STOP: sent, received by the box, received by the robot (docs/referee.md, "How to stop a robot")."""
 
 import enum
+from typing import Any
 
 from roah_rsbb.wording.language import tr, tr_later
 
@@ -59,7 +60,7 @@ def way(passed_s: float, box_has_it: bool, is_by_hand: bool, not_stopped: bool) 
     return Way.STOPPED
 
 
-def leaving(details) -> str:
+def leaving(details: Any) -> str:
     """Return what the referee must know, and confirm, before they leave a run; empty: nothing. `details`: anything with
     the fields of ZoneDetails. Ask for *disconnect*, *withdrawn* and *choose_event*: all of them leave a run."""
     if details.phase != "ended" or not details.not_stopped:

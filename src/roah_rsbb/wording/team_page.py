@@ -13,7 +13,7 @@ from roah_rsbb.wording.said import tr_said
 _NOT_BEGUN = ("next", "later")
 
 
-def facts(team: str, gui, details, schedule: Optional[Any]) -> List[str]:
+def facts(team: str, gui: Any, details: Any, schedule: Optional[Any]) -> List[str]:
     """Return what the box knows of a team's robots, of the zones whose event is the team's, and of its next event."""
     now = gui.clock.to_sec()
     of_zone: Dict[str, Any] = {one.zone: one for one in details.zones}
@@ -30,7 +30,7 @@ def facts(team: str, gui, details, schedule: Optional[Any]) -> List[str]:
     return lines
 
 
-def _robot(robot, now: float) -> List[str]:
+def _robot(robot: Any, now: float) -> List[str]:
     skew_s = robot.skew.to_sec()
     heard = tr("The box hears {robot}, last {seconds} s ago", robot=robot.robot,
                seconds=_seconds(now - robot.beacon.to_sec()))
@@ -39,7 +39,7 @@ def _robot(robot, now: float) -> List[str]:
     return [heard, text]
 
 
-def _zone(zone, details, now: float) -> str:
+def _zone(zone: Any, details: Any, now: float) -> str:
     if details.phase == "idle":
         reasons = "; ".join(tr_said(reason) for reason in shown.off(details, "connect"))
         if reasons:

@@ -124,7 +124,7 @@ class Moments(NamedTuple):
             return text
         shift_s = offset_s(now_utc_s)
 
-        def shifted(match) -> str:
+        def shifted(match: "re.Match[str]") -> str:
             hours, minutes, seconds = map(int, match.groups())
             day_s = (3600 * hours + 60 * minutes + seconds + shift_s) % _DAY_S
             return f"{day_s // 3600:02d}:{day_s // 60 % 60:02d}:{day_s % 60:02d}"

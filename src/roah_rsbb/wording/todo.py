@@ -5,7 +5,7 @@ ZoneDetails; ROS is not imported.
 """
 
 import enum
-from typing import NamedTuple
+from typing import Any, Iterable, NamedTuple
 
 from roah_rsbb.model import shown
 from roah_rsbb.wording.language import tr
@@ -32,7 +32,7 @@ class Todo(NamedTuple):
     warnings: int = 0  # number of warnings, also if something else is more urgent
 
 
-def todo(zone, details) -> Todo:
+def todo(zone: Any, details: Any) -> Todo:
     """Return what to do now in `zone` (ZoneState). `details` (ZoneDetails): None if they are not known."""
     found = [line[len(WARNING):] for line in zone.state.splitlines() if line.startswith(WARNING)]
     if zone.manual_operation:
@@ -47,7 +47,7 @@ def todo(zone, details) -> Todo:
     return _step(zone, details)
 
 
-def _step(zone, details) -> Todo:
+def _step(zone: Any, details: Any) -> Todo:
     """Return what the run's phase requires."""
     phase = "" if details is None else details.phase
     if phase == "running":
@@ -61,7 +61,7 @@ def _step(zone, details) -> Todo:
     return Todo(Urgency.NONE, tr_said(zone.state.partition("\n")[0]))
 
 
-def _when(possible: bool, text: str, reasons) -> Todo:
+def _when(possible: bool, text: str, reasons: Iterable[str]) -> Todo:
     if possible:
         return Todo(Urgency.POSSIBLE, text)
     return Todo(Urgency.NONE, tr("Wait: {reasons}", reasons="; ".join(map(tr_said, reasons))))

@@ -8,12 +8,12 @@ from fuzzing.frames import private_seeds, public_seeds
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
 from helpers import golden
+from roah_rsbb.capture import listening, recording
+from roah_rsbb.capture.decoding import Decoder
+from roah_rsbb.capture.output import TextLines, json_line
+from roah_rsbb.capture.recording import BadRecording, Datagram
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tools.capture import listening, recording
-from roah_rsbb.tools.capture.decoding import Decoder
-from roah_rsbb.tools.capture.output import TextLines, json_line
-from roah_rsbb.tools.capture.recording import BadRecording, Datagram
 
 _PORT = 6666
 _UTC = 1_800_000_000.5

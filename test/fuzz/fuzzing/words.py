@@ -8,13 +8,13 @@ from typing import Callable, Iterator, List
 
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
+from roah_rsbb.capture.program import parse_options as parse_capture_options
 from roah_rsbb.referee import args
 from roah_rsbb.robot import dummy
 from roah_rsbb.tablet import dummy as dummy_tablet
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages, Refusal, refusal_text
 from roah_rsbb.tablet.state import BoxPart, TabletState
-from roah_rsbb.tools.capture.program import parse_options as parse_capture_options
 
 _MOST_WORDS = 30
 _PLAN = Map(b"\x89PNG image", 200, 100, 0.05, (0.0, 0.0, 0.0), False)

@@ -17,9 +17,9 @@ from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views.schedule import schedule
 from roah_rsbb.journal.old import OLD_FILE_NAME
+from roah_rsbb.results.program import main as program
 from roah_rsbb.results.standings import standings
 from roah_rsbb.rulebook.standing_rules import DEFAULT
-from roah_rsbb.tools import results as program
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 OLD = ROOT / "test" / "data" / "journal_2026-11-23.sqlite3.xz"

@@ -27,7 +27,8 @@ class Judging(NamedTuple):
     """What a judge or the head referee may see of a run's judges now."""
 
     record: RunRecord  # has the sheets of all judges: show those of others only if `is_complete`
-    count: int  # judges that the benchmark asks for; 0: it has no judges with sheets of their own
+    # Judges that the benchmark asks for; 0: it has no judges with sheets of their own.
+    count: int  # type: ignore[assignment] # it hides tuple.count, which nobody calls
     agreement: str
     missing: int
     is_complete: bool

@@ -208,7 +208,7 @@ class Judges:
         if self.rule is None:
             return []
         differences = [f"{v.item.group}: {v.item.desc}" for v in self.differences()]
-        settle = [DIFFER(items="; ".join(differences))] if differences else []
+        settle: List[str] = [DIFFER(items="; ".join(differences))] if differences else []
         return (self._waits() if not self.is_complete() else []) + settle
 
     def record(self) -> JudgingRecord:

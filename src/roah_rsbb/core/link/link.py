@@ -279,7 +279,7 @@ class RobotLink:
     def not_ready(self, now: Now) -> List[str]:
         """Return every reason why the robot cannot be started now; empty: it can."""
         if self.last is None:
-            reasons = [NO_ANSWER]
+            reasons: List[str] = [NO_ANSWER]
             return reasons + [w for w in self.warnings(now) if w not in reasons]
         reasons = self.warnings(now)[:1] if self.is_silent(now) else []
         reasons += skew_off(THE_ROBOT, self.skew, self._allowed_skew)

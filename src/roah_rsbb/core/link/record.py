@@ -11,11 +11,13 @@ A busy robot looks like a slow network. If only one robot is affected, check tha
 affected in the same second, check the access point.
 """
 
-from typing import FrozenSet, List, NamedTuple, Optional, Tuple
+from typing import FrozenSet, List, NamedTuple, Optional, Tuple, TypeVar
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S, BoxState, RobotState, sent_after_change, wire_ns
+
+S = TypeVar("S", float, Optional[float])
 
 # No robot needs longer to answer. A later answer is not an answer to the first datagrams.
 ANSWER_S = 0.5
@@ -202,10 +204,10 @@ class LinkRecorder:
         if self._last_ns is not None:
             passed = silence if clock_set else min((time_ns - self._last_ns) / 1e9, silence + MOST_LATE_S)
             self._lost += self._burst.lost(passed, changed)
-        if changed:
+        if changed and self._state is not None:
             self._skipped += skipped_states(self._state, state)
         if self._question is not None:
-            self._look_for_answer(now, time_ns, state)
+            self._look_for_answer(now, time_ns, state, self._question)
         self._look_at_strings(now, time_ns, report, changed)
         self._last_ns, self._heard_mono, self._state = time_ns, now.mono, state
 
@@ -238,9 +240,9 @@ class LinkRecorder:
 
     # -- reactions ----------------------------------------------------------------------------------
 
-    def _look_for_answer(self, now: Now, time_ns: int, state: RobotState) -> None:
-        asked = self._question.asked
-        if state in _ANSWERS[self._question.state]:
+    def _look_for_answer(self, now: Now, time_ns: int, state: RobotState, question: _Question) -> None:
+        asked = question.asked
+        if state in _ANSWERS[question.state]:
             self._question = None
             if now.mono >= asked.mono:  # else it arrived before, and was read afterwards
                 self._answered(now, time_ns, asked)
@@ -295,6 +297,6 @@ def _strings_of(report: RobotReport) -> FrozenSet[Tuple[int, str]]:
     return frozenset((number, text) for number, texts in enumerate(fields) for text in texts)
 
 
-def _rounded(seconds: Optional[float]) -> Optional[float]:
+def _rounded(seconds: S) -> S:
     """Round to microseconds, to write less."""
     return None if seconds is None else round(seconds, 6)

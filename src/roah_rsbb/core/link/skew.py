@@ -48,7 +48,7 @@ class SkewEstimate:
         """Take a sample of `skew` (s) that arrived at `mono` (s); return the new estimate (s)."""
         samples = self._samples
         last = samples[-1] if samples else None
-        is_best_gone = self.seconds is None
+        is_best_gone = False
         while samples and (len(samples) == MAX_SAMPLES or samples[0][0] < mono - WINDOW_S):
             is_best_gone |= samples.popleft()[1] == self.seconds
         if last is not None and not samples:
@@ -56,7 +56,7 @@ class SkewEstimate:
             # the only sample, it would make a correct clock look wrong.
             samples.append((mono, last[1]))
         samples.append((mono, skew))
-        if is_best_gone:
+        if self.seconds is None or is_best_gone:
             self.seconds = max(sample for _, sample in samples)
         elif skew > self.seconds:
             self.seconds = skew

@@ -15,13 +15,17 @@ types) would need its own hook, and the library would have to be packaged for ev
 import dataclasses
 import enum
 import functools
+import typing
 from decimal import Decimal, InvalidOperation
 from typing import Any, Callable, Dict, NamedTuple, NewType, Optional, Tuple, TypeVar, Union, get_type_hints
 
 from roah_rsbb.core.clock import Now
 
-# A monotonic time, in seconds.
-Mono = NewType("Mono", float)
+# A monotonic time, in seconds. Only `thaw` distinguishes it from other numbers.
+if typing.TYPE_CHECKING:
+    Mono = float
+else:
+    Mono = NewType("Mono", float)
 
 # No clock reaches this many seconds.
 _LAST_MOMENT = 1e12
@@ -78,14 +82,14 @@ def freeze(value: Any) -> Any:
 
 
 @functools.lru_cache(maxsize=None)
-def _defaults(cls: type) -> Tuple[Tuple[str, Any], ...]:
+def _defaults(cls: Any) -> Tuple[Tuple[str, Any], ...]:
     """Return the names of a state's fields, each with its default."""
     if hasattr(cls, "_fields"):
         return tuple((name, cls._field_defaults.get(name, _REQUIRED)) for name in cls._fields)
     return tuple((field.name, _default(field)) for field in dataclasses.fields(cls))
 
 
-def _default(field: dataclasses.Field) -> Any:
+def _default(field: "dataclasses.Field[Any]") -> Any:
     if field.default_factory is not dataclasses.MISSING:
         return field.default_factory()
     return _REQUIRED if field.default is dataclasses.MISSING else field.default
@@ -97,7 +101,8 @@ def thaw(cls: Callable[..., T], data: Any, shift: float = 0.0) -> T:
     Raises `BadState`.
     """
     try:
-        return _thaw_of(cls)(data, shift)
+        state: T = _thaw_of(cls)(data, shift)
+        return state
     except (TypeError, ValueError, KeyError, AttributeError, InvalidOperation) as error:
         raise BadState(f"{getattr(cls, '__name__', cls)}: {error}") from None
 
@@ -127,7 +132,8 @@ def _thaw_of(hint: Any) -> _Thaw:
         return lambda data, _shift: hint[data]
     if hasattr(hint, "_fields") or dataclasses.is_dataclass(hint):
         return _thaw_of_fields(hint)
-    origin, args = getattr(hint, "__origin__", None), getattr(hint, "__args__", ())
+    origin = getattr(hint, "__origin__", None)
+    args: Tuple[Any, ...] = getattr(hint, "__args__", ())
     if _not_none(hint) is not hint:
         inner = _thaw_of(_not_none(hint))
         return lambda data, shift: None if data is None else inner(data, shift)

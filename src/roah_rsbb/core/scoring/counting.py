@@ -77,7 +77,7 @@ def sort_key(numbers: Numbers, disqualified: bool, criteria: Sequence[Criterion]
 
 def _number(record: RunRecord, criterion: Criterion, missing: Dict[str, None]) -> Optional[Fraction]:
     parts = [_term(record, term, missing) for term in criterion.terms]
-    return None if None in parts else sum(parts, Fraction(0))
+    return None if None in parts else sum(filter(None, parts), Fraction(0))
 
 
 def _term(record: RunRecord, term: Term, missing: Dict[str, None]) -> Optional[Fraction]:
@@ -307,15 +307,15 @@ def _of_attempts(
     attempts: Sequence[RunRecord], rules: Rules, event: EventRules, choice: Choice
 ) -> Dict[str, Why]:
     """Rule on the attempts of a team at an event, the oldest first."""
-    found = {record.identity: _why_not(record, choice) for record in attempts}
-    left = [record for record in attempts if found[record.identity] is None]
+    reasons = [_why_not(record, choice) for record in attempts]
+    found = {record.identity: why or Why.RAN for record, why in zip(attempts, reasons)}
+    left = [record for record, why in zip(attempts, reasons) if why is None]
     ran = [record for record in left if record.end_reason not in NOT_RUN_WORDS]
     if not ran:
         found.update({record.identity: Why.NOT_LAST for record in left})
         if left:
             found[left[-1].identity] = Why.ZERO if event.no_show is NoShow.ZERO else Why.NO_SCORE
         return found
-    found.update({record.identity: Why.RAN for record in left})
     if event.counting is CountingAttempt.ALL:
         found.update({record.identity: Why.COUNTS for record in ran})
         return found

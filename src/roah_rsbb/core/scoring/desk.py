@@ -217,5 +217,5 @@ def asked_of(mark: Mark) -> Dict[str, object]:
         return {**asked, "not_attempted": True}
     if mark.added:
         return {**asked, "added": mark.added}
-    asked.update({"text": mark.text} if mark.text or mark.judge else {"value": mark.value})
-    return {**asked, "judge": mark.judge}
+    value: Dict[str, object] = {"text": mark.text} if mark.text or mark.judge else {"value": mark.value}
+    return {**asked, **value, "judge": mark.judge}

@@ -8,6 +8,7 @@ from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
+from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedResult
 from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.zones import Zone
@@ -68,7 +69,7 @@ def public_view(box: Box, now: Now, results: PublicResults, provisional: bool = 
     signed, unsigned = ([], []) if results is PublicResults.NONE else _results(box, now)
     return PublicView(
         results,
-        tuple(_run(zone, now, results) for zone in box.zones.values() if zone.run is not None),
+        tuple(_run(zone.name, zone.run, now, results) for zone in box.zones.values() if zone.run is not None),
         tuple(following[:MAX_FOLLOWING]),
         _allowed(signed, results),
         _allowed(unsigned if provisional else [], results),
@@ -83,10 +84,9 @@ def _results(box: Box, now: Now) -> Tuple[List[FinishedResult], List[FinishedRes
     return [run for run in found if run.signed], [run for run in found if not run.signed]
 
 
-def _run(zone: Zone, now: Now, results: PublicResults) -> PublicRun:
-    run = zone.run
+def _run(zone: str, run: ZoneRun, now: Now, results: PublicResults) -> PublicRun:
     return PublicRun(
-        zone.name, run.event, run.phase,
+        zone, run.event, run.phase,
         end_reason=None if results is PublicResults.NONE else run.end_reason,
         teams=tuple(dict.fromkeys(member.robot.team for member in run.members())) or (run.event.team,),
         counting=run.phase is Phase.RUNNING and not run.clock.paused,

@@ -147,6 +147,7 @@ def _with_times(lines: List[EventLine], zone: Zone, slots: Dict[str, float], now
             begins = _minute(max(begins, free), begins)
             free = begins + slot
         elif line.state in _IN_PROGRESS:
+            assert zone.run is not None, "it is in progress"
             record = zone.run.record(now)
             begins = record.started_utc or record.opened_utc
             free = max(now.utc, begins + slot)

@@ -4,7 +4,7 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.modules.messages import Request, RequestKind, ScoreValue
+from roah_rsbb.core.modules.messages import Request, RequestKind
 from roah_rsbb.core.robots import ActiveRobot
 from roah_rsbb.core.runs.all_robots import AllRobotsRun, Counts
 from roah_rsbb.core.runs.by_hand import HandRun
@@ -12,7 +12,7 @@ from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.requests import Switches
 from roah_rsbb.core.runs.run import Run, ZoneRun
 from roah_rsbb.core.scoring.points import Counted
-from roah_rsbb.core.scoring.records import Phase
+from roah_rsbb.core.scoring.records import Phase, ScoreValue
 from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.actions import ACTIONS

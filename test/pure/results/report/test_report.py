@@ -27,6 +27,7 @@ from roah_rsbb.core.scoring.records import ItemRecord, PhaseTime, ScoreEntry, Sc
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.events import sections
+from roah_rsbb.results.program import main as program
 from roah_rsbb.results.report import statistics
 from roah_rsbb.results.report.facts import facts_of, link_period_s
 from roah_rsbb.results.report.pages import PAGES
@@ -34,7 +35,6 @@ from roah_rsbb.results.report.plots import Axes, plot
 from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.results.standings import Choice, standings
 from roah_rsbb.rulebook.standing_rules import read_rules
-from roah_rsbb.tools import results as program
 
 ROOT = pathlib.Path(__file__).resolve().parents[4]
 RESOURCES = ROOT / "resource" / "report"
@@ -410,7 +410,7 @@ def test_no_text_is_markup_a_formula_or_a_command_of_a_terminal(tmp_path, capsys
 
 SCRIPT = """
 import contextlib, sys
-from roah_rsbb.tools.results import main
+from roah_rsbb.results.program.main import main
 for arguments in (
     ["export", "--csv", "results.csv", "--json", "results.json", "--html", "sheets", "--dataset", "set"],
     ["export", "--dataset", "anonymous", "--anonymous"], ["report"],

@@ -14,10 +14,7 @@ from roah_rsbb.journal.reader import JournalError
 from roah_rsbb.results.bags import bag_lines
 from roah_rsbb.results.mcap_file import NoMcap
 from roah_rsbb.results.printing import CannotPrint
-from roah_rsbb.results.run_list import list_lines
-from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, heads
-from roah_rsbb.rulebook.errors import ConfigErrors
-from roah_rsbb.tools.results_journal import (
+from roah_rsbb.results.program.journal import (
     BENCHMARKS_FILE,
     RULES_FILE,
     SCHEDULE_FILE,
@@ -26,6 +23,9 @@ from roah_rsbb.tools.results_journal import (
     open_journal,
     warn,
 )
+from roah_rsbb.results.run_list import list_lines
+from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, heads
+from roah_rsbb.rulebook.errors import ConfigErrors
 
 LOG_DIR = "~/.ros/roah_rsbb"
 OF_RUNS = ("best", "mean", "median")  # `OfRuns`, without loading what reads its rules
@@ -189,12 +189,12 @@ def _add_recovery(commands: Any) -> None:
     bags = commands.add_parser("bags", help="list the run logs (rosbags) of all runs, and what is missing")
     bags.set_defaults(do=_bags)
     journals = commands.add_parser("journals", help="list the journals in the log_dir, including old ones")
-    journals.set_defaults(do=_writing("journals", "results_segments"))
+    journals.set_defaults(do=_writing("journals", "segments"))
     verify = commands.add_parser("verify", help="read all of the journal, and list what is damaged or missing")
-    verify.set_defaults(do=_writing("verify", "results_segments"))
+    verify.set_defaults(do=_writing("verify", "segments"))
     dump = commands.add_parser("dump", help="print all records of the journal as text, or those of a run")
     dump.add_argument("run", metavar="RUN", nargs="?")
-    dump.set_defaults(do=_writing("dump", "results_segments"))
+    dump.set_defaults(do=_writing("dump", "segments"))
 
 
 def _add_source(parser: argparse.ArgumentParser) -> None:
@@ -237,11 +237,11 @@ def _add_choice(parser: argparse.ArgumentParser) -> None:
 # -- commands ---------------------------------------------------------------------------------------
 
 
-def _writing(name: str, module: str = "results_files") -> Callable[[argparse.Namespace], int]:
+def _writing(name: str, module: str = "files") -> Callable[[argparse.Namespace], int]:
     """Return a command of another module of this folder."""
     def do(options: argparse.Namespace) -> int:
         # Imported late: it loads what the list does not need.
-        return getattr(importlib.import_module(f"roah_rsbb.tools.{module}"), name)(options)
+        return getattr(importlib.import_module(f"roah_rsbb.results.program.{module}"), name)(options)
 
     return do
 
@@ -252,7 +252,7 @@ def _list(options: argparse.Namespace) -> int:
         if not known:
             print("There are no runs yet.")
             return 0
-        from roah_rsbb.tools.results_counting import words_of_heads  # imported late: it loads the rules of standings
+        from roah_rsbb.results.program.counting import words_of_heads  # imported late: it loads the rules of standings
 
         counts = words_of_heads(options, reader, known)
     print("\n".join(list_lines(known, options.utc, counts)))
@@ -263,8 +263,8 @@ def _show(options: argparse.Namespace) -> int:
     with open_journal(options, checks_all=False) as reader:
         result = one_run(reader, options.run)
         # Imported late: they load the rules of standings.
+        from roah_rsbb.results.program.counting import words_of_heads
         from roah_rsbb.results.sheet import sheet_lines
-        from roah_rsbb.tools.results_counting import words_of_heads
 
         counts = words_of_heads(options, reader, heads(reader, warn))
         result = result._replace(counts=counts.get(result.record.identity, ""))

@@ -6,13 +6,13 @@ from helpers.competition import run_record
 from helpers.journals import Writer
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.epochs import superseded_value
-from roah_rsbb.tools import results
+from roah_rsbb.results.program import main as program
 
 
 def warnings_of(writer, capsys, monkeypatch):
     monkeypatch.setattr("sys.argv", ["results", "--journal", writer.path, "list"])
     try:
-        results.main(str(pathlib.Path(__file__).resolve().parents[3] / "config"))
+        program.main(str(pathlib.Path(__file__).resolve().parents[4] / "config"))
     except SystemExit as end:
         assert not end.code
     return capsys.readouterr().err

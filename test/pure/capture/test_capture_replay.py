@@ -6,9 +6,9 @@ import json
 import pytest
 
 from helpers.golden import PASSWORD, SESSIONS, load
-from roah_rsbb.tools.capture import recording
-from roah_rsbb.tools.capture.program import main
-from roah_rsbb.tools.capture.recording import Datagram
+from roah_rsbb.capture import recording
+from roah_rsbb.capture.program import main
+from roah_rsbb.capture.recording import Datagram
 
 PORT = 6666
 BEGIN = 1700000000.0

@@ -14,8 +14,8 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.standby.pair import Side, Silence, Word
 from roah_rsbb.standby.pairing import hashed
 from roah_rsbb.standby.partners import PairedBox
+from roah_rsbb.standby.program.network import answers, is_connected
 from roah_rsbb.standby.words import pair_name, seal, unseal
-from roah_rsbb.tools.standby_network import answers, is_connected
 
 LOOK_S = 0.25
 # A takeover that is not possible is tried again after this time.

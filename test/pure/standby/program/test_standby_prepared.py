@@ -10,9 +10,9 @@ import pytest
 
 from roah_rsbb.standby.pair import Side
 from roah_rsbb.standby.partners import PairedBox, PairedStandby, is_standby, partners_of, write_box, write_standby
-from roah_rsbb.tools import standby_prepared
-from roah_rsbb.tools.standby_prepared import Prepared
-from roah_rsbb.tools.standby_request import Answer, Requests, request
+from roah_rsbb.standby.program import prepared as module
+from roah_rsbb.standby.program.prepared import Prepared
+from roah_rsbb.standby.program.request import Answer, Requests, request
 
 LIMIT_S = 60.0
 
@@ -24,8 +24,8 @@ class NotYet(Exception):
 @pytest.fixture
 def preparing(tmp_path, monkeypatch):
     """A program instead of roslaunch, which notes its part in a file, and runs until it is interrupted."""
-    monkeypatch.setattr(standby_prepared, "_core_runs", lambda: False)
-    monkeypatch.setattr(standby_prepared, "LOOK_S", 0.01)
+    monkeypatch.setattr(module, "_core_runs", lambda: False)
+    monkeypatch.setattr(module, "LOOK_S", 0.01)
     program = ("import sys, time\nopen(sys.argv[1] + '/' + sys.argv[-1], 'w').close()\n"
                "time.sleep(600)\n")
     return [sys.executable, "-c", program, str(tmp_path)], tmp_path
@@ -63,7 +63,7 @@ def test_the_core_is_started_when_there_is_a_copy(preparing):
 
 def test_nothing_is_started_beside_another_core(preparing, monkeypatch):
     command, folder = preparing
-    monkeypatch.setattr(standby_prepared, "_core_runs", lambda: True)
+    monkeypatch.setattr(module, "_core_runs", lambda: True)
     said = queue.Queue()
     prepared = Prepared(lambda: command, NotYet, said.put)
     prepared.start()

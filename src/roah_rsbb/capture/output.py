@@ -9,10 +9,10 @@ from typing import Any, Dict, Optional, Tuple
 from google.protobuf.descriptor import FieldDescriptor
 from google.protobuf.message import Message
 
+from roah_rsbb.capture.decoding import BOX, TABLET, DatagramKind, HeardDatagram
+from roah_rsbb.capture.recording import LAST_SECOND
 from roah_rsbb.comm.complaints import likely_cause
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tools.capture.decoding import BOX, TABLET, DatagramKind, HeardDatagram
-from roah_rsbb.tools.capture.recording import LAST_SECOND
 from roah_rsbb.wording.texts import escaped
 
 

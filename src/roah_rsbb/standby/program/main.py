@@ -48,14 +48,14 @@ from roah_rsbb.standby.partners import (
     write_box,
     write_standby,
 )
+from roah_rsbb.standby.program.ears import Automatic, Ears
+from roah_rsbb.standby.program.network import PING, NoAddress, give_back_address, is_own, take_address
+from roah_rsbb.standby.program.prepared import Prepared
+from roah_rsbb.standby.program.rehearsal import Failed, rehearse
+from roah_rsbb.standby.program.request import Answer, Requests, request
 from roah_rsbb.standby.standby_end import CannotPair, StandbyEnd, is_alive, is_open, pair, rejoin
 from roah_rsbb.standby.words import rejoin_key
 from roah_rsbb.tools.preflight_checks import Severity, check_other_box
-from roah_rsbb.tools.standby_ears import Automatic, Ears
-from roah_rsbb.tools.standby_network import PING, NoAddress, give_back_address, is_own, take_address
-from roah_rsbb.tools.standby_prepared import Prepared
-from roah_rsbb.tools.standby_rehearsal import Failed, rehearse
-from roah_rsbb.tools.standby_request import Answer, Requests, request
 
 PROGRAM = "standby"
 DEFAULT_PORT = 8083

@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import pathlib
 import re
 import subprocess
 import sys
@@ -18,10 +19,10 @@ from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.partners import PairedBox, PairedStandby, is_standby, read_box, write_box, write_standby
-from roah_rsbb.tools import standby
+from roah_rsbb.standby.program import main as standby
+from roah_rsbb.standby.program.ears import Automatic
+from roah_rsbb.standby.program.network import NoAddress
 from roah_rsbb.tools.preflight_checks import Finding, Severity
-from roah_rsbb.tools.standby_ears import Automatic
-from roah_rsbb.tools.standby_network import NoAddress
 
 
 @pytest.fixture
@@ -157,7 +158,7 @@ def test_the_program_that_keeps_the_copy_is_ended(copied, tmp_path):
     program = tmp_path / "standby"
     program.write_text("import sys\nfrom roah_rsbb.copies.folder import CopyFolder\n"
                        "copy = CopyFolder(sys.argv[2])\nprint('open', flush=True)\nsys.stdin.read()\n")
-    source = os.path.dirname(os.path.dirname(os.path.dirname(standby.__file__)))
+    source = str(pathlib.Path(standby.__file__).parents[3])
     with subprocess.Popen([sys.executable, str(program), "follow", str(copied.stick)], stdout=subprocess.PIPE,
                           stdin=subprocess.PIPE, env={**os.environ, "PYTHONPATH": source}) as process:
         assert process.stdout.readline() == b"open\n"

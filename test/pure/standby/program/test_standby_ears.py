@@ -11,9 +11,10 @@ from helpers.small_box import free_ports
 from roah_rsbb.standby.pair import Side, Word
 from roah_rsbb.standby.pairing import hashed
 from roah_rsbb.standby.partners import PairedBox
+from roah_rsbb.standby.program import ears as module
+from roah_rsbb.standby.program import network
+from roah_rsbb.standby.program.ears import Automatic, Ears
 from roah_rsbb.standby.words import pair_name, seal, unseal
-from roah_rsbb.tools import standby_ears, standby_network
-from roah_rsbb.tools.standby_ears import Automatic, Ears
 
 BOX, STANDBY, BROADCAST = "127.0.0.2", "127.0.0.1", "127.255.255.255"
 SECRET = hashed("key")
@@ -47,8 +48,8 @@ class Heard:
 
 @pytest.fixture
 def listening(monkeypatch):
-    monkeypatch.setattr(standby_ears, "RETRY_S", 0.1)
-    monkeypatch.setattr(standby_ears, "CONNECTED_S", 0.1)
+    monkeypatch.setattr(module, "RETRY_S", 0.1)
+    monkeypatch.setattr(module, "CONNECTED_S", 0.1)
     with contextlib.ExitStack() as cleanup:
         yield lambda automatic=None: Heard(cleanup, automatic)
 
@@ -59,14 +60,14 @@ def test_a_box_that_asks_is_answered(listening):
 
 
 def test_it_takes_over_after_a_silence(listening, monkeypatch):
-    monkeypatch.setattr(standby_ears, "is_connected", lambda host: host == BROADCAST)
+    monkeypatch.setattr(module, "is_connected", lambda host: host == BROADCAST)
     heard = listening(Automatic(SILENCE_S))
     heard.ears.heard()
     assert heard.reports.get(timeout=60.0) == "takeover"
 
 
 def test_words_of_the_box_end_the_silence_but_its_end_does_not(listening, monkeypatch):
-    monkeypatch.setattr(standby_ears, "is_connected", lambda host: True)
+    monkeypatch.setattr(module, "is_connected", lambda host: True)
     heard = listening(Automatic(SILENCE_S))
     heard.answer(Word(Side.BOX, 3, claims=False, asks=True))
     assert not heard.ears._silence.lasts(float("inf"), 0.0), "it was superseded, and is no box"
@@ -75,11 +76,11 @@ def test_words_of_the_box_end_the_silence_but_its_end_does_not(listening, monkey
 
 
 def test_a_box_that_was_never_heard(listening, monkeypatch):
-    monkeypatch.setattr(standby_ears, "is_connected", lambda host: True)
+    monkeypatch.setattr(module, "is_connected", lambda host: True)
     heard = listening(Automatic(0.0))
     heard.answer(Word(Side.BOX, 3, claims=False, asks=True))  # some time passed
     with pytest.raises(queue.Empty):
-        heard.reports.get(timeout=4 * standby_ears.LOOK_S)
+        heard.reports.get(timeout=4 * module.LOOK_S)
 
 
 @pytest.mark.parametrize("witness, asked, text", [
@@ -87,7 +88,7 @@ def test_a_box_that_was_never_heard(listening, monkeypatch):
     ("10.0.0.1", "answers", "10.0.0.1 does not answer either")])
 def test_the_computer_that_is_cut_off_does_not_take_over(listening, monkeypatch, witness, asked, text):
     is_cut_off = [True]
-    monkeypatch.setattr(standby_ears, asked, lambda host: not is_cut_off[0])
+    monkeypatch.setattr(module, asked, lambda host: not is_cut_off[0])
     heard = listening(Automatic(SILENCE_S, witness))
     heard.ears.heard()
     assert text in heard.reports.get(timeout=60.0)
@@ -98,10 +99,10 @@ def test_the_computer_that_is_cut_off_does_not_take_over(listening, monkeypatch,
 
 def test_a_standby_that_is_connected_again_hears_the_box_before_it_takes_over(listening, monkeypatch):
     """The witness may answer before the next word of the box comes."""
-    monkeypatch.setattr(standby_ears, "CONNECTED_S", 60.0)
+    monkeypatch.setattr(module, "CONNECTED_S", 60.0)
     asked = queue.Queue()
     is_cut_off = [True]
-    monkeypatch.setattr(standby_ears, "answers", lambda host: asked.put(host) or not is_cut_off[0])
+    monkeypatch.setattr(module, "answers", lambda host: asked.put(host) or not is_cut_off[0])
     heard = listening(Automatic(SILENCE_S, "10.0.0.1"))
     heard.ears.heard()
     assert "does not answer either" in heard.reports.get(timeout=60.0)
@@ -116,7 +117,7 @@ def test_a_standby_that_is_connected_again_hears_the_box_before_it_takes_over(li
 
 def test_a_trouble_is_reported_once(listening, monkeypatch):
     asked = queue.Queue()
-    monkeypatch.setattr(standby_ears, "answers", lambda host: asked.put(host))
+    monkeypatch.setattr(module, "answers", lambda host: asked.put(host))
     heard = listening(Automatic(SILENCE_S, "10.0.0.1"))
     heard.ears.heard()
     for _ in range(4):
@@ -163,22 +164,22 @@ def test_a_request_waits_until_the_box_is_silent_or_heard(listening):
 
 
 def test_the_loopback_is_connected():
-    assert standby_network.is_connected("127.255.255.255")
-    assert not standby_network.is_connected("no address")
+    assert network.is_connected("127.255.255.255")
+    assert not network.is_connected("no address")
 
 
 def test_an_address_that_this_computer_cannot_have(tmp_path):
-    with pytest.raises(standby_network.NoAddress):
-        standby_network.take_address("no address", str(tmp_path))
+    with pytest.raises(network.NoAddress):
+        network.take_address("no address", str(tmp_path))
 
 
 def test_the_announcement_of_an_address():
-    frame = standby_network.gratuitous_arp("10.0.0.2", bytes(range(6)))
+    frame = network.gratuitous_arp("10.0.0.2", bytes(range(6)))
     assert len(frame) == 42 and frame[:6] == b"\xff" * 6 and frame[6:12] == frame[22:28] == bytes(range(6))
     assert frame[12:22] == bytes.fromhex("0806 0001 0800 06 04 0001")
     assert frame[28:32] == frame[38:42] == bytes([10, 0, 0, 2])
 
 
 def test_a_ping():
-    assert standby_network.answers("127.0.0.1")
-    assert not standby_network.answers("no address")
+    assert network.answers("127.0.0.1")
+    assert not network.answers("no address")

@@ -15,10 +15,10 @@ import sys
 import time
 from typing import Callable, Dict, List, NamedTuple, Optional, Set, Union
 
+from roah_rsbb.capture.decoding import Decoder
+from roah_rsbb.capture.recording import Datagram
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.sockets import OpenError
-from roah_rsbb.tools.capture.decoding import Decoder
-from roah_rsbb.tools.capture.recording import Datagram
 
 _IP = struct.Struct(">BxHxxHxBxx4s4s")  # version and header words, length, fragment, protocol, addresses
 _UDP = struct.Struct(">HHHxx")  # ports, length

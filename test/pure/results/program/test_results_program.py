@@ -22,13 +22,13 @@ from roah_rsbb.journal.batch import Batch, OutcomeRow
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results import export
+from roah_rsbb.results.program import files as writing
+from roah_rsbb.results.program import main as program
 from roah_rsbb.results.run_list import list_lines
 from roah_rsbb.results.runs import find_record, heads, records
 from roah_rsbb.rulebook.standing_rules import OfRuns
-from roah_rsbb.tools import results as program
-from roah_rsbb.tools import results_files
 
-ROOT = pathlib.Path(__file__).resolve().parents[3]
+ROOT = pathlib.Path(__file__).resolve().parents[4]
 
 
 @pytest.fixture(scope="module")
@@ -139,7 +139,7 @@ def test_every_command_says_whether_a_run_counts(run, tmp_path):
 
 
 def test_the_list_does_not_load_what_writes_files():
-    script = ("import sys; import roah_rsbb.tools.results; "
+    script = ("import sys; import roah_rsbb.results.program.main; "
               "print([name for name in sys.modules if name.startswith(('yaml', 'roah_rsbb.results.standing'))])")
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
     shown = subprocess.run([sys.executable, "-c", script], check=True, stdout=subprocess.PIPE, env=environment).stdout
@@ -191,7 +191,7 @@ def test_every_command_has_help(run):
 
 @pytest.mark.long
 def test_a_reader_that_closes_early_is_not_an_error(journal):
-    script = "import sys; from roah_rsbb.tools.results import main; main(sys.argv[1], sys.argv[2:])"
+    script = "import sys; from roah_rsbb.results.program.main import main; main(sys.argv[1], sys.argv[2:])"
     command = [sys.executable, "-c", script, str(ROOT / "config"), "--journal", journal, "export", "--json", "-"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
@@ -203,7 +203,7 @@ def test_a_reader_that_closes_early_is_not_an_error(journal):
 
 
 def test_a_terminal_that_knows_only_ascii(journal):
-    script = "import sys; from roah_rsbb.tools.results import main; main(sys.argv.pop(1))"
+    script = "import sys; from roah_rsbb.results.program.main import main; main(sys.argv.pop(1))"
     command = [sys.executable, "-c", script, str(ROOT / "config"), "--journal", journal, "list"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "PYTHONIOENCODING": "ascii"}
     shown = subprocess.run(command, stdout=subprocess.PIPE, env=environment, check=True).stdout.decode("ascii")
@@ -514,7 +514,7 @@ def test_pages_without_the_appendix(run, tmp_path):
 
 def test_pdf(run, tmp_path, monkeypatch):
     printed = {}
-    monkeypatch.setattr(results_files, "browser", lambda: "chromium")
+    monkeypatch.setattr(writing, "browser", lambda: "chromium")
 
     class Printer:
         """Notes what is printed."""
@@ -532,8 +532,8 @@ def test_pdf(run, tmp_path, monkeypatch):
         def print(text, path):
             printed[os.path.basename(path)] = text
 
-    monkeypatch.setattr(results_files, "Printer", Printer)
-    monkeypatch.setattr(results_files, "print_pdf", Printer.print)
+    monkeypatch.setattr(writing, "Printer", Printer)
+    monkeypatch.setattr(writing, "print_pdf", Printer.print)
     status, out, _ = run("export", "1", "2", "--pdf", tmp_path / "pdf")
     assert (status, out) == (0, f"2 score sheets and index.pdf are in {tmp_path}/pdf\n")
     assert sorted(printed) == ["001_HGTKMH_Alpha_round1_run1.pdf", "002_HGTKMH_Beta_round1_run2.pdf", "index.pdf"]

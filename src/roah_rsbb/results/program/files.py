@@ -32,6 +32,8 @@ from roah_rsbb.results.mcap_file import library, write_mcap
 from roah_rsbb.results.page import Competition, page, picture_address
 from roah_rsbb.results.paper import blank_front, front_markup
 from roah_rsbb.results.printing import Printer, browser, print_pdf
+from roah_rsbb.results.program.counting import benchmarks, choice, file, known_records, ruled, rules, why_of
+from roah_rsbb.results.program.journal import BENCHMARKS_FILE, SCHEDULE_FILE, Usage, open_journal, warn
 from roah_rsbb.results.replay_page import PageParts, page_parts, replay_name, replay_of
 from roah_rsbb.results.report.facts import RunFacts, facts_of, link_period_s
 from roah_rsbb.results.report.pages import Compared, Site, all_pages, comparison
@@ -41,8 +43,6 @@ from roah_rsbb.results.sheet import sheet_page
 from roah_rsbb.results.standings import Standing, index_page, standing_lines, standings_page
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.standing_rules import Rules
-from roah_rsbb.tools.results_counting import benchmarks, choice, file, known_records, ruled, rules, why_of
-from roah_rsbb.tools.results_journal import BENCHMARKS_FILE, SCHEDULE_FILE, Usage, open_journal, warn
 
 # The log_dir in the folder of a competition.
 LOG_FOLDER = "log"

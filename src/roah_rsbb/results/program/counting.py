@@ -8,12 +8,12 @@ from typing import Dict, Iterable, List, Optional, Sequence, TypeVar, Union
 from roah_rsbb.core.scoring.counting import Choice, Ruling, Why, attempts_of, rulings, with_events
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.results.program.journal import BENCHMARKS_FILE, RULES_FILE, SCHEDULE_FILE, warn
 from roah_rsbb.results.runs import RunHead, find, find_record, records
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import NO_RULES, Benchmark, CountingAttempt
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.standing_rules import OfRuns, StandingRules, read_rules
-from roah_rsbb.tools.results_journal import BENCHMARKS_FILE, RULES_FILE, SCHEDULE_FILE, warn
 
 T = TypeVar("T", RunRecord, RunHead)
 

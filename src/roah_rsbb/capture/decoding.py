@@ -8,11 +8,11 @@ import enum
 from collections import OrderedDict
 from typing import Any, Dict, NamedTuple, Optional, Tuple
 
+from roah_rsbb.capture.recording import Datagram
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.comm.frame import BadDatagram, Reason
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tools.capture.recording import Datagram
 
 PRIVATE_PORTS = 99
 """This many ports above the public one count as private channels, also before a beacon lists them."""

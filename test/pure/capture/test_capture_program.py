@@ -8,11 +8,11 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.small_box import BROADCAST, free_ports
+from roah_rsbb.capture import program, recording
+from roah_rsbb.capture.program import main
+from roah_rsbb.capture.recording import Datagram
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tools.capture import program, recording
-from roah_rsbb.tools.capture.program import main
-from roah_rsbb.tools.capture.recording import Datagram
 
 PORT = 6666
 
@@ -176,7 +176,7 @@ def test_without_the_right_to_all_it_says_so_and_hears_broadcasts(network, monke
     main(["--host", BROADCAST])
     out, err = capsys.readouterr()
     assert len(out.splitlines()) == 1
-    assert "run as root or with CAP_NET_RAW" in err and f"{sys.executable} -m roah_rsbb.tools.capture" in err
+    assert "run as root or with CAP_NET_RAW" in err and f"{sys.executable} -m roah_rsbb.capture" in err
 
 
 def test_with_the_right_to_all_it_hears_all(network, monkeypatch, capsys):

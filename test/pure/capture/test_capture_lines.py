@@ -4,12 +4,12 @@ import json
 
 import pytest
 
+from roah_rsbb.capture.decoding import Decoder
+from roah_rsbb.capture.output import TextLines, json_line
+from roah_rsbb.capture.recording import Datagram
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tools.capture.decoding import Decoder
-from roah_rsbb.tools.capture.output import TextLines, json_line
-from roah_rsbb.tools.capture.recording import Datagram
 
 PORT, NOW = 6666, 1700000000.25
 HUGE = 2**63 - 1

@@ -3,12 +3,12 @@
 import pytest
 
 from helpers.small_box import PASSWORD
+from roah_rsbb.capture.decoding import BOX, PRIVATE_PORTS, TABLET, DatagramKind, Decoder, Speaker
+from roah_rsbb.capture.output import DatagramFilter
+from roah_rsbb.capture.recording import Datagram
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import Reason, encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tools.capture.decoding import BOX, PRIVATE_PORTS, TABLET, DatagramKind, Decoder, Speaker
-from roah_rsbb.tools.capture.output import DatagramFilter
-from roah_rsbb.tools.capture.recording import Datagram
 
 PORT = 6666
 NEVER = pb.Time(sec=0, nsec=0)

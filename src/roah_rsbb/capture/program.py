@@ -12,17 +12,17 @@ from collections import Counter
 from typing import Callable, Dict, Iterator, List, Optional, Set, TextIO, Union
 
 from roah_rsbb.arguments import Parser, called, number
+from roah_rsbb.capture import recording
+from roah_rsbb.capture.decoding import DatagramKind, Decoder, HeardDatagram
+from roah_rsbb.capture.listening import PlainListener, RawListener
+from roah_rsbb.capture.output import DatagramFilter, TextLines, json_line
+from roah_rsbb.capture.recording import Datagram
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.frame import PRIVATE_TYPES, PUBLIC_TYPES
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.replaced import warn_if_replaced
 from roah_rsbb.rulebook.config import PasswordsFile
 from roah_rsbb.rulebook.errors import ConfigErrors, Report
-from roah_rsbb.tools.capture import recording
-from roah_rsbb.tools.capture.decoding import DatagramKind, Decoder, HeardDatagram
-from roah_rsbb.tools.capture.listening import PlainListener, RawListener
-from roah_rsbb.tools.capture.output import DatagramFilter, TextLines, json_line
-from roah_rsbb.tools.capture.recording import Datagram
 from roah_rsbb.wording.texts import escaped
 
 PROGRAM = called("capture")
@@ -150,7 +150,7 @@ def _listener(options: argparse.Namespace, decoder: Decoder, screen: _Screen) ->
         try:
             return RawListener(decoder, host, screen.notice)
         except (PermissionError, AttributeError):  # the latter: a system other than Linux
-            command = f'sudo env PYTHONPATH="$PYTHONPATH" {shlex.quote(sys.executable)} -m roah_rsbb.tools.capture'
+            command = f'sudo env PYTHONPATH="$PYTHONPATH" {shlex.quote(sys.executable)} -m roah_rsbb.capture'
             screen.notice(f"to hear private channels, run as root or with CAP_NET_RAW: {command} …")
     return PlainListener(decoder, host, screen.notice)
 

@@ -8,11 +8,11 @@ import pytest
 
 from helpers import slots
 from helpers.small_box import BOX, BROADCAST, PASSWORD, ROBOT, free_ports
+from roah_rsbb.capture.decoding import DatagramKind, Decoder, Speaker
+from roah_rsbb.capture.listening import PlainListener, RawListener
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tools.capture.decoding import DatagramKind, Decoder, Speaker
-from roah_rsbb.tools.capture.listening import PlainListener, RawListener
 
 TIMEOUT_S = 10
 NEVER = pb.Time(sec=0, nsec=0)

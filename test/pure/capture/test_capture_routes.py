@@ -6,8 +6,8 @@ import sys
 import pytest
 
 from helpers.small_box import BROADCAST, free_ports
+from roah_rsbb.capture import listening
 from roah_rsbb.comm.sockets import OpenError
-from roah_rsbb.tools.capture import listening
 
 
 def hexadecimal(address):

@@ -6,8 +6,8 @@ import os
 
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError, JournalReader
+from roah_rsbb.results.program.journal import Usage, open_journal, warn
 from roah_rsbb.results.runs import find_record, records
-from roah_rsbb.tools.results_journal import Usage, open_journal, warn
 from roah_rsbb.wording.texts import visible
 from roah_rsbb.wording.times import date_time
 

@@ -1,0 +1,3 @@
+from roah_rsbb.capture.program import main
+
+main()

@@ -1,5 +1,0 @@
-"""`python -m roah_rsbb.tools.capture`."""
-
-from roah_rsbb.tools.capture.program import main
-
-main()
