@@ -23,7 +23,7 @@ class Previous(ZoneAction):
 
     def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
         """See `ZoneAction`."""
-        return ([DISCONNECT_FIRST] if zone.run is not None else []) + ([FIRST] if zone.at_first else [])
+        return _connected(zone) + ([FIRST] if zone.at_first else [])
 
     def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
         """See `ZoneAction`."""
@@ -37,7 +37,7 @@ class Next(ZoneAction):
 
     def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
         """See `ZoneAction`."""
-        return ([DISCONNECT_FIRST] if zone.run is not None else []) + ([LAST] if zone.at_last else [])
+        return _connected(zone) + ([LAST] if zone.at_last else [])
 
     def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
         """See `ZoneAction`."""
@@ -94,3 +94,7 @@ class ChooseEvent(ZoneAction):
             return recorded
         event = zone.events[place]
         return {**recorded, "event": f"{event.benchmark.code} {event.team} {event.round} {event.run}"}
+
+
+def _connected(zone: Zone) -> List[str]:
+    return [] if zone.run is None else [DISCONNECT_FIRST]

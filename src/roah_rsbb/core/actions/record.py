@@ -56,7 +56,7 @@ class CommandRecord:
             identity = name.identity or ("" if run is None else run.identity)
             port = _only_port(run, identity)
             self._outbox.insert(place, effects.Recorded(
-                _short(name.zone), _short(identity), port, self._kind, value, checked_who(who)
+                name.zone[:MAX_NOTE], identity[:MAX_NOTE], port, self._kind, value, checked_who(who)
             ))
 
 

@@ -43,7 +43,7 @@ class Countdown:
 
     def resume(self, now: Now) -> None:
         """Continue counting."""
-        if self.state.paused_at is not None:
+        if self.state.paused_at is not None and self.state.deadline is not None:
             self.state.deadline += now.mono - self.state.paused_at
             self.state.paused_at = None
 
@@ -95,7 +95,7 @@ class Countdown:
 
     def _at(self, now: Now) -> float:
         """Return the monotonic time (s) up to which it has counted."""
-        return self.state.paused_at if self.paused else now.mono
+        return now.mono if self.state.paused_at is None else self.state.paused_at
 
 
 class RunClock(Countdown):
@@ -114,6 +114,7 @@ class RunClock(Countdown):
         """Set the deadline at the first start. Later starts keep it, or move it by the time since the stop."""
         super().start(now)
         if self._stops and self.state.stopped_at is not None:
+            assert self.state.deadline is not None, "it was set just now"
             self.state.deadline += now.mono - self.state.stopped_at
         self.state.stopped_at = None
 

@@ -44,7 +44,7 @@ class DeviceCommands:
 
     def __init__(self, benchmark: Benchmark, state: Optional[DeviceCommandsState] = None) -> None:
         uses = benchmark.profile.uses
-        self._obeyed = SWITCHES + PERCENTAGES if DEVICES in uses else ()
+        self._obeyed: Tuple[str, ...] = SWITCHES + PERCENTAGES if DEVICES in uses else ()
         if TABLET in uses:
             self._obeyed += ("display_map",)
         self._code = benchmark.code
@@ -63,7 +63,7 @@ class DeviceCommands:
         before = self.state.wishes
         self.state.wishes = tuple(old if new is None else new for old, new in zip(before, wishes))
         for field, old, new in zip(FIELDS, before, self.state.wishes):
-            if new == old or field not in self._obeyed:
+            if not isinstance(new, int) or new == old or field not in self._obeyed:
                 continue
             if field == "display_map":
                 taken = taken._replace(display_map=bool(new))

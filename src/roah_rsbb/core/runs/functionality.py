@@ -19,7 +19,6 @@ from roah_rsbb.core.modules.messages import (
     RequestKind,
     RequestOutcome,
     RunForModule,
-    ScoreValue,
     Step,
 )
 from roah_rsbb.core.modules.presence import Driver, Modules
@@ -28,7 +27,7 @@ from roah_rsbb.core.runs.machine import Reaction, react
 from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, GoalState, RunningGoal, Switches, SwitchesState
 from roah_rsbb.core.runs.run import EXECUTING, FELL_BACK, Assignment, Run, RunContext, RunState
 from roah_rsbb.core.scoring.book import Marked
-from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
+from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase, ScoreValue
 from roah_rsbb.model.reason import say
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT
@@ -379,6 +378,7 @@ class FunctionalityRun(Run):
         goal = self._goal
         if goal is not None and self.phase is Phase.RUNNING and goal.clock.is_over(now):
             due = goal.clock.deadline()
+            assert due is not None, "it is over"
             ends = [t for t in (self.clock.deadline(), self.saving.deadline()) if t is not None]
             if all(due <= t for t in ends):
                 self._goal_timed_out(now, goal, due)

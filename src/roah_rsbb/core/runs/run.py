@@ -161,8 +161,6 @@ class RunContext(NamedTuple):
 class ZoneRun(abc.ABC):
     """The run in a zone. It is scored, ended and recorded as a whole."""
 
-    scores: Tuple[ScoreValue, ...] = ()  # of a benchmarking module
-
     def __init__(
         self, zone: str, event: ScheduledEvent, context: RunContext, state: Union[RunState, ZoneRunState]
     ) -> None:
@@ -263,6 +261,11 @@ class ZoneRun(abc.ABC):
     def goal(self) -> Optional[RunningGoal]:
         """The goal under way; None: the robot has no goal with a time of its own."""
         return None
+
+    @property
+    def scores(self) -> Tuple[ScoreValue, ...]:
+        """The scores of a benchmarking module."""
+        return ()
 
     @property
     def why_paused(self) -> str:
@@ -538,7 +541,8 @@ class Run(ZoneRun):
         if self.phase is not Phase.RUNNING:
             return
         out_of_time, saves_nothing = self.clock.is_over(now), self.saving.is_over(now)
-        if saves_nothing and not (out_of_time and self.clock.deadline() <= self.saving.deadline()):
+        due = [t for t in (self.clock.deadline(), self.saving.deadline()) if t is not None]
+        if saves_nothing and not (out_of_time and self.clock.deadline() == min(due)):
             self._end(now, EndReason.NO_MESSAGES_SAVED)
         elif out_of_time:
             self._time_out(now)
