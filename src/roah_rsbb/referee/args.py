@@ -9,7 +9,7 @@ from roah_rsbb.core.judges.publication import MAX_OBJECTION_TIME_S
 from roah_rsbb.model.actions import ACTIONS, Action
 from roah_rsbb.model.fields import Field, Number, Team, Toggle
 from roah_rsbb.referee.answers import Operations
-from roah_rsbb.referee.words import event_wanted, score_wanted
+from roah_rsbb.referee.words import PLACED, event_wanted, score_wanted
 from roah_rsbb.wording.schedule import Show
 
 T = TypeVar("T")
@@ -34,10 +34,6 @@ _ZONE = "name of the zone, or the beginning of one name only; case does not matt
 
 _RUN = "a run that is over: 'last', or a part of its name ('runs' lists them)"
 
-# Actions that have a command of their own here, with other words.
-_PLACED = ("stop", "choose_event", "operation")
-
-
 def _formatter(prog: str) -> argparse.HelpFormatter:
     return argparse.RawDescriptionHelpFormatter(prog, max_help_position=20, width=100)
 
@@ -57,7 +53,7 @@ def parser() -> argparse.ArgumentParser:
     _status(commands)
     _watch(commands)
     for action in ACTIONS.values():
-        if action.name not in _PLACED:
+        if action.name not in PLACED:
             _action(commands, action)
     _stop(commands)
     _score(commands)

@@ -22,7 +22,7 @@ from roah_rsbb.referee.state import (
     ZoneSnapshot,
     lines_of,
 )
-from roah_rsbb.referee.words import form_words
+from roah_rsbb.referee.words import command_of, form_words
 from roah_rsbb.wording import module_scores, schedule, sheets, times
 from roah_rsbb.wording.texts import escaped
 
@@ -114,7 +114,7 @@ def zone_lines(zone: ZoneSnapshot, clock_utc_s: float, style: Style) -> List[str
         lines.append(_IN + style(YELLOW, to_do(zone.operation)))
     if zone.switches is not None:
         lines.append(_IN + switches_line(zone.switches, style))
-    allowed = [command.replace("_", "-") for command, reasons in zone.off.items() if not reasons]
+    allowed = [command_of(action) for action, reasons in zone.off.items() if not reasons]
     return [*lines, f"{_IN}allowed now: {', '.join(allowed) or 'nothing'}"]
 
 

@@ -5,12 +5,16 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 
 from roah_rsbb.core.scoring.points import number_of, text_of
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
+from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Pose, Text, Toggle
 from roah_rsbb.referee.state import EventSnapshot, SheetItem
 from roah_rsbb.rulebook.scoring import MAX_VALUE, ScoreKind, ScoringItem
 from roah_rsbb.wording.suggestions import did_you_mean
 
 T = TypeVar("T")
+
+# Actions that have a command of their own in the terminal, with other words.
+PLACED = {"stop": "stop", "choose_event": "choose", "operation": "done"}
 
 # Words instead of a value.
 NOT_ATTEMPTED = ("not-attempted", "n/a")
@@ -173,6 +177,11 @@ def given_in(line: str, fields: Sequence[Field]) -> Dict[str, Any]:
         return given_of([line] if is_one else shlex.split(line), fields)
     except ValueError as bad:
         raise BadWord(f"'{line}': {bad}") from None
+
+
+def command_of(action: str) -> str:
+    """Return the command of this terminal that does an action."""
+    return PLACED.get(action) or (ACTIONS[action].words if action in ACTIONS else action)
 
 
 def other_answer(fields: Sequence[Field]) -> Optional[Field]:

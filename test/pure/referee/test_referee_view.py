@@ -7,9 +7,11 @@ import pytest
 from helpers.forms import ODD, form
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
 from helpers.time_zones import local_time
+from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import Number, form_of
 from roah_rsbb.model.reason import say
 from roah_rsbb.referee import view
+from roah_rsbb.referee.args import parser
 from roah_rsbb.referee.changes import Change, changes
 from roah_rsbb.referee.state import AllRobotsSnapshot, ManualOperation, ModuleScoreLine, SheetItem, SwitchesSnapshot
 from roah_rsbb.wording import schedule
@@ -34,6 +36,13 @@ def test_all_zones_at_a_glance():
     assert "Home B: NOT CONNECTED\n    Time limit of the run 10:00\n" in text
     assert "HGTKMH, team TestingTeam, round 1, run 1, scheduled 16:36 UTC" in text
     assert "allowed now: next" in text
+
+
+def test_what_is_allowed_now_can_be_typed():
+    text = _status(zone(off=dict.fromkeys(ACTIONS, [])))
+    words = text.split("allowed now: ")[1].split(", ")
+    known = next(action for action in parser()._actions if action.dest == "command").choices
+    assert len(words) == len(ACTIONS) and not set(words) - set(known)
 
 
 def test_active_robots_with_skew_and_age():
