@@ -39,7 +39,7 @@ def test_all_zones_at_a_glance():
 
 
 def test_what_is_allowed_now_can_be_typed():
-    text = _status(zone(off=dict.fromkeys(ACTIONS, [])))
+    text = _status(zone(off={action: [] for action in ACTIONS}))
     words = text.split("allowed now: ")[1].split(", ")
     known = next(action for action in parser()._actions if action.dest == "command").choices
     assert len(words) == len(ACTIONS) and not set(words) - set(known)
