@@ -206,6 +206,7 @@ class Oracles:
         world.scheduler.after(LOOK_S, self._look)
         core = world.box.core
         if core is None:
+            self._both_since = None
             return
         self._check_runs(world.box, core)
         self._check_two_boxes()

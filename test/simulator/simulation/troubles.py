@@ -102,6 +102,7 @@ class Troubles:
             weather.loss = weather.late = weather.double = 0.0
             weather.is_cut = False
         world.storage.slow_until = world.storage.broken_until = world.storage.full_until = 0.0
+        world.referee.on_entry.clear()
 
     def _for(self, seconds, host, **changes):
         weather = self._world.air.weather[host]
