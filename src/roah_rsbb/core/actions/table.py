@@ -55,8 +55,9 @@ class Actions:
         self._zones = zones
         self._record = record
         self._outbox = outbox
-        self._all: Dict[str, ZoneAction] = {
-            kind.name: kind(Parts(candidates, connections)) for kind in KINDS}
+        kinds = {kind.name: kind for kind in KINDS}
+        # In the order of the table: messages have the actions by their places in it.
+        self._all: Dict[str, ZoneAction] = {name: kinds[name](Parts(candidates, connections)) for name in ACTIONS}
         # By the name of the action: the values of its fields if none is given.
         self._nothing: Dict[str, Given] = {
             name: {field.name: field.nothing for field in action.action.fields} for name, action in self._all.items()}

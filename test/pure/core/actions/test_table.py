@@ -5,6 +5,7 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition
 from roah_rsbb.core import effects
+from roah_rsbb.core.actions import table
 from roah_rsbb.core.actions.table import KINDS, Target
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.model.actions import ACTIONS, ENTRIES, EVERY
@@ -17,9 +18,17 @@ def refusal(driver, target, name, given=None):
     return refused.value.reasons
 
 
-def test_each_row_of_the_table_has_code_in_the_same_order():
+def test_what_faces_show_has_the_order_of_the_table_whatever_that_of_the_code(monkeypatch):
+    driver = BoxDriver()
+    expected = driver.box.actions.shown(driver.now, driver.box.zones["tbm"])
+    monkeypatch.setattr(table, "KINDS", table.KINDS[::-1])
+    other = BoxDriver()
+    assert other.box.actions.shown(other.now, other.box.zones["tbm"]) == expected
+
+
+def test_each_row_of_the_table_has_code():
     box = BoxDriver().box
-    assert [kind.name for kind in KINDS] == list(ACTIONS)
+    assert sorted(kind.name for kind in KINDS) == sorted(ACTIONS)
     assert set(box.entries._all) == set(ENTRIES)
     assert not set(ACTIONS) & set(ENTRIES)
 
