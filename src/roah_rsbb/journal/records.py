@@ -48,10 +48,14 @@ class Top(NamedTuple):
     identities: Tuple[str, ...]
 
 
+# What ends a part of the first line. Whoever names a run that is not there may write anything into its name.
+_ENDS = dict.fromkeys(map(ord, "\t\n"), "�")
+
+
 def encode(top: Top, lines: Lines) -> bytes:
     """Return the payload of a record. Raises TypeError or ValueError for values that JSON does not have."""
     found = ["\t".join((repr(top.utc), repr(top.mono), str(top.session), str(top.entry), top.letters,
-                        *top.identities, ""))]
+                        *(identity.translate(_ENDS) for identity in top.identities), ""))]
     found += [letter + _ENCODER.encode(value) for letter, value in lines.items()]
     return "\n".join(found).encode("utf-8", errors="replace")
 

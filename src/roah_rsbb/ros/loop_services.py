@@ -332,5 +332,5 @@ def _answer_of(service: _Registered, make: Callable[[], Any]) -> bytes:
 
 
 def _failed(why: str) -> bytes:
-    text = f"service cannot process request: {why}".encode()
+    text = f"service cannot process request: {why}".encode("utf-8", errors="replace")  # it quotes what came
     return _ANSWER.pack(False, len(text)) + text

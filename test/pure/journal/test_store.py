@@ -134,6 +134,19 @@ def test_what_is_not_json_is_refused_and_costs_nothing_else(journals):
     assert journal.why_not_saved(ticket) == ""
 
 
+@pytest.mark.parametrize("name", ["z\tHNF-6667-1\t\ne{", "q\nz{", 'z\tHNF-6667-1\t\ne[[9,0,"Anna","command",{}]]'])
+def test_the_name_of_a_run_that_is_not_there_neither_forges_nor_breaks_a_record(journals, name):
+    """Callers may name any run; the refusal is recorded with what they wrote."""
+    before = journals()
+    before.write(BATCH)
+    before.write(Batch(entries=[ENTRY._replace(identity=name, port=None)], states={"zone:Home": {"n": 2}}))
+    before.close()
+    after = journals()
+    assert after.previous.states == {"zone:Home": {"n": 2}}
+    assert entries(after) == [(1, *ENTRY)]
+    assert len(records_of(after)) == 4
+
+
 def test_saved_data_was_synced(journals, monkeypatch):
     synced = []
     journal = journals()

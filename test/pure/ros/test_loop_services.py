@@ -221,6 +221,14 @@ def test_what_waits_for_the_disk_waits_in_another_thread(world):
     assert b"the disk is full" in failed()
 
 
+def test_a_refusal_that_quotes_half_a_character_is_an_answer(world):
+    def refuse(_request):
+        raise rospy.ServiceException("no field '\ud800'")
+
+    world.services.add("/core/act", Service, refuse)
+    assert b"no field '?'" in world.call("/core/act", "Home")()
+
+
 def test_a_persistent_connection_takes_many_calls(world):
     sock, answers = world.connect(CALL, persistent="1"), []
 
