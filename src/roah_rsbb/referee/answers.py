@@ -15,7 +15,7 @@ from roah_rsbb.model.fields import Choice
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.state import ManualOperation, ZoneSnapshot
 from roah_rsbb.referee.stopping import TypedStops
-from roah_rsbb.referee.words import BadWord, form_words, given_in, given_of, other_answer
+from roah_rsbb.referee.words import BadWord, form_words, given_in, given_of, is_one_answer
 
 # A module may repeat a request, for example when no pose is available. Wait before each repetition, and give up.
 AGAIN_S = 1.0
@@ -143,7 +143,7 @@ def _prompt(operation: Optional[ManualOperation]) -> str:
     fields = operation.fields
     if not fields:
         return "press Enter when it is done"
-    if len(fields) > 1 and other_answer(fields) is None:
+    if not is_one_answer(fields):
         return f"type a value for each, in this order or as NAME=VALUE: {form_words(fields)}"
     usual = fields[0].choices[0] if isinstance(fields[0], Choice) else "" if fields[0].required else "none"
     return f"type {form_words(fields)}{usual and f' (Enter: {usual})'}"

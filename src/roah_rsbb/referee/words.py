@@ -153,7 +153,7 @@ def given_of(words: Sequence[str], fields: Sequence[Field]) -> Dict[str, Any]:
     Raises `BadWord`."""
     given: Dict[str, Any] = {}
     other = other_answer(fields)
-    for word in [" ".join(words)] if words and (len(fields) == 1 or other is not None) else words:
+    for word in [" ".join(words)] if words and is_one_answer(fields) else words:
         name, equals, value = word.partition("=")
         named = [field for field in fields if equals and field.name == name]
         field, = (named or [field for field in fields if field.name not in given] or [None])[:1]
@@ -173,8 +173,7 @@ def given_of(words: Sequence[str], fields: Sequence[Field]) -> Dict[str, Any]:
 def given_in(line: str, fields: Sequence[Field]) -> Dict[str, Any]:
     """Return the values of a form in a line; of several, those with blanks are in quotes. Raises `BadWord`."""
     try:
-        is_one = len(fields) == 1 or other_answer(fields) is not None
-        return given_of([line] if is_one else shlex.split(line), fields)
+        return given_of([line] if is_one_answer(fields) else shlex.split(line), fields)
     except ValueError as bad:
         raise BadWord(f"'{line}': {bad}") from None
 
@@ -190,6 +189,11 @@ def other_answer(fields: Sequence[Field]) -> Optional[Field]:
     if [type(field) for field in fields] == [Choice, Text] and not fields[1].required:
         return fields[1]
     return None
+
+
+def is_one_answer(fields: Sequence[Field]) -> bool:
+    """Whether a form asks for one answer: a line is its value, and no name is needed."""
+    return len(fields) == 1 or other_answer(fields) is not None
 
 
 def form_words(fields: Sequence[Field]) -> str:

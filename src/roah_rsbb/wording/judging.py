@@ -163,7 +163,7 @@ def off(judging: Judging, is_over: bool) -> Dict[str, str]:
         "hand_back": "" if has_submitted else tr(NONE_SUBMITTED),
         "withdraw_sheet": "" if judging.judges else tr(NO_SHEETS),
         "waive": "" if is_waited_for else tr(NOBODY_MISSING),
-        "publish": over,
+        "publish": over, "answer": over, "sign_off": over,
         "object": over or ("" if judging.published_utc_s is not None else tr(NOT_PUBLISHED)),
     }
 

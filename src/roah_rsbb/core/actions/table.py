@@ -1,6 +1,5 @@
 """The table of all actions in a zone: every call is checked, recorded and carried out here."""
 
-import contextlib
 from types import MappingProxyType
 from typing import Any, Dict, List, Mapping, NamedTuple, Tuple, Type
 
@@ -86,16 +85,17 @@ class Actions:
         action, run = self._all[name], RunName(target.zone, target.run)
         recorded = {field.name: given[field.name] for field in action.action.fields if is_plain(given.get(field.name))
                     and given[field.name] is not False}
-        zone = self._zones.get(target.zone)
+        zone, values, wrong = self._zones.get(target.zone), NOTHING, ""
         if zone is not None:
-            with contextlib.suppress(fields.BadValue):  # it is refused below
-                recorded = action.recorded(zone, action.read(zone, given))
-        with self._record.of(run, who, action.journaled or name, **recorded):
-            zone = self._zones.named(target.zone)
             try:
                 values = action.read(zone, given)
-            except fields.BadValue as bad:
-                raise Refused(_elsewhere(zone, target, "") or [_name_the_team(name, bad.reason, given)]) from None
+                recorded = action.recorded(zone, values)
+            except fields.BadValue as bad:  # it is refused below
+                wrong = bad.reason
+        with self._record.of(run, who, action.journaled or name, **recorded):
+            zone = self._zones.named(target.zone)
+            if wrong:
+                raise Refused(_elsewhere(zone, target, "") or [_name_the_team(name, wrong, given)])
             team = values.get("team", "") if action.action.aims else ""
             reasons = _elsewhere(zone, target, team) or action.refused(now, zone, run, values)
             if reasons:

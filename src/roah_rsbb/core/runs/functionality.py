@@ -379,8 +379,7 @@ class FunctionalityRun(Run):
         if goal is not None and self.phase is Phase.RUNNING and goal.clock.is_over(now):
             due = goal.clock.deadline()
             assert due is not None, "it is over"
-            ends = [t for t in (self.clock.deadline(), self.saving.deadline()) if t is not None]
-            if all(due <= t for t in ends):
+            if all(due <= t for t in self._ends()):
                 self._goal_timed_out(now, goal, due)
         super().tick(now)
 

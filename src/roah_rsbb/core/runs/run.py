@@ -541,11 +541,14 @@ class Run(ZoneRun):
         if self.phase is not Phase.RUNNING:
             return
         out_of_time, saves_nothing = self.clock.is_over(now), self.saving.is_over(now)
-        due = [t for t in (self.clock.deadline(), self.saving.deadline()) if t is not None]
-        if saves_nothing and not (out_of_time and self.clock.deadline() == min(due)):
+        if saves_nothing and not (out_of_time and self.clock.deadline() == min(self._ends())):
             self._end(now, EndReason.NO_MESSAGES_SAVED)
         elif out_of_time:
             self._time_out(now)
+
+    def _ends(self) -> List[float]:
+        """Return the monotonic times (s) at which the run ends by itself."""
+        return [t for t in (self.clock.deadline(), self.saving.deadline()) if t is not None]
 
     def _time_out(self, now: Now) -> None:
         self._end(now, EndReason.TIMEOUT)

@@ -218,8 +218,8 @@ class JudgesPanel(RefereePanel):
         basic.allow(self.waive, named or off["waive"])
         basic.allow(self.publish, general or off["publish"])
         basic.allow(self.object, general or off["object"])
-        basic.allow(self.reply, general or off["publish"] or ("" if self._objection() else tr(NO_OBJECTIONS)))
-        basic.allow(self.sign, general or off["publish"] or named)
+        basic.allow(self.reply, general or off["answer"] or ("" if self._objection() else tr(NO_OBJECTIONS)))
+        basic.allow(self.sign, general or off["sign_off"] or named)
 
     # -- doing it -----------------------------------------------------------------------------------
 
