@@ -3395,6 +3395,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>Der Lauf wurde gestartet, das Team ist also erschienen</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/core/actions/entries.py"/>
+        <source>The mark has no value: give value, text or added, or say that it was not attempted</source>
+        <translation>Die Wertung hat keinen Wert: Geben Sie value, text oder added an, oder dass der Punkt nicht versucht wurde</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/core/actions/events.py"/>
         <source>zone &apos;{zone}&apos; has no event &apos;{event}&apos; any more: choose it again</source>
         <translation>Zone „{zone}“ hat den Termin „{event}“ nicht mehr: Wählen Sie ihn noch einmal</translation>
@@ -4286,23 +4291,23 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
-        <source>the id &apos;{id}&apos; cannot identify a mark: give each mark a new UUID</source>
-        <translation>die Kennung „{id}“ kann keine Wertung bezeichnen: Geben Sie jeder Wertung eine neue UUID</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
         <source>name the run to sign off: only a run that is over can be signed off</source>
         <translation>nennen Sie den Lauf, der abgeschlossen wird: Nur ein beendeter Lauf kann abgeschlossen werden</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
-        <source>run {run} was in zone &apos;{zone}&apos;, not in &apos;{other}&apos;</source>
-        <translation>Lauf {run} war in Zone „{zone}“, nicht in „{other}“</translation>
+        <source>the id &apos;{id}&apos; cannot identify a mark: give each mark a new UUID</source>
+        <translation>die Kennung „{id}“ kann keine Wertung bezeichnen: Geben Sie jeder Wertung eine neue UUID</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
         <source>no role &apos;{role}&apos;: choose one of {choices}</source>
         <translation>keine Rolle „{role}“: Wählen Sie aus {choices}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
+        <source>run {run} was in zone &apos;{zone}&apos;, not in &apos;{other}&apos;</source>
+        <translation>Lauf {run} war in Zone „{zone}“, nicht in „{other}“</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
@@ -4426,6 +4431,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <source>that mark added to its item: add the opposite instead</source>
+        <translation>jene Wertung hat zu ihrem Punkt addiert: Addieren Sie stattdessen das Gegenteil</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
         <source>that mark shares an entry of the history with others: set the value instead</source>
         <translation>jene Wertung teilt einen Eintrag des Verlaufs mit anderen: Setzen Sie stattdessen den Wert</translation>
     </message>
@@ -4498,6 +4508,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
         <source>&apos;{item}&apos; is yes or no: its value must be 0 or 1, not {value}</source>
         <translation>„{item}“ ist ja oder nein: Der Wert muss 0 oder 1 sein, nicht {value}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <source>the id &apos;{id}&apos; was used for &apos;{item}&apos;: give each mark a new UUID</source>
+        <translation>die Kennung „{id}“ wurde für „{item}“ verwendet: Geben Sie jeder Wertung eine neue UUID</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/views/views.py"/>

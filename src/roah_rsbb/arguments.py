@@ -1,6 +1,7 @@
 """The argument parser of all programs without ROS."""
 
 import argparse
+import difflib
 import os
 import sys
 from typing import Any, Callable, NoReturn, TypeVar
@@ -31,6 +32,13 @@ class Parser(argparse.ArgumentParser):
 
             argcomplete.autocomplete(self)
         return super().parse_args(args, namespace)
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Of a wrong choice, say which one was probably meant."""
+        choices = [] if action.choices is None or value in action.choices else list(map(str, action.choices))
+        for near in difflib.get_close_matches(str(value), choices, 1):
+            raise argparse.ArgumentError(action, f"no '{value}': did you mean '{near}'?")
+        super()._check_value(action, value)
 
     def error(self, message: str) -> NoReturn:
         """Print the error, and end the program with status 2."""

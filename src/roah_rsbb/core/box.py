@@ -84,9 +84,9 @@ class Box:
         self.candidates = Candidates(settings, zones, self.robots, self.watches, self._connections, self.finished)
         self.actions = Actions(self.candidates, self._connections, zones, record, outbox)
         self.scores = ScoreDesk(self.tick, zones, self.finished, record, outbox)
-        self.judges = JudgeDesk(self.tick, self.scores, record, outbox)
+        self.judges = JudgeDesk(self.scores, outbox)
         self.modules = ModuleDesk(self.tick, zones, self._modules, record)
-        self.entries = Entries(self.scores, self.judges, record)
+        self.entries = Entries(zones, self.scores, self.judges, record)
         # Time.
         self._clock = ClockWatch()
         self._clock_set_mono = -math.inf  # when a step of the box's clock was noticed last

@@ -105,7 +105,7 @@ _ALL = (
            (Fixed("operation", _NUMBER, required=False), Text("answer", say("Answer"), required=False)),
            row=Row.MODULE, is_open=True),
     Action("switch", say("A switch changed"), say("Toggle the mark of a switch, counted from 1"),
-           (Number("number", _NUMBER),), row=Row.MODULE),
+           (Number("number", _NUMBER, low=1),), row=Row.MODULE),
     Action("damaged", say("Damaged switches"), say("Set how many switches were damaged"),
            (Number("number", _NUMBER, high=MAX_DAMAGED),), row=Row.MODULE),
     Action("confirm_switches", say("Confirm the switches"), say("All switches that the robot changed are entered"),
@@ -114,7 +114,7 @@ _ALL = (
 # All actions in a zone, in the order in which faces have them.
 ACTIONS: Dict[str, Action] = {action.name: action for action in _ALL}
 # What is entered for one run, in progress or over. Faces lay it out by hand, beside what it is about.
-_VALUE = (Text("group", say("Group"), required=False), Text("desc", say("Item")),
+_VALUE = (Text("group", say("Group")), Text("desc", say("Item")),
           Number("value", say("Value"), required=False, low=-2**31), Text("text", _TEXT, required=False),
           Toggle("not_attempted", say("Not attempted"), required=False))
 # A mark is sent again until the box has it; with an `id` it is applied once.

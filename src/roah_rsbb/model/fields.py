@@ -239,7 +239,7 @@ def field_of(form: Mapping[str, Any]) -> Field:
     values: Dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in form.items()}
     kind = _KINDS.get(values.pop("kind", ""))
     if kind is None:
-        kind, values = Text, {name: values[name] for name in ("name", "label", "required")}
+        kind, values = Text, {name: values[name] for name in ("name", "label", "required") if name in values}
     made = kind(**{**values, "label": _label(values["label"])})
     for part in dataclasses.fields(made):
         value, wanted = getattr(made, part.name), part.type

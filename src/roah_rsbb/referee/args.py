@@ -9,7 +9,7 @@ from roah_rsbb.core.judges.publication import MAX_OBJECTION_TIME_S
 from roah_rsbb.model.actions import ACTIONS, Action
 from roah_rsbb.model.fields import Field, Number, Team, Toggle
 from roah_rsbb.referee.answers import Operations
-from roah_rsbb.referee.words import PLACED, event_wanted, score_wanted
+from roah_rsbb.referee.words import PLACED, event_wanted, expected, score_wanted
 from roah_rsbb.wording.schedule import Show
 
 T = TypeVar("T")
@@ -69,7 +69,7 @@ def parser() -> argparse.ArgumentParser:
 
 def _action(commands, action: Action) -> None:
     """Add an action of the table: what must be entered is a word, what may be is an option."""
-    words = " ".join(_EXAMPLES[field.kind] for field in action.fields if _is_word(field))
+    words = " ".join(_example(field) for field in action.fields if _is_word(field))
     text = str(action.explanation)
     one = _add(commands, action.words, text[0].lower() + text[1:], [f"{PROG} {action.words} 'Home A' {words}".rstrip()])
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
@@ -87,6 +87,7 @@ def _action(commands, action: Action) -> None:
                              default=field.nothing, help=label)
     if action.leaves:
         _leaving(one)
+    _by(one)
 
 
 # What whoever types an action means, without saying it: a run in progress is disconnected, too.
@@ -94,6 +95,10 @@ ALWAYS: Dict[str, Dict[str, Any]] = {"disconnect": {"running": True}}
 # A word for each kind of field, in examples.
 _EXAMPLES = {"name": "r1", "text": "'the reason'", "number": "60", "choice": "yes", "toggle": "yes", "robot": "r1",
              "team": "Beta", "event": "e1"}
+
+
+def _example(field: Field) -> str:
+    return "2" if isinstance(field, Number) and not field.unit else _EXAMPLES[field.kind]
 
 
 def _is_word(field: Field) -> bool:
@@ -104,7 +109,7 @@ def _word_help(field: Field) -> str:
     if isinstance(field, Team):
         return "whom it hits: it is refused if the zone is at the event of another team"
     if isinstance(field, Number):
-        return f"{field.label}: {field.low} to {field.high} {field.unit}".rstrip()
+        return f"{field.label}: {expected(field)}"
     return str(field.label)
 
 
@@ -115,7 +120,8 @@ def _dashed(name: str) -> str:
 def given_in(options: argparse.Namespace, action: Action) -> Dict[str, Any]:
     """Return the values of an action's fields that were typed."""
     typed = {field.name: getattr(options, field.name, field.nothing) for field in action.fields}
-    return {**{name: value for name, value in typed.items() if value not in ("", False)}, **ALWAYS.get(action.name, {})}
+    entered = {name: value for name, value in typed.items() if value != "" and value is not False}
+    return {**entered, **ALWAYS.get(action.name, {})}
 
 
 def _add(commands, name: str, text: str, examples: Sequence[str]) -> argparse.ArgumentParser:

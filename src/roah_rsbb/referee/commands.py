@@ -122,7 +122,7 @@ def _act(link: Link, options: Any, output: Output) -> Exit:
     if action.leaves:
         _check_stopped(link, options)
     name = _zone_name(link, options.zone)
-    link.act(action.name, name, given_in(options, action))
+    link.act(action.name, name, given_in(options, action), referee=options.referee)
     return _say_done(link, name, output, options.command)
 
 

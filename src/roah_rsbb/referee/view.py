@@ -122,7 +122,7 @@ def zone_report(zone: ZoneSnapshot, clock_utc_s: float, style: Style) -> List[st
     """Return a zone in full: also why each command is refused, its score sheet and its online data."""
     lines = zone_lines(zone, clock_utc_s, style)
     for command, reasons in zone.off.items():
-        lines += [f"{_IN}no {command}: {escaped(reason)}" for reason in reasons]
+        lines += [f"{_IN}no {command_of(command)}: {escaped(reason)}" for reason in reasons]
     if zone.all_robots is not None:
         lines += [f"{_IN}robot {escaped(robot)}" for robot in zone.all_robots.robots]
     if zone.log_file:

@@ -156,6 +156,8 @@ def given_of(words: Sequence[str], fields: Sequence[Field]) -> Dict[str, Any]:
     for word in [" ".join(words)] if words and is_one_answer(fields) else words:
         name, equals, value = word.partition("=")
         named = [field for field in fields if equals and field.name == name]
+        if equals and not named and len(fields) > 1 and other is None:
+            raise BadWord(f"'{name}' is not asked for: {form_words(fields)}")
         field, = (named or [field for field in fields if field.name not in given] or [None])[:1]
         if field is None:
             raise BadWord(f"'{word}' is not asked for: {form_words(fields)}")

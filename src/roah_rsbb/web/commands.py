@@ -70,9 +70,11 @@ def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:
         given = {name: value for name, value in body.items() if name not in _BESIDE}
         given.update(entered, **_of_session(action, session))
         try:
-            fields["given"] = entered if action.is_open else model_fields.read(action.fields, given)
+            if not action.is_open:
+                model_fields.read(action.fields, given)
         except model_fields.BadValue as bad:
             raise BadCommand(str(bad)) from None
+        fields["given"] = entered if action.is_open else given
     return Command(name, zone, session, fields)
 
 
@@ -85,7 +87,7 @@ def may(command: Command) -> bool:
         # A judge gives ratings under the name that was typed when the device was paired. That nothing was attempted is
         # no rating: it would count for the whole item.
         given = command.fields["given"]
-        return given["judge"] == command.session.person and not given["not_attempted"] and not given["added"]
+        return given.get("judge") == command.session.person and not (given.get("not_attempted") or given.get("added"))
     if command.name != STOP and command.name in EVERY:
         return grant.role in EVERY[command.name].roles
     return grant.role != JUDGE or command.name == JUDGING

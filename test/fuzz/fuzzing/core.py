@@ -3,13 +3,13 @@
 import contextlib
 import json
 import operator
-from typing import Dict, Iterator, List
+from typing import Any, Dict, Iterator, List
 
 from fuzzing.frames import KEY
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
 from helpers.box_driver import BoxDriver, beacon_bytes
-from helpers.commands import COMMANDS, given_with
+from helpers.commands import COMMANDS, given_with, mark_with
 from helpers.competition import competition, event
 from helpers.forms import ODD, form
 from roah_rsbb.comm import frame
@@ -21,7 +21,7 @@ from roah_rsbb.core.effects import RunOpened
 from roah_rsbb.core.link.link import HERE_S
 from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
-from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.restart.restart import BoxSaved, Saved
 from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.scoring.sheet import Mark
@@ -247,15 +247,17 @@ class Play:
         group, desc = r.choice(("Achievements", "Penalized", "")), r.choice(("detects the door", "bumps", ""))
         records = self.driver.box.scores.records(self.driver.now)
         identity = r.choice(records).identity if records and r.flag() else ""
-        name = RunName(r.choice(ZONES), identity)
+        target = table.Target(r.choice(ZONES), identity)
         return r.choice((
-            lambda: self._event("scores.mark", RunName(name.zone), Mark(group, desc, r.integer(size=4)), r.text()),
-            lambda: self._event(
-                "scores.mark", name, Mark(group, desc, r.integer(size=4), r.flag(), r.text()), r.text()),
-            lambda: self._event("scores.withdraw", name, r.byte(), r.text(), r.text()),
-            lambda: self._event("scores.give_stop_reason", name, r.text(), r.text(), r.byte()),
-            lambda: self._event("scores.sign_off", name, r.text()),
+            lambda: self._enter(target._replace(run=""), "mark", mark_with(Mark(group, desc, r.integer(size=4)))),
+            lambda: self._enter(target, "mark", mark_with(Mark(group, desc, r.integer(size=4), r.flag(), r.text()))),
+            lambda: self._enter(target, "withdraw", {"entry": r.byte(), "note": r.text()}),
+            lambda: self._enter(target, "stop_reason", {"reason": r.text(), "stop": r.byte()}),
+            lambda: self._enter(target, "sign_off", {}),
         ))()
+
+    def _enter(self, target: table.Target, entry: str, given: Dict[str, Any]) -> Step:
+        return self._event("act", target, entry, self.reader.text(), given)
 
     def _pass(self) -> Step:
         """Time passes, and the box only notices now."""

@@ -18,8 +18,8 @@ def test_a_run_that_cannot_continue_can_be_corrected_and_signed_off(tmp_path):
     (record,) = driver.box.finished.records()
     assert (record.identity, record.end_reason, record.items[0].value) == (identity, "stopped", 1)
     name = RunName("tbm", identity)
-    driver.event(driver.box.scores.mark, name, Mark(DOOR.group, DOOR.desc, 0), "Anna")
-    driver.event(driver.box.scores.sign_off, name, "Anna")
+    driver.mark(name, Mark(DOOR.group, DOOR.desc, 0), "Anna")
+    driver.enter("sign_off", name, "Anna")
     signed = driver.box.finished.find(identity).record
     driver.kill()
     assert driver.box.finished.records() == [signed]

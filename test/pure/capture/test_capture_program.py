@@ -233,7 +233,7 @@ def test_an_error_in_the_passwords_file_is_reported_with_its_line_and_without_th
     (["--duration", "nan"], "'nan' is not a number from 0"),
     (["--write", "a", "--read", "b"], "not allowed with argument"),
     (["--password", "a", "--password-file", "b"], "not allowed with argument"),
-    (["--message", "Beacon"], "invalid choice"),
+    (["--message", "Beacon"], "did you mean 'RobotBeacon'?"),
 ])
 def test_arguments_that_make_no_sense_are_reported_in_a_line(arguments, reported, capsys):
     with pytest.raises(SystemExit) as ended:

@@ -108,7 +108,7 @@ def test_the_box_says_why_it_waits(monkeypatch):
     ([*USUAL, "--benchmark", "HNF", "--waypoints", "1,2,nan"], "'1,2,nan' is not a waypoint"),
     ([*USUAL, "--waypoints", "1,2,3"], "--waypoints: HGTKMH has no waypoints. Use --benchmark HNF"),
     ([*USUAL, "--goal-timeout", "5"], "--goal-timeout: HGTKMH has no goals"),
-    ([*USUAL, "--benchmark", "HVW"], "invalid choice: 'HVW'"),
+    ([*USUAL, "--benchmark", "HVW"], "no 'HVW': did you mean 'HWV'?"),
     (["--team", "T"], "the password is missing: use --password-file or the environment variable ROAH_RSBB_KEY"),
     ([*USUAL, "--port", "0"], "'0' is not a UDP port from 1 to 65000"),
 ])

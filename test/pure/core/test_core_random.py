@@ -118,8 +118,8 @@ def test_what_is_kept_of_a_run_in_progress_is_what_would_be_found_now():
         lambda: driver.score("Penalized", "bumps", 1), lambda: robot.says(RobotState.PREPARING), robot.executes,
         lambda: driver.event(driver.box.reload, competition(tbm=["HGTKMH", "HWV"], other=other), 1, ["all"]),
         lambda: driver.command("stop"), lambda: driver.run(1.0), robot.says, lambda: driver.command("disconnect"),
-        robot.beacon, lambda: driver.event(driver.box.scores.mark, name, Mark("Penalized", "bumps", 3)),
-        lambda: driver.event(driver.box.scores.sign_off, name, "Ada"), *[lambda: driver.run(7.0)] * 15,
+        robot.beacon, lambda: driver.mark(name, Mark("Penalized", "bumps", 3)),
+        lambda: driver.enter("sign_off", name, "Ada"), *[lambda: driver.run(7.0)] * 15,
     ):
         act()
         kept.check()

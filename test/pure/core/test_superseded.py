@@ -8,12 +8,12 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.restart.restart import Saved
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views import views
+from roah_rsbb.model.actions import ENTRIES
 
 HOST = "10.0.0.3"
 RUN = RunName("tbm")
-MARK = Mark("Achievements", "Detects the door", 1, id="1", role="referee")
+MARK = {"group": "Achievements", "desc": "Detects the door", "value": 1, "id": "1", "judge": "Ben"}
 
 
 @pytest.fixture
@@ -54,15 +54,12 @@ def test_every_command_is_refused(driver, command):
 
 
 @pytest.mark.parametrize("call", [
-    lambda box, now: box.scores.mark(now, RUN, MARK),
-    lambda box, now: box.scores.sign_off(now, RUN, "who"),
+    *[lambda box, now, name=name: box.act(now, Target("tbm"), name, "who", MARK if "mark" in name else {})
+      for name in ENTRIES],
     lambda box, now: box.scores.stop(now, RUN, "who"),
-    lambda box, now: box.judges.mark(now, RUN, MARK, "judge"),
-    lambda box, now: box.judges.submit(now, RUN, "judge"),
-    lambda box, now: box.judges.publish(now, RUN),
     lambda box, now: box.act(now, Target("tbm"), "operation"),
     lambda box, now: box.reload(now, None, 2, ()),
-], ids=("mark", "sign off", "stop", "judge", "submit", "publish", "operation", "reload"))
+], ids=(*ENTRIES, "stop", "operation", "reload"))
 def test_scores_are_refused(driver, call):
     """They would be lost: the other box does not have them."""
     record = driver.run_in().record(driver.now)

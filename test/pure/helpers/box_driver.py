@@ -1,6 +1,6 @@
 """A Box in simulated time, which jumps from deadline to deadline, and robots that report what a test wants."""
 
-from helpers.commands import given_with
+from helpers.commands import given_with, mark_with
 from helpers.competition import UTC0, competition, id_of
 from helpers.effect_rules import EffectRules
 from roah_rsbb.core import effects
@@ -95,6 +95,14 @@ class BoxDriver:
         team = self.box.zones[zone].event.team if zone in self.box.zones else ""
         self.event(self.box.act, Target(zone), command, "", given_with(command, team))
 
+    def enter(self, entry, run, who="", /, **given):
+        """Somebody enters something for a run, as all faces do; raises `Refused`."""
+        self.event(self.box.act, Target(run.zone, run.identity), entry, who, given)
+
+    def mark(self, run, mark, who=""):
+        """Somebody marks an item; raises `Refused`."""
+        self.enter("mark", run, who, **mark_with(mark))
+
     def choose(self, place, zone="tbm", unsigned=False, who=""):
         """The referee chooses an event of the schedule, by its place in it; raises `Refused`."""
         self.choose_id(id_of(self.box.zones[zone].events[place]), zone, unsigned, who)
@@ -106,7 +114,7 @@ class BoxDriver:
 
     def score(self, group, desc, value, zone="tbm"):
         """The referee marks a scoring item; raises `Refused`."""
-        self.event(self.box.scores.mark, RunName(zone), Mark(group, desc, value))
+        self.mark(RunName(zone), Mark(group, desc, value))
 
     def robot(self, team="Alpha", name="r1", host="10.0.0.2", skew=0.0):
         """A robot that was just switched on, and has not said anything yet."""

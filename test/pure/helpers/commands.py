@@ -13,6 +13,11 @@ def given_with(command, team=""):
     return {**({"team": team} if team and "team" in names else {}), **({"running": True} if "running" in names else {})}
 
 
+def mark_with(mark):
+    """What a face gives with a mark."""
+    return {"value": mark.value, **{name: value for name, value in mark._asdict().items() if value}}
+
+
 def actions_text(off=None, hidden=(), fields=None, asked=None):
     """The actions of a zone as ZoneDetails has them. `off`: by name, the reasons why each is off. `asked`: what a
     benchmarking module asks for, see `forms.shown_form`."""

@@ -2,6 +2,7 @@
 
 import pytest
 
+from helpers.commands import mark_with
 from helpers.competition import BUMPS, DOOR, competition, event
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.restart.saved import freeze
@@ -28,15 +29,15 @@ class Jury:
     def mark(self, judge, item, value=0, **of_mark):
         self.marks += 1
         self.driver.run(2.0)
-        self.driver.event(self.driver.box.judges.mark, self.name,
-                          Mark(*item.key, value, id=f"m{self.marks}", **of_mark), judge)
+        mark = Mark(*item.key, value, id=f"m{self.marks}", judge=judge, **of_mark)
+        self.driver.enter("judge_mark", self.name, **mark_with(mark))
 
     def submit(self, judge):
         self.driver.run(2.0)
-        self.driver.event(self.driver.box.judges.submit, self.name, judge)
+        self.driver.enter("submit", self.name, judge=judge)
 
     def settle(self, item, value, reason="the video shows it", who="Hugo", **of_mark):
-        self.driver.event(self.driver.box.judges.settle, self.name, Mark(*item.key, value, **of_mark), reason, who)
+        self.driver.enter("settle", self.name, who, reason=reason, **mark_with(Mark(*item.key, value, **of_mark)))
 
     def refused(self, method, *arguments):
         """Return the reasons of a refusal, which changes nothing."""
@@ -60,4 +61,4 @@ class Jury:
         return {item.desc: "-" if item.not_attempted else item.text or item.value for item in self.record().items}
 
     def sign_off(self):
-        self.driver.event(self.driver.box.scores.sign_off, self.name, "Hugo")
+        self.driver.enter("sign_off", self.name, "Hugo")

@@ -14,8 +14,6 @@ from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
-from roah_rsbb.core.referee import RunName
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
@@ -92,7 +90,7 @@ class _Competition:
         self._command("disconnect")
         for zone, identity in closed.items():
             if self._random.random() < 0.9:
-                self._event(self._box.scores.sign_off, RunName(zone, identity), "Anna")
+                self._event(self._box.act, Target(zone, identity), "sign_off", "Anna")
         self._pass_time(max(1.0, began.mono + SLOT_S + self._random.uniform(-10.0, 30.0) - self._now.mono))
 
     def _start(self, zones):
@@ -121,7 +119,8 @@ class _Competition:
             items = [item for item in run.event.benchmark.scoring if item.kind in (ScoreKind.BOOL, ScoreKind.UINT)]
             for item in self._random.sample(items, min(3, len(items))):
                 value = 1 if item.kind is ScoreKind.BOOL else self._random.randrange(1, 4)
-                self._event(self._box.scores.mark, RunName(name), Mark(item.group, item.desc, value), "Anna")
+                given = {"group": item.group, "desc": item.desc, "value": value}
+                self._event(self._box.act, Target(name), "mark", "Anna", given)
 
     def _end(self, zones):
         """The robots end their task."""

@@ -4,7 +4,7 @@ import operator
 
 from hypothesis import strategies as st
 
-from helpers.commands import COMMANDS, given_with
+from helpers.commands import COMMANDS, given_with, mark_with
 from helpers.competition import TEAMS, competition, event
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
@@ -40,9 +40,10 @@ def _scores(draw, zone):
     mark_id = draw(st.sampled_from("abcdef"))
     once = Mark("Penalized", "bumps", added=draw(st.sampled_from(["1", "-1", "2", ""])), id=mark_id)
     return draw(st.sampled_from([
-        *[("scores.mark", (name, mark))] * 3, *[("scores.mark", (name, once))] * 3,
-        ("scores.withdraw", (name, draw(st.integers(-1, 4)))), ("scores.take_back", (name, mark_id)),
-        ("scores.sign_off", (name,)), ("scores.give_stop_reason", (name, "reason", "", draw(st.integers(-1, 3)))),
+        *[("enter", (name, "mark", mark_with(mark)))] * 3, *[("enter", (name, "mark", mark_with(once)))] * 3,
+        ("enter", (name, "withdraw", {"entry": draw(st.integers(-1, 4))})),
+        ("enter", (name, "take_back", {"id": mark_id})), ("enter", (name, "sign_off", {})),
+        ("enter", (name, "stop_reason", {"reason": "reason", "stop": draw(st.integers(-1, 3))})),
     ]))
 
 
@@ -100,11 +101,13 @@ def apply_event(driver, name, arguments):
         arguments = (port, host, report, driver.now.utc - waited)
     elif name == "on_robot_beacon":
         arguments = (*arguments[:3], now if arguments[3] is None else arguments[3], driver.now.utc - arguments[4])
-    elif name.startswith("scores."):
-        arguments = (_meant(driver, arguments[0]), *arguments[1:])
     try:
         if name == "command":
             driver.command(arguments[1], arguments[0])
+            return
+        if name == "enter":
+            run, entry, given = arguments
+            driver.enter(entry, _meant(driver, run), **given)
             return
         driver.event(operator.attrgetter(name)(driver.box), *arguments)
     except Refused as refused:

@@ -218,10 +218,10 @@ class Day:
             yield from self._press(zone, "stop")
         yield from self._to_the_end(zone, event, run)
         for mark in self.behaviour.marks(event, attempt):
-            box.event(box.box.scores.mark, RunName(zone), mark, "Anna")
+            box.mark(RunName(zone), mark, "Anna")
         identity = run.identity
         yield from self._press(zone, "disconnect")
-        box.event(box.box.scores.sign_off, RunName(zone, identity), "Anna")
+        box.enter("sign_off", RunName(zone, identity), "Anna")
 
     def _to_the_end(self, zone, event, run):
         """Wait for the end of a run, and answer the benchmarking module."""

@@ -34,7 +34,7 @@ class Runs:
         return len(gc.get_objects())
 
     def _play(self):
-        driver, scores, robot = self.driver, self.driver.box.scores, self.robot
+        driver, robot = self.driver, self.robot
         self.done += 1
         robot.beacon()
         driver.command("connect")
@@ -44,11 +44,11 @@ class Runs:
         robot.executes()
         for number in range(1, 4):
             mark = Mark(BUMPS.group, BUMPS.desc, number, id=f"{self.done} {number}")
-            driver.event(scores.mark, name, mark, "Anna")
+            driver.mark(name, mark, "Anna")
         driver.command("stop")
         robot.says(RobotState.STOP)
         driver.command("disconnect")
-        driver.event(scores.sign_off, name, "Anna")
+        driver.enter("sign_off", name, "Anna")
         driver.core_journal.each_second(driver.now, {})
         assert driver.journal.why_not_saved(driver.core_journal.ticket()) == ""
         assert driver.core_journal.unsaved(driver.now) == ()

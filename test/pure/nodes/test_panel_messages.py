@@ -54,7 +54,7 @@ def test_all_that_changes_in_a_run_is_in_the_messages():
 
     def mark():
         name = RunName("tbm", driver.run_in().identity)
-        driver.event(driver.box.scores.mark, name, Mark("Penalized", "bumps", 1))
+        driver.mark(name, Mark("Penalized", "bumps", 1))
 
     robot = driver.robot()
     robot.port = 6667

@@ -32,6 +32,10 @@ def test_json_may_come_before_or_after_the_command(line):
     assert _parse(line).json is True
 
 
+def test_who_does_an_action_may_be_named():
+    assert _parse(["pause", "A", "--by", "Anna"]).referee == "Anna"
+
+
 def test_text_is_the_default():
     assert _parse(["status"]).json is False
 
@@ -76,6 +80,8 @@ def test_a_run_takes_all_its_options():
     (["withdraw", "A", "-1"], "1"),
     (["sign-off", "A"], "--run"),
     (["dance", "A"], "dance"),
+    (["conect", "A"], "no 'conect': did you mean 'connect'?"),
+    (["switch", "A", "0"], "a whole number from 1 to"),
     (["judges"], "ACTION"),
     (["judges", "settle", "A", "1", "3", "--by", "Hugo"], "--reason"),
     (["judges", "withdraw", "A", "Ben", "--reason", "ill"], "--by"),

@@ -96,8 +96,8 @@ def test_a_run_in_progress_continues(driver):
 
 def test_an_old_run_is_corrected_and_signed_off(driver):
     name = RunName("tbm", UNSIGNED)
-    driver.event(driver.box.scores.mark, name, Mark(OBJECTS.group, OBJECTS.desc, 2), "Cleo")
-    driver.event(driver.box.scores.sign_off, name, "Cleo")
+    driver.mark(name, Mark(OBJECTS.group, OBJECTS.desc, 2), "Cleo")
+    driver.enter("sign_off", name, "Cleo")
     driver.kill()
     again = driver.box.finished.find(UNSIGNED).record
     assert (again.event, again.sign_off.who, [item.value for item in again.items]) == ("a2", "Cleo", [0, 2, 5])

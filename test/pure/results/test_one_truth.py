@@ -123,7 +123,7 @@ class Organised:
         found = self.driver.box.finished.records()
         if found:
             record = found[number % len(found)]
-            self.driver.event(self.driver.box.scores.sign_off, RunName(record.zone, record.identity), "Anna")
+            self.driver.enter("sign_off", RunName(record.zone, record.identity), "Anna")
 
     def _move(self, number, zone, hours, team, code):
         before = list(self.events)

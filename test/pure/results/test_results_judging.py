@@ -53,9 +53,9 @@ def test_the_sheet_has_proposals_settlements_and_objections(jury):
     jury.settle(BUMPS, 42)
     jury.finish()
     driver = jury.driver
-    driver.event(driver.box.judges.publish, jury.name, 30.0, "Olga")
-    driver.event(driver.box.judges.object, jury.name, "Alpha", "too many bumps", "Olga")
-    driver.event(driver.box.judges.answer, jury.name, 1, False, "the video shows them", "Hugo")
+    driver.enter("publish", jury.name, "Olga", seconds=30)
+    driver.enter("object", jury.name, "Olga", by="Alpha", text="too many bumps")
+    driver.enter("answer", jury.name, "Hugo", number=1, text="the video shows them")
     lines, page = _read(jury, _texts)
     assert "bumps: Ann 41; Ben 43 → 42 (settled by Hugo: the video shows it)" in lines
     assert "detects the door: Ann yes; Ben yes → yes" in lines

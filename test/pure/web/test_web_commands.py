@@ -41,7 +41,7 @@ def test_a_referee_may_act_in_one_zone_and_an_organiser_in_all(name):
 
 def body(name, zone="Home"):
     """What a page sends with a command that needs nothing else."""
-    return {"zone": zone, **({"desc": "d"} if "mark" in name else {})}
+    return {"zone": zone, **({"group": "g", "desc": "d"} if "mark" in name else {})}
 
 
 @pytest.mark.parametrize("name", sorted({*OF_JUDGES, "judging"}))
@@ -79,7 +79,7 @@ def test_malformed_commands_are_refused(name, body):
 
 def test_a_page_of_an_earlier_version_does_not_set_what_it_adds():
     with pytest.raises(BadCommand, match="has no field 'change'"):
-        command_of("mark", {"zone": "Home", "desc": "d", "change": 1, "value": 1}, session())
+        command_of("mark", {"zone": "Home", "group": "g", "desc": "d", "change": 1, "value": 1}, session())
 
 
 def test_the_fields_of_a_modules_form_are_for_the_core_to_read():

@@ -2,7 +2,7 @@
 
 import itertools
 
-from helpers.commands import COMMANDS, given_with
+from helpers.commands import COMMANDS, given_with, mark_with
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.records import Phase
@@ -104,7 +104,7 @@ class Referee:
             elif not why:
                 self.confirmed[number] = name
                 self.world.oracles.confirmed(number)
-        self._call(f"mark {number} in {name.identity}", lambda core: (core.box.scores.mark, (name, mark, "Anna")),
+        self._call(f"mark {number} in {name.identity}", _enter(name, "mark", mark_with(mark)),
                    answered, is_durable=True)
 
     def _correct(self, zone):
@@ -114,16 +114,16 @@ class Referee:
         if what < 0.4:
             number = self.random.randint(1, 4)
             self._call(f"withdraw {number} of {name.identity}",
-                       lambda core: (core.box.scores.withdraw, (name, number, "Anna")), is_durable=True)
+                       _enter(name, "withdraw", {"entry": number}), is_durable=True)
         elif what < 0.7 and self.marks:
             mark = self.random.choice([number for number, (run, _) in self.marks.items() if run == name] or ["0"])
-            self._call(f"take back {mark}", lambda core: (core.box.scores.take_back, (name, mark, "Anna")),
+            self._call(f"take back {mark}", _enter(name, "take_back", {"id": mark}),
                        is_durable=True)
         else:
             def answered(why):
                 if why == "":
                     self.signed.add(name.identity)
-            self._call(f"sign off {name.identity}", lambda core: (core.box.scores.sign_off, (name, "Anna")), answered,
+            self._call(f"sign off {name.identity}", _enter(name, "sign_off", {}), answered,
                        is_durable=True)
 
     # -- calls --------------------------------------------------------------------------------------
@@ -193,3 +193,8 @@ class Referee:
 def _flat(call):
     method, arguments = call
     return (method, *arguments)
+
+
+def _enter(run, entry, given):
+    """Return what to call in a core to enter something for a run."""
+    return lambda core: (core.box.act, (Target(*run), entry, "Anna", given))

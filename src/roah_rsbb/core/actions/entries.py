@@ -1,6 +1,6 @@
 """What is entered for one run: the entries of the table for the desks of the box."""
 
-from typing import Any, Callable, Dict, Mapping
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple
 
 from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.actions.table import Target, is_plain
@@ -9,51 +9,90 @@ from roah_rsbb.core.judges.desk import JudgeDesk
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.desk import ScoreDesk
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.core.zones import Zones
 from roah_rsbb.model import fields
-from roah_rsbb.model.actions import ENTRIES, JUDGE_MARK, MARK
+from roah_rsbb.model.actions import ENTRIES, JUDGE_MARK, JUDGES, MARK, Action
+from roah_rsbb.model.reason import say
 
-# What an entry does with the run, who enters it and the values of its fields. The desks record it.
+NO_VALUE = say("The mark has no value: give value, text or added, or say that it was not attempted")
+# Fields whose journal has another name than calls.
+_JOURNALED = {"desc": "item", "id": "mark"}
+# How an item gets its value: the journal keeps the one that decides.
+_SETS = ("not_attempted", "added", "text", "value")
+# Kinds of the journal besides commands.
+JUDGING, PUBLICATION = "judging", "publication"
+
+# What an entry does with the run, who enters it and the values of its fields.
 Enter = Callable[[Now, RunName, str, Mapping[str, Any]], None]
+
+
+class _Entry(NamedTuple):
+    """One of `model.actions.ENTRIES`."""
+
+    do: Enter
+    kind: str = "command"  # in the journal
+    journaled: str = ""  # in the journal, where it has another name
 
 
 class Entries:
     """All of `model.actions.ENTRIES`."""
 
-    def __init__(self, scores: ScoreDesk, judges: JudgeDesk, record: CommandRecord) -> None:
-        self._record = record
+    def __init__(self, zones: Zones, scores: ScoreDesk, judges: JudgeDesk, record: CommandRecord) -> None:
+        self._zones = zones
         self._scores = scores
         self._judges = judges
-        self._all: Dict[str, Enter] = {
-            MARK: lambda now, run, who, given: scores.mark(now, run, mark_of(given), who),
-            JUDGE_MARK: lambda now, run, who, given: judges.mark(
-                now, run, mark_of(given)._replace(judge=""), given["judge"]),
-            "withdraw": lambda now, run, who, given: scores.withdraw(now, run, given["entry"], who, given["note"]),
-            "take_back": lambda now, run, who, given: scores.take_back(now, run, given["id"], who, given["note"]),
-            "stop_reason": lambda now, run, who, given: scores.give_stop_reason(
-                now, run, given["reason"], who, given["stop"]),
-            "sign_off": lambda now, run, who, given: scores.sign_off(now, run, who),
-            "submit": lambda now, run, who, given: judges.submit(now, run, given["judge"], given["device"]),
-            "settle": lambda now, run, who, given: judges.settle(
-                now, run, mark_of(given), given["reason"], who),
-            "hand_back": lambda now, run, who, given: judges.hand_back(now, run, given["judge"], given["reason"], who),
-            "withdraw_sheet": lambda now, run, who, given: judges.withdraw(
-                now, run, given["judge"], given["reason"], who),
-            "waive": lambda now, run, who, given: judges.waive(now, run, given["reason"], who),
-            "publish": lambda now, run, who, given: judges.publish(now, run, given["seconds"], who),
-            "object": lambda now, run, who, given: judges.object(now, run, given["by"], given["text"], who),
-            "answer": lambda now, run, who, given: judges.answer(
-                now, run, given["number"], given["upheld"], given["text"], who),
+        self._all = {
+            MARK: _Entry(lambda now, run, who, given: scores.mark(now, run, mark_of(given), who)),
+            JUDGE_MARK: _Entry(
+                lambda now, run, who, given: judges.mark(now, run, mark_of(given), who), JUDGE_MARK, MARK),
+            "withdraw": _Entry(
+                lambda now, run, who, given: scores.withdraw(now, run, given["entry"], who, given["note"])),
+            "take_back": _Entry(
+                lambda now, run, who, given: scores.take_back(now, run, given["id"], who, given["note"])),
+            "stop_reason": _Entry(
+                lambda now, run, who, given: scores.give_stop_reason(now, run, given["reason"], who, given["stop"])),
+            "sign_off": _Entry(lambda now, run, who, given: scores.sign_off(now, run, who)),
+            "submit": _Entry(lambda now, run, who, given: judges.submit(now, run, who, given["device"]), JUDGING),
+            "settle": _Entry(
+                lambda now, run, who, given: judges.settle(now, run, mark_of(given), given["reason"], who), JUDGING),
+            "hand_back": _Entry(
+                lambda now, run, who, given: judges.hand_back(now, run, given["judge"], given["reason"], who), JUDGING),
+            "withdraw_sheet": _Entry(
+                lambda now, run, who, given: judges.withdraw(now, run, given["judge"], given["reason"], who),
+                JUDGING, "withdraw"),
+            "waive": _Entry(lambda now, run, who, given: judges.waive(now, run, given["reason"], who), JUDGING),
+            "publish": _Entry(
+                lambda now, run, who, given: judges.publish(now, run, given["seconds"], who), PUBLICATION),
+            "object": _Entry(
+                lambda now, run, who, given: judges.object(now, run, given["by"], given["text"], who), PUBLICATION),
+            "answer": _Entry(
+                lambda now, run, who, given: judges.answer(
+                    now, run, given["number"], given["upheld"], given["text"], who), PUBLICATION),
         }
+        self._records: Dict[str, CommandRecord] = {
+            entry.kind: record.of_kind(entry.kind) for entry in self._all.values()}
 
     def do(self, now: Now, target: Target, name: str, who: str, given: Mapping[str, Any]) -> None:
         """Enter something; see `Actions.do`. Raises `Refused`."""
-        run, entry = RunName(target.zone, target.run), ENTRIES[name]
+        run, entry, action = RunName(target.zone, target.run), self._all[name], ENTRIES[name]
+        values: Dict[str, Any] = {}
+        reasons: List[str] = []
         try:
-            values = fields.read(entry.fields, given)
-        except fields.BadValue as bad:
-            with self._record.of(run, who, name, **{key: value for key, value in given.items() if is_plain(value)}):
-                raise Refused([bad.reason]) from None
-        self._all[name](now, run, who, values)
+            values = _read(action, given)
+            asked = _asked(values)
+        except fields.BadValue as bad:  # it is refused below
+            reasons = [bad.reason]
+            known = {field.name for field in action.fields}
+            asked = _journaled({key: value for key, value in given.items() if key in known and is_plain(value)})
+        if action.roles == JUDGES:  # what a judge does is done under the judge's own name
+            who = str(asked.pop("judge", who))
+            values["judge"] = ""
+        with self._records[entry.kind].of(run, who, entry.journaled or name, **asked):
+            if not run.identity:
+                self._zones.named(run.zone)
+            if reasons:
+                raise Refused(reasons)
+            entry.do(now, run, who, values)
 
     def outcome(self, target: Target, name: str, given: Mapping[str, Any]) -> Dict[str, Any]:
         """Return how the item of a mark that was entered is now, as JSON; of anything else, nothing."""
@@ -63,6 +102,28 @@ class Entries:
         entry, item = (self._scores.outcome(run, mark) if name == MARK else
                        self._judges.outcome(run, mark, given["judge"]))
         return {"number": entry, "value": item.value, "not_attempted": item.not_attempted, "text": item.text}
+
+
+def _read(action: Action, given: Mapping[str, Any]) -> Dict[str, Any]:
+    """Return the values of an entry's fields. Raises `BadValue`. A mark without a value would set its item to 0."""
+    values = fields.read(action.fields, given)
+    if "not_attempted" in values and not values["not_attempted"] and not any(name in given for name in _SETS[1:]):
+        raise fields.BadValue(NO_VALUE())
+    return values
+
+
+def _asked(values: Mapping[str, Any]) -> Dict[str, Any]:
+    """Return the values of an entry as the journal has them."""
+    asked = dict(values)
+    if "desc" in values:
+        decides = next((name for name in _SETS if values.get(name)), "text" if values.get("judge") else "value")
+        asked = {name: value for name, value in values.items() if name not in _SETS or name == decides}
+    return _journaled(asked)
+
+
+def _journaled(values: Mapping[str, Any]) -> Dict[str, Any]:
+    """Return values by the names that the journal has for their fields."""
+    return {_JOURNALED.get(name, name): value for name, value in values.items()}
 
 
 def mark_of(given: Mapping[str, Any]) -> Mark:

@@ -14,7 +14,7 @@ from roah_rsbb.core.referee import Refused, RunName, checked_who, cut_note
 from roah_rsbb.core.scoring.records import By
 from roah_rsbb.core.zones import Zone, Zones
 from roah_rsbb.model import fields
-from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.actions import ACTIONS, EVERY
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.shown import Shown
 from roah_rsbb.wording.suggestions import did_you_mean
@@ -81,7 +81,7 @@ class Actions:
     def do(self, now: Now, target: Target, name: str, who: str = "", given: Mapping[str, Any] = NOTHING) -> None:
         """Carry out an action. `given`: the values of its fields by their names, as in JSON. Raises `Refused`."""
         if name not in self._all:
-            raise Refused([NO_ACTION(action=cut_note(name), hint=did_you_mean(name, self._all))])
+            raise Refused([NO_ACTION(action=cut_note(name), hint=did_you_mean(name, EVERY))])
         action, run = self._all[name], RunName(target.zone, target.run)
         recorded = {field.name: given[field.name] for field in action.action.fields if is_plain(given.get(field.name))
                     and given[field.name] is not False}

@@ -3,7 +3,6 @@
 from typing import Callable, List, NamedTuple, Optional, Tuple, Union
 
 from roah_rsbb.core import effects
-from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Outbox
 from roah_rsbb.core.judges.judges import Verdict
@@ -15,7 +14,6 @@ from roah_rsbb.core.scoring.desk import (
     STILL_CONNECTED,
     MarkOutcome,
     ScoreDesk,
-    asked_of,
     check_mark_id,
 )
 from roah_rsbb.core.scoring.records import By, ItemRecord, JudgeSheet, RunRecord
@@ -40,18 +38,12 @@ class Judging(NamedTuple):
 
 
 class JudgeDesk:
-    """Takes what judges and the head referee enter. Each run is named by its identity."""
+    """Takes what judges and the head referee enter. Each run is named by its identity. `Entries` checks and records it
+    first."""
 
-    def __init__(
-        self, tick: Callable[[Now], None], scores: ScoreDesk, record: CommandRecord, outbox: Outbox
-    ) -> None:
-        """`tick` does what is due by now. Every event calls it first."""
-        self._tick = tick
+    def __init__(self, scores: ScoreDesk, outbox: Outbox) -> None:
         self._scores = scores
         self._outbox = outbox
-        self._marks = record.of_kind("judge_mark")
-        self._acts = record.of_kind("judging")
-        self._publications = record.of_kind("publication")
 
     # -- looking ------------------------------------------------------------------------------------
 
@@ -79,12 +71,10 @@ class JudgeDesk:
 
     def mark(self, now: Now, name: RunName, mark: Mark, judge: str) -> None:
         """Mark an item on a judge's own sheet, unless this mark was applied before. Raises `Refused`."""
-        self._tick(now)
-        with self._marks.of(name, judge, "mark", **asked_of(mark), mark=mark.id, device=mark.device):
-            check_mark_id(mark.id)
-            judge, note = checked_who(judge), checked_note(mark.note)
-            marked = mark._replace(note=note, device=checked_who(mark.device), role="judge")
-            self._change(now, name, lambda book: _silent(book.judges.mark(now, judge, marked)))
+        check_mark_id(mark.id)
+        judge, note = checked_who(judge), checked_note(mark.note)
+        marked = mark._replace(note=note, device=checked_who(mark.device), role="judge")
+        self._change(now, name, lambda book: _silent(book.judges.mark(now, judge, marked)))
 
     def outcome(self, name: RunName, mark: Mark, judge: str) -> MarkOutcome:
         """Return the result of a mark that was applied. Raises `Refused`."""
@@ -92,67 +82,51 @@ class JudgeDesk:
 
     def submit(self, now: Now, name: RunName, judge: str, device: str = "") -> None:
         """Submit a judge's sheet. Raises `Refused`."""
-        self._tick(now)
-        with self._acts.of(name, judge, "submit", device=device):
-            named, device = checked_who(judge), checked_who(device)
-            self._change(now, name, lambda book: book.judges.submit(now, named, device))
+        named, device = checked_who(judge), checked_who(device)
+        self._change(now, name, lambda book: book.judges.submit(now, named, device))
 
     # -- the head referee ---------------------------------------------------------------------------
 
     def hand_back(self, now: Now, name: RunName, judge: str, reason: str, who: str = "") -> None:
         """Hand a judge's sheet back, so that the judge looks again. Raises `Refused`."""
-        self._tick(now)
-        with self._acts.of(name, who, "hand_back", judge=judge, reason=reason):
-            by = By(checked_who(who), checked_note(reason))
-            self._change(now, name, lambda book: book.judges.hand_back(now, by, checked_who(judge)))
+        by = By(checked_who(who), checked_note(reason))
+        self._change(now, name, lambda book: book.judges.hand_back(now, by, checked_who(judge)))
 
     def withdraw(self, now: Now, name: RunName, judge: str, reason: str, who: str = "") -> None:
         """Withdraw a judge's sheet. Raises `Refused`."""
-        self._tick(now)
-        with self._acts.of(name, who, "withdraw", judge=judge, reason=reason):
-            by = By(checked_who(who), checked_note(reason))
-            self._change(now, name, lambda book: book.judges.withdraw(now, by, checked_who(judge)))
+        by = By(checked_who(who), checked_note(reason))
+        self._change(now, name, lambda book: book.judges.withdraw(now, by, checked_who(judge)))
 
     def waive(self, now: Now, name: RunName, reason: str, who: str = "") -> None:
         """Do not wait for missing judges. Raises `Refused`."""
-        self._tick(now)
-        with self._acts.of(name, who, "waive", reason=reason):
-            by = By(checked_who(who), checked_note(reason))
-            self._change(now, name, lambda book: book.judges.waive(now, by))
+        by = By(checked_who(who), checked_note(reason))
+        self._change(now, name, lambda book: book.judges.waive(now, by))
 
     def settle(self, now: Now, name: RunName, mark: Mark, reason: str, who: str = "") -> None:
         """Settle an item with a value and a reason. Raises `Refused`."""
-        self._tick(now)
-        with self._acts.of(name, who, "settle", **{**asked_of(mark), "reason": reason}):
-            by = By(checked_who(who), checked_note(reason))
-            self._change(now, name, lambda book: book.judges.settle(now, by, mark))
+        by = By(checked_who(who), checked_note(reason))
+        self._change(now, name, lambda book: book.judges.settle(now, by, mark))
 
     # -- publication --------------------------------------------------------------------------------
 
     def publish(self, now: Now, name: RunName, seconds: float = -1.0, who: str = "") -> None:
         """Publish the result of a finished run as provisional. `seconds`: as in `Publication`. Raises `Refused`."""
-        self._tick(now)
-        with self._publications.of(name, who, "publish", seconds=seconds):
-            by = By(checked_who(who))
-            self._check_over(name)
-            self._change(now, name, lambda book: book.publication.publish(now, by, seconds))
+        by = By(checked_who(who))
+        self._check_over(name)
+        self._change(now, name, lambda book: book.publication.publish(now, by, seconds))
 
     def object(self, now: Now, name: RunName, by: str, text: str, who: str = "") -> None:
         """Enter an objection. Raises `Refused`."""
-        self._tick(now)
-        with self._publications.of(name, who, "object", by=by, text=text):
-            objector, objection = checked_who(by), checked_note(text)
-            self._check_over(name)
-            self._change(
-                now, name, lambda book: book.publication.object(now, checked_who(who), objector, objection))
+        objector, objection = checked_who(by), checked_note(text)
+        self._check_over(name)
+        self._change(
+            now, name, lambda book: book.publication.object(now, checked_who(who), objector, objection))
 
     def answer(self, now: Now, name: RunName, number: int, upheld: bool, text: str, who: str = "") -> None:
         """Answer an objection. Raises `Refused`."""
-        self._tick(now)
-        with self._publications.of(name, who, "answer", number=number, upheld=upheld, text=text):
-            by = By(checked_who(who), checked_note(text))
-            self._check_over(name)
-            self._change(now, name, lambda book: book.publication.answer(now, by, number, upheld))
+        by = By(checked_who(who), checked_note(text))
+        self._check_over(name)
+        self._change(now, name, lambda book: book.publication.answer(now, by, number, upheld))
 
     # -- inside -------------------------------------------------------------------------------------
 

@@ -359,6 +359,10 @@ class FinishedRuns:
             if record.closed_utc:
                 self.add(record)
 
+    def __contains__(self, identity: str) -> bool:
+        """Whether it has the run of that identity."""
+        return identity in self._runs
+
     def find(self, identity: str) -> FinishedRun:
         """Return the run of that identity. Raises `Refused`."""
         run = self._runs.get(identity)

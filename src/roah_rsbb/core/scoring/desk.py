@@ -1,6 +1,6 @@
 """The referee's scores: marks, withdrawals, reasons and sign-offs, in runs in progress and finished runs."""
 
-from typing import Callable, Dict, List, NamedTuple, Optional, Set, Tuple, Union
+from typing import Callable, List, NamedTuple, Optional, Set, Tuple, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.record import CommandRecord
@@ -104,19 +104,16 @@ class ScoreDesk:
         A mark with an identity names its run by the run's own, so one that arrives again changes no other run, and is
         applied once.
         """
-        self._tick(now)
-        asked = {**asked_of(mark), "mark": mark.id, "role": mark.role, "device": mark.device}
-        with self._record.of(name, who, "mark", **asked):
-            if mark.id:
-                if not name.identity:
-                    raise Refused([NAME_THE_RUN])
-                check_mark_id(mark.id)
-            if mark.role and mark.role not in ROLES:
-                raise Refused([say("no role '{role}': choose one of {choices}")(
-                    role=mark.role, choices=", ".join(ROLES))])
-            mark = mark._replace(note=checked_note(mark.note), device=checked_who(mark.device))
-            run = self.named(name)
-            self.report_correction(run, run.mark(now, checked_who(who), mark))
+        if mark.id:
+            if not name.identity:
+                raise Refused([NAME_THE_RUN])
+            check_mark_id(mark.id)
+        if mark.role and mark.role not in ROLES:
+            raise Refused([say("no role '{role}': choose one of {choices}")(
+                role=mark.role, choices=", ".join(ROLES))])
+        mark = mark._replace(note=checked_note(mark.note), device=checked_who(mark.device))
+        run = self.named(name)
+        self.report_correction(run, run.mark(now, checked_who(who), mark))
 
     def outcome(self, name: RunName, mark: Mark) -> MarkOutcome:
         """Return the result of a mark that was applied. Raises `Refused`."""
@@ -125,40 +122,32 @@ class ScoreDesk:
 
     def withdraw(self, now: Now, name: RunName, number: int, who: str = "", note: str = "") -> None:
         """Withdraw an entry of a score sheet. The other entries do not change. Raises `Refused`."""
-        self._tick(now)
-        with self._record.of(name, who, "withdraw", entry=number, note=note):
-            by = By(checked_who(who), checked_note(note))
-            run = self.named(name)
-            self.report_correction(run, run.withdraw_score(now, by, number))
+        by = By(checked_who(who), checked_note(note))
+        run = self.named(name)
+        self.report_correction(run, run.withdraw_score(now, by, number))
 
     def take_back(self, now: Now, name: RunName, mark_id: str, who: str = "", note: str = "") -> None:
         """Take back a mark that set an item, once, however often this arrives. Raises `Refused`."""
-        self._tick(now)
-        with self._record.of(name, who, "take_back", mark=mark_id, note=note):
-            if not name.identity:
-                raise Refused([NAME_THE_RUN])
-            by = By(checked_who(who), checked_note(note))
-            run = self.named(name)
-            self.report_correction(run, run.take_back(now, by, mark_id))
+        if not name.identity:
+            raise Refused([NAME_THE_RUN])
+        by = By(checked_who(who), checked_note(note))
+        run = self.named(name)
+        self.report_correction(run, run.take_back(now, by, mark_id))
 
     def give_stop_reason(self, now: Now, name: RunName, reason: str, who: str = "", number: int = 0) -> None:
         """Set why a run was stopped, until it is signed off; see `RunBook.give_reason`. Raises `Refused`."""
-        self._tick(now)
-        with self._record.of(name, who, "stop_reason", reason=reason, stop=number):
-            by = By(checked_who(who), checked_note(reason))
-            run = self.named(name)
-            self.report_correction(run, run.give_stop_reason(now, by, number))
+        by = By(checked_who(who), checked_note(reason))
+        run = self.named(name)
+        self.report_correction(run, run.give_stop_reason(now, by, number))
 
     def sign_off(self, now: Now, name: RunName, who: str = "") -> None:
         """Make the score sheet of a finished run final. Raises `Refused`."""
-        self._tick(now)
-        with self._record.of(name, who, "sign_off"):
-            if not name.identity:
-                raise Refused([say("name the run to sign off: only a run that is over can be signed off")])
-            run = self.named(name)
-            if not isinstance(run, FinishedRun):
-                raise Refused([STILL_CONNECTED(run=name.identity)])
-            self.report_correction(run, run.sign_off(now, checked_who(who)))
+        if not name.identity:
+            raise Refused([say("name the run to sign off: only a run that is over can be signed off")])
+        run = self.named(name)
+        if not isinstance(run, FinishedRun):
+            raise Refused([STILL_CONNECTED(run=name.identity)])
+        self.report_correction(run, run.sign_off(now, checked_who(who)))
 
     # -- stop ---------------------------------------------------------------------------------------
 
@@ -187,6 +176,8 @@ class ScoreDesk:
         zone = self._zones.get(name.zone)  # the zone of a finished run may no longer be in the schedule
         if zone is not None and zone.run is not None and zone.run.identity == name.identity:
             return zone.run
+        if zone is None and name.identity not in self._finished:
+            self._zones.named(name.zone)  # that it does not exist explains more
         run = self._finished.find(name.identity)
         if run.record.zone != name.zone:
             raise Refused([say("run {run} was in zone '{zone}', not in '{other}'")(
@@ -208,14 +199,3 @@ def check_mark_id(mark_id: str) -> None:
     if not mark_id.strip() or not mark_id.isprintable() or len(mark_id) > MAX_MARK_ID:
         raise Refused([say("the id '{id}' cannot identify a mark: give each mark a new UUID")(
             id=mark_id[:MAX_MARK_ID])])
-
-
-def asked_of(mark: Mark) -> Dict[str, object]:
-    """Return a mark as the journal records it."""
-    asked: Dict[str, object] = {"group": mark.group, "item": mark.desc, "note": mark.note}
-    if mark.not_attempted:
-        return {**asked, "not_attempted": True}
-    if mark.added:
-        return {**asked, "added": mark.added}
-    value: Dict[str, object] = {"text": mark.text} if mark.text or mark.judge else {"value": mark.value}
-    return {**asked, **value, "judge": mark.judge}

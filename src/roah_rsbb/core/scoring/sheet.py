@@ -172,6 +172,7 @@ class ScoreSheet:
         changes nothing. `correction`: the run is over.
         """
         if self.taken(mark.id) is not None:
+            self._check_same(mark)
             return self.item(mark.group, mark.desc)
         mark = self.check(mark)
         key = (mark.group, mark.desc)
@@ -198,6 +199,14 @@ class ScoreSheet:
             self._take(mark.id, self._replace(same, entry))
         self._stand()
         return record
+
+    def _check_same(self, mark: Mark) -> None:
+        """Refuse a mark with the identity of one that changed another item: it would be lost in silence."""
+        number = self.taken(mark.id)
+        for entry in self._history:
+            if entry.number == number and (entry.group, entry.desc) != (mark.group, mark.desc):
+                raise Refused([say("the id '{id}' was used for '{item}': give each mark a new UUID")(
+                    id=mark.id, item=entry.desc)])
 
     def _counted(self, item: ScoringItem, mark: Mark) -> Mark:
         """Return the mark with the value that the item has after it. The caller checks that value."""
@@ -273,7 +282,9 @@ class ScoreSheet:
             raise Refused([say("that mark has no entry in the history: set the value instead")])
         if self.is_taken_back(mark_id):
             return None
-        if entry.added or list(self._taken.values()).count(number) > 1:
+        if entry.added:
+            raise Refused([say("that mark added to its item: add the opposite instead")])
+        if list(self._taken.values()).count(number) > 1:
             raise Refused([say("that mark shares an entry of the history with others: set the value instead")])
         return self.withdraw(now, who, number, note, correction)
 

@@ -22,6 +22,8 @@ MAX_FIELDS = 20
 # Spin boxes of panels hold no more.
 MAX_SIZE = 2**31 - 1
 _NAME = re.compile("[a-z][a-z0-9_]{0,39}")  # of a field
+# Names that something else has in the same record: the number of the request, in the journal, in JavaScript.
+RESERVED = frozenset({"operation", "command", "refused", "constructor"})
 # `uint32`, `uint16` and `uint8` on the ROS interface.
 MAX_NUMBER = 2**32 - 1
 MAX_ATTEMPT = 2**16 - 1
@@ -131,8 +133,9 @@ def _form_problem(text: str) -> str:
 
 
 def _field_problem(field: Field, times: int) -> str:
-    if not _NAME.fullmatch(field.name) or field.name == "operation" or times > 1:
-        return "has a wrong name: names are of a to z, 0 to 9 and _, each once, and not 'operation'"
+    if not _NAME.fullmatch(field.name) or field.name in RESERVED or times > 1:
+        return ("has a wrong name: names are of a to z, 0 to 9 and _, each once, and none of "
+                + ", ".join(sorted(RESERVED)))
     if type(field) not in ASKED:
         return f"is a {field.kind}, which a module cannot ask for"
     if isinstance(field, (Number, Decimal)) and not (
@@ -142,8 +145,14 @@ def _field_problem(field: Field, times: int) -> str:
         return f"has {field.characters} characters: 1 to {MAX_TEXT} are allowed"
     if isinstance(field, Choice) and not 1 <= len(field.choices) <= MAX_LIST:
         return f"has {len(field.choices)} choices: 1 to {MAX_LIST} are allowed"
+    if isinstance(field, Choice) and len({*map(str.strip, field.choices), ""}) <= len(field.choices):
+        return "has an empty choice, or one twice"
+    if isinstance(field, Number) and field.default and not field.low <= field.default <= field.high:
+        return f"is {field.default} if it is left out, which is not from {field.low} to {field.high}"
     texts = [field.label, *getattr(field, "choices", ()), getattr(field, "unit", "")]
-    return "" if all(clean(text) == text for text in texts) else f"has a text longer than {MAX_TEXT} characters"
+    if not all(clean(text) == text for text in texts):
+        return f"has a text longer than {MAX_TEXT} characters"
+    return "" if all(map(str.isprintable, texts)) else "has a text with control characters"
 
 
 def _cleaned(request: Request) -> Request:

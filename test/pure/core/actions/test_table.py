@@ -44,8 +44,9 @@ def test_wrong_values_are_refused_and_recorded(name, given):
     reasons = refusal(driver, Target("tbm"), name, given)
     recorded, = driver.taken(effects.Recorded)
     assert recorded.value["refused"] == reasons and recorded.who == "Anna"
-    journaled = {kind.name: kind.journaled for kind in KINDS}.get(name)
-    assert recorded.value["command"] == (journaled or name)
+    journaled = {kind.name: kind.journaled for kind in KINDS}
+    journaled.update(judge_mark="mark", withdraw_sheet="withdraw")
+    assert recorded.value["command"] == (journaled.get(name) or name)
 
 
 @pytest.mark.parametrize("name", [name for name in EVERY if name not in ("connect", "publish")])
@@ -54,6 +55,20 @@ def test_an_unknown_zone_is_refused_with_the_zones_that_there_are(name):
     fields = {field.name for field in EVERY[name].fields}
     reasons = refusal(BoxDriver(), Target("tmb"), name, {key: value for key, value in given.items() if key in fields})
     assert "no zone 'tmb': did you mean 'tbm'?" in reasons or "name the run" in reasons[0]
+
+
+@pytest.mark.parametrize("name", ["mark", "judge_mark", "settle"])
+def test_an_item_gets_no_value_that_nobody_gave(name):
+    driver = BoxDriver()
+    driver.executing()
+    given = {"group": "Penalized", "desc": "bumps", **({"judge": "Ben"} if name == "judge_mark" else {})}
+    reasons = refusal(driver, Target("tbm", driver.run_in().identity), name, given)
+    assert reasons == ["The mark has no value: give value, text or added, or say that it was not attempted"]
+
+
+def test_an_unknown_zone_is_the_reason_also_where_a_run_is_named():
+    assert refusal(BoxDriver(), Target("tmb", "HGTKMH-1-2.000"), "sign_off") == [
+        "no zone 'tmb': did you mean 'tbm'?"]
 
 
 def test_a_call_that_means_another_run_or_event_changes_nothing():

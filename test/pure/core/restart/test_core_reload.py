@@ -241,7 +241,7 @@ def test_a_run_of_tomorrow_with_the_same_numbers_is_another_event():
     """A sheet of tomorrow begins at round 1 again. Its runs used to appear as done and signed off."""
     driver = BoxDriver(competition(tbm=[with_id("x"), with_id("y", code="HWV", run=2)]))
     record = attempt(driver)
-    driver.event(driver.box.scores.sign_off, RunName("tbm", record.identity), "Anna")
+    driver.enter("sign_off", RunName("tbm", record.identity), "Anna")
     reload(driver, competition(tbm=[with_id("z", scheduled=UTC0 + 24 * HOUR)]))
     line, = schedule(driver.box, driver.now)
     assert (line.last, line.state) == (None, EventState.NEXT)

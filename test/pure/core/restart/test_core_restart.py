@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from helpers.box_driver import BoxDriver, beacon_bytes
+from helpers.commands import mark_with
 from helpers.competition import BUMPS, DOOR, competition, event
 from helpers.examples import examples
 from helpers.forms import form
@@ -20,7 +21,7 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import DevicesState, TabletState
 from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
-from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.restart.restart import BoxSaved, Saved
 from roah_rsbb.core.restart.saved import Anchor, freeze, thaw
 from roah_rsbb.core.scoring.records import RunRecord
@@ -204,10 +205,10 @@ _COMMANDS = st.sampled_from(
 _RULES_COMMANDS = st.sampled_from(["pause", "resume", "next_phase", "previous_phase", "no_show", "withdrawn"])
 _EVENTS = st.one_of(
     st.builds(lambda zone, item, value, note: (
-        "scores.mark", RunName(zone), Mark(item.group, item.desc, value, note=note), "Anna"
+        "act", Target(zone), "mark", "Anna", mark_with(Mark(item.group, item.desc, value, note=note))
     ), _ZONE, st.sampled_from([DOOR, BUMPS]), st.integers(0, 1), st.sampled_from(["", "seen"])),
-    st.builds(lambda zone: ("scores.withdraw", RunName(zone), 1, "Berta", "why"), _ZONE),
-    st.builds(lambda zone: ("scores.give_stop_reason", RunName(zone), "tired", "Anna"), _ZONE),
+    st.builds(lambda zone: ("act", Target(zone), "withdraw", "Berta", {"entry": 1, "note": "why"}), _ZONE),
+    st.builds(lambda zone: ("act", Target(zone), "stop_reason", "Anna", {"reason": "tired"}), _ZONE),
     st.builds(lambda zone: ("act", Target(zone), "operation"), st.sampled_from(["fbm", "omf"])),
     st.sampled_from([
         ("act", Target("omf"), "switch", "", {"number": 2}), ("act", Target("omf"), "damaged", "", {"number": 1}),

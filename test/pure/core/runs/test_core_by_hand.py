@@ -119,7 +119,7 @@ def test_an_event_without_its_team(command, end):
     assert driver.run_in() is None
     assert driver.view().event.benchmark.code == "HWV"
     assert [e.value["command"] for e in driver.taken(effects.Recorded)] == [command]
-    driver.event(driver.box.scores.sign_off, RunName(record.zone, record.identity), "Anna")
+    driver.enter("sign_off", RunName(record.zone, record.identity), "Anna")
     assert last_record(driver).sign_off.who == "Anna"
     line = schedule(driver.box, driver.now)[0]
     assert (line.state, line.begins) == (EventState.DONE, record.opened_utc)

@@ -83,7 +83,7 @@ def test_what_was_entered_for_a_run_is_kept_though_it_was_never_started():
     assert {item.desc: item.value for item in record.items}[BUMPS.desc] == 2
     assert driver.box.scores.why(driver.now, identity) is Why.NEVER_STARTED
     assert public_view(driver.box, driver.now, PublicResults.SCORES, provisional=True).provisional == ()
-    driver.event(driver.box.scores.sign_off, RunName("tbm", identity), "Anna")
+    driver.enter("sign_off", RunName("tbm", identity), "Anna")
 
 
 def test_a_run_that_is_repeated_is_shown_instead_of_the_one_before_and_both_are_kept():

@@ -7,6 +7,7 @@ import pytest
 from helpers.all_robots import connected as all_connected
 from helpers.all_robots import running as all_running
 from helpers.box_driver import BoxDriver
+from helpers.commands import mark_with
 from helpers.competition import BUMPS, DOOR, OBJECTS, competition, event
 from helpers.module_player import started
 from roah_rsbb.core import effects, run_log
@@ -29,7 +30,7 @@ def driver():
 
 def _score(driver, item, value=0, name=None, who="Anna", **of_mark):
     name = name or RunName("tbm")
-    driver.event(driver.box.scores.mark, name, Mark(item.group, item.desc, value, **of_mark), who)
+    driver.mark(name, Mark(item.group, item.desc, value, **of_mark), who)
 
 
 def _record(driver, zone="tbm"):
@@ -139,7 +140,7 @@ def test_every_change_of_a_record_is_published(driver):
     assert last() == driver.box.finished.records()[0]
     driver.event(driver.box.scores.give_stop_reason, name, "very well done")
     assert last() == driver.box.finished.records()[0]
-    driver.event(driver.box.scores.sign_off, name, "Anna")
+    driver.enter("sign_off", name, "Anna")
     assert last() == driver.box.finished.records()[0]
 
 
@@ -187,7 +188,7 @@ def test_all_robots_have_one_record():
 def test_a_score_has_who_and_note_and_the_log_the_value(driver):
     robot = driver.connected()
     mark = Mark(BUMPS.group, BUMPS.desc, 2, note="both at the door")
-    driver.event(driver.box.scores.mark, RunName("tbm"), mark, "Anna")
+    driver.mark(RunName("tbm"), mark, "Anna")
     (entry,) = _record(driver).history
     assert (entry.who, entry.note, entry.value, entry.correction) == ("Anna", "both at the door", 2, False)
     assert driver.logged(robot.port, run_log.SCORE) == [("Penalized", "bumps", 2)]
@@ -299,7 +300,7 @@ def test_a_run_that_is_over_is_corrected_by_its_identity(driver):
 def test_a_sign_off_ends_all_corrections(driver):
     name = _finished(driver)
     _score(driver, BUMPS, 4, name)
-    driver.event(driver.box.scores.sign_off, name, "Cleo")
+    driver.enter("sign_off", name, "Cleo")
     assert driver.box.finished.find(name.identity).record.sign_off == SignOff(driver.now.utc, "Cleo")
     for method, arguments in (
         (driver.box.scores.mark, (Mark(BUMPS.group, BUMPS.desc, 5),)), (driver.box.scores.withdraw, (1,)),
@@ -361,24 +362,22 @@ def test_a_command_that_is_refused_is_on_record_with_the_reasons(driver):
 
 def test_all_that_a_referee_does_is_on_record(driver):
     name = _finished(driver)
-    box = driver.box
-    for method, arguments, value in (
-        (box.scores.mark, (RunName("tbm"), Mark("Penalized", "bumps", 1)),
-         {"group": "Penalized", "item": "bumps", "value": 1}),
-        (box.scores.mark, (name, Mark("Penalized", "bumps", not_attempted=True, note="n")),
+    now, last = Target("tbm"), Target(*name)
+    for target, action, given, value in (
+        (now, "mark", mark_with(Mark("Penalized", "bumps", 1)), {"group": "Penalized", "item": "bumps", "value": 1}),
+        (last, "mark", mark_with(Mark("Penalized", "bumps", not_attempted=True, note="n")),
          {"group": "Penalized", "item": "bumps", "not_attempted": True, "note": "n"}),
-        (box.scores.withdraw, (name, 7), {"entry": 7}),
-        (box.scores.give_stop_reason, (name, "r"), {"reason": "r", "stop": 0}),
-        (box.scores.sign_off, (name,), {}),
-        (box.act, (Target("tbm"), "operation", "", {"operation": 3, "answer": "yes"}),
-         {"operation": 3, "answer": "yes"}),
-        (box.act, (Target("tbm"), "switch", "", {"number": 2}), {"switch": 2}),
-        (box.act, (Target("tbm"), "damaged", "", {"number": 1}), {"damaged": 1}),
-        (box.act, (Target("tbm"), "confirm_switches"), {}),
+        (last, "withdraw", {"entry": 7}, {"entry": 7}),
+        (last, "stop_reason", {"reason": "r"}, {"reason": "r", "stop": 0}),
+        (last, "sign_off", {}, {}),
+        (now, "operation", {"operation": 3, "answer": "yes"}, {"operation": 3, "answer": "yes"}),
+        (now, "switch", {"number": 2}, {"switch": 2}),
+        (now, "damaged", {"number": 1}, {"damaged": 1}),
+        (now, "confirm_switches", {}, {}),
     ):
         driver.taken()
         with contextlib.suppress(Refused):
-            driver.event(method, *arguments)
+            driver.event(driver.box.act, target, action, "", given)
         (done,) = _done(driver)
         reported = {key: found for key, found in done.value.items() if key not in ("command", "refused")}
         assert (done.zone, reported) == ("tbm", value)
@@ -389,7 +388,7 @@ def test_wrong_names_cannot_fill_the_disk(driver):
     driver.taken()
     with pytest.raises(Refused):
         mark = Mark("g" * 100_000, "d", 1, note="n" * 100_000)
-        driver.event(driver.box.scores.mark, RunName("z" * 100_000), mark, "w" * 100_000)
+        driver.mark(RunName("z" * 100_000), mark, "w" * 100_000)
     (done,) = _done(driver)
     assert len(str(done)) < 10 * MAX_NOTE
 

@@ -177,10 +177,20 @@ def test_only_a_mark_with_its_own_entry_is_taken_back():
     referees.add(BUMPS, id="one")
     referees.add(BUMPS, id="two")
     referees.set(CUPS, 0, id="no change")
-    for mark_id, why in (("one", "shares an entry"), ("no change", "has no entry"), ("none", "was not applied")):
+    for mark_id, why in (("one", "added to its item"), ("no change", "has no entry"), ("none", "was not applied")):
         with pytest.raises(Refused, match=why):
             referees.sheet.take_back(referees.now, "Anna", mark_id)
     assert referees.value(BUMPS) == 2
+
+
+def test_the_id_of_a_mark_of_another_item_is_refused():
+    """The mark would be lost without a word."""
+    referees = Referees(pause=0.1)
+    referees.add(BUMPS, id="one")
+    with pytest.raises(Refused, match="the id 'one' was used for 'bumps': give each mark a new UUID"):
+        referees.add(CUPS, id="one")
+    referees.add(BUMPS, id="one")
+    assert (referees.value(BUMPS), referees.value(CUPS)) == (1, 0)
 
 
 def test_an_item_is_corrected_if_something_was_added_or_withdrawn_after_the_end(referees):
@@ -372,14 +382,14 @@ def _plus(number, item=BUMPS, **of_mark):
 
 
 def _mark(driver, name, mark, who="Anna"):
-    driver.event(driver.box.scores.mark, name, mark, who)
+    driver.mark(name, mark, who)
     return driver.box.scores.outcome(name, mark)
 
 
 def _refused(driver, name, mark):
     driver.taken()
     with pytest.raises(Refused) as refused:
-        driver.event(driver.box.scores.mark, name, mark, "Anna")
+        driver.mark(name, mark, "Anna")
     (recorded,) = driver.taken()
     assert recorded.value["refused"] == refused.value.reasons
     (reason,) = refused.value.reasons
@@ -395,15 +405,15 @@ def test_taking_back_arrives_again_after_the_run_and_its_sign_off(driver):
     name = _running(driver)
     _mark(driver, name, Mark(*DOOR.key, 1, id="the door"))
     _mark(driver, name, Mark(*BUMPS.key, 4, id="bumps"))
-    driver.event(driver.box.scores.take_back, name, "the door", "Anna")
+    driver.enter("take_back", name, "Anna", id="the door")
     driver.command("stop")
     driver.command("disconnect")
-    driver.event(driver.box.scores.sign_off, name, "Anna")
-    driver.event(driver.box.scores.take_back, name, "the door", "Anna")
+    driver.enter("sign_off", name, "Anna")
+    driver.enter("take_back", name, "Anna", id="the door")
     with pytest.raises(Refused, match="signed off"):
-        driver.event(driver.box.scores.take_back, name, "bumps", "Anna")
+        driver.enter("take_back", name, "Anna", id="bumps")
     with pytest.raises(Refused, match="name the run"):
-        driver.event(driver.box.scores.take_back, RunName("tbm"), "bumps", "Anna")
+        driver.enter("take_back", RunName("tbm"), "Anna", id="bumps")
     history = driver.box.scores.record_of(driver.now, name).history
     assert [(entry.desc, entry.withdrawn_utc > 0) for entry in history] == [(DOOR.desc, True), (BUMPS.desc, False)]
 
@@ -458,7 +468,7 @@ def test_a_mark_that_arrives_again_after_the_sign_off_is_no_error(driver):
     name = _running(driver)
     _mark(driver, name, _plus(1))
     driver.command("disconnect")
-    driver.event(driver.box.scores.sign_off, name, "Cleo")
+    driver.enter("sign_off", name, "Cleo")
     driver.taken()
     assert _mark(driver, name, _plus(1)).item.value == 1
     assert {type(effect) for effect in driver.taken()} == {effects.Recorded}
@@ -467,7 +477,7 @@ def test_a_mark_that_arrives_again_after_the_sign_off_is_no_error(driver):
 
 def test_long_names_of_devices_are_cut(driver):
     name = _running(driver)
-    _mark(driver, name, _plus(1)._replace(device="d" * 1000))
+    _mark(driver, name, _plus(1)._replace(device="d" * 400))
     assert driver.run_in().record(driver.now).history[0].device == "d" * MAX_WHO
 
 

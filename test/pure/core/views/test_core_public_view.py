@@ -106,7 +106,7 @@ def test_the_list_of_next_events_is_bounded():
 
 def _sign(driver):
     identity = driver.box.finished.records()[0].identity
-    driver.event(driver.box.scores.sign_off, RunName("tbm", identity), "Anna")
+    driver.enter("sign_off", RunName("tbm", identity), "Anna")
 
 
 def _a_run(driver):

@@ -81,7 +81,7 @@ def test_the_last_run_counts_and_its_sign_off_shows():
         driver.command("disconnect")
     last = lines(driver)[0].last
     assert last.identity == driver.box.finished.records()[0].identity != driver.box.finished.records()[1].identity
-    driver.event(driver.box.scores.sign_off, RunName("tbm", last.identity), "Anna")
+    driver.enter("sign_off", RunName("tbm", last.identity), "Anna")
     assert lines(driver)[0].last.sign_off.who == "Anna"
 
 

@@ -14,7 +14,7 @@ from unittest import mock
 
 import rospy
 
-from helpers.commands import given_with
+from helpers.commands import given_with, mark_with
 from helpers.forms import shown_form
 from roah_rsbb.core.actions.base import ZoneAction
 from roah_rsbb.core.actions.table import Target
@@ -23,7 +23,7 @@ from roah_rsbb.core.clock import Now, one_moment
 from roah_rsbb.core.effects import RecordChanged
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.modules.messages import form_of_one
-from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import RunBook
@@ -194,7 +194,7 @@ class FakeZone:
 
     def mark(self, mark: Mark, who: str, identity: str = "") -> None:
         """Some referee marks an item."""
-        self._core.event(self._core.box.scores.mark, RunName(self.name, identity), mark, who)
+        self._core.event(self._core.box.act, Target(self.name, identity), "mark", who, mark_with(mark))
 
     def end(self, reason: str) -> None:
         """The run ends by itself; `reason` as in ZoneDetails."""
