@@ -7,7 +7,7 @@ from roah_rsbb.model.fields import Choice, Field, entered, fixed
 from roah_rsbb.rqt.panels.collapsing import scoring_in
 from roah_rsbb.rqt.panels.more_commands import FieldEditors
 from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel
-from roah_rsbb.rqt.qt import QApplication, QHBoxLayout, QLabel, QLineEdit, QScrollArea, Qt, QTimer, QWidget
+from roah_rsbb.rqt.qt import QApplication, QHBoxLayout, QLabel, QLineEdit, QScrollArea, Qt, QTimer, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.language import tr, tr_later
 
@@ -50,11 +50,15 @@ class ManualOperationPanel(Panel):
         self.text = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.8, bold=True)
         self.text.setTextFormat(Qt.PlainText)
         self.text.setMargin(round(0.5 * basic.em()))
-        area = QScrollArea(widgetResizable=True)
-        area.setWidget(self.text)
-        self.body.addWidget(area, 1)
+        # Both scroll where the panel is low: its buttons stay in sight.
+        area, asked = QScrollArea(widgetResizable=True), QWidget()
+        self._asked = QVBoxLayout(asked)
+        self._asked.setContentsMargins(0, 0, 0, 0)
+        self._asked.addWidget(self.text, 1)
         self.form = FieldEditors(())
-        self.body.addWidget(self.form)
+        self._asked.addWidget(self.form)
+        area.setWidget(asked)
+        self.body.addWidget(area, 1)
         self._answer = Answer()
         self.body.addWidget(self._answer)
         self._line = QHBoxLayout()
@@ -108,7 +112,7 @@ class ManualOperationPanel(Panel):
         asked = entered(self._fields)
         only = asked[0] if len(asked) == 1 and isinstance(asked[0], Choice) else None
         form = FieldEditors(() if only else self._fields)
-        self.body.replaceWidget(self.form, form)
+        self._asked.replaceWidget(self.form, form)
         self.form, self.buttons = form, []
         form.setVisible(bool(form.editors))
         for editor in form.editors.values():
