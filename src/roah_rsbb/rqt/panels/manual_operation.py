@@ -47,7 +47,7 @@ class ManualOperationPanel(Panel):
         self._flashes_left = 0
         self._flash = QTimer(self, interval=FLASH_MS)
         self._flash.timeout.connect(self._on_flash)
-        self.text = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.8, bold=True)
+        self.text = QLabel(wordWrap=True, alignment=Qt.AlignCenter)
         self.text.setTextFormat(Qt.PlainText)
         self.text.setMargin(round(0.5 * basic.em()))
         # Both scroll where the panel is low: its buttons stay in sight.
@@ -115,6 +115,7 @@ class ManualOperationPanel(Panel):
         self._asked.replaceWidget(self.form, form)
         self.form, self.buttons = form, []
         form.setVisible(bool(form.editors))
+        basic.enlarged(self.text, 1.2 if form.editors else 1.8, bold=True)  # a form must be in sight, too
         for editor in form.editors.values():
             basic.enlarged(editor, 1.3)
             if isinstance(editor, QLineEdit):
