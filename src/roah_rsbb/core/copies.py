@@ -7,7 +7,7 @@ lost"). They are known by the journal's tickets, which only rise.
 from typing import Dict, List, NamedTuple, Optional
 
 from roah_rsbb.core.clock import Now
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import Reason, say
 from roah_rsbb.rulebook.benchmarks import Config, Durable
 
 # The place of the copy on a second computer.
@@ -18,8 +18,6 @@ LATE_S = 3.0
 SILENT_S = 10.0
 # An answer to a referee waits for the standby for at most this long. Faces wait for an answer for 5 s.
 SYNC_S = 2.0
-# The beginning of the answer to an entry that the standby does not have yet.
-NOT_CONFIRMED = "not confirmed: "
 UNCONFIRMED = say("not confirmed: {why}. It counts, and is saved on this computer: do not enter it again. It is "
                   "confirmed as soon as the standby has it")
 UNCONFIRMED_OLD = say("not confirmed: the box at {address} has taken over, and may not have this entry. Look there, "
@@ -34,6 +32,11 @@ BEING_WRITTEN = say("the copy is being written. If this lasts, its disk or its c
 BEHIND = say("The copy of the journal ({place}) is {time} s behind: {why}")
 BEHIND_BY = say("The copy of the journal ({place}) is {time} s, {size} kB behind: {why}")
 NO_PORT = "{place}: 'durable: two' needs a standby: start the box with standby_port:=8083, or delete this line"
+
+
+def is_unconfirmed(reason: str) -> bool:
+    """Whether a reason is the answer to an entry that counts, but that the standby may not have."""
+    return isinstance(reason, Reason) and reason.template in (UNCONFIRMED, UNCONFIRMED_OLD)
 
 
 def unconfirmed(why: str) -> str:

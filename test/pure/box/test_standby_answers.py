@@ -9,7 +9,7 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition
 from roah_rsbb.box.standby_answers import StandbyAnswers, wait
-from roah_rsbb.core.copies import NOT_CONFIRMED, STANDBY, SYNC_S, CopyReport, unconfirmed
+from roah_rsbb.core.copies import STANDBY, SYNC_S, CopyReport, unconfirmed
 from roah_rsbb.core.effects import Level
 from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.rulebook.errors import Place
@@ -170,7 +170,7 @@ def test_an_entry_of_a_box_that_is_superseded_meanwhile_is_not_called_saved(box)
     box.driver.event(lambda now: box.driver.box.supersede(2, 17, "10.0.0.3"))
     box.loop.run(SYNC_S)
     assert wait(answer) == (
-        f"{NOT_CONFIRMED}the box at 10.0.0.3 has taken over, and may not have this entry. Look there, and enter it "
+        "not confirmed: the box at 10.0.0.3 has taken over, and may not have this entry. Look there, and enter it "
         "there if it is missing")
 
 

@@ -188,7 +188,7 @@ def test_the_form_of_a_module_that_nobody_knows_is_filled_in():
     assert table.notes[1] == "not done: How often did it fall?: a whole number from 0 to 9 is expected"
     table.looks()
     table.types("yes drop=2")
-    assert table.notes[3].startswith("not done: 'drop' is not asked for: held: Did the robot hold it? (yes / no); drops:")
+    assert table.notes[3].startswith("not done: 'drop' is not asked for: held: Did the robot hold it? (yes / no)")
     table.looks()
     table.types("yes 2 pose='1.25 0,40 90' fl")
     (action, number, *values), = table.link.given

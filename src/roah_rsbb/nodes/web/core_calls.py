@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, NamedTuple, Tuple
 import genpy
 import rospy
 
-from roah_rsbb.core.copies import NOT_CONFIRMED
+from roah_rsbb.core.copies import is_unconfirmed
 from roah_rsbb.model.actions import EVERY
 from roah_rsbb.ros import refusals
 from roah_rsbb.ros.connections import REFEREE_HEADER
@@ -97,7 +97,7 @@ def _outcome(command: Command) -> Outcome:
     except rospy.ServiceException as error:
         text = str(error)
         reasons = tuple(refusals.reasons(text))
-        is_confirmed = not reasons[0].startswith(NOT_CONFIRMED) if reasons else True
+        is_confirmed = not any(map(is_unconfirmed, reasons))
         return Outcome(reasons, refusals.was_answered(text), is_confirmed)
     except genpy.SerializationError as error:  # such as a number that the message cannot hold: the referee reads it
         return Outcome((str(error),))
