@@ -12,14 +12,14 @@ from table import quantile
 from helpers.commands import given_with
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import RobotReport
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio.radio import beacon_size
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
-from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 START = Now(1000.0, 1_800_000_000.0)
 SCORING = tuple(ScoringItem("Achievements", f"Item {i}", ScoreKind.UINT) for i in range(16))

@@ -3950,19 +3950,9 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>Die Uhr von {robot} weicht um {skew} ab, erlaubt sind weniger als {limit} s: Stellen Sie die Uhr des Roboters</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/modules/messages.py"/>
-        <source>Another answer</source>
-        <translation>Andere Antwort</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/core/modules/presence.py"/>
         <source>Benchmarking module not connected: no node drives {code}. Is roah_rsbb_modules running, and is {code} among its benchmarks?</source>
         <translation>Das Benchmark-Modul ist nicht verbunden: Kein Knoten führt {code}. Läuft roah_rsbb_modules, und ist {code} unter seinen Benchmarks?</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/referee.py"/>
-        <source>the note has {number} characters: at most {most} are kept, shorten it</source>
-        <translation>die Notiz hat {number} Zeichen: Höchstens {most} werden behalten, kürzen Sie sie</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/reload.py"/>
@@ -4313,46 +4303,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
         <source>run {run} is over, but run {other} is running in zone &apos;{zone}&apos;: stop again</source>
         <translation>Lauf {run} ist vorbei, aber Lauf {other} läuft in Zone „{zone}“: Stoppen Sie noch einmal</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
-        <source>Benchmark stopped by the referee</source>
-        <translation>Benchmark vom Schiedsrichter gestoppt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
-        <source>Benchmark completed by the robot</source>
-        <translation>Der Roboter hat den Benchmark erledigt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
-        <source>Stopped due to timeout</source>
-        <translation>Gestoppt, weil die Zeit abgelaufen ist</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
-        <source>Benchmark over: every goal timed out</source>
-        <translation>Benchmark vorbei: Die Zeit aller Ziele ist abgelaufen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
-        <source>Stopped: the robot saves no offline data (messages saved stays 0)</source>
-        <translation>Gestoppt: Der Roboter speichert keine Offline-Daten (gespeicherte Nachrichten: weiter 0)</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
-        <source>Stopped: the benchmarking module cannot continue</source>
-        <translation>Gestoppt: Das Benchmark-Modul kann nicht weitermachen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
-        <source>No-show: the team did not appear</source>
-        <translation>Nicht angetreten: Das Team ist nicht erschienen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/records.py"/>
-        <source>The team withdrew</source>
-        <translation>Das Team hat zurückgezogen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
@@ -5058,6 +5008,56 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/model/fields.py"/>
         <source>The command has no field &apos;{field}&apos;: it has none</source>
         <translation>Der Befehl hat kein Feld „{field}“: Er hat keine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/modules.py"/>
+        <source>Another answer</source>
+        <translation>Andere Antwort</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/records.py"/>
+        <source>Benchmark stopped by the referee</source>
+        <translation>Benchmark vom Schiedsrichter gestoppt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/records.py"/>
+        <source>Benchmark completed by the robot</source>
+        <translation>Der Roboter hat den Benchmark erledigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/records.py"/>
+        <source>Stopped due to timeout</source>
+        <translation>Gestoppt, weil die Zeit abgelaufen ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/records.py"/>
+        <source>Benchmark over: every goal timed out</source>
+        <translation>Benchmark vorbei: Die Zeit aller Ziele ist abgelaufen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/records.py"/>
+        <source>Stopped: the robot saves no offline data (messages saved stays 0)</source>
+        <translation>Gestoppt: Der Roboter speichert keine Offline-Daten (gespeicherte Nachrichten: weiter 0)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/records.py"/>
+        <source>Stopped: the benchmarking module cannot continue</source>
+        <translation>Gestoppt: Das Benchmark-Modul kann nicht weitermachen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/records.py"/>
+        <source>No-show: the team did not appear</source>
+        <translation>Nicht angetreten: Das Team ist nicht erschienen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/records.py"/>
+        <source>The team withdrew</source>
+        <translation>Das Team hat zurückgezogen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/referee.py"/>
+        <source>the note has {number} characters: at most {most} are kept, shorten it</source>
+        <translation>die Notiz hat {number} Zeichen: Höchstens {most} werden behalten, kürzen Sie sie</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/nodes/core/services.py"/>

@@ -6,8 +6,8 @@ import re
 
 import pytest
 
-from roah_rsbb.core import run_log
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model import run_log
 from roah_rsbb.model.actions import ACTIONS, ENTRIES
 from roah_rsbb.model.fields import Number
 

@@ -10,8 +10,8 @@ import sys
 from helpers.competition import run_record
 from helpers.journals import Writer
 from helpers.results_of import write_competition
-from roah_rsbb.core.run_log import KINDS
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.model.run_log import KINDS
 from roah_rsbb.results.program import main as results
 
 CONFIG = pathlib.Path(__file__).resolve().parents[2] / "config"

@@ -9,9 +9,9 @@ from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Protocol
 from roah_rsbb.box.journal import CoreJournal
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.model.clock import Now
 from roah_rsbb.radio.radio import CoreRadio
 from roah_rsbb.wording.texts import escaped
 

@@ -6,13 +6,10 @@ first, then act").
 
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.core import effects, run_log
+from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import BOX, Effect, Level
 from roah_rsbb.core.restart.restart import BoxSaved, Saved
-from roah_rsbb.core.restart.saved import Anchor, BadState, freeze, thaw
-from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.unsaved import Unsaved, UnsavedParts
 from roah_rsbb.core.views.views import ClockView, clock_of
 from roah_rsbb.core.zones import ZoneState, key_of
@@ -21,6 +18,10 @@ from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow
 from roah_rsbb.journal.changes import ChangesWriter
 from roah_rsbb.journal.previous_session import PreviousSession
 from roah_rsbb.journal.store import Journal
+from roah_rsbb.model import run_log
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.saved import Anchor, BadState, freeze, thaw
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT
 from roah_rsbb.rulebook.config import Config
 

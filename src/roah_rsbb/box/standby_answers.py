@@ -12,8 +12,8 @@ import concurrent.futures
 from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.copies import SYNC_S, unconfirmed, unconfirmed_by_old_box
+from roah_rsbb.model.clock import Now
 
 # The result says that the entry is not confirmed, why, and what to do; empty: it is confirmed.
 Answer = concurrent.futures.Future

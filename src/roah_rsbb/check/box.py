@@ -8,10 +8,14 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 from roah_rsbb.check.bad_network import BadNetwork
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Effect
-from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, RobotReport
-from roah_rsbb.core.modules.messages import (
+from roah_rsbb.core.restart.restart import Saved
+from roah_rsbb.core.runs.functionality import FunctionalityRun
+from roah_rsbb.core.runs.run import Run
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import Beacon, BenchmarkingRobot, RobotReport
+from roah_rsbb.model.modules import (
     ModuleInfo,
     ModulesState,
     OutcomeKind,
@@ -20,10 +24,6 @@ from roah_rsbb.core.modules.messages import (
     RequestKind,
     RunForModule,
 )
-from roah_rsbb.core.restart.restart import Saved
-from roah_rsbb.core.runs.functionality import FunctionalityRun
-from roah_rsbb.core.runs.run import Run
-from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, WireTime, wire_seconds
 from roah_rsbb.radio.driver import NetworkDriver
 from roah_rsbb.radio.radio import Network, beacon_size

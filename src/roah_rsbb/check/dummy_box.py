@@ -31,12 +31,12 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import Effect
-from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, RequestKind, RunForModule
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.run import ZoneRun
-from roah_rsbb.core.scoring.records import EndReason, Phase, ScoreValue
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RequestKind, RunForModule
+from roah_rsbb.model.records import EndReason, Phase, ScoreValue
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio.driver import NetworkDriver
 from roah_rsbb.radio.radio import Network, beacon_size

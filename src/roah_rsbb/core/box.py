@@ -12,16 +12,13 @@ from roah_rsbb.core.actions.entries import Entries
 from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.actions.table import NOTHING, Actions, Target
 from roah_rsbb.core.candidates import Candidates
-from roah_rsbb.core.clock import ClockWatch, Now
+from roah_rsbb.core.clock import ClockWatch
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.copies import Copies, CopyReport
 from roah_rsbb.core.effects import Effect, Level, Outbox
 from roah_rsbb.core.judges.desk import JudgeDesk
-from roah_rsbb.core.link.record import LinkSample
-from roah_rsbb.core.messages import Beacon, DevicesState, RobotReport, TabletState
 from roah_rsbb.core.modules.desk import ModuleDesk
 from roah_rsbb.core.modules.presence import Modules
-from roah_rsbb.core.referee import Refused, cut_note
 from roah_rsbb.core.reload import Reload
 from roah_rsbb.core.restart.restart import BoxSaved, Restart, Saved
 from roah_rsbb.core.robots import ActiveRobots, RobotId
@@ -33,7 +30,11 @@ from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zones, ZoneState
 from roah_rsbb.model.actions import ENTRIES
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.messages import Beacon, DevicesState, RobotReport, TabletState
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.referee import Refused, cut_note
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.rulebook.event_ids import EventKey

@@ -2,8 +2,8 @@
 
 from typing import Callable, List, NamedTuple, Sequence
 
-from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, TabletState
 from roah_rsbb.core.robots import RobotId
+from roah_rsbb.model.messages import Beacon, BenchmarkingRobot, DevicesState, TabletState
 from roah_rsbb.model.reason import joined, say
 from roah_rsbb.protocol import WireTime
 

@@ -9,9 +9,7 @@ from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.capacity import LAST_PORT, Capacity, ports_warning
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import How, Level, Outbox
-from roah_rsbb.core.messages import Beacon, BenchmarkingRobot
 from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.robots import MAX_ROBOTS, ActiveRobot, ActiveRobots, RobotId
 from roah_rsbb.core.runs.all_robots import AllRobotsRun
@@ -19,11 +17,13 @@ from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
 from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState, port_of
 from roah_rsbb.core.scoring.book import FinishedRuns
-from roah_rsbb.core.scoring.records import NOBODY, By
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones, ZoneState
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import Beacon, BenchmarkingRobot
+from roah_rsbb.model.records import NOBODY, By
 from roah_rsbb.rulebook.registry import TABLET, BenchmarkKind
 
 # More failures than robots to connect mean that no port can be opened. This is how many more.

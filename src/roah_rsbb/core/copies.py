@@ -6,7 +6,7 @@ lost"). They are known by the journal's tickets, which only rise.
 
 from typing import Dict, List, NamedTuple, Optional
 
-from roah_rsbb.core.clock import Now
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Reason, say
 from roah_rsbb.rulebook.benchmarks import Config, Durable
 

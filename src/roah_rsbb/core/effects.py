@@ -8,8 +8,8 @@ each event and carries out the effects one after the other. A record is written 
 import enum
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Union
 
-from roah_rsbb.core.messages import BoxMessage
-from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.model.messages import BoxMessage
+from roah_rsbb.model.records import RunRecord
 
 
 class How(enum.Enum):
@@ -97,7 +97,7 @@ class RunResumed(NamedTuple):
 
 
 class RunLogged(NamedTuple):
-    """An entry of the run log. `roah_rsbb.core.run_log` has the topics and their kinds of value."""
+    """An entry of the run log. `roah_rsbb.model.run_log` has the topics and their kinds of value."""
 
     port: int
     topic: str

@@ -14,9 +14,9 @@ import collections
 import math
 from typing import Callable, Container, Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.link.skew import WINDOW_S, SkewEstimate, skew_off, within
-from roah_rsbb.core.messages import NEVER
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import NEVER
 from roah_rsbb.protocol import WireTime, wire_seconds
 
 # A robot sends every second. After this many seconds without a message, it is late.

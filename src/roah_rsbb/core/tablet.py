@@ -16,8 +16,8 @@ import math
 from typing import Any, List, NamedTuple, Optional
 
 from roah_rsbb.core.budget import Budget
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.messages import NEVER, TabletState
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import NEVER, TabletState
 from roah_rsbb.protocol import WireTime, wire_ns
 
 # The tablet sends a beacon each second. Without one for this long, it is gone.

@@ -2,9 +2,9 @@
 
 from typing import Dict, List, Optional, Tuple
 
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.robots import ActiveRobot, Squatter
 from roah_rsbb.core.tablet import HeardTablet
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Template, say
 from roah_rsbb.wording import times
 

@@ -1,4 +1,4 @@
-"""Kinds of journal entries that are not topics of a run log (those are in `core/run_log.py`)."""
+"""Kinds of journal entries that are not topics of a run log (those are in `model/run_log.py`)."""
 
 COMMAND = "command"  # a referee's command, even if refused
 JUDGE_MARK = "judge_mark"  # a judge's mark on the judge's own sheet, which others must not see

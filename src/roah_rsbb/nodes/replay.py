@@ -19,10 +19,10 @@ import rosgraph
 import rospy
 
 from roah_rsbb.arguments import Parser, number
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.views.explained import Explanation, explanations
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.journal.reader import JournalError, JournalReader
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,

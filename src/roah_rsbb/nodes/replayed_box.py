@@ -11,13 +11,13 @@ import tempfile
 from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.restart.saved import BadState, thaw
-from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.journal.in_force import FILE_NAME, read_in_force
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.saved import BadState, thaw
 from roah_rsbb.results.runs import (
     LinkSecond,
     RunMoment,

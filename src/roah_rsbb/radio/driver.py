@@ -11,8 +11,8 @@ from typing import Callable, Dict, Optional
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now, one_moment
 from roah_rsbb.core.effects import Effect
+from roah_rsbb.model.clock import Now, one_moment
 from roah_rsbb.radio.radio import CoreRadio, Network
 
 

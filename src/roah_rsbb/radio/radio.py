@@ -16,7 +16,7 @@ from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.effects import How
-from roah_rsbb.core.messages import Beacon, BoxMessage, RobotReport
+from roah_rsbb.model.messages import Beacon, BoxMessage, RobotReport
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.radio import wire_convert
 from roah_rsbb.radio.report_reader import ReportReader, Unread

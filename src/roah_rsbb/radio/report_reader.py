@@ -7,7 +7,7 @@ from roah_rsbb.comm import frame
 from roah_rsbb.comm.complaints import OnceASecond
 from roah_rsbb.comm.wire_check import Malformed, varint
 from roah_rsbb.core.budget import Budget
-from roah_rsbb.core.messages import NEVER, RobotReport
+from roah_rsbb.model.messages import NEVER, RobotReport
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.radio import wire_convert

@@ -1,6 +1,6 @@
 """Converts between the protobuf messages of `comm` and the values of `core`."""
 
-from roah_rsbb.core.messages import Beacon, BoxMessage, RobotReport, TabletState
+from roah_rsbb.model.messages import Beacon, BoxMessage, RobotReport, TabletState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import RobotState, WireTime
 

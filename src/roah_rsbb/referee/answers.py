@@ -9,9 +9,9 @@ import threading
 import time
 from typing import Callable, List, Optional
 
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.model.actions import ACTIONS, Row
 from roah_rsbb.model.fields import Choice
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.state import ManualOperation, ZoneSnapshot
 from roah_rsbb.referee.stopping import TypedStops

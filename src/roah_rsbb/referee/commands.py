@@ -6,8 +6,8 @@ import sys
 import time
 from typing import Any, Callable, ContextManager, Dict, List, Optional, Tuple
 
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.referee import judges, pairing, sheets, view
 from roah_rsbb.referee.answers import Keyboard, Operations
 from roah_rsbb.referee.args import given_in

@@ -2,7 +2,7 @@
 
 from typing import Any, Callable, Dict, List, NamedTuple, Optional
 
-from roah_rsbb.core.referee import Refused
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.referee.exits import Exit
 from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.output import Output

@@ -10,8 +10,8 @@ import time
 import uuid
 from typing import Any, Dict, List, Optional, Sequence
 
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.model.actions import MARK
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,

@@ -9,7 +9,7 @@ import contextlib
 import time
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
 
-from roah_rsbb.core.referee import Refused
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.referee.answers import Automatic, GivenUp, Keyboard, Note, Operations, Typed
 from roah_rsbb.referee.changes import Change, Follower, news
 from roah_rsbb.referee.exits import Exit, NoCore

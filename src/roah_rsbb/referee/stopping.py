@@ -9,7 +9,7 @@ import threading
 import time
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.core.referee import Refused
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.state import ENDED, RUNNING, BoxSnapshot, ZoneSnapshot
 from roah_rsbb.referee.words import BadWord, is_all, pick_zone, stop_wanted

@@ -7,8 +7,8 @@ from roah_rsbb.core.scoring.points import number_of, text_of
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Pose, Text, Toggle
+from roah_rsbb.model.scoring import MAX_VALUE, ScoreKind, ScoringItem
 from roah_rsbb.referee.state import EventSnapshot, SheetItem
-from roah_rsbb.rulebook.scoring import MAX_VALUE, ScoreKind, ScoringItem
 from roah_rsbb.wording.suggestions import did_you_mean
 
 T = TypeVar("T")

@@ -10,7 +10,8 @@ import hmac
 import json
 from typing import Tuple
 
-from roah_rsbb.core.scoring.records import (
+from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.model.records import (
     ItemRecord,
     JudgingRecord,
     PublicationRecord,
@@ -20,7 +21,6 @@ from roah_rsbb.core.scoring.records import (
     ScoreValue,
     StopRecord,
 )
-from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.runs import LinkSecond, RobotPart, RunResult
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.wording.sheets import node_of

@@ -3,9 +3,9 @@
 import json
 from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core import run_log
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.reader import JournalEntry
+from roah_rsbb.model import run_log
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.results.runs import RunResult
 from roah_rsbb.wording.texts import value_text

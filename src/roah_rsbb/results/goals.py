@@ -3,8 +3,8 @@
 import json
 from typing import Dict, List, NamedTuple, Optional
 
-from roah_rsbb.core import run_log
 from roah_rsbb.journal.reader import JournalEntry
+from roah_rsbb.model import run_log
 from roah_rsbb.results.runs import RunResult
 from roah_rsbb.wording.texts import value_text
 

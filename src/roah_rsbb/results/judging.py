@@ -2,7 +2,8 @@
 
 from typing import Iterator, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.scoring.records import ItemRecord, JudgeSheet, RunRecord, Settlement
+from roah_rsbb.model.records import ItemRecord, JudgeSheet, RunRecord, Settlement
+from roah_rsbb.wording import sheets
 
 
 class JudgedItem(NamedTuple):
@@ -28,7 +29,7 @@ def judged_items(record: RunRecord) -> Iterator[JudgedItem]:
     if not judges and not settled:
         return
     for item in record.items:
-        values = {sheet.judge: each.in_words() for sheet in judges for each in sheet.items if each.key == item.key}
+        values = {one.judge: sheets.in_words(each) for one in judges for each in one.items if each.key == item.key}
         settlement = settled.get(item.key)
         counts = settlement is not None and settlement.proposals == tuple(sorted(values.items()))
         yield JudgedItem(item, tuple(values.get(s.judge, "") for s in judges), settlement if counts else None)

@@ -9,7 +9,8 @@ from fractions import Fraction
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.scoring.counting import amount_of, exact
-from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, SheetPoints, grouped
+from roah_rsbb.model.records import ItemRecord, RunRecord, SheetPoints, grouped
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, tag
 from roah_rsbb.results.runs import run_state_text, signature_of, taken_s, taken_text
 from roah_rsbb.results.standings import (
@@ -20,7 +21,6 @@ from roah_rsbb.results.standings import (
     standing_of_run,
 )
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent
-from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 from roah_rsbb.rulebook.standing_rules import DEFAULT, Rules
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.counting import counting_text
@@ -203,7 +203,7 @@ def _what(item: ItemRecord) -> str:
 
 
 def _value(item: ItemRecord) -> str:
-    text = item.in_words()
+    text = sheets.in_words(item)
     return f"{text} ×" if item.kind in ("uint", "int") and not item.not_attempted else text
 
 

@@ -7,12 +7,12 @@ States and times are the journal's, and scores and points come from the core's o
 
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
-from roah_rsbb.core import run_log
-from roah_rsbb.core.restart.saved import BadState, thaw
 from roah_rsbb.core.scoring.book import BookState, RunBook, form_of
 from roah_rsbb.core.scoring.points import Counted
-from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreValue
 from roah_rsbb.journal import kinds
+from roah_rsbb.model import run_log
+from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreValue
+from roah_rsbb.model.saved import BadState, thaw
 from roah_rsbb.results.events import TITLES, RunEvent, Stretch, box_states, in_order, robot_states
 from roah_rsbb.results.runs import RobotPart, RunMoment, RunResult, clock_text, run_state_of, without_step
 from roah_rsbb.wording import sheets
@@ -188,7 +188,7 @@ def _counted(record: RunRecord, known: Sequence[RunMoment]) -> Iterable[Tuple[fl
 
 
 def _shown(item: ItemRecord) -> List[str]:
-    return [visible(item.in_words()), item.points]
+    return [visible(sheets.in_words(item)), item.points]
 
 
 def _module_scores(moment: RunMoment) -> List[List[str]]:

@@ -10,8 +10,8 @@ import re
 import urllib.parse
 from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results.events import RunEvent
 from roah_rsbb.results.page import checksum, json_text
 from roah_rsbb.results.replay import NOT_SHOWN, replay_data

@@ -3,7 +3,7 @@
 from types import MappingProxyType
 from typing import Iterator, Mapping, Sequence, Tuple, Union
 
-from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results.runs import RunHead, run_state_text, taken_text
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import one_line as line

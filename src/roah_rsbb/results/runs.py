@@ -4,12 +4,12 @@ import re
 from functools import partial
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
-from roah_rsbb.core import run_log
-from roah_rsbb.core.link.record import LinkSample
-from roah_rsbb.core.restart.saved import BadState, thaw
-from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.changes import ChangesReader
 from roah_rsbb.journal.reader import JournalEntry, JournalReader, JournalRun
+from roah_rsbb.model import run_log
+from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.saved import BadState, thaw
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed

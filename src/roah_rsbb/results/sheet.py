@@ -3,7 +3,7 @@
 from functools import partial
 from typing import Iterator, List, Optional, Sequence, Tuple
 
-from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, StopRecord, grouped
+from roah_rsbb.model.records import ItemRecord, RunRecord, StopRecord, grouped
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
 from roah_rsbb.results.judging import act_lines, judged_items, objection_lines, submitted
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
@@ -92,7 +92,7 @@ def _by(who: str) -> str:
 def _items(record: RunRecord) -> Iterator[str]:
     for group, items in grouped(record.items).items():
         yield from _titled(line(group), [
-            f"{line(item.in_words()):>13}{_points(item)}  {line(item.desc)}{_ratings(item)}"
+            f"{line(sheets.in_words(item)):>13}{_points(item)}  {line(item.desc)}{_ratings(item)}"
             + (f"  ({sheets.CORRECTED})" if item.corrected else "")
             for item in items
         ])
@@ -143,7 +143,7 @@ def _judges(record: RunRecord, in_utc: bool) -> Iterator[str]:
     yield from _titled("Judges", [
         f"{line(each.item.desc)}: "
         + "; ".join(f"{name} {line(value)}" for name, value in zip(names, each.proposals))
-        + f" → {line(each.item.in_words())}"
+        + f" → {line(sheets.in_words(each.item))}"
         + (f" (settled by {line(sheets.person(each.settlement.who))}: {line(each.settlement.reason)})"
            if each.settlement is not None else "")
         for each in judged_items(record)
@@ -216,7 +216,7 @@ def _items_markup(record: RunRecord) -> Iterator[Markup]:
         yield tag("h3", f"{group}: {points[group]} points" if group in points else group)
         yield table(("Value", *(("Points",) if has_points else ()), "Item", ""), [
             (
-                i.in_words(), *((i.points,) if has_points else ()), f"{i.desc}{_ratings(i)}",
+                sheets.in_words(i), *((i.points,) if has_points else ()), f"{i.desc}{_ratings(i)}",
                 mark(sheets.CORRECTED) if i.corrected else "",
             )
             for i in items
@@ -260,7 +260,7 @@ def _judges_markup(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
         names = [sheet.judge for sheet in submitted(record)]
         yield tag("h2", "Judges")
         yield table(("Item", *names, "Counts", "Settled"), [
-            (each.item.desc, *each.proposals, each.item.in_words(),
+            (each.item.desc, *each.proposals, sheets.in_words(each.item),
              f"{sheets.person(each.settlement.who)}: {each.settlement.reason}" if each.settlement is not None else "")
             for each in judged
         ], ("what", *("value" for _ in names), "value"))

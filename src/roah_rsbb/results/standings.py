@@ -19,7 +19,7 @@ from roah_rsbb.core.scoring.counting import (
     sort_key,
 )
 from roah_rsbb.core.scoring.points import text_of
-from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, joined, page, table, tag
 from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_RULES, EventRules

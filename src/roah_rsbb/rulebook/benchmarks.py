@@ -5,9 +5,9 @@ import math
 from dataclasses import dataclass, field
 from typing import Dict, FrozenSet, Optional, Tuple
 
+from roah_rsbb.model.scoring import NO_SHEET_RULES, JudgesRule, ScoringItem, SheetForm, SheetRules
 from roah_rsbb.rulebook.errors import Place
 from roah_rsbb.rulebook.registry import PROFILES, STRINGS, BenchmarkKind, Profile, profile_of
-from roah_rsbb.rulebook.scoring import NO_SHEET_RULES, JudgesRule, ScoringItem, SheetForm, SheetRules
 from roah_rsbb.rulebook.standing_rules import StandingRules
 
 # In the schedule this means every active robot. No team may have this name.

@@ -11,6 +11,7 @@ import stat
 from dataclasses import replace
 from typing import Any, Dict, FrozenSet, List, Optional, Set, Tuple
 
+from roah_rsbb.model.scoring import Agreement, JudgesRule
 from roah_rsbb.rulebook.benchmarks import (
     ALL_TEAMS,
     NO_LIMIT,
@@ -28,7 +29,6 @@ from roah_rsbb.rulebook.benchmarks import (
 from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors, Place, Report, line_list, quote
 from roah_rsbb.rulebook.event_ids import VALID, adopted, known_by
 from roah_rsbb.rulebook.registry import CODE, PROFILES, USES, BenchmarkKind, Profile, new_profile
-from roah_rsbb.rulebook.scoring import Agreement, JudgesRule
 from roah_rsbb.rulebook.scoring_section import MAX_JUDGES, ScoringSection
 from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, integer, number, sequence, text, utc_time
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable, read_yaml

@@ -7,8 +7,7 @@ from dataclasses import replace
 from decimal import Decimal
 from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 
-from roah_rsbb.rulebook.errors import Place, Report, listing, quote
-from roah_rsbb.rulebook.scoring import (
+from roah_rsbb.model.scoring import (
     MAX_NUMBER,
     MAX_VALUE,
     TIME_LEFT,
@@ -21,6 +20,7 @@ from roah_rsbb.rulebook.scoring import (
     SheetRules,
     TimeLeft,
 )
+from roah_rsbb.rulebook.errors import Place, Report, listing, quote
 from roah_rsbb.rulebook.yaml_fields import choice, describe, exact, fields, integer, sequence, text
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable
 from roah_rsbb.wording.suggestions import did_you_mean

@@ -18,7 +18,7 @@ import rosbag
 from std_msgs.msg import Empty, String, UInt8
 
 from roah_rsbb import durable
-from roah_rsbb.core.run_log import KINDS, LogKind
+from roah_rsbb.model.run_log import KINDS, LogKind
 from roah_rsbb.msg import Score
 from roah_rsbb.run_logs.salvage import Message, NotABag, Salvage
 
@@ -27,7 +27,7 @@ DRAFT = ".draft"
 # A damaged bag is kept with this suffix after its readable part has replaced it.
 DAMAGED = ".damaged"
 
-# topic (of `roah_rsbb.core.run_log`), value, UTC (s)
+# topic (of `roah_rsbb.model.run_log`), value, UTC (s)
 LogEntry = Tuple[str, object, float]
 
 # Errors that writing a bag may raise.

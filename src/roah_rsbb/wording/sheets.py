@@ -7,6 +7,7 @@ are shown in the format that the caller passes (`When`).
 import re
 from typing import Any, Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.model.records import ItemRecord
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import NOTHING
 
@@ -129,6 +130,11 @@ def item_value(type_: str, value: int, not_attempted: bool = False, text: str = 
     if text:
         return text
     return NOTHING if type_ in ("choice", "rating") else str(value)
+
+
+def in_words(item: ItemRecord) -> str:
+    """Return the value of an item as people read it."""
+    return item_value(item.kind, item.value, item.not_attempted, item.text)
 
 
 def ratings_text(ratings: Iterable[Tuple[str, str]]) -> str:

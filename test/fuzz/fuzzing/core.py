@@ -19,15 +19,15 @@ from roah_rsbb.core.actions import table
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import RunOpened
 from roah_rsbb.core.link.link import HERE_S
-from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
-from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.restart.restart import BoxSaved, Saved
-from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views import views
 from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.model.fields import form_text
+from roah_rsbb.model.messages import DevicesState, RobotReport, TabletState
+from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.nodes.modules.limits import checked_state
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio import wire_convert

@@ -23,7 +23,6 @@ from roah_rsbb.box.journal import competition as competition_of
 from roah_rsbb.box.journal import saved_state
 from roah_rsbb.core.actions import table
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.batch import Batch
 from roah_rsbb.journal.contents import open_journal
@@ -33,6 +32,7 @@ from roah_rsbb.journal.ports import FILE_NAME as PORTS_FILE
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.store import Journal
+from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.run_logs.names import log_name
 

@@ -12,8 +12,8 @@ from roah_rsbb.bmbox.framework.results import BadResult, read_record
 from roah_rsbb.bmbox.hopf import HOPF
 from roah_rsbb.bmbox.hppf import HPPF
 from roah_rsbb.bmbox.stb import STB
-from roah_rsbb.core.modules.messages import ModulesState, RequestKind
 from roah_rsbb.core.modules.texts import scores_json
+from roah_rsbb.model.modules import ModulesState, RequestKind
 from roah_rsbb.nodes.modules.limits import checked_state
 
 SHAPE = {"class": str, "instance": str, "x": float, "y": float, "theta": float}

@@ -11,8 +11,8 @@ from roah_rsbb.bmbox.framework.dummy_world import TABLE_SIZE
 from roah_rsbb.bmbox.framework.ground_truth import Pose3, compose, seen_from
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.registry import modules
-from roah_rsbb.core.modules.messages import RequestKind
-from roah_rsbb.core.scoring.records import EndReason
+from roah_rsbb.model.modules import RequestKind
+from roah_rsbb.model.records import EndReason
 
 # Seconds from one crash of the modules to the next. The two longest runs are without crashes in `make test-all` only;
 # test_bmbox_hopf.py and test_bmbox_hpff.py prove their scores.

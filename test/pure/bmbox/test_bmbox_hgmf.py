@@ -12,7 +12,7 @@ from roah_rsbb.bmbox.framework.ground_truth import Pose3
 from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.bmbox.hgmf import HGMF, draw_target, is_grasped
-from roah_rsbb.core.modules.messages import RequestKind, RunForModule
+from roah_rsbb.model.modules import RequestKind, RunForModule
 
 TABLE = Pose3(0.0, 0.0, 0.8, 0.0)
 HERE = Pose3(0.5, 0.25, 0.8, 0.0)

@@ -7,7 +7,7 @@ import pytest
 from roah_rsbb.bmbox.framework.rehearsal import Rehearsal
 from roah_rsbb.bmbox.homf import HOMF, in_order
 from roah_rsbb.bmbox.stb import STB
-from roah_rsbb.core.modules.messages import RequestKind
+from roah_rsbb.model.modules import RequestKind
 
 GOALS = [
     SimpleNamespace(initial_state=[False, True, False], switches=[1, 3, 2]),

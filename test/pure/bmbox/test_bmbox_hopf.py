@@ -10,7 +10,7 @@ from roah_rsbb.bmbox.framework.ground_truth import NO_TRANSFORM, Pose3
 from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.bmbox.hopf import HOPF, pose_score
-from roah_rsbb.core.modules.messages import RequestKind, RunForModule
+from roah_rsbb.model.modules import RequestKind, RunForModule
 
 PI = math.pi
 TABLE, HERE = Pose3(0.0, 0.0, 0.8, 0.0), Pose3(0.5, 0.25, 0.8, 0.0)

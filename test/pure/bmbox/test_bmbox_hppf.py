@@ -7,7 +7,7 @@ from roah_rsbb.bmbox.framework.ground_truth import NoPose, Pose3
 from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.bmbox.hppf import HPPF, is_same_name
-from roah_rsbb.core.modules.messages import RequestKind, RunForModule
+from roah_rsbb.model.modules import RequestKind, RunForModule
 
 HERE = Pose3(1.0, 1.0, 1.8, 0.0)
 

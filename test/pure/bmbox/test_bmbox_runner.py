@@ -11,11 +11,10 @@ from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.bmbox.framework.score import Value
 from roah_rsbb.bmbox.stb import STB
-from roah_rsbb.core.modules.messages import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule, Step
-from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.model.fields import BadValue
+from roah_rsbb.model.modules import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule, Step
+from roah_rsbb.model.scoring import ScoreGroup, ScoreKind, ScoringItem
 from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors
-from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 DONE = RequestOutcome(OutcomeKind.DONE)
 

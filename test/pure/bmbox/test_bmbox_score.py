@@ -5,7 +5,7 @@ import json
 import pytest
 
 from roah_rsbb.bmbox.framework.score import Score, Value
-from roah_rsbb.core.modules.messages import ScoreValue
+from roah_rsbb.model.modules import ScoreValue
 
 
 def score():

@@ -15,8 +15,8 @@ from roah_rsbb.bmbox.hnf import HNF
 from roah_rsbb.bmbox.hopf import HOPF
 from roah_rsbb.bmbox.hpff import HPFF
 from roah_rsbb.bmbox.hppf import HPPF
-from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.model.fields import BadValue, Pose
+from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.model.reason import say
 
 

@@ -8,18 +8,19 @@ from helpers.examples import ALL
 from helpers.journaled import NO_LISTENING, JournaledDriver, box, two_zones
 from helpers.module_player import FakeModules, does_goal
 from roah_rsbb.box.journal import competition as events_of
-from roah_rsbb.core import effects, run_log
+from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.messages import DevicesState, TabletState
-from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
-from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.core.runs.run import IGNORES_STOP
-from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.store import Journal
+from roah_rsbb.model import run_log
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import DevicesState, TabletState
+from roah_rsbb.model.modules import RequestKind, ScoreValue
+from roah_rsbb.model.records import EndReason, Phase
+from roah_rsbb.model.saved import freeze
 from roah_rsbb.protocol import BoxState, RobotState
 
 WAYPOINT = {"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}

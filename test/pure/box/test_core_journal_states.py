@@ -3,11 +3,11 @@
 from helpers.all_robots import robots_of, take_ports
 from helpers.competition import DOOR, competition, event
 from helpers.journaled import box
-from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.core.views.views import clock_of
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.changes import ChangesReader
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.model.saved import freeze
 from roah_rsbb.protocol import RobotState
 
 

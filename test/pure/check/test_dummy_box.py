@@ -13,7 +13,7 @@ from roah_rsbb.check.dummy_box import DummyBox, parameters_of
 from roah_rsbb.check.shipped import shipped_folder
 from roah_rsbb.comm import channels
 from roah_rsbb.comm.ciphers import Cipher
-from roah_rsbb.core.scoring.records import EndReason
+from roah_rsbb.model.records import EndReason
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio.radio import Network
 from roah_rsbb.robot.dummy import DummyOptions

@@ -14,8 +14,8 @@ from helpers.journaled import NO_LISTENING, JournaledDriver, box
 from helpers.random_events import apply_event, random_competition, random_events
 from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.copies.follower import Follower
-from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.model.records import EndReason, Phase
 
 
 @contextlib.contextmanager

@@ -2,7 +2,7 @@
 
 import pytest
 
-from roah_rsbb.core.messages import BoxMessage, GoalMessage
+from roah_rsbb.model.messages import BoxMessage, GoalMessage
 from roah_rsbb.protocol import BoxState
 
 MESSAGE = BoxMessage("HNF", BoxState.GOAL_TX, (1, 2), GoalMessage(text="1"))

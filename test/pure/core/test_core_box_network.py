@@ -4,12 +4,13 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition
-from roah_rsbb.core import effects, run_log
+from roah_rsbb.core import effects
 from roah_rsbb.core.effects import AnotherBox, Level
 from roah_rsbb.core.robots import MAX_STRANGERS
 from roah_rsbb.core.runs.online_data import StringsBudget
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
+from roah_rsbb.model import run_log
 from roah_rsbb.protocol import RobotState
 
 

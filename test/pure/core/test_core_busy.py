@@ -5,7 +5,7 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from roah_rsbb.core.robots import RobotId
-from roah_rsbb.core.scoring.records import EndReason, Phase
+from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import RobotState
 
 

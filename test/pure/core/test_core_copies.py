@@ -7,9 +7,9 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.copies import LATE_S, SILENT_S, STANDBY, Copies, CopyReport
 from roah_rsbb.core.effects import Level
+from roah_rsbb.model.clock import Now
 from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.rulebook.errors import Place
 

@@ -5,10 +5,11 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import DOOR, competition, event
 from helpers.effect_rules import EffectRules
-from roah_rsbb.core import effects, run_log
+from roah_rsbb.core import effects
 from roah_rsbb.core.effects import How
-from roah_rsbb.core.messages import BoxMessage
-from roah_rsbb.core.run_log import KINDS, LogKind
+from roah_rsbb.model import run_log
+from roah_rsbb.model.messages import BoxMessage
+from roah_rsbb.model.run_log import KINDS, LogKind
 from roah_rsbb.protocol import BoxState, RobotState
 
 

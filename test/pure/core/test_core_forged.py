@@ -10,8 +10,8 @@ from helpers.competition import competition
 from helpers.linked_world import FakeLink, World, assert_legal
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.views import views
+from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import RobotState
 
 FORGER = "10.0.0.66"

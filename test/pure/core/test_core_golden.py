@@ -6,8 +6,8 @@ import pytest
 
 from helpers.recorded_session import Replay, goals_of, waypoint
 from roah_rsbb.core.effects import SetDevice
-from roah_rsbb.core.modules.messages import RequestKind
-from roah_rsbb.core.scoring.records import EndReason, Phase
+from roah_rsbb.model.modules import RequestKind
+from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState
 
 

@@ -7,7 +7,7 @@ import pytest
 from helpers.competition import competition, event
 from helpers.examples import few
 from helpers.linked_world import FakeLink, World, assert_legal
-from roah_rsbb.core.scoring.records import EndReason, Phase
+from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 

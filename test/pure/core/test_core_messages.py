@@ -2,7 +2,7 @@
 
 import yaml
 
-from roah_rsbb.core.messages import NEVER, BoxMessage, RobotReport
+from roah_rsbb.model.messages import NEVER, BoxMessage, RobotReport
 from roah_rsbb.protocol import BoxState, RobotState
 
 

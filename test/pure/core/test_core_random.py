@@ -15,14 +15,14 @@ from helpers.linked_world import FakeLink, World, assert_legal
 from helpers.random_events import ZONES, apply_event, random_competition, random_events
 from roah_rsbb.core import effects
 from roah_rsbb.core.link.timeline import Timeline, Verdict
-from roah_rsbb.core.referee import Refused, RunName
-from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
 from roah_rsbb.core.views.explained import explanations
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.core.views.schedule import ScheduleView, schedule
+from roah_rsbb.model.records import EndReason, Phase
+from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.machine import IllegalEvent
 

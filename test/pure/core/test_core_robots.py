@@ -4,7 +4,6 @@ import pytest
 
 from helpers.box_driver import wire
 from helpers.competition import UTC0
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.robots import (
     LATE_S,
     MAX_AT_HOST,
@@ -16,6 +15,7 @@ from roah_rsbb.core.robots import (
     RobotId,
     Squatter,
 )
+from roah_rsbb.model.clock import Now
 
 TIMEOUT = 30.0
 

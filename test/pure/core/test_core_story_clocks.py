@@ -4,9 +4,9 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
-from roah_rsbb.core import run_log
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.scoring.records import EndReason, Phase
+from roah_rsbb.model import run_log
+from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 
 

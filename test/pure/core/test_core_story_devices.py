@@ -4,10 +4,11 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
-from roah_rsbb.core import effects, run_log
+from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level, SendBeacon, SetDevice
-from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, TabletState
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model import run_log
+from roah_rsbb.model.messages import Beacon, BenchmarkingRobot, DevicesState, TabletState
 from roah_rsbb.protocol import RobotState
 
 

@@ -4,11 +4,12 @@ import pytest
 
 from helpers.box_driver import BoxDriver, ended
 from helpers.competition import competition, event
-from roah_rsbb.core import effects, run_log
+from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model import run_log
+from roah_rsbb.model.records import EndReason, Phase
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.protocol import BoxState, RobotState
 
 

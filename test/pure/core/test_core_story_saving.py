@@ -5,8 +5,8 @@ import pytest
 from helpers.box_driver import BoxDriver, ended
 from helpers.competition import competition, event
 from roah_rsbb.core import effects
-from roah_rsbb.core.scoring.records import EndReason
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.records import EndReason
 from roah_rsbb.protocol import BoxState, RobotState
 
 

@@ -7,7 +7,6 @@ import pytest
 from helpers.box_driver import BoxDriver, wire
 from helpers.competition import competition
 from roah_rsbb.core.effects import Level, SendBeacon
-from roah_rsbb.core.messages import NEVER, TabletState
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import (
     CHANGES_AT_ONCE,
@@ -19,6 +18,7 @@ from roah_rsbb.core.tablet import (
     SILENT_S,
 )
 from roah_rsbb.core.views import views
+from roah_rsbb.model.messages import NEVER, TabletState
 
 HOST, OTHER = "10.0.0.3", "10.0.0.4"
 CALL, PLACE, EARLIER, LATER = (100, 0), (200, 0), (50, 0), (300, 0)

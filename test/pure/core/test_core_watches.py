@@ -3,7 +3,6 @@
 import pytest
 
 from helpers.box_driver import wire
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.robots import ActiveRobot, RobotId, Squatter
 from roah_rsbb.core.watches import (
     CLOCK_REMEMBER_S,
@@ -13,6 +12,7 @@ from roah_rsbb.core.watches import (
     TROUBLE_REMEMBER_S,
     Watches,
 )
+from roah_rsbb.model.clock import Now
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.competition import competition
-from roah_rsbb.core.scoring.records import EndReason
 from roah_rsbb.core.zones import Zone
+from roah_rsbb.model.records import EndReason
 
 
 def _zone(*codes):

@@ -12,11 +12,11 @@ from helpers.box_driver import BoxDriver
 from helpers.forms import form
 from helpers.golden import DATA
 from helpers.module_player import ScriptedModules
-from roah_rsbb.core import run_log
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.modules.messages import RequestKind
-from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreEntry
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model import run_log
+from roah_rsbb.model.modules import RequestKind
+from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.registry import BenchmarkKind

@@ -6,10 +6,10 @@ from helpers.box_driver import BoxDriver
 from helpers.commands import COMMANDS
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.core.views import views
 from roah_rsbb.model.actions import ENTRIES
+from roah_rsbb.model.referee import Refused, RunName
 
 HOST = "10.0.0.3"
 RUN = RunName("tbm")

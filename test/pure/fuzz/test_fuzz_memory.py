@@ -9,10 +9,10 @@ import pytest
 from fuzzing.core import CODES, HOSTS, Play
 from helpers.examples import ALL
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.messages import RobotReport, TabletState
-from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, ScoreValue
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.views import views
+from roah_rsbb.model.messages import RobotReport, TabletState
+from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, ScoreValue
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.protocol import RobotState
 
 FEW = 3

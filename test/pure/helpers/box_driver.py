@@ -6,13 +6,13 @@ from helpers.effect_rules import EffectRules
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.messages import RobotReport
-from roah_rsbb.core.referee import RunName
-from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import RobotReport
+from roah_rsbb.model.records import Phase
+from roah_rsbb.model.referee import RunName
 from roah_rsbb.protocol import BoxState, RobotState
 
 MONO0 = 1000.0

@@ -1,9 +1,9 @@
 """A small competition, made by hand: benchmarks, events and zones for the tests of the core."""
 
-from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, StopRecord
+from roah_rsbb.model.records import ItemRecord, RunRecord, StopRecord
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.rulebook.benchmarks import NO_RULES, Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.event_ids import known_by
-from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 UTC0 = 1_800_000_000.0
 TEAMS = ("Alpha", "Beta", "Gamma")

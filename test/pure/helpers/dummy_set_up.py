@@ -8,8 +8,8 @@ from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState
-from roah_rsbb.core.scoring.records import Phase
+from roah_rsbb.model.modules import ModuleInfo, ModulesState
+from roah_rsbb.model.records import Phase
 from roah_rsbb.protocol import BoxState, RobotState
 
 PREPARE_S, EXECUTE_S = 1.0, 3.0

@@ -3,8 +3,8 @@
 What must be on record comes before what leaves the box because of it (docs/architecture.md, "Write first, then act").
 """
 
-from roah_rsbb.core import run_log
-from roah_rsbb.core.run_log import KINDS, LogKind
+from roah_rsbb.model import run_log
+from roah_rsbb.model.run_log import KINDS, LogKind
 
 
 def _fits(kind, value):

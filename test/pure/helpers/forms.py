@@ -2,8 +2,8 @@
 
 import json
 
-from roah_rsbb.core.modules.messages import form_of_one
 from roah_rsbb.model.fields import Choice, Decimal, Fixed, Number, Pose, Toggle
+from roah_rsbb.model.modules import form_of_one
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.shown import Shown
 

@@ -6,10 +6,10 @@ from helpers.box_driver import BoxDriver, beacon_bytes
 from helpers.competition import competition, event
 from roah_rsbb.box import journal
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
+from roah_rsbb.model.clock import Now
 
 CATERING = event("HCFGAC", timeout=300.0)
 NAVIGATION = event("HNF", team="Beta", timeout=60.0, total_timeout=300.0)

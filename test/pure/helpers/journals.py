@@ -2,10 +2,10 @@
 
 import pathlib
 
-from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
 from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
+from roah_rsbb.model.saved import freeze
 
 UTC0 = 1763722800.0  # 2025-11-21 11:00 UTC
 

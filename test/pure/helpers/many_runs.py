@@ -12,16 +12,16 @@ from helpers.config_files import SHIPPED
 from roah_rsbb.box import journal as core_journal
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import RobotReport
+from roah_rsbb.model.scoring import ScoreKind
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio.radio import beacon_size
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Config, ScheduledEvent, ZonePlan
-from roah_rsbb.rulebook.scoring import ScoreKind
 
 START = Now(1000.0, 1_800_000_000.0)
 CODES = ("HGTKMH", "HCFGAC", "HWV")

@@ -3,7 +3,7 @@
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from roah_rsbb.core import effects
-from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, RequestKind
+from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, Request, RequestKind
 from roah_rsbb.protocol import RobotState
 
 BEAT_S = 0.5

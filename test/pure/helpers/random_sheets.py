@@ -3,7 +3,7 @@
 from decimal import Decimal
 
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.rulebook.scoring import (
+from roah_rsbb.model.scoring import (
     Choice,
     GroupLimits,
     JuryResult,

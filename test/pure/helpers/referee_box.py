@@ -2,8 +2,8 @@
 
 from typing import Callable, Dict, List, Optional
 
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.model.actions import ACTIONS, Row
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.state import (
     CONNECTED,

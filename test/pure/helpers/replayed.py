@@ -9,13 +9,13 @@ from helpers.journaled import NO_LISTENING, JournaledDriver
 from helpers.module_player import FakeModules, does_goal
 from helpers.results_of import EVIL
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
 from roah_rsbb.core.views import views
 from roah_rsbb.core.views.explained import Explanation, explanations
 from roah_rsbb.core.views.public import PublicResults
+from roah_rsbb.model.modules import RequestKind, ScoreValue
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
-from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 RULES = EventRules(setup_time=20.0, pause=True, phases=(PhaseRule("kitchen", 30.0), PhaseRule("bed room")))
 SHEET = (DOOR, ScoringItem(OBJECTS.group, "objects <b>brought</b>", ScoreKind.UINT, Decimal("2.5")), BUMPS)

@@ -3,8 +3,8 @@
 import json
 
 from helpers.journals import UTC0, Writer
-from roah_rsbb.core.link.record import LinkSample
-from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreEntry, ScoreValue, SignOff, StopRecord
+from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry, ScoreValue, SignOff, StopRecord
 
 ACHIEVED, PENALIZED, DISQUALIFYING = "Achievements", "Penalized Behaviors", "Disqualifying Behaviors"
 DOOR, OBJECTS = "Detects the door", "Detects a changed object"

@@ -15,13 +15,13 @@ from helpers.crash_states import in_memory
 from helpers.damaged_files import damaged
 from helpers.examples import ALL
 from helpers.journals import UTC0, Writer
-from roah_rsbb.core.link.record import LinkSample
-from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.batch import Batch
 from roah_rsbb.journal.file import FILE_NAME, CoreSession, DamagedJournal, Resume
 from roah_rsbb.journal.log import NEWEST, read_chain, scans
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.store import Journal
+from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.records import RunRecord
 
 COUNT = 20_000 if ALL else 200
 COMPETITION = [["Home", "HNF", "Alpha", 1, 1, 0.0]]

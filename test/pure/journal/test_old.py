@@ -13,8 +13,6 @@ from helpers.damaged_files import damaged
 from helpers.examples import ALL
 from helpers.journals import UTC0, Writer
 from helpers.old_journals import write_old
-from roah_rsbb.core.link.record import LinkSample
-from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.batch import Batch
 from roah_rsbb.journal.epochs import superseded_value
@@ -23,6 +21,8 @@ from roah_rsbb.journal.log import Files
 from roah_rsbb.journal.old import OLD_FILE_NAME, CannotImport, import_journal
 from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
 from roah_rsbb.journal.store import Journal
+from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.records import RunRecord
 
 COMPETITION = [["Home", "HNF", "Alpha", 1, 1, 0.0]]
 FIRST, SECOND = (RunRecord(f"HNF-{port}-1.000", "Home", "HNF", "Alpha", 1, port - 6666, UTC0, UTC0 + port - 6667)

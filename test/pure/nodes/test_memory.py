@@ -6,9 +6,9 @@ import pytest
 
 from helpers.competition import BUMPS, competition, event
 from helpers.journaled import NO_LISTENING, JournaledDriver
-from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring import book, unsaved
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.protocol import RobotState
 
 KEPT = 5  # of the newest runs, the whole record

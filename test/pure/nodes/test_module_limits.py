@@ -6,8 +6,8 @@ import re
 import pytest
 
 from helpers.forms import MEASURED, ODD, form
-from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
 from roah_rsbb.model.fields import Choice, Decimal, Fixed, Number, Robot, Text, Toggle, form_text
+from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
 from roah_rsbb.model.reason import say
 from roah_rsbb.nodes.modules.limits import (
     MAX_FIELDS,

@@ -8,8 +8,8 @@ import pytest
 import roah_rsbb
 from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
-from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.model.referee import RunName
 from roah_rsbb.protocol import RobotState
 
 # The generated messages are in the build folder.

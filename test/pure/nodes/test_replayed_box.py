@@ -11,12 +11,12 @@ from helpers.journaled import NO_LISTENING, JournaledDriver
 from helpers.jury import Jury, judged
 from helpers.replayed import LOOK_S, ReplayedCompetition, SetClock
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.views import views
 from roah_rsbb.core.views.explained import explanations
 from roah_rsbb.core.views.public import PublicResults
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuration, read_run
 from roah_rsbb.wording.replay import PREFIX, is_replay
 

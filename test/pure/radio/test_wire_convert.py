@@ -1,6 +1,6 @@
 """Between protobuf and the core's plain values: every field, both ways."""
 
-from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, BoxMessage, DevicesState, TabletState
+from roah_rsbb.model.messages import Beacon, BenchmarkingRobot, BoxMessage, DevicesState, TabletState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio import wire_convert

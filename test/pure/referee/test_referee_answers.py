@@ -6,8 +6,8 @@ import pytest
 
 from helpers.forms import MEASURED, ODD, ODD_ASKED, form
 from helpers.referee_box import FakeLink
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.model.fields import form_of
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.referee.answers import MAX_IN_A_ROW, Automatic, GivenUp, Operations, Typed
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.run import RunScript, ScriptPlan

@@ -5,7 +5,7 @@ import threading
 import pytest
 
 from helpers.referee_box import box, running_zone, zone
-from roah_rsbb.core.referee import Refused
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.stopping import Stopping, TypedStops, ZoneStop
 from roah_rsbb.referee.words import BadWord, is_all, stop_wanted

@@ -3,7 +3,7 @@
 import pytest
 
 from helpers.referee_box import EVENTS, ITEMS
-from roah_rsbb.core.referee import Refused
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.referee.state import SheetItem
 from roah_rsbb.referee.words import BadWord, Entered, event_wanted, pick_item, pick_zone, score_wanted, value_of
 

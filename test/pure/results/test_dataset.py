@@ -11,9 +11,9 @@ import pytest
 from helpers.golden import DATA
 from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_competition
-from roah_rsbb.core.link.record import LinkSample
-from roah_rsbb.core.scoring.records import ItemRecord, Rating
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.records import ItemRecord, Rating
 from roah_rsbb.results.anonymous import names_of
 from roah_rsbb.results.dataset import FILES, TABLES, Options, write_dataset
 from roah_rsbb.results.runs import records, run_result

@@ -10,13 +10,13 @@ import pytest
 
 from helpers.competition import OBJECTS, UTC0, competition, event
 from helpers.journaled import NO_LISTENING, JournaledDriver
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.counting import ANY, Why
-from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views.schedule import schedule
 from roah_rsbb.journal.old import OLD_FILE_NAME
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import Phase
+from roah_rsbb.model.referee import RunName
 from roah_rsbb.results.program import main as program
 from roah_rsbb.results.standings import standings
 from roah_rsbb.rulebook.standing_rules import DEFAULT

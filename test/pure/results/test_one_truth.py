@@ -18,11 +18,11 @@ import roah_rsbb
 from helpers.competition import BUMPS, OBJECTS, UTC0, competition, event
 from helpers.examples import examples
 from helpers.journaled import NO_LISTENING, JournaledDriver
-from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.counting import Choice, Why, attempts_of, rulings
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.core.views.schedule import schedule
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.results.checklist import checklist
 from roah_rsbb.results.dataset import _run_rows
 from roah_rsbb.results.export import exported, result_rows

@@ -9,11 +9,11 @@ import pytest
 
 from helpers.competition import UTC0
 from helpers.random_sheets import TIME_LIMIT_S, random_form, random_mark
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.scoring.book import RunBook
 from roah_rsbb.core.scoring.counting import exact
-from roah_rsbb.core.scoring.records import By, RunRecord, SignOff
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import By, RunRecord, SignOff
+from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.results.export import exported, result_rows, safe
 from roah_rsbb.results.paper import blank_front, front_of
 from roah_rsbb.results.runs import RunResult

@@ -12,7 +12,7 @@ import subprocess
 import pytest
 
 from helpers.results_of import ACHIEVED, DISQUALIFYING, DOOR, EVIL, PENALIZED, full_record, module_record, task_record
-from roah_rsbb.core.scoring.records import ItemRecord, ScoreEntry, ScoreValue, SignOff, StopRecord
+from roah_rsbb.model.records import ItemRecord, ScoreEntry, ScoreValue, SignOff, StopRecord
 from roah_rsbb.results import paper, printing
 from roah_rsbb.results.page import LONGEST_WORD, Competition, breakable, page, tag
 from roah_rsbb.results.paper import blank_front, cut, front_markup, front_of, layout_of, wrapped_lines

@@ -16,7 +16,7 @@ from helpers.results_of import (
     module_record,
     task_record,
 )
-from roah_rsbb.core.scoring.records import GroupPoints, ScoreValue, SheetPoints, SignOff
+from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints, SignOff
 from roah_rsbb.results.standings import (
     WITHOUT_RULES,
     Choice,

@@ -3,7 +3,7 @@
 import pytest
 
 from helpers.config_files import TEXTS, changed, line_of
-from roah_rsbb.rulebook.scoring import ScoreKind
+from roah_rsbb.model.scoring import ScoreKind
 
 TEXT = TEXTS["benchmarks"]
 SECONDS = "as timeout; expected a number of seconds above 0 and at most 86400"

@@ -2,9 +2,9 @@
 
 import pytest
 
+from roah_rsbb.model.scoring import Agreement, JudgesRule
 from roah_rsbb.rulebook.changes import changes
 from roah_rsbb.rulebook.config import ConfigErrors
-from roah_rsbb.rulebook.scoring import Agreement, JudgesRule
 
 HEAD = "- name: Table\n  desc: Cleaning\n  code: CleanTable\n  kind: task\n  timeout: 300\n"
 ITEMS = "  scoring:\n    - G:\n        - {type: bool, desc: Empty}\n"

@@ -7,7 +7,7 @@ from decimal import Decimal
 import pytest
 
 from helpers.config_files import line_of
-from roah_rsbb.rulebook.scoring import (
+from roah_rsbb.model.scoring import (
     Choice,
     GroupLimits,
     JuryResult,

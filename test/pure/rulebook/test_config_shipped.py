@@ -6,10 +6,10 @@ import os
 import pytest
 
 from helpers.config_files import SHIPPED, TEXTS
+from roah_rsbb.model.scoring import ScoreKind
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
-from roah_rsbb.rulebook.scoring import ScoreKind
 
 # docs/benchmarks.md, "The table": timeout of a goal and of the whole run, in seconds.
 TIMEOUTS = {

@@ -15,7 +15,7 @@ from helpers import slots
 from helpers.config_files import SHIPPED
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
-from roah_rsbb.core.messages import Beacon, DevicesState, TabletState
+from roah_rsbb.model.messages import Beacon, DevicesState, TabletState
 from roah_rsbb.radio import wire_convert
 from roah_rsbb.tools import preflight_checks as checks
 from roah_rsbb.tools.competition.firewall import firewall_text

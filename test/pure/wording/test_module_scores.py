@@ -2,7 +2,7 @@
 
 import pytest
 
-from roah_rsbb.core.modules.messages import ScoreValue
+from roah_rsbb.model.modules import ScoreValue
 from roah_rsbb.wording.module_scores import by_group, readable
 
 

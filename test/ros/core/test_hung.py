@@ -22,9 +22,9 @@ from support.programs import Program
 from support.waiting import LIMIT_S, wait_until
 
 from helpers.forms import answer_in, form
-from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.file import FILE_NAME, holder_of
+from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.signs_of_life import SIGN
 from roah_rsbb.srv import GetRunSheet, StopRun
 

@@ -6,10 +6,10 @@ import unittest
 import rospy
 
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.copies import unconfirmed
-from roah_rsbb.core.referee import Refused, RunName
-from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.msg import Score
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.srv import (

@@ -7,8 +7,10 @@ import unittest
 
 from helpers.forms import ODD
 from helpers.random_sheets import random_form, random_mark
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.modules.messages import (
+from roah_rsbb.core.scoring.book import RunBook
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.fields import form_text
+from roah_rsbb.model.modules import (
     ModuleInfo,
     ModulesState,
     OutcomeKind,
@@ -20,15 +22,12 @@ from roah_rsbb.core.modules.messages import (
     ScoreValue,
     Step,
 )
-from roah_rsbb.core.scoring.book import RunBook
-from roah_rsbb.core.scoring.sheet import ScoreGroup
-from roah_rsbb.model.fields import form_text
+from roah_rsbb.model.scoring import ScoreGroup, ScoreKind, ScoringItem
 from roah_rsbb.msg import ModuleOutcome, ModuleRequest, ModuleRuns, RunSheet
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.core.score_convert import group_message, items_message, points_message, sheet_items
 from roah_rsbb.nodes.modules.convert import modules_state_message, modules_state_of, runs_message, runs_of
 from roah_rsbb.nodes.modules.limits import MAX_LIST, MAX_TEXT
-from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 GOAL = Request(
     2, RequestKind.GOAL, "Waypoint 1", form_text(ODD), "[1, 2, 3]", (1.0, -2.0, 3.0), (True, False), (2, 1), 15.5,

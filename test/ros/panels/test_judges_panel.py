@@ -8,10 +8,10 @@ from support.gui_testing import QMessageBox, QTest, question, wait_until
 from support.real_input import click_on
 from support.window_case import WindowCase, in_sight, is_closed
 
-from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.model.referee import RunName
+from roah_rsbb.model.scoring import JudgesRule, ScoreKind, ScoringItem
 from roah_rsbb.rqt.widgets.judge_dialogs import ChoiceDialog, ObjectionDialog, PublishDialog, ReasonDialog, SettleDialog
-from roah_rsbb.rulebook.scoring import JudgesRule, ScoreKind, ScoringItem
 
 OBJECTS = ScoringItem("Table", "Objects put away", ScoreKind.UINT)
 EMPTY = ScoringItem("Table", "Table is empty", ScoreKind.BOOL)

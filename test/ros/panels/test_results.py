@@ -10,8 +10,8 @@ from support.fakes.core import NOT_ATTEMPTED
 from support.gui_testing import QApplication, QMessageBox, Qt, QTest, answer, click, limit, question, wait_until
 from support.panel_case import BUMPS, DOOR, PanelCase
 
-from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.model.referee import RunName
 from roah_rsbb.msg import RunSheet, RunSummary, Unsaved, UnsavedParts
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels import benchmark_control, scoring

@@ -58,7 +58,7 @@ FAULTS = (
           "            self._batch.outcomes[record.identity] = "),
     Fault("used ports are forgotten in a restart", "box/assembly.py",
           "max(last_ports), version)", "0, version)"),
-    Fault("a restarted core does not use the time that passed", "core/restart/saved.py",
+    Fault("a restarted core does not use the time that passed", "model/saved.py",
           "        return now.mono - passed - self.mono\n", "        return now.mono - self.mono\n"),
     Fault("an entry is missing in the run log", "box/driver.py",
           "            effects.RunLogged: lambda e: self._run_logs.logged(e, self._moment.utc),",

@@ -5,10 +5,10 @@ import sys
 from decimal import Decimal
 
 from roah_rsbb.box.journal import ZONE_STATE
-from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.core.runs.run import Run
-from roah_rsbb.core.scoring.records import Phase
+from roah_rsbb.model.records import Phase
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.saved import freeze
 from roah_rsbb.protocol import RobotState, wire_ns
 from roah_rsbb.rulebook.benchmarks import Durable
 

@@ -4,12 +4,12 @@ import itertools
 
 from helpers.commands import COMMANDS, given_with, mark_with
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.referee import Refused, RunName
-from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.journal.store import SYNC_TIMEOUT_S
+from roah_rsbb.model.records import Phase
+from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.model.scoring import ScoreKind
 from roah_rsbb.rulebook.benchmarks import Durable
-from roah_rsbb.rulebook.scoring import ScoreKind
 
 # How long a call takes on its way, each way.
 SHORTEST_S, LONGEST_S = 0.001, 0.01

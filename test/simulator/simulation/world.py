@@ -8,8 +8,8 @@ from dataclasses import replace
 from decimal import Decimal
 
 from helpers.competition import benchmark, competition
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.rulebook.benchmarks import Durable, EventRules, PhaseRule, Restarts, ScheduledEvent
-from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 from .air import Air
 from .box import Box

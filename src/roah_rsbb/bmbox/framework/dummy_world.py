@@ -11,7 +11,7 @@ import random
 from typing import Dict, Iterable, Optional, Tuple
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3, angle_difference, compose, distance, normalised
-from roah_rsbb.core.modules.messages import RequestKind, RunForModule, Step
+from roah_rsbb.model.modules import RequestKind, RunForModule, Step
 from roah_rsbb.rulebook.registry import PROFILES
 
 TABLE = Pose3(4.0, 1.0, 0.8, 0.3)  # a corner of its top, in the test bed; metres and radians

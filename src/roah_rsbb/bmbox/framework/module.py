@@ -1,6 +1,6 @@
 """The base class of benchmarking modules: one coroutine with the rules, and the requests that it can make.
 
-`await` hands a request to the core and returns its outcome (`roah_rsbb.core.modules.messages`). When the run ends,
+`await` hands a request to the core and returns its outcome (`roah_rsbb.model.modules`). When the run ends,
 for whatever reason, the `await` raises `RunEnded`. Modules need not handle it: `finally` blocks run, and the score is
 kept.
 """
@@ -16,7 +16,9 @@ from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose2D, 
 from roah_rsbb.bmbox.framework.parameters import Field
 from roah_rsbb.bmbox.framework.results import BadResult, Kind, read_record
 from roah_rsbb.bmbox.framework.score import Score, Value
-from roah_rsbb.core.modules.messages import (
+from roah_rsbb.model.fields import Field as AskedField
+from roah_rsbb.model.fields import Pose, form_of, form_text
+from roah_rsbb.model.modules import (
     OutcomeKind,
     Request,
     RequestKind,
@@ -24,8 +26,6 @@ from roah_rsbb.core.modules.messages import (
     RunForModule,
     form_of_one,
 )
-from roah_rsbb.model.fields import Field as AskedField
-from roah_rsbb.model.fields import Pose, form_of, form_text
 from roah_rsbb.model.reason import say
 
 TRY_AGAIN = "Try again"

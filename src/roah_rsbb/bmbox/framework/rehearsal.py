@@ -16,8 +16,8 @@ from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.own_rules import load_rules
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
-from roah_rsbb.core.modules.messages import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule, Step
 from roah_rsbb.model.fields import answered
+from roah_rsbb.model.modules import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule, Step
 
 UTC0 = 1_800_000_000.0
 

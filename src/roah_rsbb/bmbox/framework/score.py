@@ -4,7 +4,7 @@ import json
 import math
 from typing import Dict, List, NamedTuple, Tuple, Union
 
-from roah_rsbb.core.modules.messages import ScoreValue
+from roah_rsbb.model.modules import ScoreValue
 
 Scalar = Union[None, bool, int, float, str]
 # A value of the whole run has a name; a value of a group ("waypoint 2") has group and name.

@@ -8,7 +8,7 @@ from roah_rsbb.check.findings import Cause, Verdict
 from roah_rsbb.check.play import LEAVE_S, GaveUp, Play, goals_of
 from roah_rsbb.check.scenarios.scenario import Scenario
 from roah_rsbb.comm import frame
-from roah_rsbb.core.messages import Beacon, DevicesState, TabletState
+from roah_rsbb.model.messages import Beacon, DevicesState, TabletState
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio import wire_convert
 

@@ -7,7 +7,7 @@ from roah_rsbb.check.findings import Cause, Verdict
 from roah_rsbb.check.play import OBEY_S, GaveUp, Play, goals_of
 from roah_rsbb.check.scenarios import basic
 from roah_rsbb.check.scenarios.scenario import Scenario
-from roah_rsbb.core.modules.messages import OutcomeKind
+from roah_rsbb.model.modules import OutcomeKind
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.registry import PROFILES
 

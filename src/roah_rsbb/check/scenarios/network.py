@@ -10,7 +10,7 @@ from roah_rsbb.check.play import EXECUTING_S, GaveUp, Play, goals_of
 from roah_rsbb.check.scenarios.scenario import Scenario
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher, Key
-from roah_rsbb.core.messages import BenchmarkingRobot, BoxMessage, DevicesState, TabletState
+from roah_rsbb.model.messages import BenchmarkingRobot, BoxMessage, DevicesState, TabletState
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio import wire_convert
 from roah_rsbb.radio.radio import beacon_size

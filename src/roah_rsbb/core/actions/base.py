@@ -4,13 +4,13 @@ import abc
 from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
 
 from roah_rsbb.core.candidates import Candidates
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.connections import Connections
-from roah_rsbb.core.referee import RunName
-from roah_rsbb.core.scoring.records import By
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import Field, read
+from roah_rsbb.model.records import By
+from roah_rsbb.model.referee import RunName
 
 Given = Mapping[str, Any]  # the values of an action's fields, all of them
 

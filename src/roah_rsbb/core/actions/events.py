@@ -4,11 +4,11 @@ from typing import Any, Dict, List
 
 from roah_rsbb.core.actions.base import Given, ZoneAction
 from roah_rsbb.core.actions.connecting import DISCONNECT_FIRST, STOP_FIRST
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.referee import RunName
-from roah_rsbb.core.scoring.records import By, Phase
 from roah_rsbb.core.zones import Zone
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import By, Phase
+from roah_rsbb.model.referee import RunName
 
 FIRST, LAST = say("This is the zone's first event"), say("This is the zone's last event")
 NO_EVENT = say("zone '{zone}' has no event '{event}' any more: choose it again")

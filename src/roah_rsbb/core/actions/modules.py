@@ -3,15 +3,15 @@
 import abc
 from typing import Any, Dict, List, Optional, Tuple
 
-from roah_rsbb.core import run_log
 from roah_rsbb.core.actions.base import Given, ZoneAction
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.modules.messages import Request, RequestKind
 from roah_rsbb.core.runs.functionality import FunctionalityRun
-from roah_rsbb.core.scoring.records import By
 from roah_rsbb.core.zones import NO_RUN, Zone
+from roah_rsbb.model import run_log
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import BadValue, Field, Fixed, Number, answered
+from roah_rsbb.model.modules import Request, RequestKind
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import By
 
 NO_OPERATION = say("zone '{zone}' has no manual operation now")
 OVER = say("that manual operation is over; the current one is: {text}")

@@ -5,9 +5,9 @@ from typing import Dict, Iterator, List, Optional
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Outbox
-from roah_rsbb.core.referee import MAX_NOTE, Refused, RunName, checked_who
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.zones import Zones
+from roah_rsbb.model.referee import MAX_NOTE, Refused, RunName, checked_who
 
 
 class CommandRecord:

@@ -7,15 +7,15 @@ from roah_rsbb.core.actions import connecting, events, modules, running
 from roah_rsbb.core.actions.base import Given, Parts, ZoneAction
 from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.candidates import Candidates
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.effects import Outbox
-from roah_rsbb.core.referee import Refused, RunName, checked_who, cut_note
-from roah_rsbb.core.scoring.records import By
 from roah_rsbb.core.zones import Zone, Zones
 from roah_rsbb.model import fields
 from roah_rsbb.model.actions import ACTIONS, EVERY
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import By
+from roah_rsbb.model.referee import Refused, RunName, checked_who, cut_note
 from roah_rsbb.model.shown import Shown
 from roah_rsbb.wording.suggestions import did_you_mean
 

@@ -3,10 +3,8 @@
 from typing import Callable, List, NamedTuple, Optional, Tuple, Union
 
 from roah_rsbb.core import effects
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Outbox
 from roah_rsbb.core.judges.judges import Verdict
-from roah_rsbb.core.referee import Refused, RunName, checked_note, checked_who
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRun, RunBook
 from roah_rsbb.core.scoring.desk import (
@@ -16,9 +14,11 @@ from roah_rsbb.core.scoring.desk import (
     ScoreDesk,
     check_mark_id,
 )
-from roah_rsbb.core.scoring.records import By, ItemRecord, JudgeSheet, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.rulebook.scoring import SheetForm
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import By, ItemRecord, JudgeSheet, RunRecord
+from roah_rsbb.model.referee import Refused, RunName, checked_note, checked_who
+from roah_rsbb.model.scoring import SheetForm
 
 
 class Judging(NamedTuple):

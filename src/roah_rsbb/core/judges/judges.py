@@ -13,10 +13,11 @@ rule decides again. Verdicts therefore do not depend on the order in which the j
 from dataclasses import dataclass, field
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.judges.agreement import Value, agreed, value_of
-from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.scoring.records import (
+from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import (
     By,
     ItemRecord,
     JudgeAct,
@@ -25,9 +26,8 @@ from roah_rsbb.core.scoring.records import (
     Settlement,
     Waiver,
 )
-from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState
-from roah_rsbb.model.reason import say
-from roah_rsbb.rulebook.scoring import Key, ScoreKind, ScoringItem, SheetForm
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.scoring import Key, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.wording import sheets
 
 # More than a jury ever needs. The journal has each act in any case.
@@ -295,7 +295,7 @@ class Judges:
         return tuple((sheet.judge, item) for sheet in self._submitted() for item in sheet.items if item.key == key)
 
     def _proposals(self, key: Key) -> Tuple[Tuple[str, str], ...]:
-        return tuple((judge, item.in_words()) for judge, item in self._records(key))
+        return tuple((judge, sheets.in_words(item)) for judge, item in self._records(key))
 
     def _verdict(self, item: ScoringItem) -> Verdict:
         assert self.rule is not None, "it has judges"

@@ -6,11 +6,11 @@ The time limit is a time of day (UTC), because teams read it, and because it mus
 from dataclasses import dataclass, field
 from typing import List, Optional
 
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.scoring.records import By, Objection, PublicationRecord, Published
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import joined, say
-from roah_rsbb.rulebook.scoring import SheetForm
+from roah_rsbb.model.records import By, Objection, PublicationRecord, Published
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.scoring import SheetForm
 from roah_rsbb.wording import times
 
 MAX_OBJECTIONS = 50

@@ -8,11 +8,12 @@ import enum
 from dataclasses import dataclass, field
 from typing import Callable, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.link.record import LinkRecorder, LinkSample
+from roah_rsbb.core.link.record import LinkRecorder
 from roah_rsbb.core.link.skew import THE_ROBOT, SkewEstimate, SkewSample, skew_off, within
 from roah_rsbb.core.link.timeline import Timeline, TimelineState, Verdict
-from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.reason import say
 from roah_rsbb.protocol import RobotState, WireTime, wire_ns, wire_seconds
 from roah_rsbb.wording import times

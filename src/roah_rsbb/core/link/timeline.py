@@ -11,7 +11,7 @@ import enum
 from dataclasses import dataclass
 from typing import Optional
 
-from roah_rsbb.core.restart.saved import Mono
+from roah_rsbb.model.saved import Mono
 
 # A new timeline is accepted only if nothing has arrived on the old one for this long. A robot sends every second, so it
 # may lose one datagram and still count as active.

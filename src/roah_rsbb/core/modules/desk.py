@@ -3,11 +3,11 @@
 from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.core.actions.record import CommandRecord
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.modules.messages import ModulesState, RunForModule
 from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.zones import Zones
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.modules import ModulesState, RunForModule
 
 
 class ModuleDesk:

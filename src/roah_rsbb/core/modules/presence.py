@@ -7,8 +7,8 @@ it.
 
 from typing import Dict, List, NamedTuple, Optional
 
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress
 from roah_rsbb.model.reason import say
 
 # Seconds: four messages in a row are missing.

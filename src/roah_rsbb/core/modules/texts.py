@@ -3,9 +3,9 @@
 import json
 from typing import NamedTuple, Tuple
 
-from roah_rsbb.core.messages import RobotReport
-from roah_rsbb.core.modules.messages import Request
-from roah_rsbb.core.scoring.records import ScoreValue
+from roah_rsbb.model.messages import RobotReport
+from roah_rsbb.model.modules import Request
+from roah_rsbb.model.records import ScoreValue
 
 # Characters of a result. It is kept with every step and repeated to the modules. Modules refuse longer results
 # (`roah_rsbb.bmbox.framework.results`), so a result that is cut here is refused there.

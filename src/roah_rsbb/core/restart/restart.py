@@ -12,16 +12,16 @@ from types import MappingProxyType
 from typing import Dict, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import effects
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.effects import Level, Outbox
-from roah_rsbb.core.messages import DevicesState, TabletState
 from roah_rsbb.core.scoring.book import FinishedRuns, left_behind
 from roah_rsbb.core.scoring.counting import with_events
-from roah_rsbb.core.scoring.records import Phase, RunRecord
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones, ZoneState, is_same
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import DevicesState, TabletState
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import Phase, RunRecord
 from roah_rsbb.rulebook.benchmarks import Config, ScheduledEvent, ZonePlan
 from roah_rsbb.wording import times
 

@@ -11,17 +11,17 @@ and join as soon as they are ready.
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import effects
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.link.link import SILENT_S
-from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.runs.clock import CountdownState
 from roah_rsbb.core.runs.phases import RunEvent
 from roah_rsbb.core.runs.run import AllRobotsState, Assignment, Run, RunContext, RunState, ZoneRun
 from roah_rsbb.core.runs.times import RunTimes
 from roah_rsbb.core.scoring.book import BookState
-from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.reason import joined, say
+from roah_rsbb.model.records import NOBODY, By, EndReason, Phase
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.benchmarks import NO_RULES
 

@@ -7,13 +7,13 @@ log. The journal has its record.
 from typing import List, Optional, Tuple
 
 from roah_rsbb.core import effects
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.runs.clock import CountdownState
 from roah_rsbb.core.runs.phases import RunEvent
 from roah_rsbb.core.runs.run import Run, RunContext, ZoneRun, ZoneRunState, identity_of
 from roah_rsbb.core.scoring.book import BookState
-from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import NOBODY, By, EndReason, Phase
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 
 BY_HAND = say("Without a robot: only the referee starts and stops the clock")

@@ -6,10 +6,10 @@ Both use the monotonic clock only (docs/architecture.md, "Two clocks").
 from dataclasses import dataclass
 from typing import Optional
 
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.messages import RobotReport
-from roah_rsbb.core.restart.saved import Mono
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import RobotReport
+from roah_rsbb.model.saved import Mono
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT
 

@@ -10,7 +10,7 @@ next message on, an original client sends off for every device, which counts (do
 from dataclasses import dataclass
 from typing import List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.protocol import PERCENTAGES, SWITCHES
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.registry import DEVICES, TABLET

@@ -1,6 +1,6 @@
 """A run of a functionality benchmark: the module sends requests, the core carries them out and answers.
 
-`roah_rsbb.core.modules.messages` has their messages. The core knows goals, manual operations and timeouts, but no rule
+`roah_rsbb.model.modules` has their messages. The core knows goals, manual operations and timeouts, but no rule
 of any benchmark.
 """
 
@@ -8,11 +8,18 @@ import json
 from dataclasses import dataclass, field
 from typing import Any, List, Mapping, Optional, Tuple
 
-from roah_rsbb.core import effects, run_log
-from roah_rsbb.core.clock import Now
+from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.messages import RobotReport
-from roah_rsbb.core.modules.messages import (
+from roah_rsbb.core.modules.presence import Driver, Modules
+from roah_rsbb.core.modules.texts import goal_json, result_text, scores_json
+from roah_rsbb.core.runs.machine import Reaction, react
+from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, GoalState, RunningGoal, Switches, SwitchesState
+from roah_rsbb.core.runs.run import EXECUTING, FELL_BACK, Assignment, Run, RunContext, RunState
+from roah_rsbb.core.scoring.book import Marked
+from roah_rsbb.model import run_log
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import RobotReport
+from roah_rsbb.model.modules import (
     OutcomeKind,
     Progress,
     Request,
@@ -21,14 +28,8 @@ from roah_rsbb.core.modules.messages import (
     RunForModule,
     Step,
 )
-from roah_rsbb.core.modules.presence import Driver, Modules
-from roah_rsbb.core.modules.texts import goal_json, result_text, scores_json
-from roah_rsbb.core.runs.machine import Reaction, react
-from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, GoalState, RunningGoal, Switches, SwitchesState
-from roah_rsbb.core.runs.run import EXECUTING, FELL_BACK, Assignment, Run, RunContext, RunState
-from roah_rsbb.core.scoring.book import Marked
-from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase, ScoreValue
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import NOBODY, By, EndReason, Phase, ScoreValue
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT
 from roah_rsbb.rulebook.registry import ResultForm

@@ -7,7 +7,7 @@ The box logs a string once. It logs the same text again only if a message withou
 from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 from roah_rsbb.core.budget import Budget
-from roah_rsbb.core.clock import Now
+from roah_rsbb.model.clock import Now
 from roah_rsbb.wording.texts import escaped
 
 # The texts of the last message, by the name of the repeated field.

@@ -11,7 +11,7 @@ docs/protocol.md, "Phases of a run", shows the table.
 import enum
 from typing import Dict, Tuple
 
-from roah_rsbb.core.scoring.records import Phase
+from roah_rsbb.model.records import Phase
 
 
 class RunEvent(enum.Enum):

@@ -6,12 +6,12 @@ These are plain records of requests and their outcomes. The run decides what fol
 from dataclasses import dataclass, field
 from typing import List, Optional, Tuple
 
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.messages import GoalMessage
-from roah_rsbb.core.modules.messages import Request
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs.clock import Countdown, CountdownState
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import GoalMessage
+from roah_rsbb.model.modules import Request
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.referee import Refused
 
 # Bytes for the rest of a datagram that carries a goal: frame, cipher, code, state, acknowledgement, a pose.
 GOAL_OVERHEAD = 140

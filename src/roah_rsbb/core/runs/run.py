@@ -12,11 +12,9 @@ import functools
 from dataclasses import dataclass, field
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
-from roah_rsbb.core import effects, run_log
-from roah_rsbb.core.clock import Now
+from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Effect, How, Level
 from roah_rsbb.core.link.link import LinkState, RobotLink
-from roah_rsbb.core.messages import NO_GOAL, BoxMessage, GoalMessage, RobotReport
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs.clock import CountdownState, RunClock, SavingWatch
 from roah_rsbb.core.runs.device_commands import DeviceCommands, DeviceCommandsState
@@ -26,13 +24,16 @@ from roah_rsbb.core.runs.phases import RunEvent, following
 from roah_rsbb.core.runs.requests import RunningGoal
 from roah_rsbb.core.runs.times import BY_REFEREE, RunTimes, TimesState
 from roah_rsbb.core.scoring.book import BookState, Marked, RunBook
-from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, ItemRecord, Phase, RunRecord, ScoreValue
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, value_text
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model import run_log
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import NO_GOAL, BoxMessage, GoalMessage, RobotReport
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import NOBODY, By, EndReason, ItemRecord, Phase, RunRecord, ScoreValue
+from roah_rsbb.model.scoring import WHOLE
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Restarts, ScheduledEvent
-from roah_rsbb.rulebook.scoring import WHOLE
 from roah_rsbb.wording import stop, times
 
 # Types whose values are whole numbers, which `Score` holds.

@@ -8,10 +8,10 @@ the referee is warned, and decides when the next phase begins. Each start begins
 from dataclasses import dataclass, field
 from typing import List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.runs.clock import Countdown, CountdownState
-from roah_rsbb.core.scoring.records import PhaseTime
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import PhaseTime
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule
 from roah_rsbb.wording import times
 

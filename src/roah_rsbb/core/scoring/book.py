@@ -9,12 +9,13 @@ import itertools
 from dataclasses import dataclass, field
 from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.judges.judges import Judges, JudgesState, Verdict
 from roah_rsbb.core.judges.publication import Publication, PublicationState
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.points import Counted, counted
-from roah_rsbb.core.scoring.records import (
+from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, value_text
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import (
     By,
     EndReason,
     ItemRecord,
@@ -27,10 +28,9 @@ from roah_rsbb.core.scoring.records import (
     SignOff,
     StopRecord,
 )
-from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, value_text
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.rulebook.benchmarks import Benchmark, EventRules, ScheduledEvent
-from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.rulebook.standing_rules import StandingRules
 from roah_rsbb.wording import sheets, times
 

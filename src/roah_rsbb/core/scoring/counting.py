@@ -17,7 +17,7 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
-from roah_rsbb.core.scoring.records import NOT_RUN, ItemRecord, RunRecord, ScoreValue
+from roah_rsbb.model.records import NOT_RUN, ItemRecord, RunRecord, ScoreValue
 from roah_rsbb.rulebook.benchmarks import (
     ALL_TEAMS,
     NO_RULES,

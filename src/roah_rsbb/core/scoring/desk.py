@@ -4,17 +4,17 @@ from typing import Callable, List, NamedTuple, Optional, Set, Tuple, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.record import CommandRecord
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Level, Outbox
-from roah_rsbb.core.referee import Refused, RunName, checked_note, checked_who
 from roah_rsbb.core.runs.phases import RunEvent, is_possible
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRun, FinishedRuns
 from roah_rsbb.core.scoring.counting import Counted, Counting, EventResult, Ruling, Why
-from roah_rsbb.core.scoring.records import By, ItemRecord, Phase, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import Zones
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import By, ItemRecord, Phase, RunRecord
+from roah_rsbb.model.referee import Refused, RunName, checked_note, checked_who
 
 # Finished runs in the list of results: more than the runs of one day in any competition.
 MAX_LISTED = 100

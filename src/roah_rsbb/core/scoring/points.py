@@ -7,8 +7,8 @@ that count. All sums are exact.
 from decimal import ROUND_DOWN, ROUND_FLOOR, ROUND_HALF_UP, Context, Decimal, InvalidOperation
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
-from roah_rsbb.core.scoring.records import GroupPoints, ItemRecord, SheetPoints
-from roah_rsbb.rulebook.scoring import (
+from roah_rsbb.model.records import GroupPoints, ItemRecord, SheetPoints
+from roah_rsbb.model.scoring import (
     MAX_DECIMALS,
     MAX_VALUE,
     TIME_LEFT,

@@ -22,12 +22,22 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.points import jury_text, text_of, whole_part
-from roah_rsbb.core.scoring.records import ItemRecord, Rating, ScoreEntry
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import joined, say
-from roah_rsbb.rulebook.scoring import MAX_DECIMALS, MAX_NUMBER, MAX_VALUE, NUMBERS, WHOLE, Key, ScoreKind, ScoringItem
+from roah_rsbb.model.records import ItemRecord, Rating, ScoreEntry
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.scoring import (
+    MAX_DECIMALS,
+    MAX_NUMBER,
+    MAX_VALUE,
+    NUMBERS,
+    WHOLE,
+    Key,
+    ScoreGroup,
+    ScoreKind,
+    ScoringItem,
+)
 from roah_rsbb.wording.sheets import item_value
 from roah_rsbb.wording.suggestions import did_you_mean
 
@@ -47,13 +57,6 @@ _NUMBER = re.compile(rf"[+-]?([0-9]{{1,7}}\.?[0-9]{{0,{MAX_DECIMALS}}}|\.[0-9]{{
 def score_text(group: str, desc: str, old: str, value: str) -> str:
     """Describe an item's change to the referee. Both values are texts."""
     return f"Score: {group}: {desc} {old} -> {value}"
-
-
-class ScoreGroup(NamedTuple):
-    """A group as the panels show it: its items and their values, in the file's order."""
-
-    name: str
-    items: Tuple[Tuple[ScoringItem, int], ...]
 
 
 @dataclass

@@ -7,7 +7,7 @@ import math
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.scoring.book import MAX_KEPT
-from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.model.records import RunRecord
 
 # Seconds. Usually the disk is faster, so only what waits longer is shown.
 SHOWN_AFTER_S = 0.5

@@ -8,12 +8,12 @@ import enum
 from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.online_data import MAX_SAID, Said
 from roah_rsbb.core.runs.run import Run, ZoneRun
-from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.views.public import PublicResults
+from roah_rsbb.model.modules import OutcomeKind, RequestKind
+from roah_rsbb.model.records import Phase
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.registry import BenchmarkKind, GoalForm
 

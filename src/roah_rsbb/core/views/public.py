@@ -7,11 +7,11 @@ import enum
 from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedResult
-from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.zones import Zone
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 
 # No screen has space for more.

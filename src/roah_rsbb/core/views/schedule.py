@@ -12,10 +12,10 @@ import math
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.scoring.counting import EventResult
-from roah_rsbb.core.scoring.records import RAN_TO_THE_END, Phase, RunRecord
 from roah_rsbb.core.zones import Zone
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import RAN_TO_THE_END, Phase, RunRecord
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent, ZonePlan
 
 # The longest time in seconds in which the next robot gets ready. A longer gap is a break.

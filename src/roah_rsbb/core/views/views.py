@@ -3,8 +3,6 @@
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.modules.messages import Request, RequestKind
 from roah_rsbb.core.robots import ActiveRobot
 from roah_rsbb.core.runs.all_robots import AllRobotsRun, Counts
 from roah_rsbb.core.runs.by_hand import HandRun
@@ -12,15 +10,16 @@ from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.requests import Switches
 from roah_rsbb.core.runs.run import Run, ZoneRun
 from roah_rsbb.core.scoring.points import Counted
-from roah_rsbb.core.scoring.records import Phase, ScoreValue
-from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import Choice
+from roah_rsbb.model.modules import Request, RequestKind
 from roah_rsbb.model.reason import is_made, joined, say
+from roah_rsbb.model.records import Phase, ScoreValue
+from roah_rsbb.model.scoring import ScoreGroup, SheetForm
 from roah_rsbb.model.shown import Shown
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, Restarts, ScheduledEvent
-from roah_rsbb.rulebook.scoring import SheetForm
 
 # The phase of a zone without a run.
 IDLE = "idle"

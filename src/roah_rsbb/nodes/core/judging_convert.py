@@ -5,12 +5,12 @@ import zlib
 from typing import Optional, Tuple
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.judges.desk import Judging
 from roah_rsbb.core.judges.judges import Verdict
-from roah_rsbb.core.restart.saved import freeze
-from roah_rsbb.core.scoring.records import JudgeSheet
-from roah_rsbb.core.scoring.records import Objection as ObjectionRecord
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import JudgeSheet
+from roah_rsbb.model.records import Objection as ObjectionRecord
+from roah_rsbb.model.saved import freeze
 from roah_rsbb.msg import JudgedItem, JudgeState, Judgings, Objection
 from roah_rsbb.msg import Judging as JudgingMsg
 from roah_rsbb.nodes.core.score_convert import sheet_items

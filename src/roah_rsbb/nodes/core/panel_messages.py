@@ -6,12 +6,12 @@ Most of a zone's content stays the same for many ticks, so it is cached until it
 from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.views import views
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model import shown
 from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import is_made
 from roah_rsbb.msg import CoreDetails, CoreToGui, RobotInfo, RunClock, RunClocks, ZoneDetails, ZoneState
 from roah_rsbb.nodes.core.score_convert import group_message, has_old_form, points_message, score_message, sheet_items

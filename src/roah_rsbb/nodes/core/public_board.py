@@ -3,9 +3,9 @@
 from typing import List, Mapping, Optional, Tuple
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.scoring.counting import Choice
 from roah_rsbb.core.views.public import PublicResults, PublicView
+from roah_rsbb.model.clock import Now
 from roah_rsbb.msg import PublicBoard, PublicRank, PublicStanding
 from roah_rsbb.nodes.core.public_convert import result_message
 from roah_rsbb.results.standings import Standing, criteria_of, number_cells, rank_text, standings

@@ -4,11 +4,11 @@ import time
 from typing import Iterable, List, Optional
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.scoring.book import FinishedResult
 from roah_rsbb.core.views import views
 from roah_rsbb.core.views.explained import Explanation
 from roah_rsbb.core.views.public import PublicRun, PublicView
+from roah_rsbb.model.clock import Now
 from roah_rsbb.msg import (
     CoreToPublic,
     PublicDetails,

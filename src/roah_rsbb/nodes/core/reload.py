@@ -7,7 +7,7 @@ from typing import Any, Callable, List, Tuple
 import rospy
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.referee import Refused
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.nodes.core.configuration import Configuration, Content
 from roah_rsbb.nodes.core.services import who_of
 from roah_rsbb.ros import texts

@@ -5,10 +5,10 @@ import zlib
 from typing import Dict, Iterable, List, Optional, Tuple
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.core.scoring.counting import Why
-from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreEntry, StopRecord, grouped
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry, StopRecord, grouped
+from roah_rsbb.model.saved import freeze
 from roah_rsbb.msg import Results, RunSheet, RunStop, RunSummary, ScoreChange
 from roah_rsbb.nodes.core.score_convert import points_message, score_message, sheet_items
 from roah_rsbb.ros.times import ros_duration, ros_time

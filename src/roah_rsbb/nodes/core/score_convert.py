@@ -6,13 +6,12 @@ without their decimals, and 0 if they are negative; choices and ratings do not a
 
 from typing import Iterable, List, Optional, Sequence, Tuple
 
-from roah_rsbb.core.modules.messages import ScoreValue
 from roah_rsbb.core.scoring.points import text_of
-from roah_rsbb.core.scoring.records import ItemRecord, SheetPoints, grouped
-from roah_rsbb.core.scoring.sheet import ScoreGroup
+from roah_rsbb.model.modules import ScoreValue
+from roah_rsbb.model.records import ItemRecord, SheetPoints, grouped
+from roah_rsbb.model.scoring import Number, ScoreGroup, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.msg import GroupPoints, ModuleScore, ScoreItem, ZoneScoreGroup
 from roah_rsbb.msg import SheetPoints as SheetPointsMsg
-from roah_rsbb.rulebook.scoring import Number, ScoreKind, ScoringItem, SheetForm
 
 _KINDS = {kind.word: kind for kind in ScoreKind}
 # How ZoneScoreGroup shows the types that it can show.

@@ -8,13 +8,13 @@ import rospy
 from roah_rsbb.box import standby_answers
 from roah_rsbb.core.actions.table import NOTHING, Target
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.judges.desk import Judging
-from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.counting import Why
-from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.model.actions import ACTIONS, EVERY, MARK, STOP
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.nodes.core import judging_convert
 from roah_rsbb.nodes.core.results_convert import sheet_message
 from roah_rsbb.ros import refusals, texts

@@ -6,7 +6,7 @@ No message causes an exception: the data of modules is limited (`limits.py`), bo
 
 from typing import Iterable, Optional, Tuple
 
-from roah_rsbb.core.modules.messages import (
+from roah_rsbb.model.modules import (
     ModuleInfo,
     ModulesState,
     OutcomeKind,

@@ -9,7 +9,7 @@ from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.own_rules import load_rules
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.zone_folders import file_in, zone_folders
-from roah_rsbb.core.modules.messages import RunForModule
+from roah_rsbb.model.modules import RunForModule
 from roah_rsbb.nodes.modules.watched_file import WatchedFile
 from roah_rsbb.rulebook.errors import ConfigErrors
 

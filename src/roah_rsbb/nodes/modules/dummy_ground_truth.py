@@ -21,7 +21,7 @@ from roah_rsbb.bmbox.framework.dummy_world import DummyWorld
 from roah_rsbb.bmbox.framework.ground_truth import Pose3, Source, compose, inverse, rotation
 from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruthConfig, Marker, load
 from roah_rsbb.bmbox.framework.zone_folders import own_file, zone_folders
-from roah_rsbb.core.modules.messages import RunForModule
+from roah_rsbb.model.modules import RunForModule
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.nodes.modules.convert import runs_of
 from roah_rsbb.ros.command_line import run_node

@@ -6,7 +6,7 @@ from typing import Callable, Optional
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
 from roah_rsbb.bmbox.framework.runner import MakeModule, ModuleRunner
-from roah_rsbb.core.modules.messages import Progress, RunForModule
+from roah_rsbb.model.modules import Progress, RunForModule
 from roah_rsbb.nodes.modules.limits import checked
 
 

@@ -9,8 +9,8 @@ import math
 import re
 from typing import Tuple
 
-from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, ScoreValue
 from roah_rsbb.model.fields import ASKED, Choice, Decimal, Field, Number, Text, form_of
+from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, Request, ScoreValue
 
 # Characters and entries: more than any benchmark needs, and few enough not to slow down the box.
 MAX_NAME = 200

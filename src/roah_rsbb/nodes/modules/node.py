@@ -17,7 +17,7 @@ import rospy
 from roah_rsbb.bmbox.framework import registry
 from roah_rsbb.bmbox.framework.own_rules import own_files
 from roah_rsbb.bmbox.framework.zone_folders import zone_folders
-from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, RunForModule
+from roah_rsbb.model.modules import ModuleInfo, ModulesState, RunForModule
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.modules.convert import modules_state_message, runs_of

@@ -6,8 +6,8 @@ import os
 from typing import Dict, Iterable, List, Optional, Sequence, TypeVar, Union
 
 from roah_rsbb.core.scoring.counting import Choice, Ruling, Why, attempts_of, rulings, with_events
-from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results.program.journal import BENCHMARKS_FILE, RULES_FILE, SCHEDULE_FILE, warn
 from roah_rsbb.results.runs import RunHead, find, find_record, records
 from roah_rsbb.rulebook import config

@@ -9,10 +9,10 @@ from functools import partial
 from typing import Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, TextIO, Tuple
 
 from roah_rsbb.core.scoring.counting import Why
-from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.log import names_in
 from roah_rsbb.journal.processes import shared_out, usable_processors
 from roah_rsbb.journal.reader import JournalReader, journal_in
+from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results import checklist as checklists
 from roah_rsbb.results import dataset
 from roah_rsbb.results import standings as ranking

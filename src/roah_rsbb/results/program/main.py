@@ -7,10 +7,10 @@ import sys
 from typing import Any, Callable, List, NoReturn, Optional
 
 from roah_rsbb.arguments import Parser
-from roah_rsbb.core import run_log
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.processes import ProcessEnded
 from roah_rsbb.journal.reader import JournalError
+from roah_rsbb.model import run_log
 from roah_rsbb.results.bags import bag_lines
 from roah_rsbb.results.mcap_file import NoMcap
 from roah_rsbb.results.printing import CannotPrint

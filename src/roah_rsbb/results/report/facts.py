@@ -2,7 +2,7 @@
 
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results.goals import goals
 from roah_rsbb.results.runs import RunResult
 from roah_rsbb.wording.sheets import is_marked

@@ -7,14 +7,14 @@ import pytest
 
 from helpers.forms import MEASURED, ODD, ODD_ASKED, ODD_VALUES, form
 from helpers.module_player import started
-from roah_rsbb.core import effects, run_log
+from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.modules.messages import RequestKind
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.views import views
-from roah_rsbb.model import shown
+from roah_rsbb.model import run_log, shown
 from roah_rsbb.model.actions import ACTIONS, Row
 from roah_rsbb.model.fields import entered, fixed, form_text
+from roah_rsbb.model.modules import RequestKind
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.protocol import RobotState
 
 NAMES = [name for name, action in ACTIONS.items() if action.row is Row.MODULE]

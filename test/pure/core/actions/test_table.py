@@ -7,8 +7,8 @@ from helpers.competition import competition
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions import table
 from roah_rsbb.core.actions.table import KINDS, Target
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.model.actions import ACTIONS, ENTRIES, EVERY
+from roah_rsbb.model.referee import Refused
 
 
 def refusal(driver, target, name, given=None):

@@ -4,9 +4,9 @@ import pytest
 
 from helpers.box_driver import wire
 from helpers.competition import UTC0
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.link.link import BAD_S, HERE_S, OLD_REPORTED, REMEMBER_S, SILENT_S, RobotLink
-from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.protocol import RobotState
 
 OPENED = Now(100.0, UTC0)

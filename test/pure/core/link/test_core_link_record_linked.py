@@ -10,8 +10,8 @@ from helpers.golden import PASSWORD, SESSIONS, load
 from helpers.linked_world import PUBLIC_PORT, FakeLink, World
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.comm.frame import decode_private
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.link.link import RobotLink
+from roah_rsbb.model.clock import Now
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, wire_seconds
 from roah_rsbb.radio import wire_convert

@@ -8,15 +8,15 @@ from helpers import journaled
 from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
 from roah_rsbb.core import effects
-from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.counting import Why, rulings
-from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.views.schedule import EventState, schedule
+from roah_rsbb.model.records import Phase
+from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules
 from roah_rsbb.rulebook.changes import changes
 from roah_rsbb.rulebook.event_ids import adopted
-from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 HOUR = 3600.0
 GLASS = ScoringItem("Achievements", "brings the glass", ScoreKind.BOOL)

@@ -18,16 +18,16 @@ from helpers.forms import form
 from helpers.module_player import FakeModules
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.messages import DevicesState, TabletState
-from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.restart.restart import BoxSaved, Saved
-from roah_rsbb.core.restart.saved import Anchor, freeze, thaw
-from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import DevicesState, TabletState
+from roah_rsbb.model.modules import RequestKind, ScoreValue
+from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.saved import Anchor, freeze, thaw
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule, Restarts
 

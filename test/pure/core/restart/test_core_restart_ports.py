@@ -8,9 +8,9 @@ from helpers.all_robots import robots_of
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event, run_record
 from roah_rsbb.core.restart.restart import BoxSaved, Saved
-from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
+from roah_rsbb.model.saved import freeze, thaw
 
 SETTINGS = Settings(listen_duration=0.0)
 TEAMS = ("Alpha", "Beta", "Gamma")

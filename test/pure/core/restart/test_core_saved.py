@@ -6,8 +6,8 @@ from typing import Dict, NamedTuple, Optional, Tuple
 
 import pytest
 
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.restart.saved import Anchor, BadState, Mono, freeze, thaw
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.saved import Anchor, BadState, Mono, freeze, thaw
 
 
 class Colour(enum.IntEnum):

@@ -17,11 +17,12 @@ from helpers.all_robots import (
     state_lines,
     take_ports,
 )
-from roah_rsbb.core import effects, run_log
+from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.scoring.records import EndReason
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model import run_log
+from roah_rsbb.model.records import EndReason
+from roah_rsbb.model.referee import Refused
 
 # -- connect ------------------------------------------------------------------------------------------
 

@@ -7,8 +7,8 @@ import pytest
 from helpers.competition import TEAMS, competition, event
 from helpers.examples import few
 from helpers.linked_world import FakeLink, World, assert_legal
-from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import RobotState
 
 BAD = {"loss": 0.25, "double": 0.3, "late": 0.3, "longest_delay": 0.8}

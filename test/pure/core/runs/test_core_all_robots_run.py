@@ -24,8 +24,8 @@ from helpers.competition import event
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.runs.run import IGNORES_STOP
-from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.views import views
+from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 
 # -- start --------------------------------------------------------------------------------------------

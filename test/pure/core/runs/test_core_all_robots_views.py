@@ -13,11 +13,12 @@ from helpers.all_robots import (
     running,
 )
 from helpers.competition import event
-from roah_rsbb.core import effects, run_log
+from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.views import views
+from roah_rsbb.model import run_log
+from roah_rsbb.model.referee import Refused
 
 
 def test_log_and_online_data_of_all_are_shown_with_the_robots_names():

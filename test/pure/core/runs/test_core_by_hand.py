@@ -8,12 +8,12 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import DOOR, UTC0, competition, event
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.counting import Why
-from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.core.views.schedule import EventState, schedule
 from roah_rsbb.core.views.views import coming_events
+from roah_rsbb.model.records import EndReason, Phase
+from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 

@@ -7,13 +7,14 @@ import pytest
 from helpers.forms import answer_in, form
 from helpers.module_player import does_goal, functionality, started
 from roah_rsbb.bmbox.framework.results import MAX_RESULT, BadResult, read_record
-from roah_rsbb.core import effects, run_log
+from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.messages import NO_GOAL, GoalMessage
-from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
-from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model import run_log
+from roah_rsbb.model.messages import NO_GOAL, GoalMessage
+from roah_rsbb.model.modules import OutcomeKind, RequestKind, ScoreValue
+from roah_rsbb.model.records import EndReason, Phase
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.protocol import BoxState, RobotState
 
 WAYPOINT = {"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}

@@ -9,9 +9,9 @@ from helpers.competition import competition, event
 from helpers.examples import examples
 from helpers.linked_world import FakeLink, World, assert_legal
 from helpers.module_player import BEAT_S, ScriptedModules
-from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind
-from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.modules import OutcomeKind, RequestKind
+from roah_rsbb.model.records import EndReason, Phase
 
 WAYPOINTS = [(RequestKind.GOAL, {"goal": f"[{i}, 0, 0]", "pose": (float(i), 0.0, 0.0)}) for i in range(3)]
 NO_GOALS = [(RequestKind.GOAL, {}), (RequestKind.NOTE, {"note": "1"}), (RequestKind.GOAL, {})]

@@ -8,10 +8,10 @@ from helpers.competition import competition, event
 from helpers.module_player import does_goal, started
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
-from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.modules import OutcomeKind, RequestKind, ScoreValue
+from roah_rsbb.model.records import EndReason, Phase
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.protocol import BoxState, RobotState
 
 WAYPOINT = {"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}

@@ -7,7 +7,7 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition
 from roah_rsbb.core.runs.machine import TABLE, Reaction, react
-from roah_rsbb.core.scoring.records import EndReason, Phase
+from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 
 # The table as the protocol has it: rows are what the robot reports, columns the box's present state. With an

@@ -2,10 +2,10 @@
 
 import pytest
 
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.runs.clock import RunClock, SavingWatch
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.protocol import BoxState, RobotState
 
 

@@ -5,11 +5,12 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
 from helpers.module_player import FakeModules
-from roah_rsbb.core import effects, run_log
+from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.modules.messages import RequestKind
-from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.scoring.records import EndReason, Phase
+from roah_rsbb.model import run_log
+from roah_rsbb.model.modules import RequestKind
+from roah_rsbb.model.records import EndReason, Phase
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule, Restarts
 

@@ -6,8 +6,8 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
-from roah_rsbb.core import run_log
 from roah_rsbb.core.effects import Level
+from roah_rsbb.model import run_log
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind, new_profile
 

@@ -12,7 +12,7 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import competition
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.runs.phases import TABLE, RunEvent, WrongPhase, following, is_possible
-from roah_rsbb.core.scoring.records import NOBODY, EndReason, Phase
+from roah_rsbb.model.records import NOBODY, EndReason, Phase
 
 ROOT = pathlib.Path(__file__).parents[4]
 RUNS = ROOT / "src" / "roah_rsbb" / "core" / "runs"

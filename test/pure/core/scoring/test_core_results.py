@@ -6,16 +6,16 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import BUMPS, DOOR, OBJECTS, UTC0, competition, event, run_record
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.referee import Refused, RunName
-from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.scoring import book, counting
 from roah_rsbb.core.scoring.book import MAX_KEPT, FinishedRuns, left_behind
 from roah_rsbb.core.scoring.counting import Choice, Why, rulings
-from roah_rsbb.core.scoring.records import By, SheetPoints, SignOff
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.public import PublicResults, public_view
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import By, SheetPoints, SignOff
+from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.rulebook.benchmarks import NO_RULES, CountingAttempt
 from roah_rsbb.rulebook.standing_rules import BY_POINTS
 from roah_rsbb.wording import times

@@ -10,17 +10,18 @@ from helpers.box_driver import BoxDriver
 from helpers.commands import mark_with
 from helpers.competition import BUMPS, DOOR, OBJECTS, competition, event
 from helpers.module_player import started
-from roah_rsbb.core import effects, run_log
+from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.modules.messages import ScoreValue
-from roah_rsbb.core.referee import MAX_NOTE, MAX_WHO, Refused, RunName
-from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.core.scoring.book import MAX_STOPS
-from roah_rsbb.core.scoring.records import SignOff
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model import run_log
+from roah_rsbb.model.modules import ScoreValue
+from roah_rsbb.model.records import SignOff
+from roah_rsbb.model.referee import MAX_NOTE, MAX_WHO, Refused, RunName
+from roah_rsbb.model.saved import freeze
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 
 @pytest.fixture

@@ -13,11 +13,11 @@ from helpers.examples import examples
 from helpers.jury import Jury, judged
 from roah_rsbb.core import effects
 from roah_rsbb.core.judges.agreement import Value, agreed
-from roah_rsbb.core.restart.saved import freeze, thaw
-from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.rulebook.scoring import Agreement, Choice, JuryResult, ScoreKind, ScoringItem
+from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.saved import freeze, thaw
+from roah_rsbb.model.scoring import Agreement, Choice, JuryResult, ScoreKind, ScoringItem
 
 WATER = ScoringItem("Table", "water", ScoreKind.DECIMAL, Decimal(1), Decimal(0), Decimal(10))
 HELP = ScoringItem("Table", "help", ScoreKind.CHOICE, choices=(Choice("none"), Choice("some")))

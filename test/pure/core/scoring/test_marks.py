@@ -10,16 +10,17 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import BUMPS, DOOR, UTC0, competition, event
 from helpers.examples import examples
 from helpers.journaled import box as journaled_box
-from roah_rsbb.core import effects, run_log
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.referee import MAX_WHO, Refused, RunName
-from roah_rsbb.core.restart.saved import freeze, thaw
+from roah_rsbb.core import effects
 from roah_rsbb.core.scoring import sheet as sheets
 from roah_rsbb.core.scoring.book import FinishedRun
 from roah_rsbb.core.scoring.sheet import MAX_ENTRIES, MAX_MARKS, MAX_NOTED, Mark, ScoreSheet, SheetState
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model import run_log
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.referee import MAX_WHO, Refused, RunName
+from roah_rsbb.model.saved import freeze, thaw
+from roah_rsbb.model.scoring import Choice, ScoreKind, ScoringItem
 from roah_rsbb.rulebook.benchmarks import Benchmark
-from roah_rsbb.rulebook.scoring import Choice, ScoreKind, ScoringItem
 
 CUPS = ScoringItem("Table", "cups", ScoreKind.UINT, most=Decimal(3))
 HEIGHT = ScoringItem("Table", "height", ScoreKind.INT, least=Decimal(-2), most=Decimal(2))

@@ -9,14 +9,14 @@ import pytest
 from helpers.competition import UTC0, benchmark, event
 from helpers.examples import few
 from helpers.random_sheets import TIME_LIMIT_S, random_form, random_mark
-from roah_rsbb.core.clock import Now
-from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.restart.saved import BadState, freeze, thaw
 from roah_rsbb.core.scoring.book import FinishedRun, RunBook
 from roah_rsbb.core.scoring.points import counted, jury_text, number_of, text_of, whole_part
-from roah_rsbb.core.scoring.records import By, ItemRecord, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.rulebook.scoring import (
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import By, ItemRecord, RunRecord
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.saved import BadState, freeze, thaw
+from roah_rsbb.model.scoring import (
     Choice,
     GroupLimits,
     JuryResult,

@@ -6,10 +6,10 @@ from helpers.all_robots import all_robots_box, connect_all, robots_of, start_all
 from helpers.box_driver import BoxDriver
 from helpers.competition import DOOR, UTC0, competition, event, run_record
 from helpers.module_player import started
-from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
-from roah_rsbb.core.referee import RunName
-from roah_rsbb.core.scoring.records import EndReason, Phase, SignOff
 from roah_rsbb.core.views.public import MAX_FINISHED, MAX_FOLLOWING, PublicResults, public_view
+from roah_rsbb.model.modules import RequestKind, ScoreValue
+from roah_rsbb.model.records import EndReason, Phase, SignOff
+from roah_rsbb.model.referee import RunName
 
 NONE, OUTCOMES, SCORES = PublicResults.NONE, PublicResults.OUTCOMES, PublicResults.SCORES
 

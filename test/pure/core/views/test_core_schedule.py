@@ -4,9 +4,9 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
-from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.schedule import NO_LIMIT_S, SETUP_S, schedule, slot_lengths
+from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, ZonePlan
 
 MINUTE = 60.0

@@ -15,12 +15,12 @@ import pytest
 
 from helpers.journals import UTC0, Writer, spoil
 from helpers.results_of import EVIL, full_record, task_record, write_competition
-from roah_rsbb.core.link.record import LinkSample
-from roah_rsbb.core.restart.saved import freeze
-from roah_rsbb.core.scoring.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry, ScoreValue
 from roah_rsbb.journal.batch import Batch, OutcomeRow
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry, ScoreValue
+from roah_rsbb.model.saved import freeze
 from roah_rsbb.results import export
 from roah_rsbb.results.program import files as writing
 from roah_rsbb.results.program import main as program

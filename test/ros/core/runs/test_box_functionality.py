@@ -5,9 +5,9 @@ from support.box_client import Refusal
 from support.fakes.modules import ModulesCase
 
 from helpers.forms import answer_in, form
-from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
 from roah_rsbb.model import shown
 from roah_rsbb.model.fields import entered
+from roah_rsbb.model.modules import OutcomeKind, RequestKind, ScoreValue
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.goals import HopfResult, Pose
 from roah_rsbb.srv import Zone, ZoneUInt8

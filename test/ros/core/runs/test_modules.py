@@ -5,8 +5,8 @@ import math
 import rospy
 from support.fakes.modules import ModulesCase
 
-from roah_rsbb.core.modules.messages import Progress, Request, RequestKind
 from roah_rsbb.model import shown
+from roah_rsbb.model.modules import Progress, Request, RequestKind
 from roah_rsbb.msg import ModulesState
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot.goals import Pose

@@ -19,19 +19,20 @@ from helpers.forms import shown_form
 from roah_rsbb.core.actions.base import ZoneAction
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now, one_moment
 from roah_rsbb.core.effects import RecordChanged
-from roah_rsbb.core.messages import RobotReport
-from roah_rsbb.core.modules.messages import form_of_one
-from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import RunBook
-from roah_rsbb.core.scoring.records import EndReason
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model import fields, shown
 from roah_rsbb.model.actions import ACTIONS, EVERY, MARK
+from roah_rsbb.model.clock import Now, one_moment
+from roah_rsbb.model.messages import RobotReport
+from roah_rsbb.model.modules import form_of_one
+from roah_rsbb.model.records import EndReason
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.scoring import JudgesRule, ScoreKind, ScoringItem
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
@@ -52,7 +53,6 @@ from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.ros import connections
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
-from roah_rsbb.rulebook.scoring import JudgesRule, ScoreKind, ScoringItem
 from support.fakes.node import Answers, FakeNode
 
 EVENTS = (

@@ -12,8 +12,8 @@ import genpy
 
 from helpers.commands import actions_text
 from helpers.forms import shown_form
-from roah_rsbb.core.modules.messages import form_of_one
 from roah_rsbb.model.fields import form_of
+from roah_rsbb.model.modules import form_of_one
 from roah_rsbb.msg import CoreDetails, CoreToGui, RunClock, RunClocks, ScoreItem, ZoneDetails, ZoneState
 from roah_rsbb.web.commands import Command, Outcome
 from roah_rsbb.web.pairing import Grant

@@ -5,7 +5,7 @@ from typing import Any, Dict, Optional, Tuple
 
 import rospy
 
-from roah_rsbb.core.modules.messages import (
+from roah_rsbb.model.modules import (
     ModuleInfo,
     ModulesState,
     Progress,

@@ -14,11 +14,11 @@ import enum
 import json
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.core.scoring.records import ScoreValue
-from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import Choice, Field, Text, form_of, form_text
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import ScoreValue
+from roah_rsbb.model.scoring import ScoreGroup
 
 # Characters of a typed answer.
 MAX_ANSWER = 1000

@@ -19,7 +19,7 @@ import typing
 from decimal import Decimal, InvalidOperation
 from typing import Any, Callable, Dict, NamedTuple, NewType, Optional, Tuple, TypeVar, Union, get_type_hints
 
-from roah_rsbb.core.clock import Now
+from roah_rsbb.model.clock import Now
 
 # A monotonic time, in seconds. Only `thaw` distinguishes it from other numbers.
 if typing.TYPE_CHECKING:

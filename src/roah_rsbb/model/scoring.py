@@ -6,7 +6,7 @@ Points are exact decimals, never floats, so that every page shows the same sum (
 import enum
 from dataclasses import dataclass, replace
 from decimal import Decimal
-from typing import Optional, Tuple
+from typing import NamedTuple, Optional, Tuple
 
 # The largest number of points for one, the largest limit, and the largest value of an item that has a limit.
 MAX_NUMBER = 1_000_000
@@ -175,3 +175,10 @@ class SheetForm:
         """Whether it has only items without rules."""
         has_rules = self.rules != NO_SHEET_RULES or self.judges is not None or self.objection_time > 0
         return not has_rules and all(item.is_plain for item in self.items)
+
+
+class ScoreGroup(NamedTuple):
+    """A group as the panels show it: its items and their values, in the file's order."""
+
+    name: str
+    items: Tuple[Tuple[ScoringItem, int], ...]

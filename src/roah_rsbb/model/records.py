@@ -7,8 +7,7 @@ import enum
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.reason import say
-from roah_rsbb.rulebook.scoring import Key, SheetForm
-from roah_rsbb.wording.sheets import item_value
+from roah_rsbb.model.scoring import Key, SheetForm
 
 
 class Phase(enum.Enum):
@@ -73,10 +72,6 @@ class ItemRecord(NamedTuple):
     def key(self) -> Key:
         """Its identity."""
         return self.group, self.desc
-
-    def in_words(self) -> str:
-        """Return its value as people read it."""
-        return item_value(self.kind, self.value, self.not_attempted, self.text)
 
 
 def grouped(items: Iterable[ItemRecord]) -> Dict[str, List[ItemRecord]]:
