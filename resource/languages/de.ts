@@ -3781,6 +3781,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <source>the sheet of {judge} is submitted: ask the head referee to hand it back</source>
+        <translation>der Bogen von {judge} ist abgegeben: Bitten Sie den Hauptschiedsrichter, ihn zurückzugeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
         <source>no rating of {missing}: rate it, or mark it as not attempted</source>
         <translation>keine Bewertung von {missing}: Bewerten Sie es, oder markieren Sie es als nicht versucht</translation>
     </message>
@@ -3808,11 +3813,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
         <source>the judges&apos; sheets of this run were changed {most} times: no more changes are kept</source>
         <translation>die Bögen der Juroren dieses Laufs wurden {most}-mal geändert: Weitere Änderungen werden nicht behalten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
-        <source>the sheet of {judge} is submitted: ask the head referee to hand it back</source>
-        <translation>der Bogen von {judge} ist abgegeben: Bitten Sie den Hauptschiedsrichter, ihn zurückzugeben</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/judges/publication.py"/>

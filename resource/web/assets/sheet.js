@@ -62,7 +62,7 @@ function Item({item, zone, waiting, refused, mark, texts, judge}) {
       ${isOpen && html`
         <div class="options">
           <button type="button" aria-pressed=${item.not_attempted}
-              onClick=${() => item.not_attempted ? enter({}, "0") : enter({not_attempted: true}, texts.not_attempted)}>
+              onClick=${() => item.not_attempted ? enter({value: 0}, "0") : enter({not_attempted: true}, texts.not_attempted)}>
             ${texts.not_attempted}
           </button>
           <label>${texts.note}: ${texts.note_how}

@@ -168,7 +168,7 @@ class Pose(Field):
 def _number(word: str) -> Any:
     """Return the number of a typed word, also with a comma; None: it is no number."""
     try:
-        return float(word.replace(",", "."))
+        return float(word.replace(",", ".").replace("_", "?"))  # Python takes 1_0 for 10
     except ValueError:
         return None
 
@@ -304,7 +304,14 @@ def _read(field: Field, given: Mapping[str, Any]) -> Any:
         return field.read(value)
     if field.required and not (isinstance(field, (Number, Toggle)) and field.name in given):
         raise BadValue(MISSING(field=field.label))
-    return field.read(value) if field.required else field.nothing
+    is_given = field.required or (isinstance(field, Number) and field.name in given)
+    return field.read(value) if is_given else field.nothing
+
+
+def given_text(given: Mapping[str, Any]) -> str:
+    """Return the values of fields as JSON, for a call. Its length is limited, so only half a character is escaped."""
+    text = json.dumps(given, ensure_ascii=False)
+    return text if _is_encodable(text) else json.dumps(given)
 
 
 def _is_encodable(text: str) -> bool:

@@ -4,13 +4,13 @@ A master, a core or a service that does not answer must not stop the referee. Ev
 the error names what does not answer, with the remedy.
 """
 
-import json
 import os
 import time
 import uuid
 from typing import Any, Dict, List, Optional, Sequence
 
 from roah_rsbb.model.actions import MARK
+from roah_rsbb.model.fields import given_text
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.msg import (
     CoreDetails,
@@ -235,7 +235,7 @@ class Link:
         `given`: the values of its fields; `run`: the identity of the run that is meant, empty: whichever is there;
         `referee`: who does it.
         """
-        self._call("/core/act", Act, action, zone, run, "", json.dumps(given or {}), referee)
+        self._call("/core/act", Act, action, zone, run, "", given_text(given or {}), referee)
 
     def stop_run(self, zone: str, identity: str) -> None:
         """Stop the run of that identity; raises as `act` does."""

@@ -73,7 +73,7 @@ def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:
             if not action.is_open:
                 model_fields.read(action.fields, given)
         except model_fields.BadValue as bad:
-            raise BadCommand(str(bad)) from None
+            raise BadCommand(bad.reason) from None
         fields["given"] = entered if action.is_open else given
     return Command(name, zone, session, fields)
 

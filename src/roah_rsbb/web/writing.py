@@ -205,7 +205,8 @@ class CommandHandler(FromOwnPage):
         try:
             command = command_of(name, self.body, session)
         except BadCommand as bad:
-            self.refuse(400, str(bad))
+            with self._server.store.speaking(self.language()):
+                self.refuse(400, tr_said(bad.args[0]))
             return
         store, language = self._server.store, self.language()
         if not may(command):

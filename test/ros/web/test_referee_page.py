@@ -374,6 +374,17 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page.get("live.data['page.zone'].identity = 'the next run', live.onChange(['page.zone']), 0")
         page.wait("document.querySelector('.options') === null", "a note that was typed is for no other run")
 
+    def test_not_attempted_is_pressed_and_taken_off(self) -> None:
+        page = self.running()
+        line = f"[data-item={json.dumps(ENTERS)}]"
+        page.get(f"document.querySelector({json.dumps(line + ' .more')}).click()")
+        for pressed in ("true", "false"):
+            button = f"document.querySelector({json.dumps(line + ' .options button')})"
+            page.wait(f"(b => b && !b.dataset.changed && (b.click(), true))({button})", "the options are shown")
+            page.wait(f"{button}.getAttribute('aria-pressed') === '{pressed}' && marks.waiting.length === 0",
+                      f"the box has it: {pressed}")
+        self.assertEqual(page.get("marks.refused.length"), 0)
+
     def test_a_mark_that_the_standby_does_not_have_is_not_confirmed_and_keeps_no_other_one(self) -> None:
         page = self.running()
         page.wait("document.querySelector('.all button[data-changed]') === null", "nothing has changed just now")

@@ -9,7 +9,7 @@ from roah_rsbb.core.scoring.desk import ScoreDesk
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import Zones
 from roah_rsbb.model import fields
-from roah_rsbb.model.actions import ENTRIES, JUDGE_MARK, JUDGES, MARK, Action
+from roah_rsbb.model.actions import ENTRIES, JUDGE_MARK, JUDGES, MARK
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.referee import Refused, RunName
@@ -78,21 +78,27 @@ class Entries:
         values: Dict[str, Any] = {}
         reasons: List[str] = []
         try:
-            values = _read(action, given)
-            asked = _asked(values)
+            values = fields.read(action.fields, given)
         except fields.BadValue as bad:  # it is refused below
             reasons = [bad.reason]
             known = {field.name for field in action.fields}
-            asked = _journaled({key: value for key, value in given.items() if key in known and is_plain(value)})
+            values = {key: value for key, value in given.items() if key in known and is_plain(value)}
         if action.roles == JUDGES:  # what a judge does is done under the judge's own name
-            who = str(asked.pop("judge", who))
-            values["judge"] = ""
-        with self._records[entry.kind].of(run, who, entry.journaled or name, **asked):
+            who, values = str(values.get("judge", who)), {**values, "judge": ""}
+        with self._records[entry.kind].of(run, who, entry.journaled or name, **_asked(values)):
             if not run.identity:
                 self._zones.named(run.zone)
             if reasons:
                 raise Refused(reasons)
+            if _has_no_value(values, given) and not self._is_applied(name, run, who, values):
+                raise Refused([NO_VALUE])
             entry.do(now, run, who, values)
+
+    def _is_applied(self, name: str, run: RunName, who: str, values: Mapping[str, Any]) -> bool:
+        """Whether a mark was applied before: one that is sent again is no error, whatever is wrong with it now."""
+        mark = mark_of(values)
+        return ((name == MARK and self._scores.is_applied(run, mark))
+                or (name == JUDGE_MARK and self._judges.is_applied(run, mark, who)))
 
     def outcome(self, target: Target, name: str, given: Mapping[str, Any]) -> Dict[str, Any]:
         """Return how the item of a mark that was entered is now, as JSON; of anything else, nothing."""
@@ -104,12 +110,10 @@ class Entries:
         return {"number": entry, "value": item.value, "not_attempted": item.not_attempted, "text": item.text}
 
 
-def _read(action: Action, given: Mapping[str, Any]) -> Dict[str, Any]:
-    """Return the values of an entry's fields. Raises `BadValue`. A mark without a value would set its item to 0."""
-    values = fields.read(action.fields, given)
-    if "not_attempted" in values and not values["not_attempted"] and not any(name in given for name in _SETS[1:]):
-        raise fields.BadValue(NO_VALUE())
-    return values
+def _has_no_value(values: Mapping[str, Any], given: Mapping[str, Any]) -> bool:
+    """Whether a mark gives its item no value: it would set it to 0. An empty text takes a judge's rating away."""
+    return "not_attempted" in values and "value" not in given and not (
+        any(values.get(name) for name in _SETS) or (values.get("judge") and "text" in given))
 
 
 def _asked(values: Mapping[str, Any]) -> Dict[str, Any]:
@@ -117,7 +121,8 @@ def _asked(values: Mapping[str, Any]) -> Dict[str, Any]:
     asked = dict(values)
     if "desc" in values:
         decides = next((name for name in _SETS if values.get(name)), "text" if values.get("judge") else "value")
-        asked = {name: value for name, value in values.items() if name not in _SETS or name == decides}
+        others = {*_SETS, "judge"} - ({decides, "judge"} if decides in ("text", "value") else {decides})
+        asked = {name: value for name, value in values.items() if name not in others}
     return _journaled(asked)
 
 

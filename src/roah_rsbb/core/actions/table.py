@@ -11,7 +11,7 @@ from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.effects import Outbox
 from roah_rsbb.core.zones import Zone, Zones
 from roah_rsbb.model import fields
-from roah_rsbb.model.actions import ACTIONS, EVERY
+from roah_rsbb.model.actions import ACTIONS, EVERY, STOP
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import By
@@ -90,8 +90,9 @@ class Actions:
             try:
                 values = action.read(zone, given)
                 recorded = action.recorded(zone, values)
-            except fields.BadValue as bad:  # it is refused below
-                wrong = bad.reason
+            except fields.BadValue as bad:  # it is refused below, but for STOP, which nothing may prevent
+                wrong = "" if name == STOP else bad.reason
+                values = self._nothing[name]
         with self._record.of(run, who, action.journaled or name, **recorded):
             zone = self._zones.named(target.zone)
             if wrong:

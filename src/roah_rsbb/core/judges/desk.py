@@ -74,7 +74,12 @@ class JudgeDesk:
         check_mark_id(mark.id)
         judge, note = checked_who(judge), checked_note(mark.note)
         marked = mark._replace(note=note, device=checked_who(mark.device), role="judge")
-        self._change(now, name, lambda book: _silent(book.judges.mark(now, judge, marked)))
+        if not self.is_applied(name, mark, judge):
+            self._change(now, name, lambda book: _silent(book.judges.mark(now, judge, marked)))
+
+    def is_applied(self, name: RunName, mark: Mark, judge: str) -> bool:
+        """Whether a mark was applied before, which is no error even after the sign-off. Raises `Refused`."""
+        return bool(name.identity) and self._scores.named(name).book.judges.is_applied(checked_who(judge), mark)
 
     def outcome(self, name: RunName, mark: Mark, judge: str) -> MarkOutcome:
         """Return the result of a mark that was applied. Raises `Refused`."""
@@ -83,7 +88,8 @@ class JudgeDesk:
     def submit(self, now: Now, name: RunName, judge: str, device: str = "") -> None:
         """Submit a judge's sheet. Raises `Refused`."""
         named, device = checked_who(judge), checked_who(device)
-        self._change(now, name, lambda book: book.judges.submit(now, named, device))
+        if not (name.identity and self._scores.named(name).book.judges.is_submitted(named)):
+            self._change(now, name, lambda book: book.judges.submit(now, named, device))
 
     # -- the head referee ---------------------------------------------------------------------------
 
@@ -131,7 +137,7 @@ class JudgeDesk:
     # -- inside -------------------------------------------------------------------------------------
 
     def _check_over(self, name: RunName) -> None:
-        if not isinstance(self._scores.named(name), FinishedRun):
+        if name.identity and not isinstance(self._scores.named(name), FinishedRun):
             raise Refused([STILL_CONNECTED(run=name.identity)])
 
     def _change(self, now: Now, name: RunName, change: Callable[[RunBook], str]) -> None:

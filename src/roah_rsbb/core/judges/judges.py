@@ -87,31 +87,40 @@ class Judges:
     # -- judges -------------------------------------------------------------------------------------
 
     def mark(self, now: Now, judge: str, mark: Mark) -> ItemRecord:
-        """Mark an item on a judge's own sheet. Returns the item after it. Raises `Refused`."""
+        """Mark an item on a judge's own sheet, unless the mark was applied. Returns the item after it. Raises
+        `Refused`."""
         mine = self._own_or_new(now, judge)
         sheet = self._sheet(mine)
-        if sheet.taken(mark.id) is None:
-            if mine.submitted_utc:
-                raise Refused([say("the sheet of {judge} is submitted: ask the head referee to hand it back")(
-                    judge=judge)])
-            sheet.set(now, judge, mark._replace(judge=self._rated_by(mark, mine.judge)))
-            self._sheets[mine.judge] = sheet
-            self._put(mine._replace(device=mark.device, history=sheet.history, marks=sheet.marks))
+        if mine.submitted_utc:
+            raise Refused([say("the sheet of {judge} is submitted: ask the head referee to hand it back")(judge=judge)])
+        sheet.set(now, judge, mark._replace(judge=self._rated_by(mark, mine.judge)))
+        self._sheets[mine.judge] = sheet
+        self._put(mine._replace(device=mark.device, history=sheet.history, marks=sheet.marks))
         return sheet.item(mark.group, mark.desc)
+
+    def is_applied(self, judge: str, mark: Mark) -> bool:
+        """Whether a mark was applied on a sheet of this judge, also on one that was withdrawn. Raises `Refused`."""
+        name = judge.casefold()
+        sheets_ = [ScoreSheet((), SheetState(list(sheet.history), sheet.marks)) for sheet in self.state.sheets
+                   if sheet.judge.casefold() == name]
+        return any(sheet.is_applied(mark) for sheet in sheets_)
 
     def outcome(self, judge: str, mark: Mark) -> Tuple[int, ItemRecord]:
         """Return the number of the entry that a mark led to, 0 if it made none, and the item. Raises `Refused`."""
-        sheet = self._sheet(self._needed(judge))
+        name = judge.casefold()
+        gone = next((sheet for sheet in reversed(self.state.sheets) if sheet.judge.casefold() == name), None)
+        sheet = self._sheet(self.own_sheet(judge) or gone or self._needed(judge))
         return sheet.taken(mark.id) or 0, sheet.item(mark.group, mark.desc)
 
-    def submit(self, now: Now, judge: str, device: str = "") -> str:
-        """Submit a judge's sheet, which locks it. Returns a text for the referees, as all changes do.
+    def is_submitted(self, judge: str) -> bool:
+        """Whether a judge's sheet is submitted: the answer may have been lost."""
+        mine = self.own_sheet(judge)
+        return mine is not None and bool(mine.submitted_utc)
 
-        A sheet that is submitted already stays as it is: the answer may have been lost. Raises `Refused`.
-        """
+    def submit(self, now: Now, judge: str, device: str = "") -> str:
+        """Submit a judge's sheet, which locks it. Returns a text for the referees, as all changes do. Raises
+        `Refused`."""
         mine = self._own_or_new(now, judge)
-        if mine.submitted_utc:
-            return ""
         items = self._sheet(mine).items()
         missing = [item.desc for item in items
                    if item.kind == ScoreKind.RATING.word and not (item.text or item.not_attempted)]

@@ -113,7 +113,7 @@ class RunBook:
 
     def mark(self, now: Now, who: str, mark: Mark) -> Marked:
         """See `ScoreSheet.set`."""
-        if self.sheet.taken(mark.id) is not None:
+        if self.sheet.is_applied(mark):
             return Marked(None, "")
         self._check_not_judged()
         before = self.sheet.set(now, who, mark, self._over)
@@ -230,7 +230,7 @@ class FinishedRun:
 
         The text is empty if the mark was applied before. This is no error, also after the sign-off.
         """
-        if self._book.sheet.taken(mark.id) is not None:
+        if self._book.sheet.is_applied(mark):
             return ""
         self._check_open()
         return self._changed(self._book.mark(now, who, mark).text)

@@ -115,6 +115,10 @@ class ScoreDesk:
         run = self.named(name)
         self.report_correction(run, run.mark(now, checked_who(who), mark))
 
+    def is_applied(self, name: RunName, mark: Mark) -> bool:
+        """Whether a mark was applied before. Raises `Refused`."""
+        return self.named(name).sheet.is_applied(mark)
+
     def outcome(self, name: RunName, mark: Mark) -> MarkOutcome:
         """Return the result of a mark that was applied. Raises `Refused`."""
         sheet = self.named(name).sheet

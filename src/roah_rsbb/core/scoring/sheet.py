@@ -127,7 +127,17 @@ class ScoreSheet:
 
     def taken(self, mark_id: str) -> Optional[int]:
         """Return the number of the entry of a mark that was applied, or 0 if it made none. None: it was not applied."""
-        return self._taken.get(mark_id)
+        return self._taken.get(mark_id) if mark_id else None
+
+    def is_applied(self, mark: Mark) -> bool:
+        """Whether a mark was applied. Raises `Refused` if its identity is that of a mark which changed another item:
+        it would be lost in silence."""
+        number = self.taken(mark.id)
+        for entry in self._history if number else ():
+            if entry.number == number and (entry.group, entry.desc) != (mark.group, mark.desc):
+                raise Refused([say("the id '{id}' was used for '{item}': give each mark a new UUID")(
+                    id=mark.id, item=entry.desc)])
+        return number is not None
 
     def is_taken_back(self, mark_id: str) -> bool:
         """Whether the entry of a mark was withdrawn."""
@@ -174,8 +184,7 @@ class ScoreSheet:
         A value removes the mark. A call without a change and without a note makes no entry. A mark that was applied
         changes nothing. `correction`: the run is over.
         """
-        if self.taken(mark.id) is not None:
-            self._check_same(mark)
+        if self.is_applied(mark):
             return self.item(mark.group, mark.desc)
         mark = self.check(mark)
         key = (mark.group, mark.desc)
@@ -202,14 +211,6 @@ class ScoreSheet:
             self._take(mark.id, self._replace(same, entry))
         self._stand()
         return record
-
-    def _check_same(self, mark: Mark) -> None:
-        """Refuse a mark with the identity of one that changed another item: it would be lost in silence."""
-        number = self.taken(mark.id)
-        for entry in self._history:
-            if entry.number == number and (entry.group, entry.desc) != (mark.group, mark.desc):
-                raise Refused([say("the id '{id}' was used for '{item}': give each mark a new UUID")(
-                    id=mark.id, item=entry.desc)])
 
     def _counted(self, item: ScoringItem, mark: Mark) -> Mark:
         """Return the mark with the value that the item has after it. The caller checks that value."""
@@ -238,10 +239,13 @@ class ScoreSheet:
             self.state.marks = self.state.marks[len(_mark_line(self._taken.pop(oldest), oldest)):]
 
     def _move_marks(self, number: int, to: int) -> None:
-        """The entry of that number is gone: its marks are in another one, or in none."""
-        moved = [mark_id for mark_id, entry in self._taken.items() if entry == number]
+        """The entry of that number is gone: its marks are in another one, or in none. The mark without identity keeps
+        the number, which is not used again."""
+        moved = [mark_id for mark_id, entry in self._taken.items() if entry == number and mark_id]
         self._taken.update(dict.fromkeys(moved, to))
-        if moved:
+        if number == self._last_number:
+            self._taken[""] = number
+        if moved or number == self._last_number:
             self.state.marks = "".join(_mark_line(entry, mark_id) for mark_id, entry in self._taken.items())
 
     def withdraw(self, now: Now, who: str, number: int, note: str = "", correction: bool = False) -> ScoreEntry:
@@ -531,7 +535,8 @@ def _rating(item: ScoringItem, mark: Mark) -> str:
     if not mark.judge and (mark.text or mark.value):
         raise Refused([say("'{item}' is rated by judges: name one of {judges}")(
             item=item.desc, judges=", ".join(item.judges))])
-    return _decimal(item, mark.text) if mark.text else ""
+    text = mark.text or (str(mark.value) if mark.value else "")
+    return _decimal(item, text) if text else ""
 
 
 def _decimal(item: ScoringItem, text: str) -> str:

@@ -10,6 +10,7 @@ import rospy
 
 from roah_rsbb.core.copies import is_unconfirmed
 from roah_rsbb.model.actions import EVERY
+from roah_rsbb.model.fields import given_text
 from roah_rsbb.ros import refusals
 from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.known_services import KnownService
@@ -42,7 +43,7 @@ def _action(command: Command) -> Tuple[Any, ...]:
     fields = command.fields
     # Who marks with several devices is one person; of all else the device is a part of the name.
     referee = command.session.person if "device" in fields["given"] else ""
-    return command.name, command.zone, fields["identity"], fields["event_id"], json.dumps(fields["given"]), referee
+    return command.name, command.zone, fields["identity"], fields["event_id"], given_text(fields["given"]), referee
 
 
 def _run(command: Command) -> Tuple[Any, ...]:

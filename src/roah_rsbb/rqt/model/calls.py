@@ -11,6 +11,7 @@ from typing import Any, Callable, Counter, Dict, Mapping, NamedTuple
 import rospy
 
 from roah_rsbb.model.actions import MARK
+from roah_rsbb.model.fields import given_text
 from roah_rsbb.ros import refusals
 from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.known_services import KnownService
@@ -96,7 +97,7 @@ class Calls(QObject):
     ) -> None:
         """Do one of `model.actions.EVERY`. `run`, `event`: what the referee means, see `Act`; `given`: the values of
         its fields; `referee`: who was asked, if it was somebody before a change of the name."""
-        self.service(owner, "/core/act", Act, (action, zone, run, event, json.dumps(given), referee), done)
+        self.service(owner, "/core/act", Act, (action, zone, run, event, given_text(given), referee), done)
 
     def learn(self, owner: object, name: str, kind: type) -> None:
         """Find the service `name`, so that a later call does not depend on the master."""
@@ -109,7 +110,7 @@ class Calls(QObject):
         The core applies a mark once. So it is sent again while there is no answer, for example while the core restarts.
         Only messages with a later clock than that of the result surely contain the mark.
         """
-        mark = json.dumps({**given, "id": str(uuid.uuid4()), "role": ROLE})
+        mark = given_text({**given, "id": str(uuid.uuid4()), "role": ROLE})
         headers = self._headers()
 
         def job() -> Marked:

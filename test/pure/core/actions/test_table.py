@@ -8,7 +8,8 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.actions import table
 from roah_rsbb.core.actions.table import KINDS, Target
 from roah_rsbb.model.actions import ACTIONS, ENTRIES, EVERY
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.records import Phase
+from roah_rsbb.model.referee import Refused, RunName
 
 
 def refusal(driver, target, name, given=None):
@@ -58,12 +59,34 @@ def test_an_unknown_zone_is_refused_with_the_zones_that_there_are(name):
 
 
 @pytest.mark.parametrize("name", ["mark", "judge_mark", "settle"])
-def test_an_item_gets_no_value_that_nobody_gave(name):
+@pytest.mark.parametrize("more", [{}, {"text": ""}, {"text": "", "not_attempted": False}])
+def test_an_item_gets_no_value_that_nobody_gave(name, more):
     driver = BoxDriver()
     driver.executing()
-    given = {"group": "Penalized", "desc": "bumps", **({"judge": "Ben"} if name == "judge_mark" else {})}
+    given = {"group": "Penalized", "desc": "bumps", **({"judge": "Ben"} if name == "judge_mark" else {}), **more}
     reasons = refusal(driver, Target("tbm", driver.run_in().identity), name, given)
     assert reasons == ["The mark has no value: give value, text or added, or say that it was not attempted"]
+
+
+def test_a_mark_of_an_older_page_that_is_sent_again_is_no_error():
+    """It said no value where it meant 0."""
+    driver = BoxDriver()
+    driver.executing()
+    run, mark = RunName("tbm", driver.run_in().identity), {"group": "Penalized", "desc": "bumps", "id": "one"}
+    driver.enter("mark", run, value=2, **mark)
+    driver.enter("mark", run, **mark)
+    other = {**mark, "group": "Achievements", "desc": "detects the door"}
+    assert refusal(driver, Target(*run), "mark", {**other, "value": 1}) == [
+        "the id 'one' was used for 'bumps': give each mark a new UUID"]
+    assert [item.value for item in driver.run_in().sheet.items()][-1] == 2
+
+
+@pytest.mark.parametrize("given", [{"reason": 5}, {"reason": None}, {"reason": "\ud800"}, {"foo": 1}])
+def test_nothing_that_is_given_with_stop_prevents_it(given):
+    driver = BoxDriver()
+    driver.executing()
+    driver.event(driver.box.act, Target("tbm"), "stop", "Anna", given)
+    assert driver.run_in().phase is Phase.ENDED
 
 
 def test_an_unknown_zone_is_the_reason_also_where_a_run_is_named():

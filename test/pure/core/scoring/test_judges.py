@@ -12,6 +12,7 @@ from helpers.competition import BUMPS, DOOR, competition
 from helpers.examples import examples
 from helpers.jury import Jury, judged
 from roah_rsbb.core import effects
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.judges.agreement import Value, agreed
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
@@ -106,6 +107,36 @@ def test_a_mark_of_a_judge_is_applied_once(jury):
         jury.driver.run(2.0)
         jury.driver.event(jury.desk.mark, jury.name, Mark(*BUMPS.key, added="1", id="same"), "Ann")
     assert [item.value for item in jury.judging("ann").own_items] == [0, 1]
+
+
+@pytest.mark.parametrize("ended", ["withdrawn", "signed off"])
+def test_what_a_judge_sends_again_is_no_error_and_opens_nothing(jury, ended):
+    """Its answer may have been lost."""
+    jury.mark("Ann", BUMPS, 2)
+    again = {"group": BUMPS.group, "desc": BUMPS.desc, "value": 2, "id": "m1", "judge": "Ann"}
+    if ended == "withdrawn":
+        jury.driver.enter("withdraw_sheet", jury.name, "Hugo", judge="Ann", reason="left")
+    else:
+        jury.mark("Ben", BUMPS, 2)
+        jury.submit("Ann")
+        jury.submit("Ben")
+        jury.finish()
+        jury.sign_off()
+    before = freeze(jury.record())
+    jury.driver.enter("judge_mark", jury.name, **again)
+    assert jury.driver.box.outcome(Target(*jury.name), "judge_mark", again) == {
+        "number": 1, "value": 2, "not_attempted": False, "text": ""}
+    if ended == "signed off":
+        jury.submit("Ann")
+    assert freeze(jury.record()) == before
+
+
+def test_a_judge_s_mark_is_recorded_with_its_value_and_under_the_judge_s_name(jury):
+    jury.driver.taken()
+    jury.mark("Ann", BUMPS, 0)
+    recorded, = jury.driver.taken(effects.Recorded)
+    assert (recorded.kind, recorded.who, recorded.value) == ("judge_mark", "Ann", {
+        "command": "mark", "group": "Penalized", "item": "bumps", "value": 0, "mark": "m1"})
 
 
 def test_a_submitted_sheet_is_locked_until_it_is_handed_back(jury):
@@ -213,7 +244,7 @@ def test_the_run_is_not_signed_off_before_the_judges_are_done(jury):
         "the judges differ: the head referee settles Penalized: bumps"]
     jury.settle(BUMPS, 2)
     jury.sign_off()
-    assert "signed off" in jury.refused(jury.desk.submit, jury.name, "Ann")[0]
+    jury.submit("Ann")  # again: the answer may have been lost
     assert (jury.values()[BUMPS.desc], jury.record().items[1].corrected) == (2, False)
 
 

@@ -134,7 +134,7 @@ def test_changes_of_one_moment_are_one_entry_and_a_slip_is_none():
         referees.add(BUMPS, -1, id=f"down {number}")
     assert (referees.sheet.history, referees.value(BUMPS)) == ((), 0)
     referees.add(CUPS, id="other")
-    assert referees.sheet.marks == "0 up 0\n0 up 1\n0 up 2\n0 down 0\n0 down 1\n0 down 2\n2 other\n"
+    assert referees.sheet.marks == "0 up 0\n0 up 1\n0 up 2\n0 down 0\n0 down 1\n1 \n0 down 2\n2 other\n"
 
 
 @pytest.mark.parametrize("first, second", [
@@ -171,6 +171,16 @@ def test_a_number_of_an_entry_is_not_used_again():
     with pytest.raises(Refused, match="the score sheet has no entry 1"):
         referees.withdraw(1)
     assert referees.value(CUPS) == 2
+
+
+def test_a_number_is_not_used_again_after_a_restart_or_the_end_of_the_run():
+    referees = Referees(pause=0.1)
+    referees.add(BUMPS, id="slip")
+    referees.add(BUMPS, -1, id="undone")
+    again = ScoreSheet(ITEMS, SheetState(list(referees.sheet.history), referees.sheet.marks))
+    again.set(referees.now, "Anna", Mark(*CUPS.key, 2, id="other"))
+    assert [entry.number for entry in again.history] == [2]
+    assert again.set(referees.now, "Anna", Mark(*CUPS.key, 1)).value == 2  # a mark without identity is applied
 
 
 def test_only_a_mark_with_its_own_entry_is_taken_back():
