@@ -3396,8 +3396,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/actions/entries.py"/>
-        <source>The mark has no value: give value, text or added, or say that it was not attempted</source>
-        <translation>Die Wertung hat keinen Wert: Geben Sie value, text oder added an, oder dass der Punkt nicht versucht wurde</translation>
+        <source>The item gets no value: give its value, or say that it was not attempted</source>
+        <translation>Der Punkt bekommt keinen Wert: Geben Sie seinen Wert an, oder dass er nicht versucht wurde</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/actions/events.py"/>
@@ -4276,6 +4276,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
+        <source>run {run} was in zone &apos;{zone}&apos;, not in &apos;{other}&apos;</source>
+        <translation>Lauf {run} war in Zone „{zone}“, nicht in „{other}“</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
         <source>run {run} is still connected: disconnect it first</source>
         <translation>Lauf {run} ist noch verbunden: Trennen Sie ihn zuerst</translation>
     </message>
@@ -4293,11 +4298,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
         <source>no role &apos;{role}&apos;: choose one of {choices}</source>
         <translation>keine Rolle „{role}“: Wählen Sie aus {choices}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
-        <source>run {run} was in zone &apos;{zone}&apos;, not in &apos;{other}&apos;</source>
-        <translation>Lauf {run} war in Zone „{zone}“, nicht in „{other}“</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
@@ -4566,8 +4566,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>Mark</source>
-        <translation>Wertung</translation>
+        <source>Id of the mark</source>
+        <translation>Kennung der Wertung</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
@@ -4986,13 +4986,13 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/fields.py"/>
-        <source>{field}: choose one of {choices}</source>
-        <translation>{field}: Wählen Sie aus {choices}</translation>
+        <source>{field}: [x, y, theta] is expected: metres, and radians from -6.3 to 6.3</source>
+        <translation>{field}: [x, y, theta] wird erwartet: Meter, und Radiant von -6,3 bis 6,3</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/fields.py"/>
-        <source>{field}: yes or no is expected</source>
-        <translation>{field}: Ja oder nein wird erwartet</translation>
+        <source>{field}: choose one of {choices}</source>
+        <translation>{field}: Wählen Sie aus {choices}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/fields.py"/>
@@ -5008,6 +5008,16 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/model/fields.py"/>
         <source>The command has no field &apos;{field}&apos;: it has none</source>
         <translation>Der Befehl hat kein Feld „{field}“: Er hat keine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>{field}: yes or no is expected</source>
+        <translation>{field}: Ja oder nein wird erwartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>{field}: true or false is expected</source>
+        <translation>{field}: true oder false wird erwartet</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/modules.py"/>

@@ -60,7 +60,7 @@ class Action:
 
 _TEAM = say("Team")
 _JUDGE, _NOTE, _REASON, _TEXT = say("Judge"), say("Note"), say("Reason"), say("Text")
-_NUMBER, _DEVICE, _ID = say("Number"), say("Device"), say("Mark")
+_NUMBER, _DEVICE, _ID = say("Number"), say("Device"), say("Id of the mark")
 # `uint8` on the ROS interface.
 MAX_DAMAGED = 255
 # A time for objections that is left to the benchmarks file.
@@ -151,7 +151,7 @@ _ENTRIES = (
     Action("object", say("Enter an objection"), say("To a provisional result"),
            (Text("by", say("Who objects"), required=False), Text("text", _TEXT, required=False)), durable=True),
     Action("answer", say("Answer the objection"), say("The sheet is corrected separately"),
-           (Number("number", _NUMBER), Toggle("upheld", say("Upheld"), required=False),
+           (Number("number", _NUMBER, low=1), Toggle("upheld", say("Upheld"), required=False),
             Text("text", _TEXT, required=False)), durable=True),
 )
 ENTRIES: Dict[str, Action] = {action.name: action for action in _ENTRIES}

@@ -17,14 +17,17 @@ from roah_rsbb.model.reason import Reason, Template, say
 MAX_TEXT = 500
 # Metres. No test bed is larger.
 FARTHEST_M = 1000.0
+# A turn. A larger angle is one in degrees.
+MOST_RAD = 2 * math.pi + 0.01
 
 NO_TEXT = say("{field}: a text is expected")
 TOO_LONG = say("{field}: the text has {number} characters, at most {most} are allowed: shorten it")
 NO_NUMBER = say("{field}: a whole number from {low} to {high} is expected")
 NO_DECIMAL = say("{field}: a number from {low} to {high} is expected")
 NO_POSE = say("{field}: x and y in metres, then the direction in degrees, are expected, such as 1.25 0.40 90")
+NO_POSE_LIST = say("{field}: [x, y, theta] is expected: metres, and radians from -6.3 to 6.3")
 NO_CHOICE = say("{field}: choose one of {choices}")
-NO_TOGGLE = say("{field}: yes or no is expected")
+NO_TOGGLE, NO_BOOL = say("{field}: yes or no is expected"), say("{field}: true or false is expected")
 MISSING = say("{field} is missing")
 UNKNOWN = say("The command has no field '{field}': it has {fields}")
 NO_FIELDS = say("The command has no field '{field}': it has none")
@@ -156,12 +159,14 @@ class Pose(Field):
 
     def read(self, value: Any) -> Any:
         """See `Field`."""
+        wrong = NO_POSE_LIST
         if isinstance(value, str):
+            wrong = NO_POSE
             *metres, degrees = [*map(_number, value.split())] or [None]
-            value = [*metres, None if degrees is None or abs(degrees) > 360.0 else math.radians(degrees)]
+            value = [*metres, None if degrees is None else math.radians(degrees)]
         if not isinstance(value, list) or len(value) != 3 or not all(
-                type(part) in (int, float) and abs(part) <= FARTHEST_M for part in value):
-            raise BadValue(NO_POSE(field=self.label))
+                type(part) in (int, float) and abs(part) <= FARTHEST_M for part in value) or abs(value[2]) > MOST_RAD:
+            raise BadValue(wrong(field=self.label))
         return [float(part) for part in value]
 
 
@@ -198,7 +203,7 @@ class Toggle(Field):
     def read(self, value: Any) -> Any:
         """See `Field`."""
         if type(value) is not bool:
-            raise BadValue(NO_TOGGLE(field=self.label))
+            raise BadValue(NO_BOOL(field=self.label))
         return value
 
     def parse(self, word: str) -> Any:

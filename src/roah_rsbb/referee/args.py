@@ -84,7 +84,7 @@ def _action(commands, action: Action) -> None:
             one.add_argument(f"--{_dashed(field.name)}", dest=field.name, action="store_true", help=label)
         else:
             one.add_argument(f"--{_dashed(field.name)}", dest=field.name, metavar=field.name.upper(), type=read,
-                             default=field.nothing, help=label)
+                             help=_word_help(field))
     if action.leaves:
         _leaving(one)
     _by(one)
@@ -108,9 +108,8 @@ def _is_word(field: Field) -> bool:
 def _word_help(field: Field) -> str:
     if isinstance(field, Team):
         return "whom it hits: it is refused if the zone is at the event of another team"
-    if isinstance(field, Number):
-        return f"{field.label}: {expected(field)}"
-    return str(field.label)
+    of_kind = expected(field)
+    return str(field.label) if of_kind == "text" else f"{field.label}: {of_kind}"
 
 
 def _dashed(name: str) -> str:
@@ -119,8 +118,8 @@ def _dashed(name: str) -> str:
 
 def given_in(options: argparse.Namespace, action: Action) -> Dict[str, Any]:
     """Return the values of an action's fields that were typed."""
-    typed = {field.name: getattr(options, field.name, field.nothing) for field in action.fields}
-    entered = {name: value for name, value in typed.items() if value != "" and value is not False}
+    typed = {field.name: getattr(options, field.name, None) for field in action.fields}
+    entered = {name: value for name, value in typed.items() if value not in ("", None) and value is not False}
     return {**entered, **ALWAYS.get(action.name, {})}
 
 
@@ -228,7 +227,7 @@ def _sheets(commands) -> None:
     one = _add(commands, "sign-off", "sign off the score sheet of a finished run, which makes it final",
                [f"{PROG} sign-off 'Home A' --run last --by Anna"])
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
-    one.add_argument("--run", metavar="RUN", required=True, help=_RUN)
+    one.add_argument("--run", metavar="RUN", help=_RUN)
     _by(one, required=True)
     one.add_argument("--yes", action="store_true", help="sign off without asking")
 
@@ -307,6 +306,7 @@ def _schedule(commands) -> None:
     one.add_argument("--unsigned", action="store_true",
                      help="leave the zone's run although its score sheet is not signed off")
     _leaving(one)
+    _by(one)
 
 
 def _counted(word: str) -> int:
@@ -318,7 +318,7 @@ def _counted(word: str) -> int:
 def _done(commands) -> None:
     one = _add(
         commands, "done", "complete a manual operation, with an answer if it asks for one",
-        [f"{PROG} done 'Home A'", f"{PROG} done 'Home A' skip", f"{PROG} done 'Home A' --operation 3",
+        [f"{PROG} done 'Home A'", f"{PROG} done 'Home A' skip", f"{PROG} done --operation 3 'Home A' skip",
          f"{PROG} done 'Home A' grasped=yes drops=2 'place=1.25 0.40 90'"],
     )
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
@@ -326,7 +326,8 @@ def _done(commands) -> None:
                      help="what the operation asks for ('status' shows it), in its order or as NAME=VALUE. The "
                           "beginning of a choice is enough (default: the first choice)")
     one.add_argument("--operation", metavar="N", type=int,
-                     help="only if this is still the number of the operation ('status --json' shows it)")
+                     help="only if this is still the number of the operation ('status --json' shows it); before ZONE")
+    _by(one)
 
 
 def _run(commands) -> None:

@@ -16,7 +16,7 @@ from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.output import Output
 from roah_rsbb.referee.run import RunScript, ScriptOutcome, ScriptPlan
-from roah_rsbb.referee.sheets import RunLine, Sheet, pick_run, sheet_of
+from roah_rsbb.referee.sheets import LAST, RunLine, Sheet, pick_run, sheet_of
 from roah_rsbb.referee.state import CONNECTED, IDLE, SheetItem
 from roah_rsbb.referee.stopping import Stopping, TypedStops
 from roah_rsbb.referee.words import (
@@ -182,7 +182,8 @@ def _done(link: Link, options, output: Output) -> Exit:
         raise Refused(["no manual operation is requested now"])
     if options.operation not in (None, operation.number):
         raise Refused([f"operation {options.operation} is over; the current one is: {operation.text}"])
-    link.act("operation", name, {"operation": operation.number, **given_of(options.answer, operation.fields)})
+    link.act("operation", name, {"operation": operation.number, **given_of(options.answer, operation.fields)},
+             referee=options.referee)
     return _say_done(link, name, output, "done")
 
 
@@ -278,7 +279,12 @@ def _reason(link: Link, options: Any, output: Any) -> Exit:
 
 
 def _sign_off(link: Link, options: Any, output: Any) -> Exit:
-    """Sign off the score sheet of a finished run."""
+    """Sign off the score sheet of a finished run. Where a run is connected and nobody is shown the sheet, another one
+    is meant only by its name."""
+    connected = link.box.zone(_zone_name(link, options.zone)).identity
+    if connected and (options.run is None or (options.run == LAST and options.yes)):
+        raise Refused([f"run {connected} is still connected: disconnect it first. To sign off an earlier run, give its "
+                       "name ('runs' lists them)"])
     zone, run = _which(link, options)
     with contextlib.ExitStack() as at_end:
         if not options.yes:
@@ -349,7 +355,8 @@ def _choose(link: Link, options: Any, output: Any) -> Exit:
         raise BadWord(f"zone '{name}' has no event {options.event}: there are 1 to {len(own)} ('schedule' lists them)")
     _check_stopped(link, options)
     event = own[options.event - 1]
-    link.act("choose_event", name, {"event": event.id, "team": event.team, "unsigned": options.unsigned})
+    link.act("choose_event", name, {"event": event.id, "team": event.team, "unsigned": options.unsigned},
+             referee=options.referee)
     return _say_done(link, name, output, "choose")
 
 

@@ -190,7 +190,7 @@ class Link:
 
     def shows_after(self, clock: Any) -> bool:
         """Whether all of the snapshot was published after this time of the core's clock (see `try_clock`)."""
-        return self._gui is not None and self._gui.clock > clock and self._details.clock > clock
+        return self._gui is not None and min(self._gui.clock, self._details.clock, self._clocks.clock) > clock
 
     def _take(self) -> bool:
         """Take new messages. Returns whether they gave a new snapshot."""

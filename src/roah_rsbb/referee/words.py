@@ -161,6 +161,8 @@ def given_of(words: Sequence[str], fields: Sequence[Field]) -> Dict[str, Any]:
         field, = (named or [field for field in fields if field.name not in given] or [None])[:1]
         if field is None:
             raise BadWord(f"'{word}' is not asked for: {form_words(fields)}")
+        if field.name in given:
+            raise BadWord(f"'{field.name}' is given twice")
         text = (value if named else word).strip()
         found = _found(text, field.choices, str, str.startswith) if text and isinstance(field, Choice) else []
         if text and not found and other is not None and not named:

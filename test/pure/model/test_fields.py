@@ -40,7 +40,7 @@ POSE, MAYBE = Pose("pose", say("Pose")), Pose("pose", say("Pose"), required=Fals
     (MEASURED, 2.6), (MEASURED, float("nan")), (MEASURED, True), (MEASURED, "high"), (MEASURED, ""), (MEASURED, None),
     (POSE, "1 2"), (POSE, "1 2 3 4"), (POSE, ""), (POSE, "one 2 3"), (POSE, "nan 0 0"), (POSE, "1e999 0 0"),
     (POSE, "2000 0 0"), (POSE, "0 0 400"), (POSE, "1,2,3"), (POSE, [1, 2]), (POSE, [1, 2, True]), (POSE, "0 0 inf"),
-    (POSE, [0.0, float("nan"), 0.0]), (POSE, {}),
+    (POSE, [1, 2, 90]), (POSE, [0.0, float("nan"), 0.0]), (POSE, {}),
     (WHO, "nobody"), (WHO, 1), (QUIET, 0), (QUIET, "yes"), (TEAM, ""), (TEAM, "x" * 501),
 ])
 def test_what_does_not_fit_is_refused_with_the_name_of_the_field(field, value):

@@ -1,7 +1,13 @@
 """The command line."""
 
+import argparse
+
 import pytest
 
+from roah_rsbb.model.actions import Action
+from roah_rsbb.model.fields import Choice
+from roah_rsbb.model.reason import say
+from roah_rsbb.referee import args
 from roah_rsbb.referee.args import parser
 
 COMMANDS = ("status", "watch", "connect", "start", "stop", "disconnect", "previous", "next", "pause", "resume",
@@ -30,6 +36,17 @@ def test_every_command_has_help_with_examples_and_exit_statuses(command, capsys)
 ])
 def test_json_may_come_before_or_after_the_command(line):
     assert _parse(line).json is True
+
+
+def test_a_choice_that_may_be_left_out_is_left_out():
+    kind = Choice("kind", say("Kind"), required=False, choices=("late", "rude"))
+    action = Action("yellow_card", say("Yellow card"), say("Warn the team"), (kind,))
+    commands = argparse.ArgumentParser().add_subparsers(dest="command")
+    args._action(commands, action)
+    command = commands.choices["yellow-card"]
+    assert args.given_in(command.parse_args(["Hall"]), action) == {}
+    assert args.given_in(command.parse_args(["Hall", "--kind", "late"]), action) == {"kind": "late"}
+    assert "Kind: late / rude" in command.format_help()
 
 
 def test_who_does_an_action_may_be_named():
@@ -78,7 +95,7 @@ def test_a_run_takes_all_its_options():
     (["choose", "A", "0"], "is not a number of 1 or more"),
     (["withdraw", "A", "0"], "is not a number of 1 or more"),
     (["withdraw", "A", "-1"], "1"),
-    (["sign-off", "A"], "--run"),
+    (["sign-off", "A"], "--by"),
     (["dance", "A"], "dance"),
     (["conect", "A"], "no 'conect': did you mean 'connect'?"),
     (["switch", "A", "0"], "a whole number from 1 to"),

@@ -213,6 +213,8 @@ class TestCommands(WithCore):
         self.zone.command("start")
         identity = self.zone.identity
         self.zone.command("stop")
+        connected = self.called("sign-off", "Home A", "--run", "last", "--by", "Cleo", "--yes")
+        self.assertEqual((connected.returncode, connected.stderr.count("disconnect it first")), (1, 1))
         self.assertIn("Benchmark stopped by the referee", self.called("reason", "Home A", "fire alarm").stdout)
         self.zone.command("disconnect")
         self.assertIn("not signed off", self.called("runs", "Home A").stdout)

@@ -14,7 +14,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.referee import Refused, RunName
 
-NO_VALUE = say("The mark has no value: give value, text or added, or say that it was not attempted")
+NO_VALUE = say("The item gets no value: give its value, or say that it was not attempted")
 # Fields whose journal has another name than calls.
 _JOURNALED = {"desc": "item", "id": "mark"}
 # How an item gets its value: the journal keeps the one that decides.

@@ -23,6 +23,7 @@ MAX_MARK_ID = 64
 # Who may mark.
 ROLES = ("referee", "judge", "organiser")
 NAME_THE_RUN = say("name the run: what arrives late must not count in another run")
+OTHER_ZONE = say("run {run} was in zone '{zone}', not in '{other}'")
 STILL_CONNECTED = say("run {run} is still connected: disconnect it first")
 
 
@@ -180,12 +181,14 @@ class ScoreDesk:
         zone = self._zones.get(name.zone)  # the zone of a finished run may no longer be in the schedule
         if zone is not None and zone.run is not None and zone.run.identity == name.identity:
             return zone.run
+        for other in self._zones.runs():
+            if other.identity == name.identity:
+                raise Refused([OTHER_ZONE(run=name.identity, zone=other.zone, other=name.zone)])
         if zone is None and name.identity not in self._finished:
             self._zones.named(name.zone)  # that it does not exist explains more
         run = self._finished.find(name.identity)
         if run.record.zone != name.zone:
-            raise Refused([say("run {run} was in zone '{zone}', not in '{other}'")(
-                run=name.identity, zone=run.record.zone, other=name.zone)])
+            raise Refused([OTHER_ZONE(run=name.identity, zone=run.record.zone, other=name.zone)])
         return run
 
     def report_correction(self, run: Union[ZoneRun, FinishedRun], text: Optional[str]) -> None:

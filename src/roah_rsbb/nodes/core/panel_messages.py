@@ -99,8 +99,8 @@ class PanelMessages:
         )
 
     def renew(self) -> None:
-        """Let the next tick publish the details, also if nothing has changed: somebody waits for newer ones."""
-        self._details_due_in = 0
+        """Let the next tick publish details and clocks, also if nothing has changed: somebody waits for newer ones."""
+        self._details_due_in = self._clocks_due_in = 0
 
     def clocks(self, now: Now) -> Optional[RunClocks]:
         """Return the times of all runs; None: only time has passed. Call `to_gui` with the same `now` first."""

@@ -80,9 +80,9 @@ def test_the_values_of_a_form_come_to_the_module(odd):
 
 
 @pytest.mark.parametrize("changed, reason", [
-    ({"held": "perhaps"}, "Did the robot hold it?: yes or no is expected"), ({"held": None}, "hold it?"),
+    ({"held": "perhaps"}, "Did the robot hold it?: true or false is expected"), ({"held": None}, "hold it?"),
     ({"drops": 10}, "a whole number from 0 to 9"), ({"place": "shelf"}, "choose one of table, floor"),
-    ({"pose": "1 2"}, "x and y in metres"), ({"pose": [1, 2, math.inf]}, "x and y in metres"),
+    ({"pose": "1 2"}, "x and y in metres"), ({"pose": [1, 2, math.inf]}, "[x, y, theta] is expected"),
     ({"more": 1}, "no field 'more'"), ({"operation": "1"}, "Number: a whole number"),
     ({"operation": 2}, f"that manual operation is over; the current one is: {ODD_ASKED}"),
 ])

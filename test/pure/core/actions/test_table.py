@@ -65,7 +65,7 @@ def test_an_item_gets_no_value_that_nobody_gave(name, more):
     driver.executing()
     given = {"group": "Penalized", "desc": "bumps", **({"judge": "Ben"} if name == "judge_mark" else {}), **more}
     reasons = refusal(driver, Target("tbm", driver.run_in().identity), name, given)
-    assert reasons == ["The mark has no value: give value, text or added, or say that it was not attempted"]
+    assert reasons == ["The item gets no value: give its value, or say that it was not attempted"]
 
 
 def test_a_mark_of_an_older_page_that_is_sent_again_is_no_error():
