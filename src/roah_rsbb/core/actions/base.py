@@ -1,7 +1,7 @@
 """What all actions have, and what they get."""
 
 import abc
-from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.candidates import Candidates
 from roah_rsbb.core.connections import Connections
@@ -26,6 +26,9 @@ class ZoneAction(abc.ABC):
     """An action in a zone. `off`, `refused` and `do` get the values of all fields of the action."""
 
     name: str  # in `model.actions`
+    # Why it is off in every zone without a run; None: that depends. Many zones have no run most of the time.
+    off_without_run: Optional[str] = None
+    shown_without_run = True
     journaled = ""  # in the journal, where earlier versions of the box used another name
 
     def __init__(self, parts: Parts) -> None:

@@ -49,6 +49,7 @@ class Disconnect(ZoneAction):
     """Leave the run. `running`: the caller knows that it may be in progress, and ends with it."""
 
     name = "disconnect"
+    off_without_run = NOT_CONNECTED
 
     def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
         """See `ZoneAction`."""

@@ -23,6 +23,7 @@ NOT_FINISHED = say("the switches cannot be confirmed yet: the robot has not fini
 class ModuleAction(ZoneAction):
     """An action that is shown while a module asks for it."""
 
+    off_without_run, shown_without_run = NO_RUN, False
     kind: Optional[RequestKind] = None  # of the request that it answers; None: it answers none
 
     @abc.abstractmethod

@@ -30,6 +30,7 @@ class Start(ZoneAction):
     """Start the run, or continue it after a stop."""
 
     name = "start"
+    off_without_run = NO_RUN
 
     def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
         """See `ZoneAction`."""
@@ -57,6 +58,7 @@ class Stop(ZoneAction):
     """Stop the run. A call that names the run has a way of its own (`ScoreDesk.stop`)."""
 
     name = "stop"
+    off_without_run = NOTHING_TO_STOP
 
     def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
         """See `ZoneAction`."""
@@ -105,6 +107,7 @@ class Resume(ZoneAction):
     """Let the clock of the run continue."""
 
     name = "resume"
+    off_without_run, shown_without_run = NOT_PAUSED, False
 
     def shown(self, zone: Zone) -> bool:
         """See `ZoneAction`."""

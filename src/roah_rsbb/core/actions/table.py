@@ -57,6 +57,10 @@ class Actions:
         kinds = {kind.name: kind for kind in KINDS}
         # In the order of the table: messages have the actions by their places in it.
         self._all: Dict[str, ZoneAction] = {name: kinds[name](Parts(candidates, connections)) for name in ACTIONS}
+        self._without_run = {
+            name: None if action.off_without_run is None else Shown(
+                (action.off_without_run,), action.shown_without_run, action.action.fields)
+            for name, action in self._all.items()}
         # By the name of the action: the values of its fields if none is given.
         self._nothing: Dict[str, Given] = {
             name: {field.name: field.nothing for field in action.action.fields} for name, action in self._all.items()}
@@ -73,9 +77,10 @@ class Actions:
     def shown(self, now: Now, zone: Zone) -> Tuple[Shown, ...]:
         """Return what faces show of all actions, in their order. It is made ten times a second for each zone."""
         closed = (self._record.closed,) if self._record.closed else ()
+        kept = self._without_run if zone.run is None and not closed else NOTHING
         return tuple([
-            Shown(closed or tuple(action.off(now, zone, self._nothing[name])), action.shown(zone),
-                  action.form(now, zone), action.text(zone))
+            kept.get(name) or Shown(closed or tuple(action.off(now, zone, self._nothing[name])), action.shown(zone),
+                                    action.form(now, zone), action.text(zone))
             for name, action in self._all.items()])
 
     def do(self, now: Now, target: Target, name: str, who: str = "", given: Mapping[str, Any] = NOTHING) -> None:

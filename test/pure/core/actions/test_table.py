@@ -104,6 +104,19 @@ def test_a_call_that_means_another_run_or_event_changes_nothing():
     driver.event(driver.box.act, Target("tbm", driver.run_in().identity), "start")
 
 
+@pytest.mark.parametrize("code", ["HGTKMH", "HOMF", "HSUF"])
+def test_what_is_kept_of_zones_without_a_run_is_as_it_would_be_made(code):
+    driver = BoxDriver(competition(tbm=[code]))
+    zone, actions = driver.box.zones["tbm"], driver.box.actions
+    kept = [name for name in ACTIONS if actions[name].off_without_run is not None]
+    assert len(kept) == 8
+    for name, found in zip(ACTIONS, actions.shown(driver.now, zone)):
+        action = actions[name]
+        nothing = {field.name: field.nothing for field in action.action.fields}
+        assert found == (tuple(action.off(driver.now, zone, nothing)), action.shown(zone),
+                         action.form(driver.now, zone), action.text(zone)), name
+
+
 def test_a_run_in_progress_is_left_only_by_who_knows_it():
     driver = BoxDriver()
     driver.executing()
