@@ -67,7 +67,7 @@ class Automatic:
             raise GivenUp(f"asked {self._in_a_row} times in a row: {operation.text}")
         needed = [field.label for field in operation.fields if field.required and not isinstance(field, Choice)]
         if needed:
-            raise GivenUp(f"{operation.text}: {', '.join(needed)}")
+            raise GivenUp(f"{operation.text}: it needs answers: {', '.join(needed)}")
         given = {"operation": operation.number}
         if not _ignoring_others(lambda: self._link.act("operation", zone.zone, given)):
             return

@@ -165,10 +165,12 @@ def given_of(words: Sequence[str], fields: Sequence[Field]) -> Dict[str, Any]:
             raise BadWord(f"'{field.name}' is given twice")
         text = (value if named else word).strip()
         found = _found(text, field.choices, str, str.startswith) if text and isinstance(field, Choice) else []
+        if len(found) > 1:
+            raise BadWord(f"'{text}' is the beginning of several choices: {_quoted(found)}")
         if text and not found and other is not None and not named:
             field = other
         try:
-            given[field.name] = field.parse(found[0] if len(found) == 1 else text) if text else ""
+            given[field.name] = field.parse(found[0] if found else text) if text else ""
         except BadValue as bad:
             raise BadWord(str(bad)) from None
     return given

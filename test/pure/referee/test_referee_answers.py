@@ -6,7 +6,8 @@ import pytest
 
 from helpers.forms import MEASURED, ODD, ODD_ASKED, form
 from helpers.referee_box import FakeLink
-from roah_rsbb.model.fields import form_of
+from roah_rsbb.model.fields import Choice, form_of
+from roah_rsbb.model.reason import say
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.referee.answers import MAX_IN_A_ROW, Automatic, GivenUp, Operations, Typed
 from roah_rsbb.referee.exits import Exit, NoCore
@@ -193,6 +194,13 @@ def test_the_form_of_a_module_that_nobody_knows_is_filled_in():
     table.types("yes 2 pose='1.25 0,40 90' fl")
     (action, number, *values), = table.link.given
     assert (action, number, values) == ("operation", 7, [True, 2, [1.25, 0.4, pytest.approx(math.pi / 2)], "floor"])
+
+
+def test_the_beginning_of_several_choices_is_none_of_them():
+    table = Table(Typed)
+    table.asks(ManualOperation(1, "Where?", fields=(Choice("place", say("Place"), choices=("the floor", "the chair")),)))
+    table.types("the", "the c")
+    assert table.notes[1] == "not done: 'the' is the beginning of several choices: 'the floor', 'the chair'"
 
 
 def test_switches_are_entered_and_confirmed():
