@@ -198,7 +198,8 @@ def test_the_form_of_a_module_that_nobody_knows_is_filled_in():
 
 def test_the_beginning_of_several_choices_is_none_of_them():
     table = Table(Typed)
-    table.asks(ManualOperation(1, "Where?", fields=(Choice("place", say("Place"), choices=("the floor", "the chair")),)))
+    place = Choice("place", say("Place"), choices=("the floor", "the chair"))
+    table.asks(ManualOperation(1, "Where?", fields=(place,)))
     table.types("the", "the c")
     assert table.notes[1] == "not done: 'the' is the beginning of several choices: 'the floor', 'the chair'"
 
