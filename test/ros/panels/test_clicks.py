@@ -76,6 +76,10 @@ class TestClicks(unittest.TestCase):
         self.click(f"BenchmarkControlPanel/{command}")
         self.wait_window(f"the phase is {phase}", lambda w: phase in w["phase"])
 
+    def wait_completed(self) -> None:
+        """Until the robot has stopped, the window asks before it leaves the run."""
+        self.wait_window("it is completed", lambda w: "ENDED: completed" in w["phase"] and w["leaves_at_once"])
+
     def test_a_task_and_a_functionality_benchmark(self) -> None:
         self.assert_shown()
         self.click(f"OverviewPanel/{ZONE}")
@@ -87,7 +91,7 @@ class TestClicks(unittest.TestCase):
         self.click(f"ScoringPanel/{DOOR}")
         wait_until(lambda: self.scores.get(DOOR) == 1, lambda: f"the core has the score, in {self.scores}")
         self.click("BenchmarkControlPanel/start")
-        self.wait_window("the robot completes it", lambda w: "ENDED: completed" in w["phase"])
+        self.wait_completed()
         self.to_phase("disconnect", "NOT CONNECTED")
 
         # The box went to the zone's next event by itself.
@@ -101,7 +105,7 @@ class TestClicks(unittest.TestCase):
             self.wait_window("the overview says so", lambda w, h=head: w["head"] == h)
             self.click(COMPLETE)
             self.wait_window("it is done", lambda w, r=request: w["operation"] != r)
-        self.wait_window("the benchmark is completed", lambda w: "ENDED: completed" in w["phase"])
+        self.wait_completed()
         self.assertIn("First Manual Operation", self.window["log"])
         # Scoring comes back to the front by itself.
         self.wait_window("the panel is at the back again", lambda w: not w["operation_seen"])

@@ -76,10 +76,12 @@ class Clicker(QObject):
 
     def _say(self) -> None:
         panels = self._window.panels
+        control = panels["BenchmarkControlPanel"]
         self._topic.publish(StringMsg(json.dumps({
-            "phase": panels["BenchmarkControlPanel"]._phase.text(),
-            "zone": panels["BenchmarkControlPanel"]._zones.currentText(),
-            "event": panels["BenchmarkControlPanel"]._event["name"].text(),
+            "phase": control._phase.text(),
+            "leaves_at_once": not control._leaving(control.model.zone_name)[1],
+            "zone": control._zones.currentText(),
+            "event": control._event["name"].text(),
             "head": panels["OverviewPanel"].head.text(),
             "operation": panels["ManualOperationPanel"].text.text(),
             "operation_seen": _is_seen(panels["ManualOperationPanel"]),
