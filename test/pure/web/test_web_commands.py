@@ -27,6 +27,7 @@ def session(role="referee", zone="Home", person="Anna"):
 # -- who may do what --------------------------------------------------------------------------------
 
 
+GERMAN = {"de": lambda text, n: f"auf Deutsch: {text}"}
 OF_JUDGES = {"judge_mark", "submit"}
 OF_ALL = sorted(set(FIELDS) | {"mark"})
 
@@ -105,7 +106,7 @@ class Served(HttpClients):
         self.outcome = Outcome(result={"number": 3})
         self.any_device = []
         self.sessions = Sessions(lambda records: None)
-        self.server = WebServer(running.loop, Store({}), FOLDER, frozenset(), self.sessions, self.carry_out,
+        self.server = WebServer(running.loop, Store(GERMAN), FOLDER, frozenset(), self.sessions, self.carry_out,
                                 self.any_device.append)
         self.port = self.server.open(HOST, 0)
         self.origin = f"http://{HOST}:{self.port}"
@@ -164,6 +165,13 @@ def test_nothing_is_carried_out_for_others(served):
     served.server.revoke("")
     assert served.send("stop", stop, token).code == 401
     assert served.commands == []
+
+
+def test_what_is_wrong_with_a_value_is_said_in_the_page_s_language(served):
+    body = {"zone": "Home", "identity": "run", "given": {"number": 0}, "language": "de"}
+    answer = served.send("switch", body, served.token())
+    assert (answer.code, json.loads(answer.body)["reasons"]) == (
+        400, ["auf Deutsch: auf Deutsch: Number: a whole number from 1 to 2147483647 is expected"])
 
 
 def test_a_sheet_of_a_run_that_is_over_is_shown_to_referees(served):
