@@ -3786,6 +3786,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <source>the sheet of {judge} was withdrawn: mark an item to begin another one</source>
+        <translation>der Bogen von {judge} wurde zurückgezogen: Werten Sie einen Punkt, um einen anderen zu beginnen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
         <source>no rating of {missing}: rate it, or mark it as not attempted</source>
         <translation>keine Bewertung von {missing}: Bewerten Sie es, oder markieren Sie es als nicht versucht</translation>
     </message>
@@ -4408,6 +4413,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
         <source>&apos;{item}&apos; is rated by judges: name one of {judges}</source>
         <translation>„{item}“ wird von Juroren bewertet: Nennen Sie einen von {judges}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; is a rating: give the number as a text</source>
+        <translation>„{item}“ ist eine Bewertung: Geben Sie die Zahl als Text an</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>

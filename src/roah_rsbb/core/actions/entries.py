@@ -113,7 +113,7 @@ class Entries:
 def _has_no_value(values: Mapping[str, Any], given: Mapping[str, Any]) -> bool:
     """Whether a mark gives its item no value: it would set it to 0. An empty text takes a judge's rating away."""
     return "not_attempted" in values and "value" not in given and not (
-        any(values.get(name) for name in _SETS) or (values.get("judge") and "text" in given))
+        any(values.get(name) for name in _SETS) or (given.get("judge") and "text" in given))
 
 
 def _asked(values: Mapping[str, Any]) -> Dict[str, Any]:

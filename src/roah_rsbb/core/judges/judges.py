@@ -121,6 +121,9 @@ class Judges:
         """Submit a judge's sheet, which locks it. Returns a text for the referees, as all changes do. Raises
         `Refused`."""
         mine = self._own_or_new(now, judge)
+        if mine.judge not in [sheet.judge for sheet in self.active()] and any(
+                sheet.judge.casefold() == judge.casefold() for sheet in self.state.sheets):
+            raise Refused([say("the sheet of {judge} was withdrawn: mark an item to begin another one")(judge=judge)])
         items = self._sheet(mine).items()
         missing = [item.desc for item in items
                    if item.kind == ScoreKind.RATING.word and not (item.text or item.not_attempted)]

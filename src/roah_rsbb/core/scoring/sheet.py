@@ -234,9 +234,13 @@ class ScoreSheet:
             return
         self._taken[mark_id] = entry
         self.state.marks += _mark_line(entry, mark_id)
-        if len(self._taken) > MAX_MARKS:
+        while len(self._taken) > MAX_MARKS:
             oldest = next(iter(self._taken))
-            self.state.marks = self.state.marks[len(_mark_line(self._taken.pop(oldest), oldest)):]
+            number = self._taken.pop(oldest)
+            self.state.marks = self.state.marks[len(_mark_line(number, oldest)):]
+            if not oldest:  # the number that is not used again is kept
+                self._taken[""] = number
+                self.state.marks += _mark_line(number, "")
 
     def _move_marks(self, number: int, to: int) -> None:
         """The entry of that number is gone: its marks are in another one, or in none. The mark without identity keeps
@@ -244,6 +248,7 @@ class ScoreSheet:
         moved = [mark_id for mark_id, entry in self._taken.items() if entry == number and mark_id]
         self._taken.update(dict.fromkeys(moved, to))
         if number == self._last_number:
+            self._taken.pop("", None)
             self._taken[""] = number
         if moved or number == self._last_number:
             self.state.marks = "".join(_mark_line(entry, mark_id) for mark_id, entry in self._taken.items())
@@ -535,8 +540,9 @@ def _rating(item: ScoringItem, mark: Mark) -> str:
     if not mark.judge and (mark.text or mark.value):
         raise Refused([say("'{item}' is rated by judges: name one of {judges}")(
             item=item.desc, judges=", ".join(item.judges))])
-    text = mark.text or (str(mark.value) if mark.value else "")
-    return _decimal(item, text) if text else ""
+    if mark.value and not mark.text:
+        raise Refused([say("'{item}' is a rating: give the number as a text")(item=item.desc)])
+    return _decimal(item, mark.text) if mark.text else ""
 
 
 def _decimal(item: ScoringItem, text: str) -> str:

@@ -58,8 +58,10 @@ def test_an_unknown_zone_is_refused_with_the_zones_that_there_are(name):
     assert "no zone 'tmb': did you mean 'tbm'?" in reasons or "name the run" in reasons[0]
 
 
-@pytest.mark.parametrize("name", ["mark", "judge_mark", "settle"])
-@pytest.mark.parametrize("more", [{}, {"text": ""}, {"text": "", "not_attempted": False}])
+@pytest.mark.parametrize("name, more", [
+    *((name, more) for name in ("mark", "settle") for more in ({}, {"text": ""}, {"text": "", "not_attempted": False})),
+    ("judge_mark", {}),
+])
 def test_an_item_gets_no_value_that_nobody_gave(name, more):
     driver = BoxDriver()
     driver.executing()

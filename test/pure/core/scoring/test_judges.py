@@ -17,6 +17,7 @@ from roah_rsbb.core.judges.agreement import Value, agreed
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.model.scoring import Agreement, Choice, JuryResult, ScoreKind, ScoringItem
 
@@ -129,6 +130,28 @@ def test_what_a_judge_sends_again_is_no_error_and_opens_nothing(jury, ended):
     if ended == "signed off":
         jury.submit("Ann")
     assert freeze(jury.record()) == before
+
+
+def test_a_withdrawn_sheet_is_not_submitted_again_empty(jury):
+    """Its judge's device may send what was not answered."""
+    jury.mark("Ann", BUMPS, 2)
+    jury.submit("Ann")
+    jury.driver.enter("withdraw_sheet", jury.name, "Hugo", judge="Ann", reason="left")
+    with pytest.raises(Refused, match="was withdrawn: mark an item to begin another one"):
+        jury.submit("Ann")
+    jury.mark("Ann", BUMPS, 3)
+    jury.submit("Ann")
+
+
+def test_a_judge_takes_a_rating_back(jury):
+    show = ScoringItem("Table", "show", ScoreKind.RATING, judges=("1", "2"), least=Decimal(0), most=Decimal(10))
+    jury = Jury(BoxDriver(judged(items=(show,))))
+    rating = {"group": "Table", "desc": "show", "judge": "Ann"}
+    jury.driver.enter("judge_mark", jury.name, text="8", id="a", **rating)
+    jury.driver.enter("judge_mark", jury.name, text="", id="b", **rating)
+    assert jury.judging("Ann").own_items[0].text == ""
+    with pytest.raises(Refused, match="give the number as a text"):
+        jury.driver.enter("judge_mark", jury.name, value=5, id="c", **rating)
 
 
 def test_a_judge_s_mark_is_recorded_with_its_value_and_under_the_judge_s_name(jury):
