@@ -54,7 +54,7 @@ class Field:
 
     def read(self, value: Any) -> Any:
         """Return a value from JSON."""
-        if not isinstance(value, str) or not _is_encodable(value):
+        if not isinstance(value, str) or not is_encodable(value):
             raise BadValue(NO_TEXT(field=self.label))
         if len(value) > self.most:
             raise BadValue(TOO_LONG(field=self.label, number=len(value), most=self.most))
@@ -316,10 +316,10 @@ def _read(field: Field, given: Mapping[str, Any]) -> Any:
 def given_text(given: Mapping[str, Any]) -> str:
     """Return the values of fields as JSON, for a call. Its length is limited, so only half a character is escaped."""
     text = json.dumps(given, ensure_ascii=False)
-    return text if _is_encodable(text) else json.dumps(given)
+    return text if is_encodable(text) else json.dumps(given)
 
 
-def _is_encodable(text: str) -> bool:
+def is_encodable(text: str) -> bool:
     """Whether a message can hold a text. JSON can have half of a character."""
     try:
         text.encode()

@@ -60,7 +60,7 @@ def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:
             raise BadCommand(f"{field} has the wrong type")
         if (len(value) > MAX_TEXT) if kind is str else not -_MAX_WHOLE <= value <= _MAX_WHOLE:
             raise BadCommand(f"{field} is too long" if kind is str else f"{field} is too large")
-        if kind is str and not _is_encodable(value):
+        if kind is str and not model_fields.is_encodable(value):
             raise BadCommand(f"{field} is no text")
         fields[field] = value
     if action is not None:
@@ -100,12 +100,3 @@ def _of_session(action: Action, session: Session) -> Dict[str, str]:
     if action.roles == JUDGES:
         own["judge"] = session.person
     return {field.name: own[field.name] for field in action.fields if field.name in own}
-
-
-def _is_encodable(text: str) -> bool:
-    """Whether a message can hold a text. JSON can have half of a character."""
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return False
-    return True

@@ -58,9 +58,8 @@ class Actions:
         # In the order of the table: messages have the actions by their places in it.
         self._all: Dict[str, ZoneAction] = {name: kinds[name](Parts(candidates, connections)) for name in ACTIONS}
         self._without_run = {
-            name: None if action.off_without_run is None else Shown(
-                (action.off_without_run,), action.shown_without_run, action.action.fields)
-            for name, action in self._all.items()}
+            name: Shown((action.off_without_run,), action.shown_without_run, action.action.fields)
+            for name, action in self._all.items() if action.off_without_run is not None}
         # By the name of the action: the values of its fields if none is given.
         self._nothing: Dict[str, Given] = {
             name: {field.name: field.nothing for field in action.action.fields} for name, action in self._all.items()}

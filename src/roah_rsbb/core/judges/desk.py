@@ -88,7 +88,7 @@ class JudgeDesk:
     def submit(self, now: Now, name: RunName, judge: str, device: str = "") -> None:
         """Submit a judge's sheet. Raises `Refused`."""
         named, device = checked_who(judge), checked_who(device)
-        if not (name.identity and self._scores.named(name).book.judges.is_submitted(named)):
+        if not self._named(name).book.judges.is_submitted(named):
             self._change(now, name, lambda book: book.judges.submit(now, named, device))
 
     # -- the head referee ---------------------------------------------------------------------------
@@ -137,13 +137,16 @@ class JudgeDesk:
     # -- inside -------------------------------------------------------------------------------------
 
     def _check_over(self, name: RunName) -> None:
-        if name.identity and not isinstance(self._scores.named(name), FinishedRun):
+        if not isinstance(self._named(name), FinishedRun):
             raise Refused([STILL_CONNECTED(run=name.identity)])
 
-    def _change(self, now: Now, name: RunName, change: Callable[[RunBook], str]) -> None:
+    def _named(self, name: RunName) -> Union[ZoneRun, FinishedRun]:
         if not name.identity:
             raise Refused([NAME_THE_RUN])
-        run = self._scores.named(name)
+        return self._scores.named(name)
+
+    def _change(self, now: Now, name: RunName, change: Callable[[RunBook], str]) -> None:
+        run = self._named(name)
         text = run.change_book(now, change)
         if isinstance(run, FinishedRun):
             if text:

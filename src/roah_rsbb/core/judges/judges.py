@@ -100,16 +100,12 @@ class Judges:
 
     def is_applied(self, judge: str, mark: Mark) -> bool:
         """Whether a mark was applied on a sheet of this judge, also on one that was withdrawn. Raises `Refused`."""
-        name = judge.casefold()
-        sheets_ = [ScoreSheet((), SheetState(list(sheet.history), sheet.marks)) for sheet in self.state.sheets
-                   if sheet.judge.casefold() == name]
-        return any(sheet.is_applied(mark) for sheet in sheets_)
+        return any(ScoreSheet((), SheetState(list(sheet.history), sheet.marks)).is_applied(mark)
+                   for sheet in self._sheets_of(judge))
 
     def outcome(self, judge: str, mark: Mark) -> Tuple[int, ItemRecord]:
         """Return the number of the entry that a mark led to, 0 if it made none, and the item. Raises `Refused`."""
-        name = judge.casefold()
-        gone = next((sheet for sheet in reversed(self.state.sheets) if sheet.judge.casefold() == name), None)
-        sheet = self._sheet(self.own_sheet(judge) or gone or self._needed(judge))
+        sheet = self._sheet((self._sheets_of(judge) or [self._needed(judge)])[-1])
         return sheet.taken(mark.id) or 0, sheet.item(mark.group, mark.desc)
 
     def is_submitted(self, judge: str) -> bool:
@@ -121,8 +117,7 @@ class Judges:
         """Submit a judge's sheet, which locks it. Returns a text for the referees, as all changes do. Raises
         `Refused`."""
         mine = self._own_or_new(now, judge)
-        if mine.judge not in [sheet.judge for sheet in self.active()] and any(
-                sheet.judge.casefold() == judge.casefold() for sheet in self.state.sheets):
+        if self.own_sheet(judge) is None and self._sheets_of(judge):
             raise Refused([say("the sheet of {judge} was withdrawn: mark an item to begin another one")(judge=judge)])
         items = self._sheet(mine).items()
         missing = [item.desc for item in items
@@ -212,8 +207,7 @@ class Judges:
 
     def own_sheet(self, judge: str) -> Optional[JudgeSheet]:
         """Return a judge's sheet; None: the judge has none. Names that differ in capitals only are the same."""
-        name = judge.casefold()
-        return next((sheet for sheet in self.active() if sheet.judge.casefold() == name), None)
+        return next((sheet for sheet in self._sheets_of(judge) if not sheet.withdrawn_utc), None)
 
     def not_ready(self) -> List[str]:
         """Return why the run cannot be signed off; empty: it can, as far as the judges are concerned."""
@@ -229,6 +223,11 @@ class Judges:
         return JudgingRecord(tuple(state.sheets), tuple(state.settlements), state.waiver, tuple(state.acts))
 
     # -- inside -------------------------------------------------------------------------------------
+
+    def _sheets_of(self, judge: str) -> List[JudgeSheet]:
+        """Return all sheets of a judge, the newest last: at most that one was not withdrawn."""
+        name = judge.casefold()
+        return [sheet for sheet in self.state.sheets if sheet.judge.casefold() == name]
 
     def _waits(self) -> List[str]:
         assert self.rule is not None, "it has judges"
