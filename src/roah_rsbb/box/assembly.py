@@ -18,12 +18,12 @@ from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.seen import Seen
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.scoring.unsaved import UnsavedParts
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import CoreSession
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now, one_moment
+from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.radio.radio import CoreRadio, Network, beacon_size
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.standby.clocks import ahead_of

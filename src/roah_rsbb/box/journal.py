@@ -10,8 +10,8 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import BOX, Effect, Level
 from roah_rsbb.core.restart.restart import BoxSaved, Saved
-from roah_rsbb.core.scoring.unsaved import Unsaved, UnsavedParts
-from roah_rsbb.core.views.views import ClockView, clock_of
+from roah_rsbb.core.scoring.unsaved import Unsaved
+from roah_rsbb.core.views.views import clock_of
 from roah_rsbb.core.zones import ZoneState, key_of
 from roah_rsbb.journal import epochs, kinds
 from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
@@ -21,8 +21,9 @@ from roah_rsbb.journal.store import Journal
 from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.model.saved import Anchor, BadState, freeze, thaw
-from roah_rsbb.rulebook.benchmarks import NO_LIMIT
+from roah_rsbb.model.zone import RunClock
 from roah_rsbb.rulebook.config import Config
 
 BOX_STATE = "box"
@@ -156,7 +157,7 @@ class CoreJournal:
         written = self._written.get(name)
         if written is None or written.identity != zone.run.identity:
             written = self._written[name] = _Written(zone.run.identity, ChangesWriter())
-        clock = _clock_value(clock_of(zone.run, zone.event.benchmark, now))
+        clock = _clock_value(clock_of(zone.run, zone.event.benchmark, now), now.mono)
         change = written.changes.entry({"zone": state, "clock": clock})
         if change is not None:
             self._add(now, _Place(name, written.identity), None, "", kinds.STATE, change)
@@ -254,7 +255,16 @@ def saved_state(before: PreviousSession, now: Now, boot: str, ahead_s: float = 0
     return Saved(utc, box, zones, tuple(records)), warnings
 
 
-def _clock_value(clock: ClockView) -> Dict[str, Any]:
-    """Return the times of a run as JSON values, in seconds with three decimals, without absent limits."""
-    return {name: round(value, 3) if isinstance(value, float) else value
-            for name, value in freeze(clock).items() if value != NO_LIMIT}
+def _clock_value(clock: RunClock, mono: float) -> Dict[str, Any]:
+    """Return the times of a run at a moment as JSON values, in seconds with three decimals, without those that are 0
+    (docs/journal.md, "Entries")."""
+    values = {
+        "limit": clock.limit, "elapsed": clock.spent(mono), "counting": clock.elapsed.counting,
+        "paused": str(clock.paused), "goal_limit": clock.goal_limit, "goal": clock.goal,
+        "goal_elapsed": clock.goal_spent(mono), "goal_counting": clock.goal_elapsed.counting,
+        "after_stop": clock.after_stop(mono), "setup_limit": clock.setup_limit,
+        "setup_elapsed": clock.setup_elapsed.at(mono), "setup_counting": clock.setup_elapsed.counting,
+        "phases": clock.phases, "phase_number": clock.phase_number, "phase_name": clock.phase_name,
+        "phase_limit": clock.phase_limit, "phase_elapsed": clock.phase_elapsed.at(mono),
+    }
+    return {name: round(value, 3) if isinstance(value, float) else value for name, value in values.items() if value}

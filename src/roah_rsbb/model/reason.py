@@ -5,11 +5,17 @@ sentence, and knows its template and its values: a face translates the template,
 them. A template without places is a reason itself.
 """
 
-from typing import Any, Dict, Iterable, List, Mapping, Sequence, Type, TypeVar, Union
+import typing
+from typing import Any, Dict, Iterable, List, Mapping, NewType, Sequence, Type, TypeVar, Union
 
 # A reason in JSON: the English text if it has no values, else its template and them.
 Encoded = Union[str, List[Any]]
 R = TypeVar("R", bound="Reason")
+# A text that is a reason if it is made of values. Only what writes and reads values distinguishes it from other texts.
+if typing.TYPE_CHECKING:
+    Said = str
+else:
+    Said = NewType("Said", str)
 
 
 class Reason(str):

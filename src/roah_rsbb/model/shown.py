@@ -5,19 +5,19 @@ The core writes it as JSON into ZoneDetails.actions, and every face reads it her
 
 import functools
 import json
-from typing import Any, Dict, Iterable, List, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import Field, field_of
-from roah_rsbb.model.reason import Reason, decode, decoded, encode, encoded
+from roah_rsbb.model.reason import Reason, Said, decode, decoded, encode, encoded
 
 
 class Shown(NamedTuple):
     """An action in a zone."""
 
-    off: Tuple[str, ...] = ()  # the reasons why its button is off; empty: it is on
+    off: Tuple[Said, ...] = ()  # the reasons why its button is off; empty: it is on
     shown: bool = True  # whether faces show it beside what they lay out themselves
-    fields: Tuple[Field, ...] = ()  # as they are now
+    fields: Optional[Tuple[Field, ...]] = None  # as they are now; None: as in `ACTIONS`
     text: str = ""  # what the referee should do, in the words of a module; empty: the action's explanation says it
 
 
@@ -30,7 +30,7 @@ def _written(name: str, action: Shown) -> Dict[str, Any]:
     return {
         **({"off": encoded(action.off)} if action.off else {}),
         **({} if action.shown else {"shown": False}),
-        **({} if action.fields == ACTIONS[name].fields else {"fields": [field.form() for field in action.fields]}),
+        **({} if action.fields is None else {"fields": [field.form() for field in action.fields]}),
         **({"text": action.text} if action.text else {}),
     }
 
@@ -60,7 +60,7 @@ def off(details: Any, name: str) -> Tuple[str, ...]:
 def robots_to_choose(details: Any) -> Tuple[str, ...]:
     """Return the team's robots from which the referee chooses one; empty: there is no choice. `details`:
     ZoneDetails."""
-    found: Tuple[str, ...] = next((getattr(field, "choices", ()) for field in of(details, "connect").fields), ())
+    found: Tuple[str, ...] = next((getattr(field, "choices", ()) for field in of(details, "connect").fields or ()), ())
     return found
 
 

@@ -3,9 +3,9 @@
 The messages of the core name its process in `box_uuid`. That of a replay begins with `PREFIX`.
 """
 
+from roah_rsbb.model.document import REPLAY as PREFIX
 from roah_rsbb.wording.language import tr_later
 
-PREFIX = "REPLAY "
 MARK = tr_later("REPLAY")
 NOT_LIVE = tr_later("REPLAY: not live")
 NO_COMMANDS = tr_later("This is a replay: commands have no effect")

@@ -302,9 +302,9 @@ class Play:
     def _look(self) -> None:
         """Make the messages that are published and sent periodically."""
         driver = self.driver
-        for view in views.ZoneViews(driver.box).look(driver.now):
+        for view in views.ZoneViews(driver.box).look(driver.now).values():
             assert view.state
-            assert view.timer >= 0
+            assert view.clock.timer(driver.now.mono) >= 0
         assert views.box_status(driver.box, driver.now)
         frame.encode(wire_convert.beacon_message(driver.box.beacon()))
         driver.box.modules.runs()

@@ -32,7 +32,8 @@ class _Watched:
         for zone in driver.box.zones.values():
             if zone.run is not None:
                 clock = clock_of(zone.run, zone.event.benchmark, driver.now)
-                self.states.setdefault(zone.run.identity, {})[driver.now.utc] = freeze(zone.saved()), clock.elapsed
+                self.states.setdefault(zone.run.identity, {})[driver.now.utc] = (
+                    freeze(zone.saved()), clock.spent(driver.now.mono))
 
 
 def check(driver, watched):

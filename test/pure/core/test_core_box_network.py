@@ -11,6 +11,7 @@ from roah_rsbb.core.runs.online_data import StringsBudget
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
 from roah_rsbb.model import run_log
+from roah_rsbb.model.document import RobotSeen
 from roah_rsbb.protocol import RobotState
 
 
@@ -133,7 +134,7 @@ def test_a_robot_is_reported_when_it_appears():
     driver.taken()
     driver.robot().beacon(5)
     assert driver.notices() == ["Robot r1 of team Alpha is active at 10.0.0.2"]
-    assert views.robots(driver.box, driver.now) == [("Alpha", "r1", pytest.approx(0.0), driver.now.utc)]
+    assert views.robots(driver.box, driver.now) == {"r1 of team Alpha": RobotSeen("Alpha", "r1", 0.0)}
 
 
 def test_two_hosts_with_one_name_are_reported_to_every_referee():
@@ -227,7 +228,7 @@ def test_names_that_no_robot_has_are_reported_and_not_listed(team, name):
     assert driver.notices() == [
         "Beacons from 10.0.0.5 are ignored: too many robots, or the name is empty or too long"
     ]
-    assert views.robots(driver.box, driver.now) == []
+    assert views.robots(driver.box, driver.now) == {}
 
 
 def test_complaints_of_the_public_channel_are_shown_for_a_while():

@@ -42,9 +42,9 @@ def test_panels_offer_no_command_any_more():
     driver = BoxDriver()
     driver.executing()
     shown = views.ZoneViews(driver.box)
-    assert any(not view.reasons_off("stop") for view in shown.look(driver.now))
+    assert any(view.is_on("stop") for view in shown.look(driver.now).values())
     driver.event(lambda now: driver.box.supersede(2, 17, HOST))
-    assert all(view.reasons_off(command) for view in shown.look(driver.now) for command in COMMANDS)
+    assert all(view.off(command) for view in shown.look(driver.now).values() for command in COMMANDS)
 
 
 @pytest.mark.parametrize("command", COMMANDS)

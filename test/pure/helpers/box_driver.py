@@ -28,6 +28,32 @@ def beacon_bytes(beacon):
     return 100 + 32 * len(beacon.robots)
 
 
+class SeenClock:
+    """The times of a run at a moment, in seconds."""
+
+    def __init__(self, clock, now):
+        self._clock = clock
+        self.elapsed, self.counting = clock.spent(now.mono), clock.elapsed.counting
+        self.goal_elapsed, self.goal_counting = clock.goal_spent(now.mono), clock.goal_elapsed.counting
+        self.setup_elapsed, self.setup_counting = clock.setup_elapsed.at(now.mono), clock.setup_elapsed.counting
+        self.phase_elapsed, self.after_stop = clock.phase_elapsed.at(now.mono), clock.after_stop(now.mono)
+
+    def __getattr__(self, name):
+        return getattr(self._clock, name)
+
+
+class SeenZone:
+    """A zone (`model.zone.Zone`) as it is seen at a moment: with its texts, and with the times in seconds."""
+
+    def __init__(self, shown, now):
+        self.shown = shown
+        self.clock, self.timer = SeenClock(shown.clock, now), shown.clock.timer(now.mono)
+        self.state = "\n".join(shown.lines)
+
+    def __getattr__(self, name):
+        return getattr(self.shown, name)
+
+
 class BoxDriver:
     """Holds a box, the time, and what came of its effects.
 
@@ -144,7 +170,7 @@ class BoxDriver:
 
     def view(self, zone="tbm"):
         """The zone as the referee's panels show it."""
-        return next(view for view in views.ZoneViews(self.box).look(self.now) if view.zone == zone)
+        return SeenZone(views.ZoneViews(self.box).look(self.now)[zone], self.now)
 
     def off(self, command, zone="tbm"):
         """Every reason why a button is off."""

@@ -12,8 +12,10 @@ from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.views import views
 from roah_rsbb.core.views.explained import Explanation, explanations
 from roah_rsbb.core.views.public import PublicResults
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import RequestKind, ScoreValue
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
+from roah_rsbb.model.zone import Zone
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 
@@ -22,11 +24,21 @@ SHEET = (DOOR, ScoringItem(OBJECTS.group, "objects <b>brought</b>", ScoreKind.UI
 LOOK_S = 0.002  # after an event
 
 
+def clock_at(clock, now):
+    """The times of a run's clock (`model.zone.RunClock`) at a moment, by the names that the journal has."""
+    mono = now.mono
+    return {
+        "elapsed": clock.spent(mono), "goal_elapsed": clock.goal_spent(mono),
+        "setup_elapsed": clock.setup_elapsed.at(mono), "phase_elapsed": clock.phase_elapsed.at(mono),
+        "after_stop": clock.after_stop(mono), "timer": clock.timer(mono),
+    }
+
+
 class Look(NamedTuple):
     """What the box showed at a moment."""
 
-    utc: float
-    view: views.ZoneView
+    now: Now
+    view: Zone
     desc: str
     explained: Tuple[Explanation, ...]  # without what the robots say
 
@@ -56,9 +68,9 @@ class ReplayedCompetition(JournaledDriver):
         """Note what the box shows now."""
         self.jump(LOOK_S)
         explained = explanations(self.box, PublicResults.NONE, with_texts=False)
-        for view in views.ZoneViews(self.box).look(self.now):
+        for view in views.ZoneViews(self.box).look(self.now).values():
             if view.identity:
-                look = Look(self.now.utc, view, self.run_in(view.zone).desc, explained)
+                look = Look(self.now, view, self.run_in(view.zone).desc, explained)
                 self.looks.setdefault(view.identity, []).append(look)
         self.jump(LOOK_S)
 

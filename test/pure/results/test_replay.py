@@ -11,6 +11,7 @@ import pytest
 from helpers.competition import DOOR
 from helpers.journals import UTC0, Writer
 from helpers.replayed import ReplayedCompetition, SetClock
+from helpers.replayed import clock_at as times_at
 from helpers.results_of import EVIL, write_full_run
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.replay import replay_data
@@ -49,17 +50,18 @@ def clock_at(data, at):
     return clock, (at - since) / 1000
 
 
-def assert_same_clock(data, at, view):
-    clock, passed_s = clock_at(data, at)
+def assert_same_clock(data, at, view, now):
+    (clock, passed_s), times = clock_at(data, at), times_at(view.clock, now)
     for name, counting in (("elapsed", "counting"), ("goal_elapsed", "goal_counting"),
                            ("phase_elapsed", "counting"), ("setup_elapsed", "setup_counting")):
         shown = clock.get(name, 0.0) + (passed_s if clock.get(counting) else 0.0)
         if name in ("phase_elapsed", "goal_elapsed") and not getattr(view.clock, name[:-8] + {
                 "phase_elapsed": "_number", "goal_elapsed": ""}[name]):
             continue  # the page does not show it
-        assert shown == pytest.approx(getattr(view.clock, name), abs=0.01), name
+        assert shown == pytest.approx(times[name], abs=0.01), name
+    counting = {"counting": view.clock.elapsed.counting, "setup_counting": view.clock.setup_elapsed.counting}
     for name in ("counting", "paused", "goal", "phase_number", "phase_name", "setup_counting"):
-        value = getattr(view.clock, name)
+        value = counting[name] if name in counting else getattr(view.clock, name)
         assert clock.get(name, "" if isinstance(value, str) else type(value)()) == value, name
 
 
@@ -70,21 +72,21 @@ def test_every_moment_is_that_of_the_box(played):
         looks = driver.looks[record.identity]
         assert len(looks) > 10
         for look in looks:
-            at, view = (look.utc - record.opened_utc) * 1000, look.view
+            at, view = (look.now.utc - record.opened_utc) * 1000, look.view
             assert value_at(data["phase"], at) == [view.phase, sheets.end_reason(view.end_reason)]
             assert value_at(data["desc"], at) == visible(look.desc)
-            assert_same_clock(data, at, view)
+            assert_same_clock(data, at, view, look.now)
             [robot] = data["robots"]
             assert value_at(robot["box"], at) == view.robot.box_state
             assert value_at(robot["robot"], at) == view.robot.robot_state
             sheet = [value_at(values, at) for values in data["values"]]
             assert [line and line[0] for line in sheet] == [
-                sheets.item_value(i.kind, i.value, i.not_attempted, i.text) for i in view.sheet.items]
-            if view.sheet.points is not None:
-                assert value_at(data["points"], at) == view.sheet.points.total
-                assert [line[1] for line in sheet] == [i.points for i in view.sheet.items]
+                sheets.item_value(i.type, i.value, i.not_attempted, i.text) for i in view.items]
+            if view.points is not None:
+                assert value_at(data["points"], at) == view.points.total
+                assert [line[1] for line in sheet] == [i.points for i in view.items]
             modules = [line[2] for line in value_at(data["module"], at) or []]
-            assert modules == [f"{float(s.value):g} {s.unit}" for s in view.module.scores]
+            assert modules == [f"{float(s.value):g} {s.unit}" for s in view.module_scores]
 
 
 def test_everything_that_happened_is_in_the_list(played):

@@ -1,7 +1,7 @@
 """The table of all actions in a zone: every call is checked, recorded and carried out here."""
 
 from types import MappingProxyType
-from typing import Any, Dict, List, Mapping, NamedTuple, Tuple, Type
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Type
 
 from roah_rsbb.core.actions import connecting, events, modules, running
 from roah_rsbb.core.actions.base import Given, Parts, ZoneAction
@@ -55,10 +55,9 @@ class Actions:
         self._record = record
         self._outbox = outbox
         kinds = {kind.name: kind for kind in KINDS}
-        # In the order of the table: messages have the actions by their places in it.
         self._all: Dict[str, ZoneAction] = {name: kinds[name](Parts(candidates, connections)) for name in ACTIONS}
         self._without_run = {
-            name: Shown((action.off_without_run,), action.shown_without_run, action.action.fields)
+            name: Shown((action.off_without_run,), action.shown_without_run)
             for name, action in self._all.items() if action.off_without_run is not None}
         # By the name of the action: the values of its fields if none is given.
         self._nothing: Dict[str, Given] = {
@@ -73,14 +72,15 @@ class Actions:
             return [self._record.closed]
         return self._all[name].off(now, zone, self._nothing[name])
 
-    def shown(self, now: Now, zone: Zone) -> Tuple[Shown, ...]:
+    def shown(self, now: Now, zone: Zone) -> Dict[str, Shown]:
         """Return what faces show of all actions, in their order. It is made ten times a second for each zone."""
         closed = (self._record.closed,) if self._record.closed else ()
         kept = self._without_run if zone.run is None and not closed else NOTHING
-        return tuple([
-            kept.get(name) or Shown(closed or tuple(action.off(now, zone, self._nothing[name])), action.shown(zone),
-                                    action.form(now, zone), action.text(zone))
-            for name, action in self._all.items()])
+        return {
+            name: kept.get(name) or Shown(
+                closed or tuple(action.off(now, zone, self._nothing[name])), action.shown(zone),
+                _if_other(action.form(now, zone), action), action.text(zone))
+            for name, action in self._all.items()}
 
     def do(self, now: Now, target: Target, name: str, who: str = "", given: Mapping[str, Any] = NOTHING) -> None:
         """Carry out an action. `given`: the values of its fields by their names, as in JSON. Raises `Refused`."""
@@ -107,6 +107,11 @@ class Actions:
                 raise Refused(reasons)
             self._outbox.mark_changed(zone.name)
             action.do(now, zone, By(checked_who(who), cut_note(values.get("reason", ""))), values)
+
+
+def _if_other(found: Tuple[fields.Field, ...], action: ZoneAction) -> Optional[Tuple[fields.Field, ...]]:
+    """Return the fields of an action if they are not those of the table."""
+    return None if found is action.action.fields else found
 
 
 def is_plain(value: object) -> bool:

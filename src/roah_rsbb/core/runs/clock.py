@@ -10,6 +10,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.saved import Mono
+from roah_rsbb.model.zone import Count
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT
 
@@ -93,6 +94,11 @@ class Countdown:
             return 0.0 if self.state.deadline is None else self._at(now) - self.state.deadline
         return self._seconds - self.left(now)
 
+    def count(self, now: Now) -> Count:
+        """Return the seconds counted so far, as a value that stays the same while they count."""
+        began = self.moment(0.0)
+        return Count(self.elapsed(now)) if began is None else Count(0.0, began)
+
     def _at(self, now: Now) -> float:
         """Return the monotonic time (s) up to which it has counted."""
         return now.mono if self.state.paused_at is None else self.state.paused_at
@@ -129,6 +135,11 @@ class RunClock(Countdown):
     def after_stop(self, now: Now) -> float:
         """Seconds left of the time after the stop, at least 0."""
         return 0.0 if self.state.stopped_at is None else max(0.0, self.state.stopped_at + self._after_stop - now.mono)
+
+    @property
+    def after_stop_until(self) -> Optional[float]:
+        """Monotonic time (s) at which the time after the stop is over; None: it was not stopped."""
+        return None if self.state.stopped_at is None else self.state.stopped_at + self._after_stop
 
     def shown(self, now: Now, ended: bool) -> float:
         """Return the seconds left until the timeout or, if the run ended, of the time after the stop; at least 0."""

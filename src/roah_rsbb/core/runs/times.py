@@ -12,6 +12,7 @@ from roah_rsbb.core.runs.clock import Countdown, CountdownState
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import PhaseTime
+from roah_rsbb.model.zone import Count
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule
 from roah_rsbb.wording import times
 
@@ -49,7 +50,7 @@ class PhaseView(NamedTuple):
     number: int  # from 1
     name: str
     limit: float  # seconds; `NO_LIMIT`: none
-    elapsed: float  # counted seconds
+    elapsed: Count
 
 
 class RunTimes:
@@ -140,9 +141,9 @@ class RunTimes:
         """Whether the setup time counts."""
         return self._setup.counting
 
-    def setup_elapsed(self, now: Now) -> float:
+    def setup_elapsed(self, now: Now) -> Count:
         """Seconds of the setup time so far, also beyond its limit."""
-        return self._setup.elapsed(now)
+        return self._setup.count(now)
 
     def setup_left(self, now: Now) -> float:
         """Seconds left of the setup time, at least 0."""
@@ -176,7 +177,7 @@ class RunTimes:
         number = self.state.phase
         if not number:
             return None
-        return PhaseView(number, self._rule.name, self._rule.limit, self._clocks[number - 1].elapsed(now))
+        return PhaseView(number, self._rule.name, self._rule.limit, self._clocks[number - 1].count(now))
 
     def record(self, now: Now) -> Tuple[PhaseTime, ...]:
         """Return the times of the phases so far."""

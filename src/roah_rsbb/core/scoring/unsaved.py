@@ -8,19 +8,10 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.scoring.book import MAX_KEPT
 from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.results import UnsavedParts
 
 # Seconds. Usually the disk is faster, so only what waits longer is shown.
 SHOWN_AFTER_S = 0.5
-
-
-class UnsavedParts(NamedTuple):
-    """The parts of a run's record that are not on the disk yet."""
-
-    identity: str
-    zone: str
-    entries: Tuple[int, ...]  # numbers of entries of the history that are new, or were withdrawn
-    stops: Tuple[int, ...]  # numbers of ends, from 1, that are new or whose reason changed
-    sign_off: bool
 
 
 class _Waiting(NamedTuple):

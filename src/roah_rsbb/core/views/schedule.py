@@ -13,9 +13,11 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.scoring.counting import EventResult
+from roah_rsbb.core.views.sheets import sums_of_record
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import RAN_TO_THE_END, Phase, RunRecord
+from roah_rsbb.model.schedule import ScheduledEvent as Scheduled
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent, ZonePlan
 
 # The longest time in seconds in which the next robot gets ready. A longer gap is a break.
@@ -86,6 +88,30 @@ class ScheduleView:
         if self._made_of != made_of:
             self._made_of, self._lines = made_of, schedule(self._box, now)
         return self._lines
+
+
+def events_shown(lines: Iterable[EventLine]) -> Dict[str, Scheduled]:
+    """Return the events as the faces show them, by their ids."""
+    numbers: Dict[str, int] = {}
+    found: Dict[str, Scheduled] = {}
+    for line in sorted(lines, key=lambda line: line.event.scheduled):
+        number = numbers[line.zone] = numbers.get(line.zone, 0) + 1
+        found[line.event.id or f"{line.zone} {number}"] = _shown(line, number)
+    return found
+
+
+def _shown(line: EventLine, number: int) -> Scheduled:
+    event, benchmark = line.event, line.event.benchmark
+    found = Scheduled(
+        event.id, number, line.zone, benchmark.code, benchmark.desc or benchmark.name, event.team, event.round,
+        event.run, event.scheduled, line.begins, line.state.value, line.current)
+    if line.result is None:
+        return found
+    shown, why = line.result.shown
+    signed = shown.sign_off if line.result.signed else None
+    return found._replace(
+        identity=shown.identity, end_reason=shown.end_reason, score=sums_of_record(shown), counts=why.value,
+        signed_utc_s=None if signed is None else signed.utc, signed_by="" if signed is None else signed.who)
 
 
 def _results(box: Box, now: Now) -> Dict[Tuple[str, int], EventResult]:

@@ -8,13 +8,13 @@ from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.views import views
-from roah_rsbb.core.zones import Zone
 from roah_rsbb.model import shown
-from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import is_made
+from roah_rsbb.model.zone import RobotInRun, Zone
+from roah_rsbb.model.zone import RunClock as Clock
 from roah_rsbb.msg import CoreDetails, CoreToGui, RobotInfo, RunClock, RunClocks, ZoneDetails, ZoneState
-from roah_rsbb.nodes.core.score_convert import group_message, has_old_form, points_message, score_message, sheet_items
+from roah_rsbb.nodes.core.score_convert import has_old_form, item_message, old_groups, points_message, score_message
 from roah_rsbb.nodes.core.serialised import (
     NO_DURATION,
     Serialised,
@@ -25,14 +25,13 @@ from roah_rsbb.nodes.core.serialised import (
     duration_bytes,
     time_bytes,
 )
-from roah_rsbb.ros.times import ros_duration, ros_limit, ros_time, ros_wire_time
+from roah_rsbb.ros.times import ros_duration, ros_time, ros_wire_time
 
 
 class _Zone(NamedTuple):
     """The cached messages of a zone."""
 
-    view: views.ZoneView
-    shown: Tuple[views.ZoneView, str]  # view without time, and path of the run's log
+    view: Zone
     state: Serialised
     details: Serialised
     clock: Serialised
@@ -62,8 +61,7 @@ class PanelMessages:
         self._look_at_zones(now, log_files)
         return SerialisedToGui(
             self._robot_infos(now),
-            [kept.state.with_values(duration_bytes(views.timer_of(box.zones[name], now)))
-             for name, kept in self._zones.items()],
+            [kept.state.with_values(duration_bytes(kept.view.clock.timer(now.mono))) for kept in self._zones.values()],
             clock=ros_time(now.utc),
             status=views.box_status(box, now),
             addr=self._addr,
@@ -90,8 +88,7 @@ class PanelMessages:
             return None
         self._details_due_in = self.DETAILS_EVERY - 1
         return SerialisedDetails(
-            [kept.details.with_values(*_robot_bytes(views.robot_of(self._box.zones[name].run)))
-             for name, kept in self._zones.items()],
+            [kept.details.with_values(*_robot_bytes(kept.view.robot, now)) for kept in self._zones.values()],
             clock=ros_time(now.utc),
             box_uuid=self._box_uuid,
             warnings=warnings,
@@ -109,174 +106,159 @@ class PanelMessages:
             return None
         self._clocks_due_in = self.DETAILS_EVERY - 1
         return SerialisedClocks(
-            [kept.clock.with_values(*_clock_bytes(self._box.zones[name], now)) for name, kept in self._zones.items()],
+            [kept.clock.with_values(*_clock_bytes(kept.view, now)) for kept in self._zones.values()],
             clock=ros_time(now.utc),
             box_uuid=self._box_uuid,
         )
 
     def _robot_infos(self, now: Now) -> List[bytes]:
-        robots = views.robots(self._box, now)
+        robots = self._box.robots.all(now)
         before, self._robots = self._robots, {}
         for robot in robots:
-            name = RobotId(robot.team, robot.robot)
+            name = robot.id
             self._robots[name] = before.get(name) or Serialised(RobotInfo(*name, ros_duration(0.0), ros_time(0.0)),
                                                                 "skew", "beacon")
-        return [kept.with_values(duration_bytes(robot.skew), time_bytes(robot.last_heard))
+        return [kept.with_values(duration_bytes(robot.skew.seconds or 0.0), time_bytes(robot.last_heard.utc))
                 for robot, kept in zip(robots, self._robots.values())]
 
     def _look_at_zones(self, now: Now, log_files: Mapping[int, str]) -> None:
         """Make the messages of the zones that changed."""
         before, self._zones = self._zones, {}
-        for view in self._views.look(now):
-            self._zones[view.zone] = self._zone(view, before.get(view.zone), log_files)
+        for name, view in self._views.look(now, log_files).items():
+            self._zones[name] = self._zone(view, before.get(name), now)
         if list(before) != list(self._zones):
             self._details_due_in = self._clocks_due_in = 0
 
-    def _zone(self, view: views.ZoneView, kept: Optional[_Zone], log_files: Mapping[int, str]) -> _Zone:
-        log_file = "" if view.robot is None else log_files.get(view.robot.port, "")
-        if kept is not None and view is kept.view and log_file == kept.shown[1]:
+    def _zone(self, view: Zone, kept: Optional[_Zone], now: Now) -> _Zone:
+        if kept is not None and view is kept.view:
             return kept
-        shown = view.without_time(), log_file
-        if kept is not None and kept.shown == shown:
-            return kept._replace(view=view)
         self._details_due_in = 0
-        clock = kept.clock if kept is not None and _of_clock(kept.shown[0]) == _of_clock(shown[0]) else None
+        clock = kept.clock if kept is not None and _of_clock(kept.view) == _of_clock(view) else None
         if clock is None:
             self._clocks_due_in = 0
             clock = Serialised(
-                _run_clock(view), "elapsed", "goal_elapsed", "after_stop", "setup_elapsed", "phase_elapsed")
+                _run_clock(view, now), "elapsed", "goal_elapsed", "after_stop", "setup_elapsed", "phase_elapsed")
         return _Zone(
-            view, shown, Serialised(_zone_state(view), "timer"),
-            Serialised(_zone_details(*shown), "skew_known", "skew", "last_message"), clock,
+            view, Serialised(_zone_state(view), "timer"),
+            Serialised(_zone_details(view), "skew_known", "skew", "last_message"), clock,
         )
 
 
-def _of_clock(view: views.ZoneView) -> Tuple[object, ...]:
-    """Return the part of a view that a RunClock shows."""
+def _of_clock(view: Zone) -> Tuple[object, ...]:
+    """Return the part of a zone that a RunClock shows."""
     return view.identity, view.phase, view.clock
 
 
-def _robot_bytes(robot: Optional[views.RobotInRunView]) -> Tuple[bytes, bytes, bytes]:
+def _robot_bytes(robot: Optional[RobotInRun], now: Now) -> Tuple[bytes, bytes, bytes]:
     """Return the present values of a zone's details."""
-    skew, heard = (None, None) if robot is None else (robot.skew, robot.last_heard)
-    return bool_bytes(skew is not None), duration_bytes(skew or 0.0), time_bytes(heard or 0.0)
+    if robot is None:
+        return bool_bytes(False), duration_bytes(0.0), time_bytes(0.0)
+    heard = 0.0 if not robot.heard else now.utc - (
+        0.0 if robot.silent_since is None else now.mono - robot.silent_since)
+    return bool_bytes(robot.skew is not None), duration_bytes(robot.skew or 0.0), time_bytes(heard)
 
 
-def _clock_bytes(zone: Zone, now: Now) -> Tuple[bytes, ...]:
+def _times(clock: Clock, now: Now) -> Tuple[float, ...]:
+    return (clock.spent(now.mono), clock.goal_spent(now.mono) if clock.goal else 0.0, clock.after_stop(now.mono),
+            clock.setup_elapsed.at(now.mono), clock.phase_elapsed.at(now.mono))
+
+
+def _clock_bytes(view: Zone, now: Now) -> Tuple[bytes, ...]:
     """Return the present values of a run's clock."""
-    clock = views.clock_of(zone.run, zone.event.benchmark, now)
-    times = (clock.elapsed, clock.goal_elapsed, clock.after_stop, clock.setup_elapsed, clock.phase_elapsed)
-    return tuple(duration_bytes(seconds) if seconds else NO_DURATION for seconds in times)
+    return tuple(duration_bytes(seconds) if seconds else NO_DURATION for seconds in _times(view.clock, now))
 
 
-def _run_clock(view: views.ZoneView) -> RunClock:
+def _run_clock(view: Zone, now: Now) -> RunClock:
     clock = view.clock
+    elapsed, goal_elapsed, after_stop, setup_elapsed, phase_elapsed = map(ros_duration, _times(clock, now))
     return RunClock(
         zone=view.zone,
         identity=view.identity,
         phase=view.phase,
-        limit=ros_limit(clock.limit),
-        elapsed=ros_duration(clock.elapsed),
-        counting=clock.counting,
+        limit=ros_duration(clock.limit),
+        elapsed=elapsed,
+        counting=clock.elapsed.counting,
         paused=clock.paused,
-        goal_limit=ros_limit(clock.goal_limit),
+        goal_limit=ros_duration(clock.goal_limit),
         goal=clock.goal,
-        goal_elapsed=ros_duration(clock.goal_elapsed),
-        goal_counting=clock.goal_counting,
-        after_stop=ros_duration(clock.after_stop),
+        goal_elapsed=goal_elapsed,
+        goal_counting=clock.goal_elapsed.counting,
+        after_stop=after_stop,
         setup_limit=ros_duration(clock.setup_limit),
-        setup_elapsed=ros_duration(clock.setup_elapsed),
-        setup_counting=clock.setup_counting,
+        setup_elapsed=setup_elapsed,
+        setup_counting=clock.setup_elapsed.counting,
         phases=clock.phases,
         phase_number=clock.phase_number,
         phase_name=clock.phase_name,
-        phase_limit=ros_limit(clock.phase_limit),
-        phase_elapsed=ros_duration(clock.phase_elapsed),
+        phase_limit=ros_duration(clock.phase_limit),
+        phase_elapsed=phase_elapsed,
     )
 
 
-def _zone_state(view: views.ZoneView) -> ZoneState:
+def _zone_state(view: Zone) -> ZoneState:
     event = view.event
     message = ZoneState(
         zone=view.zone,
-        name=event.benchmark.name,
-        desc=event.benchmark.desc,
-        code=event.benchmark.code,
-        timeout=ros_limit(view.timeout),
+        name=event.name,
+        desc=event.desc,
+        code=event.code,
+        timeout=ros_duration(view.timeout),
         team=event.team,
         round=event.round,
         run=event.run,
         schedule=ros_time(event.scheduled),
-        state=view.state,
+        state="\n".join(view.lines),
         log=view.log,
         online_data=view.online_data,
-        scoring=[group_message(group) for group in view.scoring],
+        scoring=old_groups(view.items),
     )
-    message.connect_enabled = not view.reasons_off("connect")
-    message.disconnect_enabled = not view.reasons_off("disconnect")
-    message.start_enabled = not view.reasons_off("start")
-    message.stop_enabled = not view.reasons_off("stop")
-    message.prev_enabled = not view.reasons_off("previous")
-    message.next_enabled = not view.reasons_off("next")
-    module = view.module
-    message.manual_operation = "" if module.operation is None else module.operation.text
-    message.omf = module.switches is not None
-    if module.switches is not None:
-        message.omf_switches = bytes(module.switches.on)
-        message.omf_damaged = module.switches.damaged
-        message.omf_complete = module.switches_asked
+    message.connect_enabled = view.is_on("connect")
+    message.disconnect_enabled = view.is_on("disconnect")
+    message.start_enabled = view.is_on("start")
+    message.stop_enabled = view.is_on("stop")
+    message.prev_enabled = view.is_on("previous")
+    message.next_enabled = view.is_on("next")
+    message.manual_operation = view.manual_operation
+    message.omf = view.switches is not None
+    if view.switches is not None:
+        message.omf_switches = bytes(view.switches.on)
+        message.omf_damaged = view.switches.damaged
+        message.omf_complete = view.switches.to_confirm
     return message
 
 
-def _zone_details(view: views.ZoneView, log_file: str) -> ZoneDetails:
+def _zone_details(view: Zone) -> ZoneDetails:
+    robots = view.all_robots
     message = ZoneDetails(
         zone=view.zone,
         event=view.event.id,
         phase=view.phase,
-        actions=shown.written(zip(ACTIONS, view.actions)),
-        said=shown.said(view.said),
+        actions=shown.written(view.actions.items()),
+        said=shown.said(filter(is_made, [*view.state, *view.warnings])),
         by_hand=view.by_hand,
         attempt=view.attempt,
-        attempts=view.event.benchmark.rules.attempts,
+        attempts=view.attempts,
         warnings=view.warnings,
+        identity=view.identity,
+        not_attempted=[item.not_attempted for item in view.items if has_old_form(item)],
+        items=list(map(item_message, view.items)),
+        points=points_message(view.points),
+        end_reason=view.end_reason,
+        not_stopped=view.not_stopped,
+        robot=view.robot_name,
+        port=view.port,
+        log_file=view.log_file,
+        operation=view.operation,
+        held=view.held,
+        module_status=view.module_status,
+        module_scores=[score_message(score) for score in view.module_scores],
     )
-    if not view.identity:
-        return message
-    message.identity = view.identity
-    items = view.sheet.items
-    message.not_attempted = [item.not_attempted for item in items if has_old_form(item)]
-    message.items = sheet_items(items, None if view.form.is_plain else view.form)
-    message.points = points_message(view.sheet.points)
-    message.end_reason = view.end_reason
-    message.not_stopped = view.not_stopped
     if view.robot is not None:
-        _add_robot(message, view.robot, log_file)
-    if view.all_robots is not None:
-        _add_all_robots(message, view.all_robots)
-    _add_module(message, view.module)
+        message.box_state = view.robot.box_state
+        message.robot_state = view.robot.robot_state
+        message.messages_saved = view.robot.messages_saved
+    if robots is not None:
+        message.robots_preparing, message.robots_executing, message.robots_stopped = (
+            robots.preparing, robots.executing, robots.stopped)
+        message.robots = robots.robots
     return message
-
-
-def _add_robot(message: ZoneDetails, view: views.RobotInRunView, log_file: str) -> None:
-    message.robot = view.robot
-    message.port = view.port
-    message.box_state = view.box_state
-    message.robot_state = view.robot_state
-    message.messages_saved = view.messages_saved
-    message.log_file = log_file
-
-
-def _add_all_robots(message: ZoneDetails, view: views.AllRobotsView) -> None:
-    count = len(view.robots)
-    message.robot = "1 robot" if count == 1 else f"{count} robots"
-    message.port = view.first_port
-    message.robots_preparing, message.robots_executing, message.robots_stopped = view.counts
-    message.robots = view.robots
-
-
-def _add_module(message: ZoneDetails, module: views.ModuleView) -> None:
-    if module.operation is not None:
-        message.operation = module.operation.number
-    message.held = module.held
-    message.module_status = module.status
-    message.module_scores = [score_message(score) for score in module.scores]

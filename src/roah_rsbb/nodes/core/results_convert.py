@@ -1,18 +1,17 @@
 """Converts records of runs to the messages that show them to the referees."""
 
-import json
-import zlib
-from typing import Dict, Iterable, List, Optional, Tuple
+from typing import Dict, Optional, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.scoring.counting import Why
+from roah_rsbb.core.views.sheets import run_line, run_sheet, timeless
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry, StopRecord, grouped
-from roah_rsbb.model.saved import freeze
-from roah_rsbb.msg import Results, RunSheet, RunStop, RunSummary, ScoreChange
-from roah_rsbb.nodes.core.score_convert import points_message, score_message, sheet_items
+from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.results import HistoryEntry
+from roah_rsbb.msg import Results, RunStop, RunSummary, ScoreChange
+from roah_rsbb.msg import RunSheet as RunSheetMsg
+from roah_rsbb.nodes.core.score_convert import item_message, points_message, score_message
 from roah_rsbb.ros.times import ros_duration, ros_time
-from roah_rsbb.wording.sheets import GroupOfValues, author, points_text, sums_text
 
 
 class ResultsBoard:
@@ -35,7 +34,7 @@ class ResultsBoard:
         if not self._changed and connected == self._connected:
             return None
         self._changed, self._connected = False, connected
-        records = [_timeless(record) for record in self._box.scores.records(now)]
+        records = [timeless(record) for record in self._box.scores.records(now)]
         why = {ruling.record.identity: ruling.why for ruling in self._box.scores.rulings(now)}
         self._summaries = {
             record.identity: (record, self._summary(record, why[record.identity])) for record in records}
@@ -48,85 +47,38 @@ class ResultsBoard:
 
 def summary_message(record: RunRecord, why: Optional[Why]) -> RunSummary:
     """Convert a record to a line of /core/results. `why`: why it counts or not; None: not known."""
-    signed = record.sign_off
+    line = run_line(record, why)
     return RunSummary(
-        identity=record.identity,
-        revision=_revision(record),
-        zone=record.zone,
-        code=record.benchmark,
-        team=record.team,
-        round=record.round,
-        run=record.run,
-        schedule=ros_time(record.scheduled),
-        opened=ros_time(record.opened_utc),
-        started=ros_time(record.started_utc),
-        closed=ros_time(record.closed_utc),
-        end_reason=record.end_reason,
-        score=sums_of_record(record),
-        corrected=any(item.corrected for item in record.items),
-        signed=ros_time(0.0 if signed is None else signed.utc),
-        signed_by="" if signed is None else signed.who,
-        counts="" if why is None else why.value,
+        identity=line.identity, revision=line.revision, zone=line.zone, code=line.code, team=line.team,
+        round=line.round, run=line.run, schedule=ros_time(record.scheduled), opened=ros_time(line.opened_utc_s),
+        started=ros_time(line.started_utc_s or 0.0), closed=ros_time(line.closed_utc_s or 0.0),
+        end_reason=line.end_reason, score=line.score, corrected=line.corrected,
+        signed=ros_time(line.signed_utc_s or 0.0), signed_by=line.signed_by, counts=line.counts,
     )
 
 
-def sums_of_record(record: RunRecord) -> str:
-    """The points of a run's score sheet, or the sums of its groups if it gives none."""
-    return sums_text(_groups(record.items)) if record.points is None else points_text(*record.points)
-
-
-def sheet_message(record: RunRecord, why: Optional[Why]) -> RunSheet:
+def sheet_message(record: RunRecord, why: Optional[Why]) -> RunSheetMsg:
     """Convert a record to the complete sheet."""
-    return RunSheet(
+    sheet = run_sheet(record, why)
+    return RunSheetMsg(
         summary=summary_message(record, why),
-        elapsed=ros_duration(record.elapsed_s),
-        robots=list(record.robots),
-        items=sheet_items(record.items, record.form),
-        history=[_change(entry) for entry in record.history],
-        module_scores=[score_message(score) for score in record.module_scores],
-        stops=[_stop(stop) for stop in record.stops],
-        points=points_message(record.points),
+        elapsed=ros_duration(sheet.elapsed_s),
+        robots=list(sheet.robots),
+        items=list(map(item_message, sheet.items)),
+        history=[_change(entry) for entry in sheet.history],
+        module_scores=[score_message(score) for score in sheet.module_scores],
+        stops=[RunStop(ros_time(end.utc_s), end.who, end.end_reason, end.desc, end.reason, end.reason_by)
+               for end in sheet.ends],
+        points=points_message(sheet.points),
     )
 
 
-def _timeless(record: RunRecord) -> RunRecord:
-    """Return the record without values that change with time only."""
-    return record._replace(elapsed_s=0.0)
-
-
-def _revision(record: RunRecord) -> int:
-    return zlib.crc32(json.dumps(freeze(_timeless(record))).encode())
-
-
-def _groups(items: Iterable[ItemRecord]) -> List[GroupOfValues]:
-    return [
-        GroupOfValues(name, [item.value for item in group if not item.text], sum(item.not_attempted for item in group))
-        for name, group in grouped(items).items()
-    ]
-
-
-def _change(entry: ScoreEntry) -> ScoreChange:
+def _change(entry: HistoryEntry) -> ScoreChange:
     return ScoreChange(
-        number=entry.number,
-        time=ros_time(entry.utc),
-        who=author(entry.who, entry.role, entry.device),
-        group=entry.group,
-        desc=entry.desc,
-        old=entry.old,
-        old_not_attempted=entry.old_not_attempted,
-        value=entry.value,
-        not_attempted=entry.not_attempted,
-        note=entry.note,
-        correction=entry.correction,
-        withdrawn=ros_time(entry.withdrawn_utc),
-        withdrawn_by=entry.withdrawn_by,
-        withdrawn_note=entry.withdrawn_note,
-        withdrawal_corrects=entry.withdrawal_corrects,
-        old_text=entry.old_text,
-        text=entry.text,
-        judge=entry.judge,
+        number=entry.number, time=ros_time(entry.utc_s), who=entry.who, group=entry.group, desc=entry.item,
+        old=entry.old, old_not_attempted=entry.old_not_attempted, value=entry.value,
+        not_attempted=entry.not_attempted, note=entry.note, correction=entry.correction,
+        withdrawn=ros_time(entry.withdrawn_utc_s or 0.0), withdrawn_by=entry.withdrawn_by,
+        withdrawn_note=entry.withdrawn_note, withdrawal_corrects=entry.withdrawal_corrects,
+        old_text=entry.old_text, text=entry.text, judge=entry.judge,
     )
-
-
-def _stop(stop: StopRecord) -> RunStop:
-    return RunStop(ros_time(stop.utc), stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)

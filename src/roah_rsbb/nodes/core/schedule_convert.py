@@ -4,9 +4,9 @@ from typing import List, Optional
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.views.schedule import EventLine, ScheduleView
+from roah_rsbb.core.views.sheets import sums_of_record
 from roah_rsbb.model.clock import Now
 from roah_rsbb.msg import Schedule, ScheduleEvent
-from roah_rsbb.nodes.core.results_convert import sums_of_record
 from roah_rsbb.ros.times import ros_time
 
 

@@ -4,12 +4,12 @@ ZoneScoreGroup, which original panels read, only knows yes-or-no items and count
 without their decimals, and 0 if they are negative; choices and ratings do not appear. ScoreItem has everything.
 """
 
-from typing import Iterable, List, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
-from roah_rsbb.core.scoring.points import text_of
 from roah_rsbb.model.modules import ScoreValue
 from roah_rsbb.model.records import ItemRecord, SheetPoints, grouped
-from roah_rsbb.model.scoring import Number, ScoreGroup, ScoreKind, ScoringItem, SheetForm
+from roah_rsbb.model.scoring import ScoreGroup, ScoreKind, ScoringItem
+from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.msg import GroupPoints, ModuleScore, ScoreItem, ZoneScoreGroup
 from roah_rsbb.msg import SheetPoints as SheetPointsMsg
 
@@ -21,14 +21,9 @@ _OLD_TYPES = {
 }
 
 
-def kind_of(item: ItemRecord) -> ScoreKind:
-    """An item's type; unknown types are counts."""
-    return _KINDS.get(item.kind, ScoreKind.UINT)
-
-
-def has_old_form(item: ItemRecord) -> bool:
+def has_old_form(item: SheetItem) -> bool:
     """Whether ZoneScoreGroup can show an item."""
-    return kind_of(item) in _OLD_TYPES
+    return _KINDS[item.type] in _OLD_TYPES
 
 
 def group_message(group: ScoreGroup) -> ZoneScoreGroup:
@@ -36,10 +31,18 @@ def group_message(group: ScoreGroup) -> ZoneScoreGroup:
     return _old_group(group.name, [(item.kind, item.desc, value) for item, value in group.items])
 
 
+def old_groups(items: Iterable[SheetItem]) -> List[ZoneScoreGroup]:
+    """A score sheet, group by group."""
+    groups: Dict[str, List[Tuple[ScoreKind, str, int]]] = {}
+    for item in items:
+        groups.setdefault(item.group, []).append((_KINDS[item.type], item.desc, item.value))
+    return [_old_group(name, group) for name, group in groups.items()]
+
+
 def items_message(items: Iterable[ItemRecord]) -> List[ZoneScoreGroup]:
     """A score sheet, group by group."""
     return [
-        _old_group(name, [(kind_of(item), item.desc, item.value) for item in group])
+        _old_group(name, [(_KINDS.get(item.kind, ScoreKind.UINT), item.desc, item.value) for item in group])
         for name, group in grouped(items).items()
     ]
 
@@ -54,32 +57,9 @@ def _old_group(name: str, items: Sequence[Tuple[ScoreKind, str, int]]) -> ZoneSc
     )
 
 
-def sheet_items(items: Sequence[ItemRecord], form: Optional[SheetForm]) -> List[ScoreItem]:
-    """All items of a score sheet, with what each takes. `form`: None if the items have no rules."""
-    rules = {} if form is None else {item.key: item for item in form.items}
-    return [_item(item, rules.get(item.key)) for item in items]
-
-
-def _item(record: ItemRecord, rule: Optional[ScoringItem]) -> ScoreItem:
-    message = ScoreItem(
-        group=record.group, desc=record.desc, type=int(kind_of(record)), value=record.value,
-        not_attempted=record.not_attempted, corrected=record.corrected, text=record.text, points=record.points,
-    )
-    if rule is None:
-        return message
-    message.each, message.min, message.max = map(_number, (rule.points, rule.least, rule.most))
-    message.choices = [choice.name for choice in rule.choices]
-    message.choice_points = [_number(choice.points) for choice in rule.choices]
-    ratings = dict(record.ratings)
-    message.judges = list(rule.judges)
-    message.ratings = [ratings.get(judge, "") for judge in rule.judges]
-    message.jury = rule.jury.value if rule.judges else ""
-    message.needs = [desc for _, desc in rule.needs]
-    return message
-
-
-def _number(number: Number) -> str:
-    return "" if number is None else text_of(number)
+def item_message(item: SheetItem) -> ScoreItem:
+    """An item of a score sheet, with what it takes."""
+    return ScoreItem(**{**item._asdict(), "type": int(_KINDS[item.type])})
 
 
 def points_message(points: Optional[SheetPoints]) -> SheetPointsMsg:

@@ -9,8 +9,7 @@ from helpers.forms import MEASURED, ODD, ODD_ASKED, ODD_VALUES, form
 from helpers.module_player import started
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.views import views
-from roah_rsbb.model import run_log, shown
+from roah_rsbb.model import run_log
 from roah_rsbb.model.actions import ACTIONS, Row
 from roah_rsbb.model.fields import entered, fixed, form_text
 from roah_rsbb.model.modules import RequestKind
@@ -23,9 +22,8 @@ SWITCHES = {"initial_state": (True, False, False), "switches": (2, 3)}
 
 def asked(driver):
     """The actions of the module's row that faces show, as they arrive there."""
-    view, = views.ZoneViews(driver.box).look(driver.now)
-    found = shown.read(shown.written(zip(ACTIONS, view.actions)))
-    return {name: found[name] for name in NAMES if found[name].shown}
+    view = driver.view()
+    return {name: view.action(name)._replace(fields=view.fields(name)) for name in NAMES if view.action(name).shown}
 
 
 def answer(driver, given, run=""):

@@ -24,8 +24,8 @@ from helpers.competition import event
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.runs.run import IGNORES_STOP
-from roah_rsbb.core.views import views
 from roah_rsbb.model.records import EndReason, Phase
+from roah_rsbb.model.zone import AllRobots
 from roah_rsbb.protocol import BoxState, RobotState
 
 # -- start --------------------------------------------------------------------------------------------
@@ -148,7 +148,7 @@ def test_the_referee_sees_how_many_prepare_execute_and_have_stopped():
     robots[2].completes()
     assert counts(driver) == (1, 1, 1)
     assert "Robots preparing: 1 / executing: 1 / stopped: 1" in state_lines(driver)
-    assert driver.view().all_robots == views.AllRobotsView(6667, (1, 1, 1), (
+    assert driver.view().all_robots == AllRobots(6667, 1, 1, 1, (
         f"{R1}: preparing, messages saved: 1", f"{R2}: executing, messages saved: 1",
         f"{R3}: completed, messages saved: 1",
     ))
@@ -371,7 +371,7 @@ def test_after_a_completed_run_the_next_event_follows():
     for robot in robots:
         robot.completes()
     driver.command("disconnect")
-    assert driver.view().event.benchmark.code == "HWV"
+    assert driver.view().event.code == "HWV"
 
 
 @pytest.mark.parametrize("command", ["stop", "disconnect"])
@@ -381,4 +381,4 @@ def test_after_any_other_end_it_does_not(command):
     driver.command(command)
     if command == "stop":
         driver.command("disconnect")
-    assert driver.view().event.benchmark.code == "HSUF"
+    assert driver.view().event.code == "HSUF"

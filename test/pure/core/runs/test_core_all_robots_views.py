@@ -50,7 +50,7 @@ def test_the_score_sheet_is_the_runs_and_every_robots_log_has_it():
     driver.command("next")
     connect_all(driver, robots_of(driver))
     driver.score("Penalized", "bumps", 2)
-    assert [(item.desc, value) for item, value in driver.view().scoring[1].items] == [("bumps", 2)]
+    assert [(item.desc, item.value) for item in driver.view().items][-1] == ("bumps", 2)
     ports = [run.port for run in driver.box.zones.members()]
     assert [driver.logged(port, run_log.SCORE) for port in ports] == [[("Penalized", "bumps", 2)]] * 3
     assert driver.view().log.count("Score: Penalized: bumps 0 -> 2") == 1
@@ -89,7 +89,7 @@ def test_a_step_of_the_boxs_clock_makes_all_skews_be_measured_again():
 def test_robots_in_it_stay_active():
     driver, robots = running()
     live_all(driver, robots, 40)
-    assert [view.robot for view in views.robots(driver.box, driver.now)] == ["r1", "r2", "r3"]
+    assert [seen.robot for seen in views.robots(driver.box, driver.now).values()] == ["r1", "r2", "r3"]
 
 
 def test_it_is_in_the_publics_schedule():

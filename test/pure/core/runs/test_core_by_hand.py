@@ -117,7 +117,7 @@ def test_an_event_without_its_team(command, end):
     assert record.closed_utc == driver.now.utc
     assert [stop.end_reason for stop in record.stops] == [end]
     assert driver.run_in() is None
-    assert driver.view().event.benchmark.code == "HWV"
+    assert driver.view().event.code == "HWV"
     assert [e.value["command"] for e in driver.taken(effects.Recorded)] == [command]
     driver.enter("sign_off", RunName(record.zone, record.identity), "Anna")
     assert last_record(driver).sign_off.who == "Anna"

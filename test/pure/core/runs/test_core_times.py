@@ -32,12 +32,12 @@ def clock(driver, zone="tbm"):
 
 def test_a_run_without_a_limit_ends_by_the_robot_only():
     driver = box_with(timeout=NO_LIMIT)
-    assert (driver.view().timeout, driver.view().timer) == (NO_LIMIT, 0.0)
+    assert (driver.view().timeout, driver.view().timer) == (0.0, 0.0)
     robot = driver.executing()
     robot.lives(100)
     started = driver.box.finished
     assert driver.run_in().phase is Phase.RUNNING
-    assert (clock(driver).limit, clock(driver).counting) == (NO_LIMIT, True)
+    assert (clock(driver).limit, clock(driver).counting) == (0.0, True)
     assert clock(driver).elapsed == pytest.approx(100.0, abs=0.5)
     assert driver.view().timer == clock(driver).elapsed
     robot.completes()
@@ -255,7 +255,7 @@ def test_the_referee_moves_the_run_through_its_phases():
     assert driver.logged(robot.port, run_log.STATE_DESC)[-1] == "Phase 2 of 3, Serve: begun by the referee"
     assert driver.states[robot.port][sent].state is BoxState.WAITING_RESULT  # the robot's state does not change
     assert driver.view().state.splitlines()[0] == "Phase 2 of 3, Serve: begun by the referee"
-    assert (clock(driver).phase_number, clock(driver).phase_name, clock(driver).phase_limit) == (2, "Serve", NO_LIMIT)
+    assert (clock(driver).phase_number, clock(driver).phase_name, clock(driver).phase_limit) == (2, "Serve", 0.0)
     robot.lives(25)
     assert clock(driver).phase_elapsed == pytest.approx(25.0, abs=0.5)
     driver.command("next_phase")

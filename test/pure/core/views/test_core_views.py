@@ -6,13 +6,15 @@ from helpers.box_driver import BoxDriver
 from helpers.commands import COMMANDS
 from helpers.competition import UTC0, competition, event
 from roah_rsbb.core.views import views
+from roah_rsbb.model.document import RobotSeen
+from roah_rsbb.model.zone import LATELY_S, RunClock
 from roah_rsbb.protocol import RobotState
 
 
 def test_a_zone_without_a_robot():
     driver = BoxDriver(competition(tbm=[event(timeout=60.0)]))
     view = driver.view()
-    assert (view.zone, view.phase, view.timer, view.scoring, view.log) == ("tbm", "idle", 60.0, (), "")
+    assert (view.zone, view.phase, view.timer, view.items, view.log) == ("tbm", "idle", 60.0, (), "")
     assert (view.identity, view.end_reason, view.robot, view.all_robots) == ("", "", None, None)
     assert view.state == "No robot of team Alpha is active: none of its beacons arrives on UDP port 6666"
 
@@ -69,7 +71,7 @@ def test_a_view_says_why_each_button_is_off():
     driver = BoxDriver()
     driver.connected()
     view = driver.view()
-    assert {command: list(view.reasons_off(command)) for command in COMMANDS} == {
+    assert {command: list(view.off(command)) for command in COMMANDS} == {
         command: driver.off(command) for command in COMMANDS
     }
 
@@ -86,9 +88,22 @@ def test_active_robots_with_their_skew():
     driver = BoxDriver()
     driver.robot("Beta", "b", skew=-0.25).beacon()
     driver.robot("Alpha", "a", skew=0.5).beacon()
-    assert views.robots(driver.box, driver.now) == [
-        ("Alpha", "a", pytest.approx(0.5), driver.now.utc), ("Beta", "b", pytest.approx(-0.25), driver.now.utc)
-    ]
+    seen = views.robots(driver.box, driver.now)
+    assert list(seen.values()) == [RobotSeen("Alpha", "a", 0.5), RobotSeen("Beta", "b", -0.25)]
+    heard = driver.now
+    driver.run(LATELY_S)
+    again = views.robots(driver.box, driver.now, seen)
+    assert all(again[name] is robot for name, robot in seen.items())
+    driver.run(0.1)
+    assert {robot.silent_since for robot in views.robots(driver.box, driver.now, seen).values()} == {heard.mono}
+
+
+def test_a_skew_between_two_steps_stays_at_the_one_before():
+    shown, steps = None, []
+    for seconds in (0.0, 0.006, 0.004, 0.009, 0.0101, 0.006, 0.0001, -0.001, -0.02):
+        shown = views.stepped(seconds, shown)
+        steps.append(shown)
+    assert steps == [0.0, 0.0, 0.0, 0.0, 0.01, 0.01, 0.01, 0.0, -0.02]
 
 
 def test_the_schedule_shows_what_runs_and_what_comes_by_time():
@@ -126,7 +141,7 @@ def test_the_log_shows_times_levels_and_what_happened():
 
 def test_the_final_time_of_a_run_is_the_recorded_one():
     driver = BoxDriver(competition(tbm=[event(timeout=60.0)]))
-    assert driver.view().clock == views.ClockView(60.0)
+    assert driver.view().shown.clock == RunClock(60.0)
     driver.executing()
     driver.run(12.5)
     during = driver.view().clock
@@ -142,8 +157,8 @@ def test_the_final_time_of_a_run_is_the_recorded_one():
 def test_time_that_passes_alone_changes_no_clock():
     driver = BoxDriver(competition(tbm=[event(timeout=60.0)]))
     driver.executing()
-    before = driver.view().clock
+    before = driver.view()
     driver.run(1.0)
-    after = driver.view().clock
-    assert after != before
-    assert after.without_time() == before.without_time()
+    after = driver.view()
+    assert after.clock.elapsed == pytest.approx(before.clock.elapsed + 1.0)
+    assert after.shown.clock == before.shown.clock

@@ -1,0 +1,169 @@
+"""Runs, their score sheets and their judges as referees see them, made of the records."""
+
+import json
+import zlib
+from typing import Iterable, List, Optional, Sequence, Tuple
+
+from roah_rsbb.core.judges.desk import Judging as RunJudging
+from roah_rsbb.core.judges.judges import Verdict
+from roah_rsbb.core.scoring.counting import Why
+from roah_rsbb.core.scoring.points import text_of
+from roah_rsbb.model.judging import (
+    AGREED,
+    DIFFER,
+    NOT_JUDGED,
+    SETTLED,
+    Given,
+    JudgedItem,
+    JudgedRun,
+    JudgeLine,
+    Judging,
+    ObjectionLine,
+)
+from roah_rsbb.model.records import ItemRecord, JudgeSheet, Objection, RunRecord, ScoreEntry, grouped
+from roah_rsbb.model.results import HistoryEntry, RunEnd, RunLine, RunSheet
+from roah_rsbb.model.saved import freeze
+from roah_rsbb.model.scoring import Number, ScoreKind, ScoringItem, SheetForm
+from roah_rsbb.model.zone import SheetItem
+from roah_rsbb.wording.sheets import GroupOfValues, author, points_text, sums_text
+
+_TYPES = frozenset(kind.word for kind in ScoreKind)
+
+
+def sheet_items(items: Sequence[ItemRecord], form: Optional[SheetForm]) -> Tuple[SheetItem, ...]:
+    """Return all items of a score sheet, with what each takes. `form`: None if the items have no rules."""
+    rules = {} if form is None else {item.key: item for item in form.items}
+    return tuple(_item(item, rules.get(item.key)) for item in items)
+
+
+def _item(record: ItemRecord, rule: Optional[ScoringItem]) -> SheetItem:
+    found = SheetItem(record.group, record.desc, _type(record), record.value, record.not_attempted, record.corrected,
+                      record.text, record.points)
+    if rule is None:
+        return found
+    ratings = dict(record.ratings)
+    return found._replace(
+        each=_number(rule.points), min=_number(rule.least), max=_number(rule.most),
+        choices=tuple(choice.name for choice in rule.choices),
+        choice_points=tuple(_number(choice.points) for choice in rule.choices),
+        judges=rule.judges, ratings=tuple(ratings.get(judge, "") for judge in rule.judges),
+        jury=rule.jury.value if rule.judges else "", needs=tuple(desc for _, desc in rule.needs),
+    )
+
+
+def _type(record: ItemRecord) -> str:
+    """An item's type; unknown types are counts."""
+    return record.kind if record.kind in _TYPES else ScoreKind.UINT.word
+
+
+def _number(number: Number) -> str:
+    return "" if number is None else text_of(number)
+
+
+# -- runs -------------------------------------------------------------------------------------------
+
+
+def run_line(record: RunRecord, why: Optional[Why]) -> RunLine:
+    """Return a run in a line. `why`: why it counts or not; None: not known."""
+    signed = record.sign_off
+    return RunLine(
+        record.identity, _revision(record), record.zone, record.benchmark, record.team, record.round, record.run,
+        record.opened_utc, record.started_utc or None, record.closed_utc or None, record.end_reason,
+        sums_of_record(record), any(item.corrected for item in record.items), None if signed is None else signed.utc,
+        "" if signed is None else signed.who, "" if why is None else why.value,
+    )
+
+
+def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
+    """Return a run with its score sheet."""
+    kinds = {item.key: _type(item) for item in record.items}
+    return RunSheet(
+        run_line(record, why), tuple(record.robots), record.elapsed_s, sheet_items(record.items, record.form),
+        tuple(_entry(entry, kinds.get((entry.group, entry.desc), "uint")) for entry in record.history),
+        tuple(RunEnd(number, stop.utc, stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)
+              for number, stop in enumerate(record.stops, 1)),
+        record.module_scores, record.points,
+    )
+
+
+def sums_of_record(record: RunRecord) -> str:
+    """Return the points of a run's score sheet, or the sums of its groups if it gives none."""
+    return sums_text(_groups(record.items)) if record.points is None else points_text(*record.points)
+
+
+def timeless(record: RunRecord) -> RunRecord:
+    """Return the record without values that change with time only."""
+    return record._replace(elapsed_s=0.0)
+
+
+def _revision(record: RunRecord) -> int:
+    return zlib.crc32(json.dumps(freeze(timeless(record))).encode())
+
+
+def _groups(items: Iterable[ItemRecord]) -> List[GroupOfValues]:
+    return [
+        GroupOfValues(name, [item.value for item in group if not item.text], sum(item.not_attempted for item in group))
+        for name, group in grouped(items).items()
+    ]
+
+
+def _entry(entry: ScoreEntry, kind: str) -> HistoryEntry:
+    return HistoryEntry(
+        entry.number, entry.utc, author(entry.who, entry.role, entry.device), entry.group, entry.desc, kind,
+        entry.old, entry.old_not_attempted, entry.value, entry.not_attempted, entry.note, entry.correction,
+        entry.withdrawn_utc or None, entry.withdrawn_by, entry.withdrawn_note, entry.withdrawal_corrects,
+        entry.old_text, entry.text, entry.judge,
+    )
+
+
+# -- judges -----------------------------------------------------------------------------------------
+
+
+def judging(found: RunJudging) -> Judging:
+    """Return the progress of the judges of a run, without any values."""
+    record = found.record
+    published, waiver = record.publication.published, record.judging.waiver
+    return Judging(
+        record.zone, record.identity, _judging_revision(record), found.count, found.agreement, found.missing,
+        found.is_complete,
+        tuple(JudgeLine(sheet.judge, sheet.submitted_utc or None, sheet.again) for sheet in found.active),
+        "" if waiver is None else waiver.reason,
+        sum(verdict.value is None and bool(verdict.proposals) for verdict in found.verdicts),
+        None if published is None else published.utc, None if published is None else published.until_utc,
+        sum(not one.answered_utc for one in record.publication.objections),
+    )
+
+
+def judged_run(found: RunJudging) -> JudgedRun:
+    """Return what a judge or the head referee may see of a run."""
+    record, own = found.record, found.own
+    items = sheet_items(record.items, record.form)
+    of_key = {(item.group, item.desc): item for item in items}
+    return JudgedRun(
+        judging(found), items,
+        tuple(_judged(verdict, of_key[verdict.item.key], found.active) for verdict in found.verdicts),
+        tuple(map(_objection, record.publication.objections)),
+        sheet_items(found.own_items, found.own_form), own is not None and bool(own.submitted_utc),
+        "" if own is None else own.again,
+    )
+
+
+def _judged(verdict: Verdict, item: SheetItem, sheets: Tuple[JudgeSheet, ...]) -> JudgedItem:
+    given = [(sheet.judge, item) for sheet in sheets for item in sheet.items if item.key == verdict.item.key]
+    outcome = DIFFER if given else NOT_JUDGED
+    if verdict.value is not None:
+        outcome = SETTLED if verdict.is_settled else AGREED
+    return JudgedItem(
+        item, outcome, tuple(Given(judge, one.value, one.text, one.not_attempted) for judge, one in given),
+        verdict.who if verdict.is_settled else "", verdict.reason,
+    )
+
+
+def _objection(one: Objection) -> ObjectionLine:
+    return ObjectionLine(one.number, one.utc, one.by, one.text, one.who, one.answered_utc or None, one.answered_by,
+                         one.upheld, one.answer)
+
+
+def _judging_revision(record: RunRecord) -> int:
+    """A checksum of all that `judged_run` depends on."""
+    return zlib.crc32(json.dumps(freeze((record.judging, record.publication, record.items))).encode())

@@ -1,0 +1,78 @@
+"""Everything that the faces show of a box, in sections. `document/` writes it as JSON, and sends what changes.
+
+Times in `_utc_s` are UTC seconds since 1970. Moments are on the box's monotonic clock, in seconds.
+"""
+
+from typing import Dict, NamedTuple, Optional, Tuple
+
+from roah_rsbb.model.judging import Judging
+from roah_rsbb.model.reason import Said
+from roah_rsbb.model.results import RunLine, UnsavedParts
+from roah_rsbb.model.schedule import ScheduledEvent
+from roah_rsbb.model.zone import Zone
+
+# The identity of a box that shows an earlier run begins with it.
+REPLAY = "REPLAY "
+
+
+class TabletSeen(NamedTuple):
+    """What the box knows of the tablet."""
+
+    heard: bool = False  # whether it ever was
+    silent_since: Optional[float] = None  # the moment of its last message, once that is some time ago
+    display_map: bool = False  # true: map, false: call button
+    call_utc_s: float = 0.0
+    position_utc_s: float = 0.0
+    position_x: float = 0.0  # metres
+    position_y: float = 0.0  # metres
+
+
+class BoxState(NamedTuple):
+    """The box itself."""
+
+    uuid: str  # identity of this start of the core
+    host: str  # broadcast address in use
+    port: int  # public UDP port in use
+    status: Said = "OK"  # OK, or what the box is doing or complaining of
+    warnings: Tuple[Said, ...] = ()  # for every referee
+    zones: Tuple[str, ...] = ()  # in the order of the schedule
+    tablet: TabletSeen = TabletSeen()
+    superseded_by: str = ""  # address of the box that took over; empty: none did
+    unsaved: Tuple[UnsavedParts, ...] = ()  # what the core could not write to the disk yet
+
+    @property
+    def is_replay(self) -> bool:
+        """Whether it shows an earlier run again."""
+        return self.uuid.startswith(REPLAY)
+
+
+class RobotSeen(NamedTuple):
+    """An active robot."""
+
+    team: str
+    robot: str
+    skew: float  # seconds, robot's clock minus the box's, in steps; positive: it is ahead
+    silent_since: Optional[float] = None  # the moment of its last message, once that is some time ago
+
+
+class Document(NamedTuple):
+    """What the faces show of a box."""
+
+    box: BoxState
+    robots: Dict[str, RobotSeen]  # by "<robot> of team <team>"
+    zones: Dict[str, Zone]  # by their names
+    schedule: Dict[str, ScheduledEvent]  # by their ids; see `events`
+    results: Dict[str, RunLine]  # by their identities; see `runs`
+    judging: Dict[str, Judging]  # of the runs that are not signed off, by their identities
+
+    def events(self) -> Tuple[ScheduledEvent, ...]:
+        """Return the events of all zones by their scheduled times."""
+        order = {zone: place for place, zone in enumerate(self.box.zones)}
+        return tuple(sorted(self.schedule.values(), key=lambda event: (
+            event.scheduled_utc_s, order.get(event.zone, len(order)), event.number)))
+
+    def runs(self) -> Tuple[RunLine, ...]:
+        """Return the connected runs in the order of the zones, then those that are over, the latest first."""
+        order = {zone: place for place, zone in enumerate(self.box.zones)}
+        return tuple(sorted(self.results.values(), key=lambda run: (
+            run.closed_utc_s is not None, -(run.closed_utc_s or 0.0), order.get(run.zone, len(order)))))
