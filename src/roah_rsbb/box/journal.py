@@ -257,7 +257,7 @@ def saved_state(before: PreviousSession, now: Now, boot: str, ahead_s: float = 0
 
 def _clock_value(clock: RunClock, mono: float) -> Dict[str, Any]:
     """Return the times of a run at a moment as JSON values, in seconds with three decimals, without those that are 0
-    (docs/journal.md, "Entries")."""
+    (docs/journal.md, "entries")."""
     values = {
         "limit": clock.limit, "elapsed": clock.spent(mono), "counting": clock.elapsed.counting,
         "paused": str(clock.paused), "goal_limit": clock.goal_limit, "goal": clock.goal,

@@ -44,12 +44,11 @@ class ScheduleLine(NamedTuple):
 
 
 def box_state(
-    box: Box, now: Now, uuid: str, host: str, unsaved: Sequence[UnsavedParts] = (), before: Optional[BoxState] = None,
+    box: Box, now: Now, uuid: str, host: str, unsaved: Sequence[UnsavedParts] = (),
 ) -> BoxState:
-    """Return the box itself. `uuid`: identity of this start of the core; `host`: broadcast address in use; `before`:
-    what was returned last."""
+    """Return the box itself. `uuid`: identity of this start of the core; `host`: broadcast address in use."""
     tablet = box.tablet.state
-    found = BoxState(
+    return BoxState(
         uuid=uuid,
         host=host,
         port=box.settings.rsbb_port,
@@ -62,7 +61,6 @@ def box_state(
         superseded_by=box.superseded_by,
         unsaved=tuple(unsaved),
     )
-    return before if before is not None and before == found else found
 
 
 def box_status(box: Box, now: Now) -> str:
@@ -97,23 +95,32 @@ def _silent_since(heard: Optional[Now], now: Now) -> Optional[float]:
 
 
 class ZoneViews:
-    """All zones, for a caller that needs them often.
+    """All zones, for a caller that needs them often. What is equal to the zone before is the same object.
 
     A box may have many runs of task benchmarks in progress, which hardly change. Such a zone is only made again when an
     event raised its revision, another box took over, or its warnings changed, which also depend on time. A report that
-    says something new is logged, which raises the revision. All other zones are made each time. What is equal to the
-    zone before is the same object.
+    says something new is logged, which raises the revision.
+
+    A zone without a run is made again when an event changed anything in the box, when what is shown of the active
+    robots changed, and otherwise once a second. All other zones are made each time.
     """
 
     def __init__(self, box: Box) -> None:
         self._box = box
         self._kept: Dict[str, Tuple[object, ZoneShown]] = {}
+        self._idle: Tuple[object, ...] = ()  # of what the zones without a run were made
         self._sheets: Dict[str, Tuple[Counted, Tuple[SheetItem, ...]]] = {}
 
-    def look(self, now: Now, log_files: Mapping[int, str] = NO_FILES) -> Dict[str, ZoneShown]:
-        """Return all zones by their names, in the order of the schedule file. `log_files`: path of each run's log by
-        its port."""
+    def look(
+        self, now: Now, active: Optional[Mapping[str, RobotSeen]] = None, log_files: Mapping[int, str] = NO_FILES,
+    ) -> Dict[str, ZoneShown]:
+        """Return all zones by their names, in the order of the schedule file. `active`: the active robots; None: they
+        may have changed. `log_files`: path of each run's log by its port."""
         before, self._kept = self._kept, {}
+        box = self._box
+        idle = (active, box.revision, int(now.mono), box.listening_left(now) > 0.0, box.is_held, box.is_superseded)
+        if active is None or not self._idle or self._idle[0] is not active or self._idle[1:] != idle[1:]:
+            self._idle = idle
         found: Dict[str, ZoneShown] = {}
         for zone in self._box.zones.values():
             found[zone.name] = self._look(zone, before.get(zone.name), now, log_files)
@@ -124,7 +131,12 @@ class ZoneViews:
     ) -> ZoneShown:
         run, last = zone.run, None if before is None else before[1]
         made_of: object = None
-        if type(run) is Run and run.phase is Phase.RUNNING:
+        if run is None:
+            made_of = self._idle
+            if before is not None and before[0] is made_of:
+                self._kept[zone.name] = before
+                return before[1]
+        elif type(run) is Run and run.phase is Phase.RUNNING:
             made_of = self._box.revision_of(zone.name), self._box.warnings_of(now, zone.name), self._box.is_superseded
         robot = _robot(run, now, None if last is None else last.robot)
         log_file = "" if robot is None else log_files.get(robot.port, "")

@@ -124,7 +124,7 @@ class PanelMessages:
     def _look_at_zones(self, now: Now, log_files: Mapping[int, str]) -> None:
         """Make the messages of the zones that changed."""
         before, self._zones = self._zones, {}
-        for name, view in self._views.look(now, log_files).items():
+        for name, view in self._views.look(now, log_files=log_files).items():
             self._zones[name] = self._zone(view, before.get(name), now)
         if list(before) != list(self._zones):
             self._details_due_in = self._clocks_due_in = 0
