@@ -2,9 +2,10 @@
 
 from typing import Any, Optional, Sequence
 
+from roah_rsbb.document.difference import SAME, difference
 from roah_rsbb.journal import records
 from roah_rsbb.journal.batch import Batch
-from roah_rsbb.journal.changes import COMPLETE_EVERY, SAME, ChangesReader, difference
+from roah_rsbb.journal.changes import COMPLETE_EVERY, ChangesReader
 from roah_rsbb.journal.contents import Opened
 from roah_rsbb.journal.log import Files, Log
 from roah_rsbb.journal.records import Lines, Top

@@ -29,8 +29,8 @@ else:
 
 # No clock reaches this many seconds.
 _LAST_MOMENT = 1e12
-# Marks a field without a default.
-_REQUIRED = object()
+# Stands for the default of a field that has none.
+REQUIRED = object()
 
 T = TypeVar("T")
 _Thaw = Callable[[Any, float], Any]
@@ -71,9 +71,9 @@ def freeze(value: Any) -> Any:
         return str(value)
     if hasattr(value, "_fields") or dataclasses.is_dataclass(value):
         frozen = {}
-        for name, default in _defaults(value.__class__):
+        for name, default in defaults(value.__class__):
             field = getattr(value, name)
-            if default is _REQUIRED or field != default:
+            if default is REQUIRED or field != default:
                 frozen[name] = freeze(field)
         return frozen
     if isinstance(value, dict):
@@ -82,17 +82,17 @@ def freeze(value: Any) -> Any:
 
 
 @functools.lru_cache(maxsize=None)
-def _defaults(cls: Any) -> Tuple[Tuple[str, Any], ...]:
+def defaults(cls: Any) -> Tuple[Tuple[str, Any], ...]:
     """Return the names of a state's fields, each with its default."""
     if hasattr(cls, "_fields"):
-        return tuple((name, cls._field_defaults.get(name, _REQUIRED)) for name in cls._fields)
+        return tuple((name, cls._field_defaults.get(name, REQUIRED)) for name in cls._fields)
     return tuple((field.name, _default(field)) for field in dataclasses.fields(cls))
 
 
 def _default(field: "dataclasses.Field[Any]") -> Any:
     if field.default_factory is not dataclasses.MISSING:
         return field.default_factory()
-    return _REQUIRED if field.default is dataclasses.MISSING else field.default
+    return REQUIRED if field.default is dataclasses.MISSING else field.default
 
 
 def thaw(cls: Callable[..., T], data: Any, shift: float = 0.0) -> T:
@@ -134,8 +134,8 @@ def _thaw_of(hint: Any) -> _Thaw:
         return _thaw_of_fields(hint)
     origin = getattr(hint, "__origin__", None)
     args: Tuple[Any, ...] = getattr(hint, "__args__", ())
-    if _not_none(hint) is not hint:
-        inner = _thaw_of(_not_none(hint))
+    if not_none(hint) is not hint:
+        inner = _thaw_of(not_none(hint))
         return lambda data, shift: None if data is None else inner(data, shift)
     if origin is tuple:
         return _tuple_of_items(args)
@@ -156,7 +156,7 @@ def _exactly(kind: type, data: Any, _shift: float) -> Any:
     return data
 
 
-def _not_none(hint: Any) -> Any:
+def not_none(hint: Any) -> Any:
     """Return the other type of an Optional; any other type as it is."""
     args = getattr(hint, "__args__", ())
     is_optional = getattr(hint, "__origin__", None) is Union and len(args) == 2 and type(None) in args
@@ -172,8 +172,8 @@ def _thaw_of_fields(hint: Any) -> _Thaw:
         nonlocal fields
         if fields is None:
             hints = get_type_hints(hint)
-            fields = {name: _thaw_of(hints[name]) for name, _ in _defaults(hint)}
-            found = {name: _not_none(hints[name]) for name in fields}
+            fields = {name: _thaw_of(hints[name]) for name, _ in defaults(hint)}
+            found = {name: not_none(hints[name]) for name in fields}
             kinds.update((name, kind) for name, kind in found.items() if kind in (bool, int, str, float))
         values = {}
         for name, item in upgraded(data).items():

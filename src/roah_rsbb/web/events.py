@@ -4,9 +4,7 @@ All but sending is in `Viewer`: this is the connection.
 """
 
 import asyncio
-import functools
 import socket
-import struct
 from typing import Any, List, Optional
 
 from tornado import iostream, web, websocket
@@ -15,15 +13,13 @@ from roah_rsbb.web.displays.listed import display_of
 from roah_rsbb.web.documents import DATA, DISPLAY, TEXTS
 from roah_rsbb.web.guarded import Guarded
 from roah_rsbb.web.numbered import Key, Made
+from roah_rsbb.web.serving import frame
 from roah_rsbb.web.viewer import Viewer
 
 # A reader that has not taken a message for so long is gone, or does not read.
 STUCK_S = 20.0
 # The system would otherwise hold megabytes for a reader that does not read.
 SEND_BUFFER_BYTES = 64 * 1024
-# Messages of which the frame is kept: as many as readers in several languages get at the same time.
-FRAMES = 16
-_TEXT_AND_FINAL = 0x81
 
 
 class Reader(Guarded, websocket.WebSocketHandler):
@@ -113,19 +109,6 @@ class Reader(Guarded, websocket.WebSocketHandler):
             self.places.remove(self)
             return False
         return True
-
-
-@functools.lru_cache(FRAMES)
-def frame(text: str) -> bytes:
-    """Return the WebSocket frame of a message (RFC 6455, 5.2). A server's frames are not masked."""
-    data = text.encode()
-    if len(data) < 126:
-        length = struct.pack("!B", len(data))
-    elif len(data) < 1 << 16:
-        length = struct.pack("!BH", 126, len(data))
-    else:
-        length = struct.pack("!BQ", 127, len(data))
-    return bytes([_TEXT_AND_FINAL]) + length + data
 
 
 class EventsHandler(Reader):

@@ -4,8 +4,11 @@ The gateway and the tablet's page use it.
 """
 
 import errno
+import functools
 import os
 import socket
+import struct
+import zlib
 from typing import Any, Dict, List, Optional
 
 from tornado import httpserver, iostream, netutil, web
@@ -18,6 +21,11 @@ MAX_MESSAGE_BYTES = 1024
 _MAX_BODY_BYTES = 4 * 1024
 _MAX_HEADER_BYTES = 16 * 1024
 IDLE_S = 30.0
+# Messages of which the frame is kept: as many as readers in several languages get at the same time.
+FRAMES = 16
+# Longer messages are compressed for readers that understand it.
+DEFLATED_BYTES = 1024
+_TEXT_AND_FINAL, _DEFLATED = 0x81, 0x40
 
 
 class ServeError(OSError):
@@ -73,6 +81,27 @@ def set_headers(handler: web.RequestHandler, headers: Dict[str, str]) -> None:
     """Set the headers of an answer."""
     for name, value in headers.items():
         handler.set_header(name, value)
+
+
+@functools.lru_cache(FRAMES)
+def frame(text: str, is_deflated: bool = False) -> bytes:
+    """Return the WebSocket frame of a message (RFC 6455, 5.2). A server's frames are not masked.
+
+    `is_deflated`: for readers with permessage-deflate (RFC 7692). Each message is compressed by itself, so that all of
+    them share the frame.
+    """
+    data, first = text.encode(), _TEXT_AND_FINAL
+    if is_deflated and len(data) > DEFLATED_BYTES:
+        compressor = zlib.compressobj(1, zlib.DEFLATED, -zlib.MAX_WBITS)
+        data = (compressor.compress(data) + compressor.flush(zlib.Z_SYNC_FLUSH))[:-4]
+        first |= _DEFLATED
+    if len(data) < 126:
+        length = struct.pack("!B", len(data))
+    elif len(data) < 1 << 16:
+        length = struct.pack("!BH", 126, len(data))
+    else:
+        length = struct.pack("!BQ", 127, len(data))
+    return bytes([first]) + length + data
 
 
 def _remedy(error: OSError, port: int, name: str) -> str:

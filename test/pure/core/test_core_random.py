@@ -2,6 +2,7 @@
 
 import contextlib
 import itertools
+import json
 import random
 
 from hypothesis import given
@@ -18,12 +19,15 @@ from roah_rsbb.core.link.timeline import Timeline, Verdict
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
+from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.explained import explanations
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.core.views.schedule import ScheduleView, schedule
+from roah_rsbb.document.document import Followed, Follower, Written
+from roah_rsbb.model.document import Document
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.model.referee import Refused, RunName
-from roah_rsbb.model.zone import SKEW_STEP_S
+from roah_rsbb.model.zone import IDLE
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.machine import IllegalEvent
 
@@ -66,28 +70,27 @@ def test_no_order_of_events_breaks_the_box(sequence):
         assert views.box_status(driver.box, driver.now)
 
 
-def same_link(kept, fresh):
-    """A zone that was kept, with the skew of one that was made now: it is shown in steps from the one before."""
-    if kept.robot is None or fresh.robot is None or None in (kept.robot.skew, fresh.robot.skew):
-        return kept
-    assert abs(kept.robot.skew - fresh.robot.skew) < 2 * SKEW_STEP_S
-    return kept._replace(robot=kept.robot._replace(skew=fresh.robot.skew))
+def without_skews(document):
+    """A document without what is shown in steps from the one before."""
+    robots = {name: robot._replace(skew=0.0) for name, robot in document.robots.items()}
+    zones = {name: zone if zone.robot is None else zone._replace(robot=zone.robot._replace(skew=None))
+             for name, zone in document.zones.items()}
+    return document._replace(robots=robots, zones=zones)
 
 
 class _Kept:
-    """What a box and its views keep until it changes, beside what they would find now."""
+    """What a box and its views keep until it changes, beside what they would find now; and a client that is sent what
+    changes, but not each time."""
 
-    def __init__(self, driver):
-        self._driver = driver
-        self._views, self._schedule = views.ZoneViews(driver.box), ScheduleView(driver.box)
+    def __init__(self, driver, random):
+        self._driver, self._random = driver, random
+        self._documents, self._schedule = Documents(driver.box, "uuid", "10.0.0.255"), ScheduleView(driver.box)
+        self._written, self._follower, self._client = Written(Document), Follower(), Followed(Document)
         self._revision, self._public = None, ()
 
     def check(self):
         box, now = self._driver.box, self._driver.now
-        kept, fresh = self._views.look(now), views.ZoneViews(box).look(now)
-        assert list(kept) == list(fresh)
-        for name, view in fresh.items():
-            assert same_link(kept[name], view) == view
+        self._check_document(now)
         assert self._schedule.look(now) == schedule(box, now)
         public = (public_view(box, now, PublicResults.SCORES, provisional=True).without_time(),
                   views.coming_events(box), explanations(box, PublicResults.SCORES, with_texts=True))
@@ -103,12 +106,29 @@ class _Kept:
         for team in TEAMS:
             assert {r.id for r in box.robots.of_team(now, team)} == {r.id for r in robots if r.id.team == team}
 
+    def _check_document(self, now):
+        """What the client has is what the box is, also if it was sent nothing for a while. What zones without a run
+        show besides may be a second old."""
+        kept, fresh = self._documents.look(now), Documents(self._driver.box, "uuid", "10.0.0.255").look(now)
+        if any(fresh.zones[name] != zone for name, zone in kept.zones.items() if zone.phase == IDLE):
+            late = now.later(1.0)
+            kept, fresh = self._documents.look(late), Documents(self._driver.box, "uuid", "10.0.0.255").look(late)
+        assert list(kept.zones) == list(fresh.zones)
+        assert without_skews(kept) == without_skews(fresh)
+        self._written.update(kept, now)
+        if self._random.random() < 0.5:
+            message = self._follower.next(self._written, now)
+            if message is not None:
+                self._client.take(json.loads(message))
+            assert self._client.document == kept
+            assert [str(z) for z in self._client.document.zones.values()] == [str(z) for z in kept.zones.values()]
+
 
 @examples(100)
-@given(st.lists(random_events(), max_size=60))
-def test_what_is_kept_is_what_would_be_found_now(sequence):
+@given(st.lists(random_events(), max_size=60), st.integers(0, 2**32))
+def test_what_is_kept_and_what_a_client_has_is_what_would_be_found_now(sequence, seed):
     driver = BoxDriver(random_competition())
-    kept = _Kept(driver)
+    kept = _Kept(driver, random.Random(seed))
     for name, arguments in sequence:
         apply_event(driver, name, arguments)
         kept.check()
@@ -117,7 +137,7 @@ def test_what_is_kept_is_what_would_be_found_now(sequence):
 def test_what_is_kept_of_a_run_in_progress_is_what_would_be_found_now():
     other = [event("HWV", team="Beta", scheduled=UTC0 + 40.0)]
     driver = BoxDriver(competition(tbm=["HWV", event("HWV", run=2, scheduled=UTC0 + 70.0)], other=other))
-    kept = _Kept(driver)
+    kept = _Kept(driver, random.Random(1))
     robot = driver.executing()
     shown = views.ZoneViews(driver.box)
     first = shown.look(driver.now)

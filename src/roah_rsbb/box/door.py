@@ -1,0 +1,308 @@
+"""The door of the box: one way in, one way out, for panels, terminals, displays and the web gateway.
+
+A WebSocket in the core's loop. Each client is sent the document (`document/document.py`), and calls what the core
+offers: `{"id": 7, "call": "act", …arguments}`. The answer has the id, and the `number` of the document that contains
+what the call did; the change is sent before the answer (`document/calls.py`). A malformed request is answered with
+`{"error": text}`. `{"whole": true}` asks for the whole document.
+
+STOP is carried out as soon as it is read. Of all other calls of all clients, each turn of the loop carries out one, and
+the connection of a call that waits for its turn is not read. A client has a second connection for STOP (`?face=stop`),
+which is sent no document.
+"""
+
+import asyncio
+import collections
+import concurrent.futures
+import hmac
+import json
+import logging
+import socket
+from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Set, Union
+
+from tornado import iostream, web, websocket
+
+from roah_rsbb.document.calls import Answered, Call, Caller, Waiting, carried_out, waited
+from roah_rsbb.document.document import Follower, Written
+from roah_rsbb.model.clock import Now
+from roah_rsbb.web.limits import Places
+from roah_rsbb.web.serving import BoundedServer, bind, frame
+
+PATH = "/door"
+STOP = "stop"  # the call, and the face of the connections for it
+REFEREE = "referee"  # the face with reserved places
+MAX_CLIENTS, MAX_REFEREES = 80, 20  # together 100; as many more connections for STOP
+MAX_MESSAGE_BYTES = 64 * 1024
+# A client that has not taken a message for so long is gone, or does not read.
+STUCK_S = 20.0
+_PING_S = 20.0
+# Of a client that does not read them.
+MAX_ANSWERS = 100
+# Calls that wait for the disks at the same time.
+MAX_THREADS = 64
+# The system would otherwise hold megabytes for a client that does not read.
+SEND_BUFFER_BYTES = 64 * 1024
+
+_log = logging.getLogger(__name__)
+
+
+class _Request:
+    """A request of a client. `error`: why it is malformed; empty: it is not."""
+
+    def __init__(self, client: "_Client", message: Union[str, bytes], calls: Mapping[str, Call]) -> None:
+        try:
+            found = json.loads(message)
+        except (ValueError, RecursionError):
+            found = None
+        self.client = client
+        self.arguments: Dict[str, Any] = found if isinstance(found, dict) else {}
+        self.is_for_whole = self.arguments.get("whole") is True
+        self.id, self.name = self.arguments.pop("id", None), self.arguments.pop("call", None)
+        self.error = ""
+        if type(self.id) not in (int, str):
+            self.id, self.error = None, 'a JSON object such as {"id": 7, "call": "act"} is expected'
+        elif not isinstance(self.name, str) or self.name not in calls:
+            self.error = f"there is no call {self.name!r:.40}: the box is of another version"
+
+
+class Door:
+    """Lets clients in. Call everything in the loop's thread."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, token: str, calls: Mapping[str, Call], now: Callable[[], Now],
+                 written: Written, check: Callable[[], None] = lambda: None) -> None:
+        """`calls`: what clients may call, by name. A call updates `written` before it returns. `check` is called before
+        anything leaves: see `Fence.check`."""
+        self.now, self.written, self.check = now, written, check
+        self.loop = loop
+        self._token = token
+        self._calls = calls
+        self._clients: Dict[str, Places[_Client]] = {
+            face: Places(lambda client: client.close(1013, "too many clients"), most)
+            for face, most in (("", MAX_CLIENTS), (REFEREE, MAX_REFEREES), (STOP, MAX_CLIENTS + MAX_REFEREES))}
+        self._queue: Deque[Any] = collections.deque()  # requests, each with what lets its connection be read again
+        self._turn: Optional[asyncio.Handle] = None  # in which the next one is carried out
+        self._threads = concurrent.futures.ThreadPoolExecutor(MAX_THREADS, "answers")
+        self._waiting = 0  # calls in threads
+        self._logged: Set[str] = set()
+        self.server = BoundedServer(web.Application(
+            [(PATH, _Client, {"door": self})], websocket_max_message_size=MAX_MESSAGE_BYTES,
+            websocket_ping_interval=_PING_S, log_function=lambda handler: None))
+
+    def open(self, host: str, port: int = 0) -> int:
+        """Open it (port 0: any free one); returns the port. Raises `ServeError`, whose text names the remedy."""
+        listening = bind(host, port, "the door of the box", "door")
+        self.server.add_sockets(listening)
+        bound: int = listening[0].getsockname()[1]
+        return bound
+
+    def close(self) -> None:
+        """End all connections."""
+        self.server.stop()
+        for client in self._all():
+            client.end()
+        if self._turn is not None:
+            self._turn.cancel()
+        self._threads.shutdown(wait=False)
+
+    def publish(self) -> None:
+        """Send what has changed to all clients that have taken the message before. Call it after each event."""
+        for client in self._all():
+            client.send()
+
+    def sign(self) -> None:
+        """Send the clocks to those that were sent nothing since the last time. Call it twice a second."""
+        text = self.written.message(self.now())
+        for client in self._all():
+            client.sign(text)
+
+    def is_allowed(self, given: str) -> bool:
+        """Whether a header Authorization has the token."""
+        return hmac.compare_digest(given.encode(), f"Bearer {self._token}".encode())
+
+    def add(self, client: "_Client", face: str, address: str) -> None:
+        """Give a client a place. Referees also take those of others."""
+        is_full = face == REFEREE and len(self._clients[REFEREE]) >= MAX_REFEREES
+        self._clients[face if face in self._clients and not is_full else ""].add(client, address)
+
+    def remove(self, client: "_Client") -> None:
+        """Free the place of a client; has no effect if it has none."""
+        for places in self._clients.values():
+            places.remove(client)
+
+    def take(self, client: "_Client", message: Union[str, bytes]) -> "asyncio.Future[None]":
+        """Take a message of a client. Its next one is read when the result is done: not in this turn of the loop."""
+        request = _Request(client, message, self._calls)
+        read_on: asyncio.Future[None] = self.loop.create_future()
+        if request.is_for_whole:
+            client.send_whole()
+        elif request.error:
+            self._answer(request, json.dumps({"error": request.error}))
+        elif request.name != STOP:
+            self._queue.append((request, read_on))
+            self._wake()
+            return read_on
+        else:
+            self._carry_out(request)
+        self.loop.call_soon(_read_on, read_on)
+        return read_on
+
+    def _wake(self) -> None:
+        if self._turn is None and self._queue:
+            self._turn = self.loop.call_soon(self._carry_out_next)
+
+    def _carry_out_next(self) -> None:
+        self._turn = None
+        request, read_on = self._queue.popleft()
+        self._wake()
+        if request.client in self._all():  # otherwise, nobody waits for it
+            waits = self._carry_out(request)
+            if waits is not None and self._waiting >= MAX_THREADS:
+                waits.add_done_callback(lambda done: _read_on(read_on))
+                return
+        _read_on(read_on)
+
+    def _carry_out(self, request: _Request) -> "Optional[asyncio.Future[Any]]":
+        """Carry a call out, and answer it; returns the wait for the disks before the answer, if there is one."""
+        found = self._guarded(request, lambda: carried_out(
+            self._calls[request.name], request.arguments, request.client.caller))
+        if not isinstance(found, Waiting):
+            self._answer(request, found)
+            return None
+        self._waiting += 1
+        waits = self.loop.run_in_executor(self._threads, self._guarded, request, lambda: waited(found))
+        waits.add_done_callback(lambda done: self._waited(request, done))
+        return waits
+
+    def _waited(self, request: _Request, done: "asyncio.Future[Any]") -> None:
+        self._waiting -= 1
+        if not done.cancelled():
+            self._answer(request, done.result())
+
+    def _guarded(self, request: _Request, make: Callable[[], Union[Waiting, Answered]]) -> Union[Waiting, str]:
+        """Return an answer as JSON, whatever goes wrong in a call."""
+        try:
+            found = make()
+            return found if isinstance(found, Waiting) else json.dumps(found)
+        except Exception as error:
+            text = f"internal error, please report it: {request.name} ({type(error).__name__}: {error})"
+            if text not in self._logged:
+                self._logged.add(text)
+                _log.error("%s", text, exc_info=True)
+            return json.dumps({"error": text})
+
+    def _answer(self, request: _Request, found: str) -> None:
+        request.client.send(f'{{"id":{json.dumps(request.id)},"number":{self.written.number},{found[1:]}')
+
+    def _all(self) -> List["_Client"]:
+        return [client for places in self._clients.values() for client in places]
+
+
+def _read_on(read_on: "asyncio.Future[None]") -> None:
+    if not read_on.done():
+        read_on.set_result(None)
+
+
+class _Client(websocket.WebSocketHandler):
+    """The connection of a client."""
+
+    def initialize(self, door: Door) -> None:
+        self._door = door
+        self._follower: Optional[Follower] = None
+        self._answers: Deque[str] = collections.deque()
+        self._busy_since: Optional[float] = None
+        self._was_sent = False  # something since the last sign of life
+        offered = self.request.headers.get("Sec-WebSocket-Extensions", "")
+        self._deflates = "permessage-deflate" in offered and "server_max_window_bits" not in offered
+
+    def prepare(self) -> None:
+        """Refuse whoever does not have the token, and pages of browsers: these go to the web gateway."""
+        headers = self.request.headers
+        is_page = "Origin" in headers or "Sec-WebSocket-Origin" in headers
+        if is_page or not self._door.is_allowed(headers.get("Authorization", "")):
+            self.set_status(403)
+            self.finish("The door opens for programs that have the token of this box.\n")
+            return
+        self.caller = Caller(self.get_query_argument("face", ""), self.request.remote_ip or "")
+
+    def get_compression_options(self) -> Optional[Dict[str, Any]]:
+        """What tornado needs to read compressed messages; what is sent is compressed by `frame`."""
+        return {"compression_level": 1, "mem_level": 1} if self._deflates else None
+
+    def open(self, *_args: str, **_kwargs: str) -> None:
+        """Give the client a place, and send the document."""
+        stream = self._stream()
+        if stream is not None and stream.socket is not None:
+            stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER_BYTES)
+        self.set_nodelay(True)
+        self._door.server.keep(stream)
+        self._follower = None if self.caller.face == STOP else Follower()
+        self._door.add(self, self.caller.face, self.caller.address)
+        self.send()
+
+    def on_message(self, message: Union[str, bytes]) -> Any:
+        """Tornado reads the next message when the result is done."""
+        return self._door.take(self, message)
+
+    def on_close(self) -> None:
+        """Free the place."""
+        self._door.remove(self)
+
+    def end(self) -> None:
+        """Close the connection at once: `close` would wait behind what is not taken."""
+        self._door.remove(self)
+        stream = self._stream()
+        if stream is not None:
+            stream.close()
+
+    def sign(self, text: str) -> None:
+        """Send a sign of life. End a client that takes nothing."""
+        if self._busy_since is None:
+            if not self._was_sent:
+                self.send(text)
+            self._was_sent = False
+        elif self._door.loop.time() - self._busy_since > STUCK_S:
+            self.end()
+
+    def send_whole(self) -> None:
+        """Send the whole document."""
+        if self._follower is not None:
+            self._follower.forget()
+            self.send()
+
+    def send(self, text: str = "") -> None:
+        """Send what has changed and then a text, as soon as the message before is sent."""
+        if text:
+            self._answers.append(text)
+        if self._busy_since is None:
+            change = self._follower.next(self._door.written, self._door.now()) if self._follower is not None else None
+            texts = [*([change] if change is not None else []), *self._answers]
+            self._answers.clear()
+            if texts:
+                self._write(b"".join(frame(one, self._deflates) for one in texts))
+        elif len(self._answers) > MAX_ANSWERS:
+            self.end()
+
+    def _stream(self) -> Optional[iostream.IOStream]:
+        return getattr(self.ws_connection, "stream", None)
+
+    def _write(self, frames: bytes) -> None:
+        connection = self.ws_connection
+        if connection is None or connection.client_terminated or connection.server_terminated:
+            self._door.remove(self)
+            return
+        self._door.check()
+        self._was_sent = True
+        try:
+            sent = connection.stream.write(frames)
+        except iostream.StreamClosedError:
+            self._door.remove(self)
+            return
+        if not sent.done():
+            self._busy_since = self._door.loop.time()
+            sent.add_done_callback(self._on_sent)
+
+    def _on_sent(self, sent: "asyncio.Future[None]") -> None:
+        self._busy_since = None
+        if sent.cancelled() or sent.exception() is not None:
+            self._door.remove(self)
+        else:
+            self.send()

@@ -1,0 +1,40 @@
+"""Where the door of a box is, and the token that opens it: a file that only its owner may read."""
+
+import json
+import secrets
+from typing import NamedTuple
+
+from roah_rsbb.durable import write_file
+
+
+class NotFound(Exception):
+    """Nobody knows where the door is. The text names the remedy."""
+
+
+class Place(NamedTuple):
+    """The address of a door (ws://…), and its token."""
+
+    url: str
+    token: str
+
+
+def new_token() -> str:
+    """Return a random token."""
+    return secrets.token_urlsafe(32)
+
+
+def write_place(path: str, url: str, token: str) -> None:
+    """Write the file of a door. Raises OSError."""
+    write_file(path, json.dumps({"url": url, "token": token}).encode())
+
+
+def read_place(path: str) -> Place:
+    """Return the place in a file. Raises `NotFound`."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            found = json.load(file)
+        return Place(str(found["url"]), str(found["token"]))
+    except OSError as error:
+        raise NotFound(f"{path}: {error.strerror}: start the box on this computer as the same user") from None
+    except (ValueError, KeyError, TypeError):
+        raise NotFound(f"{path} is damaged: start the box again, which writes it") from None
