@@ -13,6 +13,7 @@ from helpers.commands import given_with
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.views.document import Documents
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
@@ -43,7 +44,8 @@ class World:
         config = Config({"HWV": BENCHMARK}, dict.fromkeys(self.teams, "password"), plans)
         self.now = START
         self.box = Box(config, Settings(listen_duration=0.0, max_datagram=8000), beacon_size)
-        self._panels = PanelMessages(self.box, "", "")
+        self._panels = PanelMessages(self.box, "")
+        self._documents = Documents(self.box, "", "")
         self.box.tick(self.now)
 
     def wire_now(self):
@@ -72,7 +74,7 @@ class World:
     def publish(self) -> None:
         """The messages that the core node makes for panels ten times a second."""
         self.box.tick(self.now)
-        self._panels.to_gui(self.now, {}).serialize(io.BytesIO())
+        self._panels.to_gui(self.now, self._documents.look(self.now)).serialize(io.BytesIO())
         self._panels.details(self.now)
 
     def in_runs(self) -> None:

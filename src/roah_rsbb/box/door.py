@@ -21,7 +21,7 @@ from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Set, Uni
 
 from tornado import iostream, web, websocket
 
-from roah_rsbb.document.calls import Answered, Call, Caller, Waiting, carried_out, waited
+from roah_rsbb.document.calls import Answered, Call, Caller, InThread, Later, Waiting, carried_out, waited
 from roah_rsbb.document.document import Follower, Written
 from roah_rsbb.model.clock import Now
 from roah_rsbb.web.limits import Places
@@ -103,6 +103,11 @@ class Door:
             self._turn.cancel()
         self._threads.shutdown(wait=False)
 
+    @property
+    def is_followed(self) -> bool:
+        """Whether there is a client."""
+        return any(len(places) for places in self._clients.values())
+
     def publish(self) -> None:
         """Send what has changed to all clients that have taken the message before. Call it after each event."""
         for client in self._all():
@@ -164,7 +169,7 @@ class Door:
         """Carry a call out, and answer it; returns the wait for the disks before the answer, if there is one."""
         found = self._guarded(request, lambda: carried_out(
             self._calls[request.name], request.arguments, request.client.caller))
-        if not isinstance(found, Waiting):
+        if isinstance(found, str):
             self._answer(request, found)
             return None
         self._waiting += 1
@@ -177,11 +182,11 @@ class Door:
         if not done.cancelled():
             self._answer(request, done.result())
 
-    def _guarded(self, request: _Request, make: Callable[[], Union[Waiting, Answered]]) -> Union[Waiting, str]:
+    def _guarded(self, request: _Request, make: Callable[[], Union[Later, Answered]]) -> Union[Later, str]:
         """Return an answer as JSON, whatever goes wrong in a call."""
         try:
             found = make()
-            return found if isinstance(found, Waiting) else json.dumps(found)
+            return found if isinstance(found, (InThread, Waiting)) else json.dumps(found)
         except Exception as error:
             text = f"internal error, please report it: {request.name} ({type(error).__name__}: {error})"
             if text not in self._logged:

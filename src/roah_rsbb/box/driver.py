@@ -52,6 +52,7 @@ class Outputs(NamedTuple):
     set_device: Callable[[effects.SetDevice], None]
     log: Callable[[Level, str], None]  # a line for the program's log
     report_bug: Callable[[str], None]  # within `except`: an internal error, which stops nothing
+    changed: Callable[[], None] = lambda: None  # the state of a zone, or the record of a run, has changed
 
 
 class CoreDriver:
@@ -86,6 +87,7 @@ class CoreDriver:
         self._modules_wait = False
         self._unopened: Set[int] = set()  # ports
         self._moment = now()  # of the latest event
+        self._revision = box.revision  # after it
         self._hands = {
             effects.PortTaken: self._port_taken,
             effects.OpenChannel: self._open_channel,
@@ -117,6 +119,9 @@ class CoreDriver:
         finally:
             self._carry_out()
             self._set_timer()
+            if self.box.revision != self._revision:
+                self._revision = self.box.revision
+                self._outputs.changed()
 
     def tick(self) -> None:
         """Run the box's due timers."""

@@ -17,6 +17,13 @@ class Caller(NamedTuple):
     address: str = ""
 
 
+class InThread(NamedTuple):
+    """What a call returns whose answer takes long: `make` is called in a thread, and returns it. It may raise
+    `Refused`."""
+
+    make: Callable[[], Any]
+
+
 class Waiting(NamedTuple):
     """What a call returns whose answer waits until what it did is on the disks. `wait` blocks, so it is called in a
     thread, and returns why it is not there (a reason); empty: it is."""
@@ -25,22 +32,28 @@ class Waiting(NamedTuple):
     answer: Any = None
 
 
-# A call is carried out in the core's loop with its arguments. It returns its answer (JSON), or `Waiting`. It may raise
-# `Refused`.
+# A call is carried out in the core's loop with its arguments. It returns its answer (JSON), or one of the above. It may
+# raise `Refused`.
 Call = Callable[[Mapping[str, Any], Caller], Any]
 Answered = Dict[str, Any]
+Later = Union[InThread, Waiting]
 
 
-def carried_out(call: Call, arguments: Mapping[str, Any], caller: Caller) -> Union[Waiting, Answered]:
-    """Carry a call out; returns its answer, or for what it waits (see `waited`)."""
+def carried_out(call: Call, arguments: Mapping[str, Any], caller: Caller) -> Union[Later, Answered]:
+    """Carry a call out; returns its answer, or what it waits for (see `waited`)."""
     try:
         found = call(arguments, caller)
     except Refused as refused:
         return {"refused": encoded(refused.reasons)}
-    return found if isinstance(found, Waiting) else {"answer": found}
+    return found if isinstance(found, (InThread, Waiting)) else {"answer": found}
 
 
-def waited(waiting: Waiting) -> Answered:
-    """Wait, in a thread, until what was done is on the disks; returns the answer."""
+def waited(waiting: Later) -> Answered:
+    """Make the answer of a call that takes long, in a thread."""
+    if isinstance(waiting, InThread):
+        try:
+            return {"answer": waiting.make()}
+        except Refused as refused:
+            return {"refused": encoded(refused.reasons)}
     trouble = waiting.wait()
     return {"refused": encoded([trouble]), "known": False} if trouble else {"answer": waiting.answer}

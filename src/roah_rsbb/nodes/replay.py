@@ -19,6 +19,7 @@ import rosgraph
 import rospy
 
 from roah_rsbb.arguments import Parser, number
+from roah_rsbb.box.calls import BoxCalls
 from roah_rsbb.core.views.explained import Explanation, explanations
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.journal.reader import JournalError, JournalReader
@@ -37,6 +38,7 @@ from roah_rsbb.msg import (
     Unsaved,
 )
 from roah_rsbb.nodes.core import public_convert
+from roah_rsbb.nodes.core.door import BoxDoor
 from roah_rsbb.nodes.core.judging_convert import JudgingBoard
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.public_board import PublicBoardMaker
@@ -139,7 +141,10 @@ class ReplayNode:
         self._last_s = 0.0  # of the loop's clock
         self._has_begun = self._said_end = False
         box = shown.box
-        self._panels = PanelMessages(box, self._uuid, "")
+        self._panels = PanelMessages(box, self._uuid)
+        calls = BoxCalls(box, self._event)
+        self._door = BoxDoor(self._ros.loop, box, self._uuid, "", lambda: self._shown.now, dict, tuple, calls.named(),
+                             lambda: None)
         self._results = ResultsBoard(box, self._uuid)
         self._judging = JudgingBoard(box, self._uuid)
         self._schedule = ScheduleBoard(box, self._uuid)
@@ -155,14 +160,16 @@ class ReplayNode:
                 ("/core/public_explained", PublicExplained),
             )
         }
-        CoreServices(box, LoopServices(self._ros.loop), self._event)
+        CoreServices(box, LoopServices(self._ros.loop), self._event, calls)
 
     def run(self) -> int:
         """Run until shut down; returns the exit status."""
         self._topics[Unsaved].publish(Unsaved(self._uuid, []))
         self._last_s = self._ros.loop.time()
+        self._door.open()
         self._tick()
         self._ros.run()
+        self._door.close()
         self._ros.close()
         return self._status
 
@@ -177,9 +184,11 @@ class ReplayNode:
         now_s = self._ros.loop.time()
         # If this process was stopped for a while, nothing is skipped.
         passed_s, self._last_s = min(now_s - self._last_s, LONGEST_TICK_S), now_s
-        self._has_begun = self._has_begun or any(self._topics[kind].get_num_connections() for kind in BEGINS_WITH)
+        self._has_begun = self._has_begun or self._door.is_followed or any(
+            self._topics[kind].get_num_connections() for kind in BEGINS_WITH)
         if not self._has_begun:
             passed_s = 0.0
+        self._door.rate = self._speed if self._has_begun and not self._shown.is_over else 0.0
         try:
             self._shown.show(self._shown.now.utc + passed_s * self._speed)
             core = live_core(is_serving=True) if self._ticks % CORE_EVERY == CORE_EVERY - 1 else None
@@ -203,7 +212,7 @@ class ReplayNode:
         self._results.on_record_changed()
         self._judging.on_record_changed()
         messages: List[Any] = [
-            self._panels.to_gui(now, {}), self._panels.details(now), self._panels.clocks(now),
+            self._panels.to_gui(now, self._door.publish()), self._panels.details(now), self._panels.clocks(now),
         ]
         if self._ticks % PUBLIC_EVERY == 0:
             public = self._public.to_public(now)

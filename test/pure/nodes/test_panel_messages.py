@@ -9,6 +9,7 @@ import roah_rsbb
 from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.core.views.document import Documents
 from roah_rsbb.model.referee import RunName
 from roah_rsbb.protocol import RobotState
 
@@ -25,8 +26,8 @@ class EachTick(PanelMessages):
     DETAILS_EVERY = 1
 
 
-def bytes_of(messages, now, log_files):
-    made = [messages.to_gui(now, log_files), messages.details(now), messages.clocks(now)]
+def bytes_of(messages, now, document):
+    made = [messages.to_gui(now, document), messages.details(now), messages.clocks(now)]
     buffers = [io.BytesIO() for _ in made]
     for message, buffer in zip(made, buffers):
         message.serialize(buffer)
@@ -38,12 +39,14 @@ class Compared:
 
     def __init__(self, driver):
         self._driver = driver
-        self._kept = EachTick(driver.box, "uuid", "10.0.0.255")
+        self._kept = EachTick(driver.box, "uuid")
+        self._documents = Documents(driver.box, "uuid", "10.0.0.255")
 
     def check(self, log_files):
         box, now = self._driver.box, self._driver.now
-        made = bytes_of(self._kept, now, log_files)
-        assert made == bytes_of(PanelMessages(box, "uuid", "10.0.0.255"), now, log_files)
+        document = self._documents.look(now, log_files)
+        made = bytes_of(self._kept, now, document)
+        assert made == bytes_of(PanelMessages(box, "uuid"), now, document)
         return made
 
 
@@ -77,10 +80,10 @@ def test_all_that_changes_in_a_run_is_in_the_messages():
 def test_details_come_at_once_for_whoever_waits_for_newer_ones():
     """A terminal learns from them whether a robot has stopped, and this may have been published before it asked."""
     driver = BoxDriver(competition())
-    messages = PanelMessages(driver.box, "uuid", "10.0.0.255")
+    messages, documents = PanelMessages(driver.box, "uuid"), Documents(driver.box, "uuid", "10.0.0.255")
 
     def publishes():
-        messages.to_gui(driver.now, {})
+        messages.to_gui(driver.now, documents.look(driver.now))
         return messages.details(driver.now) is not None
 
     assert [publishes(), publishes()] == [True, False]

@@ -27,6 +27,7 @@ from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.box.assembly import CoreAssembly, Machine, Place
+from roah_rsbb.box.calls import BoxCalls, Disks
 from roah_rsbb.box.driver import Outputs
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.core.copies import NO_PORT, STANDBY, CopyReport
@@ -64,6 +65,7 @@ from roah_rsbb.msg import (
 from roah_rsbb.nodes.core import public_convert
 from roah_rsbb.nodes.core.configuration import Configuration, Content
 from roah_rsbb.nodes.core.device_calls import DeviceCalls, devices_of
+from roah_rsbb.nodes.core.door import BoxDoor
 from roah_rsbb.nodes.core.judging_convert import JudgingBoard
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.public_board import PublicBoardMaker
@@ -190,10 +192,12 @@ class CoreNode:
         self._last_explained: Optional[Tuple[object, ...]] = None
         self._last_unsaved: Optional[Tuple[object, ...]] = None
         self._said_superseded = False
+        self._door: Optional[BoxDoor] = None
         machine = Machine(boot_id(), os.getpid(), self._uuid, time.monotonic, time.time)
         self._device_calls = DeviceCalls(self._on_device_refused)
         outputs = Outputs(self._ring_timeout, self._publish_module_runs, self._on_record_changed,
-                          self._device_calls.set, lambda level, text: _LOG[level]("%s", text), _report_bug)
+                          self._device_calls.set, lambda level, text: _LOG[level]("%s", text), _report_bug,
+                          self._on_changed)
         self._core = CoreAssembly(
             self._ros.loop, machine, Place(log_dir, network, standby_port), loaded, version, settings, launch,
             lambda session, events, on_trouble: Journal(log_dir, session, events, resume, on_trouble, lock),
@@ -205,7 +209,15 @@ class CoreNode:
         self._schedule = ScheduleBoard(box, self._uuid)
         self._public_schedule = public_convert.PublicSchedule(box)
         self._public_board = PublicBoardMaker(box, self._uuid, _titles(content))
-        self._panels = PanelMessages(box, self._uuid, network.rsbb_host)
+        self._panels = PanelMessages(box, self._uuid)
+        calls = BoxCalls(box, self._referee_event, Disks(
+            self._core.journal.ticket, self._core.store.why_not_saved, self._core.standby.ask))
+        self._services = LoopServices(self._ros.loop, self._core.fence.check)
+        CoreServices(box, self._services, self._referee_event, calls, self._panels.renew)
+        reload = ReloadService(box, self._configuration, self._ros, self._event, self._use)
+        self._door = BoxDoor(
+            self._ros.loop, box, self._uuid, network.rsbb_host, self._core.now, lambda: self._core.run_logs.files,
+            self._core.unsaved, {**calls.named(), "reload": reload.call}, self._core.fence.check)
         self._heard_from = self._ros.loop.time() + HEARD_AFTER_S
         self._modules = Newest(self._ros.post, lambda state: self._event(box.modules.on_modules, state), MAX_NODES)
         self._network = network
@@ -236,10 +248,6 @@ class CoreNode:
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
             "timeout": rospy.Publisher("/timeout", Empty, queue_size=1),
         }
-        services = LoopServices(self._ros.loop, self._core.fence.check)
-        CoreServices(self._box, services, self._referee_event, self._core.journal.ticket,
-                     self._core.store.why_not_saved, self._core.standby.ask, self._panels.renew)
-        ReloadService(self._box, self._configuration, self._ros, self._event, self._use)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
         rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
         rospy.Subscriber("/copies/state", CopyState, self._on_copy, queue_size=10)
@@ -254,16 +262,22 @@ class CoreNode:
                           self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
         threading.Thread(target=self._core.check_earlier, name="check of the journal", daemon=True).start()
         self._publish_module_runs()
+        self._door.open()
         self._publish_tick()
         # Exclude the present objects from garbage collection: a full collection of them stops the box for about 15 ms.
         gc.freeze()
         self._ros.run()
         self._signs.end()
-        services.close()
+        self._door.close()
+        self._services.close()
         self._core.close()
         self._ros.close()
 
     # -- events -------------------------------------------------------------------------------------
+
+    def _on_changed(self) -> None:
+        if self._door is not None:
+            self._door.changed()
 
     def _referee_event(self, method: Callable[..., object], *args: object) -> None:
         """Like `_event`. After the answer, what the public sees is published without waiting for the next tick, but
@@ -363,7 +377,7 @@ class CoreNode:
 
     def _publish_for_panels(self) -> None:
         now = self._core.now()
-        self._publish("gui", self._panels.to_gui(now, self._core.run_logs.files))
+        self._publish("gui", self._panels.to_gui(now, self._door.publish()))
         details = self._panels.details(now)
         if details is not None:
             self._publish("details", details)

@@ -3,13 +3,13 @@
 Most of a zone's content stays the same for many ticks, so it is cached until it changes. Only times are always new.
 """
 
-from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.robots import RobotId
-from roah_rsbb.core.views import views
 from roah_rsbb.model import shown
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import BoxState, Document
 from roah_rsbb.model.reason import is_made
 from roah_rsbb.model.zone import RobotInRun, Zone
 from roah_rsbb.model.zone import RunClock as Clock
@@ -43,29 +43,27 @@ class PanelMessages:
     # Clock skew and time of the latest message always change. If nothing else does, they wait for this many ticks.
     DETAILS_EVERY = 10
 
-    def __init__(self, box: Box, box_uuid: str, addr: str) -> None:
-        """`addr`: the broadcast address in use."""
+    def __init__(self, box: Box, box_uuid: str) -> None:
         self._box = box
         self._box_uuid = box_uuid
-        self._addr = addr
-        self._views = views.ZoneViews(box)
+        self._box_state = BoxState(box_uuid, "", 0)
         self._robots: Dict[RobotId, Serialised] = {}
         self._zones: Dict[str, _Zone] = {}
-        self._warnings: Tuple[List[str], str] = [], ""
+        self._warnings: Tuple[Sequence[str], str] = (), ""
         self._details_due_in = self._clocks_due_in = 0  # ticks
 
-    def to_gui(self, now: Now, log_files: Mapping[int, str]) -> CoreToGui:
-        """The message of this tick. `log_files`: path of each run's log by its port."""
-        box = self._box
+    def to_gui(self, now: Now, document: Document) -> CoreToGui:
+        """The message of this tick."""
+        box, self._box_state = self._box, document.box
         tablet = box.tablet.state
-        self._look_at_zones(now, log_files)
+        self._look_at_zones(now, document.zones)
         return SerialisedToGui(
             self._robot_infos(now),
             [kept.state.with_values(duration_bytes(kept.view.clock.timer(now.mono))) for kept in self._zones.values()],
             clock=ros_time(now.utc),
-            status=views.box_status(box, now),
-            addr=self._addr,
-            port=str(box.settings.rsbb_port),
+            status=document.box.status,
+            addr=document.box.host,
+            port=str(document.box.port),
             tablet_last_beacon=ros_time(0.0 if box.tablet.heard is None else box.tablet.heard.utc),
             tablet_display_map=tablet.display_map,
             tablet_call_time=ros_wire_time(tablet.call_time),
@@ -79,8 +77,7 @@ class PanelMessages:
 
         Call `to_gui` with the same `now` first.
         """
-        warnings = self._box.warnings(now)
-        status = views.box_status(self._box, now)
+        warnings, status = self._box_state.warnings, self._box_state.status
         if (warnings, status) != self._warnings:
             self._warnings, self._details_due_in = (warnings, status), 0
         self._details_due_in -= 1
@@ -121,10 +118,10 @@ class PanelMessages:
         return [kept.with_values(duration_bytes(robot.skew.seconds or 0.0), time_bytes(robot.last_heard.utc))
                 for robot, kept in zip(robots, self._robots.values())]
 
-    def _look_at_zones(self, now: Now, log_files: Mapping[int, str]) -> None:
+    def _look_at_zones(self, now: Now, zones: Mapping[str, Zone]) -> None:
         """Make the messages of the zones that changed."""
         before, self._zones = self._zones, {}
-        for name, view in self._views.look(now, log_files=log_files).items():
+        for name, view in zones.items():
             self._zones[name] = self._zone(view, before.get(name), now)
         if list(before) != list(self._zones):
             self._details_due_in = self._clocks_due_in = 0

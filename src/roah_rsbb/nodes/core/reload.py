@@ -2,11 +2,13 @@
 during the competition")."""
 
 import threading
-from typing import Any, Callable, List, Tuple
+from typing import Any, Callable, List, Mapping, NamedTuple, Sequence, Tuple
 
 import rospy
 
+from roah_rsbb.box import calls
 from roah_rsbb.core.box import Box
+from roah_rsbb.document.calls import Caller, InThread
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.nodes.core.configuration import Configuration, Content
 from roah_rsbb.nodes.core.services import who_of
@@ -16,6 +18,16 @@ from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.srv import Reload, ReloadResponse
 
 CHANGED_AGAIN = "the files were changed after they were listed: read the list again before you apply it"
+
+
+class Reloaded(NamedTuple):
+    """What became of a reload."""
+
+    digest: str = ""  # identifies what was read; empty: there are errors
+    applied: bool = False
+    errors: Sequence[str] = ()  # of all files, with file and line; or why the change is not possible now
+    warnings: Sequence[str] = ()
+    changes: Sequence[str] = ()  # empty: nothing differs from what is in force
 
 
 class ReloadService:
@@ -38,27 +50,34 @@ class ReloadService:
         problem = texts.too_long(request)
         if problem:
             raise rospy.ServiceException(problem)
+        return ReloadResponse(**self.reload(request.digest, who_of(request, request.referee))._asdict())
+
+    def call(self, found: Mapping[str, Any], caller: Caller) -> InThread:
+        """The call `reload` of the door."""
+        digest, who = calls.text(found, "digest"), calls.who_of(found)
+        return InThread(lambda: self.reload(digest, who)._asdict())
+
+    def reload(self, digest: str, who: str) -> Reloaded:
+        """Check the files, or apply what was listed with this digest. Call it in another thread than the loop's."""
         with self._lock:
             ran = self._ros.call(self._box.ran)
             try:
                 content = self._configuration.read_next(ran)
             except ConfigErrors as errors:
-                return ReloadResponse(errors=str(errors).splitlines())
+                return Reloaded(errors=str(errors).splitlines())
             changes = self._configuration.changes(content, ran)
-            answer = ReloadResponse(warnings=self._configuration.warnings_of(content, ran), changes=changes)
-            answer.errors = self._ros.call(lambda: self._box.reload_off(content.config))
-            if answer.errors:
-                return answer
-            answer.digest = content.digest
-            if request.digest and request.digest != content.digest:
-                answer.errors = [CHANGED_AGAIN]
-            elif request.digest:
-                with_ids = self._configuration.with_ids(content)
-                answer.errors = self._apply(with_ids, changes, who_of(request, request.referee))
-                answer.applied = not answer.errors
-                trouble = self._configuration.write_ids(content, with_ids) if answer.applied else ""
-                answer.warnings += [trouble] if trouble else []
-            return answer
+            found = Reloaded(warnings=self._configuration.warnings_of(content, ran), changes=changes,
+                             errors=self._ros.call(lambda: self._box.reload_off(content.config)))
+            if found.errors:
+                return found
+            found = found._replace(digest=content.digest)
+            if not digest or digest != content.digest:
+                return found._replace(errors=[CHANGED_AGAIN] if digest else [])
+            with_ids = self._configuration.with_ids(content)
+            errors = self._apply(with_ids, changes, who)
+            trouble = "" if errors else self._configuration.write_ids(content, with_ids)
+            return found._replace(errors=errors, applied=not errors,
+                                  warnings=[*found.warnings, *([trouble] if trouble else [])])
 
     def _apply(self, content: Content, changes: List[str], who: str) -> List[str]:
         """Put a content into force; returns why that is not possible."""

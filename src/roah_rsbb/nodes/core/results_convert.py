@@ -4,10 +4,10 @@ from typing import Dict, Optional, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.scoring.counting import Why
-from roah_rsbb.core.views.sheets import run_line, run_sheet, timeless
+from roah_rsbb.core.views.sheets import run_line, timeless
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.model.results import HistoryEntry
+from roah_rsbb.model.results import HistoryEntry, RunLine, RunSheet
 from roah_rsbb.msg import Results, RunStop, RunSummary, ScoreChange
 from roah_rsbb.msg import RunSheet as RunSheetMsg
 from roah_rsbb.nodes.core.score_convert import item_message, points_message, score_message
@@ -47,21 +47,23 @@ class ResultsBoard:
 
 def summary_message(record: RunRecord, why: Optional[Why]) -> RunSummary:
     """Convert a record to a line of /core/results. `why`: why it counts or not; None: not known."""
-    line = run_line(record, why)
+    return _line_message(run_line(record, why), record.scheduled)
+
+
+def _line_message(line: RunLine, scheduled: float = 0.0) -> RunSummary:
     return RunSummary(
         identity=line.identity, revision=line.revision, zone=line.zone, code=line.code, team=line.team,
-        round=line.round, run=line.run, schedule=ros_time(record.scheduled), opened=ros_time(line.opened_utc_s),
+        round=line.round, run=line.run, schedule=ros_time(scheduled), opened=ros_time(line.opened_utc_s),
         started=ros_time(line.started_utc_s or 0.0), closed=ros_time(line.closed_utc_s or 0.0),
         end_reason=line.end_reason, score=line.score, corrected=line.corrected,
         signed=ros_time(line.signed_utc_s or 0.0), signed_by=line.signed_by, counts=line.counts,
     )
 
 
-def sheet_message(record: RunRecord, why: Optional[Why]) -> RunSheetMsg:
-    """Convert a record to the complete sheet."""
-    sheet = run_sheet(record, why)
+def sheet_message(sheet: RunSheet) -> RunSheetMsg:
+    """Convert a run with its score sheet."""
     return RunSheetMsg(
-        summary=summary_message(record, why),
+        summary=_line_message(sheet.run),
         elapsed=ros_duration(sheet.elapsed_s),
         robots=list(sheet.robots),
         items=list(map(item_message, sheet.items)),

@@ -1,0 +1,110 @@
+"""The door of the box in the core node: what it offers, and where clients find it (docs/door.md)."""
+
+import asyncio
+from typing import Callable, Mapping, Sequence
+
+import rosgraph
+import rospy
+
+from roah_rsbb.box.door import Door
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.views.document import Documents
+from roah_rsbb.document.calls import Call
+from roah_rsbb.document.document import Written
+from roah_rsbb.document.place import new_token, write_place
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import Document
+from roah_rsbb.model.results import UnsavedParts
+from roah_rsbb.ros.place import PARAM, file_of
+from roah_rsbb.web.serving import ServeError
+
+# Seconds. Shortest time between what clients are sent of events: many robots change something in each.
+GAP_S = 0.05
+SIGN_S = 0.5
+
+
+class BoxDoor:
+    """Keeps the document of a box current, and its door open. Call everything in the loop's thread."""
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, box: Box, uuid: str, host: str, now: Callable[[], Now],
+        log_files: Callable[[], Mapping[int, str]], unsaved: Callable[[], Sequence[UnsavedParts]],
+        calls: Mapping[str, Call], check: Callable[[], None],
+    ) -> None:
+        """`host`: broadcast address in use; `log_files`, `unsaved`: see `Documents.look`; `calls`, `check`: see
+        `Door`."""
+        self._loop, self._now, self._log_files, self._unsaved = loop, now, log_files, unsaved
+        self._documents = Documents(box, uuid, host)
+        self._written = Written(Document)
+        self._token = new_token()
+        self._soon: asyncio.TimerHandle | None = None
+        self._sent_mono = float("-inf")
+        self._door = Door(loop, self._token, {name: self._current(call) for name, call in calls.items()}, now,
+                          self._written, check)
+        self.document = self._look()
+
+    def open(self) -> None:
+        """Let clients in, and tell them where. Logs what prevents it, with the remedy: the original interface
+        remains."""
+        path = file_of(rosgraph.get_master_uri())
+        try:
+            port = self._door.open(rosgraph.network.get_bind_address())
+            write_place(path, f"ws://127.0.0.1:{port}/door", self._token)
+        except (ServeError, OSError) as error:
+            rospy.logerr("No panel can follow this box: %s", error)
+            return
+        rospy.set_param(PARAM, {
+            "url": f"ws://{rosgraph.network.get_host_name()}:{port}/door", "token": self._token})
+        self._sign()
+
+    @property
+    def is_followed(self) -> bool:
+        """Whether there is a client."""
+        return self._door.is_followed
+
+    @property
+    def rate(self) -> float:
+        """How fast the clocks pass; of a replay."""
+        return self._written.rate
+
+    @rate.setter
+    def rate(self, rate: float) -> None:
+        self._written.rate = rate
+
+    def close(self) -> None:
+        """End all connections."""
+        self._door.close()
+
+    def changed(self) -> None:
+        """Note that an event changed something: clients are sent it soon."""
+        if self._soon is None:
+            self._soon = self._loop.call_at(max(self._loop.time(), self._sent_mono + GAP_S), self.publish)
+
+    def publish(self) -> Document:
+        """Send clients what has changed; returns the document."""
+        if self._soon is not None:
+            self._soon.cancel()
+        self._soon, self._sent_mono = None, self._loop.time()
+        self._look()
+        self._door.publish()
+        return self.document
+
+    def _look(self) -> Document:
+        now = self._now()
+        self.document = self._documents.look(now, self._log_files(), self._unsaved())
+        self._written.update(self.document, now)
+        return self.document
+
+    def _current(self, call: Call) -> Call:
+        """Return a call after which the document contains what it did."""
+        def carried_out(arguments, caller):
+            try:
+                return call(arguments, caller)
+            finally:
+                self._look()
+
+        return carried_out
+
+    def _sign(self) -> None:
+        self._loop.call_later(SIGN_S, self._sign)
+        self._door.sign()

@@ -1,0 +1,76 @@
+"""Where programs find the door of the box of a ROS master: in a file on the box's computer, or in a parameter.
+
+The file is only for programs of the same user, and needs no master. The parameter is for all computers of a ROS
+network.
+"""
+
+import os
+import urllib.parse
+import xmlrpc.client
+from http.client import HTTPException
+from typing import Any, Optional
+from xml.parsers.expat import ExpatError
+
+from roah_rsbb.document.place import NotFound, Place, read_place
+
+PARAM = "/roah_rsbb_door"
+# ROS's default, for a shell in which no setup file is sourced.
+MASTER_URI = "http://localhost:11311"
+ANSWER_S = 3.0
+START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"
+
+
+def file_of(master_uri: str) -> str:
+    """Return the path of the file in which the box of a ROS master on this computer says where its door is."""
+    home = os.environ.get("ROS_HOME") or os.path.join(os.path.expanduser("~"), ".ros")
+    return os.path.join(home, f"roah_rsbb_door_{urllib.parse.urlsplit(master_uri).port or 80}.json")
+
+
+class Places:
+    """Finds the door of the box of a ROS master, in the file and in the parameter by turns."""
+
+    def __init__(self, master_uri: Optional[str] = None) -> None:
+        """`master_uri`: None: that of ROS_MASTER_URI."""
+        self.master_uri = master_uri or os.environ.get("ROS_MASTER_URI", "") or MASTER_URI
+        self._tried: Optional[Place] = None  # the last one
+        self._of_master: Optional[Place] = None  # where the master said last that it is
+
+    def find(self) -> Place:
+        """Return where to try next; a place that was tried last only if there is no other. Raises `NotFound`."""
+        try:
+            of_file: Optional[Place] = read_place(file_of(self.master_uri))
+        except NotFound:
+            of_file = None
+        if of_file is not None and of_file != self._tried:
+            self._tried = of_file
+            return of_file
+        why = self._ask()
+        found = self._of_master if self._of_master not in (None, self._tried) else of_file or self._of_master
+        self._tried = found
+        if found is None:
+            raise NotFound(why)
+        return found
+
+    def _ask(self) -> str:
+        """Ask the master; returns why nothing was found."""
+        try:
+            code, _, value = xmlrpc.client.ServerProxy(self.master_uri, _Impatient()).getParam("/roah_rsbb", PARAM)
+        except (OSError, HTTPException, xmlrpc.client.Error, ExpatError, ValueError, TypeError) as error:
+            return (f"ROS master at {self.master_uri} cannot be reached ({error}): {START}, or set ROS_MASTER_URI to "
+                    "the box's computer")
+        if code == 1 and isinstance(value, dict) and {"url", "token"} <= value.keys():
+            self._of_master = Place(str(value["url"]), str(value["token"]))
+        else:
+            self._of_master = None
+        return f"no core at the ROS master {self.master_uri}: {START}"
+
+
+class _Impatient(xmlrpc.client.Transport):
+    """Calls time out."""
+
+    def make_connection(self, host: Any) -> Any:
+        connection = super().make_connection(host)
+        connection.timeout = ANSWER_S
+        return connection
+
+
