@@ -31,7 +31,7 @@ OLD_S, SILENT_S = 1.2, 5.0
 CONNECT_S = 5.0
 # Between attempts to connect. After a connection that lived for so long, the first is at once.
 FIRST_S, LAST_S, LIVED_S = 0.2, 2.0, 1.0
-# STOP takes the next way if one has not answered within so long.
+# STOP takes the next way if one does not open, or answer, within so long.
 STOP_S = 1.0
 MAX_MESSAGE_BYTES = 64 * 1024 * 1024
 
@@ -229,7 +229,7 @@ class Client(Generic[D]):
         while True:
             if _STOP not in self._links and self._place is not None:
                 with contextlib.suppress(Exception):  # then the other way is taken
-                    await asyncio.wait_for(self._open_stop(self._place), STOP_S)
+                    await self._open_stop(self._place)
             for way in (_STOP, _MAIN):
                 with contextlib.suppress(asyncio.TimeoutError):
                     answer = await asyncio.wait_for(self._ask(way, request), STOP_S)
@@ -253,7 +253,7 @@ class Client(Generic[D]):
         try:
             place = self._place = await self._loop.run_in_executor(None, self._find)
             box = f"the box at {place.url}"
-            return await self._read(_MAIN, await self._open(_MAIN, place, self._face), place)
+            return await self._read(_MAIN, await self._open(_MAIN, place, self._face, CONNECT_S), place)
         except NotFound as error:
             return str(error)
         except Exception as error:
@@ -265,10 +265,10 @@ class Client(Generic[D]):
                 link.close()
             self._links = {}
 
-    async def _open(self, way: str, place: Place, face: str) -> _Link:
+    async def _open(self, way: str, place: Place, face: str, within_s: float) -> _Link:
         request = httpclient.HTTPRequest(
             f"{place.url}?{urllib.parse.urlencode({'face': face})}", headers={"Authorization": f"Bearer {place.token}"},
-            connect_timeout=CONNECT_S, request_timeout=CONNECT_S)
+            connect_timeout=within_s, request_timeout=within_s)
         link = _Link(await websocket.websocket_connect(
             request, compression_options={}, max_message_size=MAX_MESSAGE_BYTES))
         if way in self._links:
@@ -277,7 +277,7 @@ class Client(Generic[D]):
         return link
 
     async def _open_stop(self, place: Place) -> None:
-        self._spawn(self._read(_STOP, await self._open(_STOP, place, _STOP), place))
+        self._spawn(self._read(_STOP, await self._open(_STOP, place, _STOP, STOP_S), place))
 
     async def _read(self, way: str, link: _Link, place: Place) -> str:
         """Take the messages of a connection until its end; returns why it ended, with the remedy."""

@@ -190,6 +190,7 @@ def test_what_is_not_on_the_disks_is_not_known(world):
 
 
 def test_a_call_without_a_connection_is_not_answered(world):
+    world.find = lambda: Place("ws://127.0.0.1:1/door", TOKEN)
     assert world.answer(world.client().call("act")) == UNANSWERED
     assert world.box.done == []
 
