@@ -110,14 +110,15 @@ class Door:
 
     def publish(self) -> None:
         """Send what has changed to all clients that have taken the message before. Call it after each event."""
+        now = self.now()
         for client in self._all():
-            client.send()
+            client.send(now)  # one moment, so that all are sent the same text
 
     def sign(self) -> None:
         """Send the clocks to those that were sent nothing since the last time. Call it twice a second."""
-        text = self.written.message(self.now())
+        now = self.now()
         for client in self._all():
-            client.sign(text)
+            client.sign(now)
 
     def is_allowed(self, given: str) -> bool:
         """Whether a header Authorization has the token."""
@@ -195,7 +196,7 @@ class Door:
             return json.dumps({"error": text})
 
     def _answer(self, request: _Request, found: str) -> None:
-        request.client.send(f'{{"id":{json.dumps(request.id)},"number":{self.written.number},{found[1:]}')
+        request.client.send(self.now(), f'{{"id":{json.dumps(request.id)},"number":{self.written.number},{found[1:]}')
 
     def _all(self) -> List["_Client"]:
         return [client for places in self._clients.values() for client in places]
@@ -241,7 +242,7 @@ class _Client(websocket.WebSocketHandler):
         self._door.server.keep(stream)
         self._follower = None if self.caller.face == STOP else Follower()
         self._door.add(self, self.caller.face, self.caller.address)
-        self.send()
+        self.send(self._door.now())
 
     def on_message(self, message: Union[str, bytes]) -> Any:
         """Tornado reads the next message when the result is done."""
@@ -258,11 +259,11 @@ class _Client(websocket.WebSocketHandler):
         if stream is not None:
             stream.close()
 
-    def sign(self, text: str) -> None:
+    def sign(self, now: Now) -> None:
         """Send a sign of life. End a client that takes nothing."""
         if self._busy_since is None:
             if not self._was_sent:
-                self.send(text)
+                self.send(now, self._door.written.message(now))
             self._was_sent = False
         elif self._door.loop.time() - self._busy_since > STUCK_S:
             self.end()
@@ -271,14 +272,14 @@ class _Client(websocket.WebSocketHandler):
         """Send the whole document."""
         if self._follower is not None:
             self._follower.forget()
-            self.send()
+            self.send(self._door.now())
 
-    def send(self, text: str = "") -> None:
+    def send(self, now: Now, text: str = "") -> None:
         """Send what has changed and then a text, as soon as the message before is sent."""
         if text:
             self._answers.append(text)
         if self._busy_since is None:
-            change = self._follower.next(self._door.written, self._door.now()) if self._follower is not None else None
+            change = self._follower.next(self._door.written, now) if self._follower is not None else None
             texts = [*([change] if change is not None else []), *self._answers]
             self._answers.clear()
             if texts:
@@ -310,4 +311,4 @@ class _Client(websocket.WebSocketHandler):
         if sent.cancelled() or sent.exception() is not None:
             self._door.remove(self)
         else:
-            self.send()
+            self.send(self._door.now())

@@ -262,6 +262,7 @@ class Box:
         self.devices = saved.box.devices
         self.tablet.restore(saved.box.tablet)
         self._restart.resume(now, saved, self.superseded_by)
+        self._outbox.revision += 1  # whoever looked before must look again, also at what no event of a run reports
         self.tick(now)
 
     # -- replays ------------------------------------------------------------------------------------

@@ -299,7 +299,7 @@ def test_a_client_that_reads_no_answers_is_ended(box):
     (stuck,) = clients(box)
     text = json.dumps({"id": 1, "answer": "x" * 50000})
     for _ in range(door.MAX_ANSWERS + 200):
-        stuck.send(text)
+        stuck.send(box.now(), text)
     assert clients(box) == []
     slow.close()
 

@@ -186,7 +186,7 @@ def test_a_difference_that_does_not_fit_is_a_gap(message):
 def test_a_wrong_document_changes_nothing():
     reader = Reader()
     reader.take(written_of(HOME))
-    wrong = ({"box": {"event": 1}}, "box.event"), ({"zones": {"Home": {"count": 1}}}, "zones.Home"), (7, "")
+    wrong = ({"box": {"event": 1}}, "box.event"), ({"zones": {"Home": {"count": 1}}}, "zones.Home"), (7, "no sections")
     for whole, where in wrong:
         with pytest.raises(BadDocument, match=where):
             reader.followed.take({"number": 9, "whole": whole})

@@ -22,7 +22,7 @@ class Documents:
         """`uuid`: identity of this start of the core; `host`: broadcast address in use."""
         self._box, self._uuid, self._host = box, uuid, host
         self._views, self._schedule = views.ZoneViews(box), ScheduleView(box)
-        self._last = Document(BoxState(uuid, host, 0), {}, {}, {}, {}, {})
+        self.last = Document(BoxState(uuid, host, 0), {}, {}, {}, {}, {})
         self._events: Optional[Sequence[EventLine]] = None  # of which the last schedule was made
         self._revision: Optional[int] = None  # of the box, to which results and judging belong
         self._lines: Dict[str, Tuple[RunRecord, Why, RunLine]] = {}  # by identity
@@ -32,7 +32,7 @@ class Documents:
     ) -> Document:
         """Return the document of this moment. `log_files`: path of each run's log by its port; `unsaved`: what is not
         on the disk yet."""
-        box, last = self._box, self._last
+        box, last = self._box, self.last
         revision, events = box.revision, self._schedule.look(now)
         robots = _kept(last.robots, views.robots(box, now, last.robots))
         document = Document(
@@ -46,8 +46,8 @@ class Documents:
         if document.box == last.box:
             document = document._replace(box=last.box)
         if any(part is not before for part, before in zip(document, last)):
-            self._last = document
-        return self._last
+            self.last = document
+        return self.last
 
     def _results(self, now: Now) -> Dict[str, RunLine]:
         scores, before = self._box.scores, self._lines

@@ -41,10 +41,10 @@ class BoxDoor:
         self._sent_mono = float("-inf")
         self._door = Door(loop, self._token, {name: self._current(call) for name, call in calls.items()}, now,
                           self._written, check)
-        self.document = self._look()
+        self.document = self._documents.last
 
     def open(self) -> None:
-        """Let clients in, and tell them where. Logs what prevents it, with the remedy: the original interface
+        """Let clients in, and publish where it is. Logs what prevents it, with the remedy: the original interface
         remains."""
         path = file_of(rosgraph.get_master_uri())
         try:
