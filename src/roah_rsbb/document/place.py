@@ -1,6 +1,7 @@
 """Where the door of a box is, and the token that opens it: a file that only its owner may read."""
 
 import json
+import os
 import secrets
 from typing import NamedTuple
 
@@ -25,6 +26,7 @@ def new_token() -> str:
 
 def write_place(path: str, url: str, token: str) -> None:
     """Write the file of a door. Raises OSError."""
+    os.makedirs(os.path.dirname(path), exist_ok=True)
     write_file(path, json.dumps({"url": url, "token": token}).encode())
 
 

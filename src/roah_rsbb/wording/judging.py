@@ -1,13 +1,14 @@
 """Several judges of a run, and how its result becomes final, as people read them.
 
-Panel, terminal and pages show this model of /core/judging and of the answer of /core/judges (docs/ros_interface.md,
-"Services of the core"), in these words. The names of the fields are those of the terminal's JSON output
-(docs/referee.md, "JSON") and never change. Times are UTC seconds since 1970; None: not yet.
+Panel, terminal and pages show the values of `model.judging` in these words. The names of the fields are those of the
+terminal's JSON output (docs/referee.md, "JSON") and never change.
 """
 
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, List, NamedTuple, Tuple
 
 from roah_rsbb.model.actions import BY_THE_FILE_S, ENTRIES
+from roah_rsbb.model.document import Document
+from roah_rsbb.model.judging import DIFFER, JudgedItem, JudgedRun, JudgeLine, Judging, ObjectionLine
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 
@@ -35,37 +36,6 @@ OBJECTION_TIME = ENTRIES["publish"].fields[0].label
 _OBJECTION_MINUTES = (5, 10, 15, 30, 60)
 UPHOLD, REJECT = tr_later("Uphold the objection"), tr_later("Reject the objection")
 
-# What became of an item, by the numbers in JudgedItem.
-OUTCOMES = AGREED, DIFFER, SETTLED, NOT_JUDGED = "agreed", "differs", "settled", "not_judged"
-
-
-class JudgeLine(NamedTuple):
-    """One of the judges, without any values."""
-
-    judge: str
-    submitted_utc_s: Optional[float]
-    again: str  # why the sheet was handed back; empty: it was not
-
-
-class Judging(NamedTuple):
-    """The progress of a run's judges and of its result, without any values."""
-
-    zone: str
-    identity: str
-    revision: int = 0  # changes whenever the items and objections may change; 0: neither judges nor a published result
-    # Judges that the benchmark asks for; 0: the referee scores.
-    count: int = 0  # type: ignore[assignment] # it hides tuple.count, which nobody calls
-    rule: str = ""
-    missing: int = 0
-    complete: bool = False  # no more sheets are expected
-    judges: Tuple[JudgeLine, ...] = ()
-    waiver: str = ""  # why missing judges are not waited for; empty: they are
-    differences: int = 0
-    published_utc_s: Optional[float] = None
-    objections_until_utc_s: Optional[float] = None
-    open_objections: int = 0
-
-
 class Given(NamedTuple):
     """What a judge gave an item."""
 
@@ -83,73 +53,43 @@ class Judged(NamedTuple):
     group: str
     item: str
     type: str
-    outcome: str  # of `OUTCOMES`
+    outcome: str  # a word of `model.judging`
     shown: str  # the value that counts, in words
     given: Tuple[Given, ...]
     who: str  # who settled it; empty: nobody
     reason: str
 
 
-class ObjectionLine(NamedTuple):
-    """An objection to a provisional result."""
-
-    number: int
-    utc_s: float
-    by: str
-    text: str
-    who: str  # who entered it
-    answered_utc_s: Optional[float]
-    answered_by: str
-    upheld: bool
-    answer: str
+def judged_of(run: JudgedRun) -> Tuple[Judged, ...]:
+    """Return what the judges gave, in words; empty: more sheets are expected."""
+    numbers = {item: number for number, item in enumerate(run.items, 1)}
+    return tuple(_judged(one, numbers[one.item]) for one in run.judged)
 
 
-def judging_of(message: Any) -> Judging:
-    """Read a Judging message."""
-    return Judging(
-        message.zone, message.identity, message.revision, message.count, message.rule, message.missing,
-        bool(message.complete),
-        tuple(JudgeLine(one.judge, one.submitted.to_sec() or None, one.again) for one in message.judges),
-        message.waiver, message.differences, message.published.to_sec() or None,
-        message.objections_until.to_sec() or None, message.open_objections,
-    )
-
-
-def judged_of(answer: Any) -> Tuple[Judged, ...]:
-    """Read the items of a GetJudging response; empty: more sheets are expected."""
-    items = {(item.group, item.desc): item for item in answer.items}
-    numbers = {key: number for number, key in enumerate(items, 1)}
-    return tuple(_judged(one, items[one.group, one.desc], numbers[one.group, one.desc]) for one in answer.judged)
-
-
-def _judged(one: Any, item: Any, number: int) -> Judged:
-    kind = sheets.type_word(item.type)
+def _judged(one: JudgedItem, number: int) -> Judged:
+    item = one.item
     return Judged(
-        number, one.group, one.desc, kind, OUTCOMES[one.outcome],
-        sheets.item_value(kind, item.value, bool(item.not_attempted), item.text),
-        tuple(Given(judge, sheets.item_value(kind, value, bool(not_attempted), text), value, text, bool(not_attempted))
-              for judge, value, text, not_attempted in zip(one.judges, one.values, one.texts, one.not_attempted)),
+        number, item.group, item.desc, item.type, one.outcome,
+        sheets.item_value(item.type, item.value, item.not_attempted, item.text),
+        tuple(Given(each.judge, sheets.item_value(item.type, each.value, each.not_attempted, each.text), each.value,
+                    each.text, each.not_attempted) for each in one.given),
         sheets.person(one.who), one.reason,
     )
 
 
-def objections_of(answer: Any) -> Tuple[ObjectionLine, ...]:
-    """Read the objections of a GetJudging response."""
-    return tuple(
-        ObjectionLine(one.number, one.time.to_sec(), one.by, one.text, sheets.person(one.who),
-                      one.answered.to_sec() or None, sheets.person(one.answered_by), bool(one.upheld), one.answer)
-        for one in answer.objections)
+def objections_of(run: JudgedRun) -> Tuple[ObjectionLine, ...]:
+    """Return the objections to a result, with the names of persons."""
+    return tuple(one._replace(who=sheets.person(one.who), answered_by=sheets.person(one.answered_by))
+                 for one in run.objections)
 
 
-def judgings_of(judgings: Iterable[Any], runs: Iterable[Any], zone: str) -> List[Judging]:
-    """Return the progress of all runs of a zone that are not signed off, first those with judges or a published result.
-
-    `judgings`: Judging messages; `runs`: RunSummary messages.
-    """
-    found = [judging_of(one) for one in judgings if one.zone == zone]
+def judgings_of(document: Document, zone: str) -> List[Judging]:
+    """Return the progress of all runs of a zone that are not signed off, first those with judges or a published
+    result."""
+    found = [one for one in document.judging.values() if one.zone == zone]
     known = {one.identity for one in found}
-    return found + [Judging(zone, run.identity) for run in runs if run.zone == zone and run.closed.to_sec()
-                    and not run.signed.to_sec() and run.identity not in known]
+    return found + [Judging(zone, run.identity) for run in document.runs() if run.zone == zone
+                    and run.closed_utc_s is not None and run.signed_utc_s is None and run.identity not in known]
 
 
 def off(judging: Judging, is_over: bool) -> Dict[str, str]:

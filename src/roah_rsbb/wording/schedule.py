@@ -4,15 +4,16 @@ Panel and terminal decorate these words and add none of their own.
 """
 
 import enum
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence
+from typing import Callable, Dict, Iterable, NamedTuple, Optional, Sequence
 
+from roah_rsbb.model.schedule import ScheduledEvent
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.language import tr, tr_later
 
 MINUTE_S, DAY_S = 60, 86400
 
-# By the state in ScheduleEvent.
+# By `ScheduledEvent.state`.
 _STATES = {
     "connected": tr_later("● connected"), "running": tr_later("▶ running"), "ended": tr_later("■ ended"),
     "next": tr_later("→ next"), "later": tr_later("later"), "skipped": tr_later("– skipped"),
@@ -21,57 +22,10 @@ _TO_COME = ("connected", "running", "ended", "next", "later")
 _IN_ZONE = ("connected", "running", "ended")
 
 
-class Event(NamedTuple):
-    """An event of the schedule with its state and results. Times are UTC seconds."""
-
-    number: int  # in the schedule of its zone, from 1
-    zone: str
-    code: str
-    benchmark: str
-    team: str
-    round: int
-    run: int
-    scheduled_utc_s: float
-    begins_utc_s: float  # when it began, or the estimated time
-    state: str
-    current: bool
-    identity: str  # of the run that counts; if none does, of the last one that is over; empty: none
-    end_reason: str
-    score: str
-    signed_utc_s: Optional[float]  # None: not signed off
-    signed_by: str
-    counts: str = ""  # whether that run counts, see `wording.counting`
-
-    @property
-    def late_s(self) -> float:
-        """By how many seconds it began, or will begin, after its scheduled time; at least 0."""
-        return max(0.0, self.begins_utc_s - self.scheduled_utc_s)
-
-    @property
-    def unsigned(self) -> bool:
-        """Whether a run is over, and one that counts is not signed off."""
-        return self.state == "ended" or (bool(self.identity) and self.signed_utc_s is None)
-
-
-def events_of(schedule: Any) -> List[Event]:
-    """Make the events of a Schedule message, or of anything with its fields."""
-    numbers: Dict[str, int] = {}
-    found = []
-    for line in schedule.events:
-        numbers[line.zone] = numbers.get(line.zone, 0) + 1
-        found.append(Event(
-            numbers[line.zone], line.zone, line.code, line.benchmark, line.team, line.round, line.run,
-            line.schedule.to_sec(), line.begins.to_sec(), line.state, line.current, line.identity, line.end_reason,
-            line.score, line.signed.to_sec() or None, line.signed_by,
-            line.counts,
-        ))
-    return found
-
-
 # -- words ------------------------------------------------------------------------------------------
 
 
-def state_text(event: Event) -> str:
+def state_text(event: ScheduledEvent) -> str:
     """Return the state of an event."""
     end = with_counting(sheets.end_reason(event.end_reason), event.counts, only_unusual=True)
     if event.state == "done":
@@ -82,7 +36,7 @@ def state_text(event: Event) -> str:
     return text
 
 
-def sheet_text(event: Event) -> str:
+def sheet_text(event: ScheduledEvent) -> str:
     """Return whether the score sheets of an event's runs that count are signed off; empty: no run is over."""
     if event.unsigned:
         return tr(sheets.NOT_SIGNED_OFF)
@@ -101,7 +55,7 @@ def delay_text(seconds: float) -> str:
     return tr("+{n} days", n=int(seconds // DAY_S))
 
 
-def summary(events: Sequence[Event]) -> str:
+def summary(events: Sequence[ScheduledEvent]) -> str:
     """Return how many events are signed off, not signed off, to come and skipped."""
     unsigned = sum(event.unsigned for event in events)
     counts = (
@@ -133,7 +87,7 @@ class EventFilter(NamedTuple):
     day: str = ""  # YYYY-MM-DD
     show: Show = Show.ALL
 
-    def shows(self, event: Event, in_utc: bool = False) -> bool:
+    def shows(self, event: ScheduledEvent, in_utc: bool = False) -> bool:
         """Return whether an event is shown."""
         return (
             self.zone in ("", event.zone) and self.team in ("", event.team)
@@ -141,7 +95,7 @@ class EventFilter(NamedTuple):
         )
 
 
-_SHOWN: Dict[Show, Callable[[Event], bool]] = {
+_SHOWN: Dict[Show, Callable[[ScheduledEvent], bool]] = {
     Show.ALL: lambda event: True,
     Show.TO_COME: lambda event: event.state in _TO_COME,
     Show.UNSIGNED: lambda event: event.unsigned,
@@ -149,7 +103,7 @@ _SHOWN: Dict[Show, Callable[[Event], bool]] = {
 }
 
 
-def day_of(event: Event, in_utc: bool = False) -> str:
+def day_of(event: ScheduledEvent, in_utc: bool = False) -> str:
     """Return the day of an event's scheduled time."""
     return times.formatted(event.scheduled_utc_s, "%Y-%m-%d", in_utc)
 
@@ -165,12 +119,12 @@ def moment_text(utc_s: float, with_day: bool, in_utc: bool = False) -> str:
 # -- choosing ---------------------------------------------------------------------------------------
 
 
-def left_unsigned(events: Iterable[Event], zone: str) -> Optional[Event]:
+def left_unsigned(events: Iterable[ScheduledEvent], zone: str) -> Optional[ScheduledEvent]:
     """Return the current event of a zone if its run is over and not signed off; None: nothing to confirm."""
     return next((event for event in events if event.zone == zone and event.current and event.unsigned), None)
 
 
-def why_not(events: Iterable[Event], chosen: Event) -> str:
+def why_not(events: Iterable[ScheduledEvent], chosen: ScheduledEvent) -> str:
     """Return why an event cannot become the current one of its zone; empty: it can."""
     current = next((event for event in events if event.zone == chosen.zone and event.current), None)
     if current is not None and current.state == "running":

@@ -5,9 +5,10 @@ are shown in the format that the caller passes (`When`).
 """
 
 import re
-from typing import Any, Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.model.records import ItemRecord
+from roah_rsbb.model.records import ItemRecord, SheetPoints
+from roah_rsbb.model.results import HistoryEntry
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import NOTHING
 
@@ -112,15 +113,6 @@ def author(who: str, role: str, device: str) -> str:
 # -- items and sums ---------------------------------------------------------------------------------
 
 
-# The types of scoring items, by their numbers in ScoreItem.
-ITEM_TYPES = ("bool", "uint", "int", "decimal", "choice", "rating")
-
-
-def type_word(number: int) -> str:
-    """Return the type of a scoring item; a type that a newer version wrote is shown as a count."""
-    return ITEM_TYPES[number] if number < len(ITEM_TYPES) else "uint"
-
-
 def item_value(type_: str, value: int, not_attempted: bool = False, text: str = "") -> str:
     """Return the value of a scoring item. `text`: of a type that is not a whole number."""
     if not_attempted:
@@ -170,9 +162,9 @@ def points_text(total: str, groups: Iterable[Tuple[str, str]]) -> str:
     return tr("{points} points", points=total) + more
 
 
-def points_of(message: Any) -> str:
-    """Return the points in SheetPoints; empty: the sheet gives none."""
-    return points_text(message.total, [(group.name, group.points) for group in message.groups]) if message.total else ""
+def points_of(points: Optional[SheetPoints]) -> str:
+    """Return the points of a sheet; empty: it gives none."""
+    return "" if points is None else points_text(*points)
 
 
 def _sum(group: GroupOfValues) -> str:
@@ -200,30 +192,6 @@ def signature(signed_utc_s: Optional[float], signed_by: str, when: When) -> str:
 
 
 # -- history ----------------------------------------------------------------------------------------
-
-
-class HistoryEntry(NamedTuple):
-    """One change of a score sheet. Times are UTC seconds."""
-
-    number: int
-    utc_s: float
-    who: str
-    group: str
-    item: str
-    type: str  # bool, uint, int, decimal, choice or rating
-    old: int
-    old_not_attempted: bool
-    value: int
-    not_attempted: bool
-    note: str = ""
-    correction: bool = False  # made after the run was over
-    withdrawn_utc_s: Optional[float] = None  # None: it counts
-    withdrawn_by: str = ""
-    withdrawn_note: str = ""
-    withdrawal_corrects: bool = False  # withdrawn after the run was over
-    old_text: str = ""  # of a type that is not a whole number
-    text: str = ""
-    judge: str = ""
 
 
 def mark_text(entry: HistoryEntry) -> str:
@@ -259,16 +227,6 @@ class EntryTexts(NamedTuple):
     note: str
     correction: str
     withdrawn: str
-
-
-def history_entry(message: Any, type_: str) -> HistoryEntry:
-    """Make an entry of a ScoreChange message, or of anything with its fields. `type_`: of its item."""
-    return HistoryEntry(
-        message.number, message.time.to_sec(), message.who, message.group, message.desc, type_,
-        message.old, message.old_not_attempted, message.value, message.not_attempted, message.note, message.correction,
-        message.withdrawn.to_sec() or None, message.withdrawn_by, message.withdrawn_note, message.withdrawal_corrects,
-        message.old_text, message.text, message.judge,
-    )
 
 
 def entry_texts(entry: HistoryEntry, when: When) -> EntryTexts:

@@ -1,8 +1,8 @@
 """The way of a STOP: sent, received by the box, received by the robot (docs/referee.md, "How to stop a robot")."""
 
 import enum
-from typing import Any
 
+from roah_rsbb.model.zone import ENDED, Zone
 from roah_rsbb.wording.language import tr, tr_later
 
 # After this time (s) without an answer of the box, or of the robot, the referee must act.
@@ -60,12 +60,12 @@ def way(passed_s: float, box_has_it: bool, is_by_hand: bool, not_stopped: bool) 
     return Way.STOPPED
 
 
-def leaving(details: Any) -> str:
-    """Return what the referee must know, and confirm, before they leave a run; empty: nothing. `details`: anything with
-    the fields of ZoneDetails. Ask for *disconnect*, *withdrawn* and *choose_event*: all of them leave a run."""
-    if details.phase != "ended" or not details.not_stopped:
+def leaving(zone: Zone) -> str:
+    """Return what the referee must know, and confirm, before they leave the run in a zone; empty: nothing. Ask for
+    *disconnect*, *withdrawn* and *choose_event*: all of them leave a run."""
+    if zone.phase != ENDED or not zone.not_stopped:
         return ""
-    return tr(LEAVING, robots=", ".join(details.not_stopped))
+    return tr(LEAVING, robots=", ".join(zone.not_stopped))
 
 
 def way_text(where: Way, zone: str) -> str:

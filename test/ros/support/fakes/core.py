@@ -1,4 +1,4 @@
-"""A core for tests of panels: the real box, with real ROS messages and services, but without network and disk.
+"""A core for tests of panels: the real box, with a real door, but without network and disk.
 
 `FakeCore` lives in a test's process. Its robots are always there, do at once what the box asks, and execute until the
 test ends the run. A test can also set what is published although the box does not say so: warnings, a log, a manual
@@ -6,54 +6,61 @@ operation and so on. As a program it is a core to try panels on: `python3 -m sup
 roscore.
 """
 
-import io
+import asyncio
 import threading
 import time
+from functools import partial
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
-from unittest import mock
 
+import rosgraph
 import rospy
 
 from helpers.commands import given_with, mark_with
 from helpers.forms import shown_form
+from roah_rsbb.box.calls import BoxCalls
+from roah_rsbb.box.door import Door
 from roah_rsbb.core.actions.base import ZoneAction
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.effects import RecordChanged
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import RunBook
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.model import fields, shown
+from roah_rsbb.core.views.document import Documents
+from roah_rsbb.document.calls import Call, InThread, Waiting, carried_out, waited
+from roah_rsbb.document.document import Written
+from roah_rsbb.document.place import write_place
+from roah_rsbb.model import fields
 from roah_rsbb.model.actions import ACTIONS, EVERY, MARK
 from roah_rsbb.model.clock import Now, one_moment
+from roah_rsbb.model.document import Document, RobotSeen, TabletSeen
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.modules import form_of_one
-from roah_rsbb.model.records import EndReason
+from roah_rsbb.model.reason import decoded
+from roah_rsbb.model.records import EndReason, ScoreValue
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.scoring import JudgesRule, ScoreKind, ScoringItem
-from roah_rsbb.msg import (
-    CoreDetails,
-    CoreToGui,
-    Judgings,
-    ModuleScore,
-    Results,
-    RobotInfo,
-    RunClock,
-    RunClocks,
-    Schedule,
-    Superseded,
-)
-from roah_rsbb.nodes.core.judging_convert import JudgingBoard
-from roah_rsbb.nodes.core.panel_messages import PanelMessages
-from roah_rsbb.nodes.core.results_convert import ResultsBoard
-from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
-from roah_rsbb.nodes.core.services import CoreServices
+from roah_rsbb.model.zone import LATELY_S, AllRobots, RunClock, Switches, Zone
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.ros import connections
+from roah_rsbb.ros.place import PARAM, file_of
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
-from support.fakes.node import Answers, FakeNode
+
+TOKEN = "a token"
+TICK_S = 0.05
+# All fake cores of the process open their doors in this loop.
+LOOP = asyncio.new_event_loop()
+threading.Thread(target=LOOP.run_forever, name="doors", daemon=True).start()
+
+
+def _in_loop(work: Callable[[], object]) -> None:
+    """Do something in the loop's thread, and wait for it."""
+    async def do() -> None:
+        work()
+
+    asyncio.run_coroutine_threadsafe(do(), LOOP).result()
+
 
 EVENTS = (
     ("HGTKMH", "Task Benchmark 1", "Getting to know my home", "TestingTeam", 600.0),
@@ -144,7 +151,7 @@ class FakeZone:
         self.all_robots: List[str] = []  # lines of all robots at once
         self.asked: Optional[Asked] = None  # manual operation
         self.goal = RunClock()  # its fields of the goal
-        self.module_scores: List[ModuleScore] = []
+        self.module_scores: List[ScoreValue] = []
         self.switches: Optional[Set[int]] = None  # HOMF: those that are on
         self.damaged = 0
         self.switches_asked = False
@@ -220,58 +227,30 @@ class FakeZone:
             return False
         return True
 
-    def put_into(self, state: Any, details: Any, clock: RunClock) -> None:
-        """Set in the messages what is published beside what the box says."""
-        state.log = state.log if self.log is None else self.log
-        state.online_data = self.online_data or state.online_data
-        state.scoring = state.scoring if self.has_items else []
-        details.items = details.items if self.has_items else []
-        details.robot = (self.robot or details.robot) if self.phase != "idle" else ""
-        details.robots = list(self.all_robots)
-        details.not_stopped += self.not_stopped
-        details.module_scores = list(self.module_scores)
-        clock.paused = self.paused or clock.paused
-        for field in ("goal", "goal_limit", "goal_elapsed", "goal_counting"):
-            setattr(clock, field, getattr(self.goal, field))
+    def put_into(self, shown: Zone) -> Zone:
+        """Return the zone with what is published beside what the box says."""
+        robot = shown.robot if self.robot is None or shown.robot is None else shown.robot._replace(robot=self.robot)
+        lines = tuple(self.all_robots)
+        clock = shown.clock._replace(paused=self.paused or shown.clock.paused, goal=self.goal.goal,
+                                     goal_limit=self.goal.goal_limit, goal_elapsed=self.goal.goal_elapsed)
+        shown = shown._replace(
+            log=shown.log if self.log is None else self.log,
+            online_data=self.online_data or shown.online_data,
+            items=shown.items if self.has_items else (),
+            robot=robot,
+            all_robots=AllRobots(shown.port, 0, 0, len(lines), lines) if lines else shown.all_robots,
+            not_stopped=(*shown.not_stopped, *self.not_stopped),
+            module_scores=tuple(self.module_scores),
+            clock=clock,
+        )
         asked, switches = self.asked, self.switches  # the test or a call may change them at any moment
         if asked is not None:
-            state.manual_operation = asked.text
-            details.operation = asked.operation
             operation = shown_form(asked.operation, asked.fields, asked.text)
-            details.actions = shown.written({**shown.read(details.actions), "operation": operation}.items())
+            shown = shown._replace(manual_operation=asked.text, operation=asked.operation,
+                                   actions={**shown.actions, "operation": operation})
         if switches is not None:
-            state.omf, state.omf_switches = True, bytes(sorted(switches))
-            state.omf_damaged, state.omf_complete = self.damaged, self.switches_asked
-
-
-class _Offered:
-    """The services of the core, by name: their types, and the functions that answer them in rospy's threads."""
-
-    def __init__(self, box: Any, event: Optional[Callable[..., None]]) -> None:
-        self.kinds: Dict[str, type] = {}
-        self.answers: Answers = {}
-        CoreServices(box, self, event)
-
-    def add(self, name: str, kind: type, handle: Callable[[Any], Any], wait: Optional[Callable[[Any], Any]] = None,
-            is_urgent: bool = False) -> None:
-        """As `LoopServices.add`."""
-        self.kinds[name] = kind
-        self.answers[name] = handle if wait is None else lambda request: wait(handle(request))
-
-
-def _read(message: Any) -> Any:
-    """What a subscriber gets: the core publishes messages whose parts are ready-made bytes."""
-    buffer = io.BytesIO()
-    message.serialize(buffer)
-    return next(kind for kind in TOPICS.values() if isinstance(message, kind))().deserialize(buffer.getvalue())
-
-
-TOPICS = {
-    "/core/to_gui": CoreToGui, "/core/details": CoreDetails, "/core/clocks": RunClocks, "/core/results": Results,
-    "/core/schedule": Schedule, "/core/judging": Judgings,
-    "/core/superseded": Superseded,
-}
-NODE = FakeNode(TOPICS, _Offered(mock.Mock(), None).kinds)  # the types do not depend on the box
+            shown = shown._replace(switches=Switches(tuple(sorted(switches)), self.damaged, self.switches_asked))
+        return shown
 
 
 class FakeCore:
@@ -281,7 +260,8 @@ class FakeCore:
         self, zones: tuple = ("Home A", "Home B"), box_uuid: str = "fake", silent: bool = False,
         items: Tuple[ScoringItem, ...] = ITEMS, judges: Optional[JudgesRule] = None,
     ) -> None:
-        """`silent`: publish nothing until the test sets this to False. `items`, `judges`: of all benchmarks."""
+        """`silent`: publish and answer nothing until the test sets this to False. `items`, `judges`: of all benchmarks.
+        """
         self._judges = judges
         self._items = items
         self.calls: List[tuple] = []  # see _CALLS
@@ -291,9 +271,8 @@ class FakeCore:
         self.answer_gate.set()
         self.held = ""  # the only method that waits for the gate, such as "sign_off"; empty: all
         self.deaf = False  # the robots do not obey the box any more
-        self._silent = silent
-        self._speaking = threading.Lock()  # held while it publishes by itself
-        self.said_utc_s = 0.0  # clock of the newest messages
+        self._speaks = threading.Event()
+        self.silent = silent
         self.box_warnings: List[str] = []
         self.superseded_by = ""
         self.heard_ago_s = 0.4
@@ -310,11 +289,12 @@ class FakeCore:
         self.box_uuid = box_uuid
         self.box = self._new_box(zones)
         self.zones = {name: FakeZone(self, name) for name in zones}
-        self._results, self._schedule = ResultsBoard(self.box, box_uuid), ScheduleBoard(self.box, box_uuid)
-        self._judging = JudgingBoard(self.box, box_uuid)
+        self._documents, self._written = Documents(self.box, box_uuid, "127.255.255.255"), Written(Document)
         self._robots_speak()
-        NODE.begin(self, _Offered(self.box, self._serve).answers)
-        self._timer = rospy.Timer(rospy.Duration(0.1), self._tick)
+        self._look()
+        calls = BoxCalls(self.box, self._serve).named()
+        self._door: Optional[Door] = None
+        _in_loop(lambda: self._open({name: partial(self._call, call) for name, call in calls.items()}))
 
     def _new_box(self, zones: tuple) -> Box:
         benchmarks = {code: Benchmark(code, name, desc, s, s, self._items, judges=self._judges)
@@ -342,13 +322,14 @@ class FakeCore:
     def close(self) -> None:
         """The test case is over."""
         self.answer_gate.set()
-        self._timer.shutdown()
-        NODE.end(self)
+        self.silent = False
+        self.leave()
 
     def leave(self) -> None:
-        """Topics and services are gone, as if the core's process had ended."""
-        self.close()
-        NODE.leave()
+        """The core's process has ended."""
+        door, self._door = self._door, None
+        if door is not None:
+            _in_loop(door.close)
 
     # -- the box ------------------------------------------------------------------------------------
 
@@ -363,9 +344,7 @@ class FakeCore:
                 method(self._now(), *arguments)
             finally:
                 self._robots_speak()
-                if any(isinstance(effect, RecordChanged) for effect in self.box.take_effects()):
-                    self._results.on_record_changed()
-                    self._judging.on_record_changed()
+                self.box.take_effects()
                 self.box.take_changed()
 
     def _now(self) -> Now:
@@ -409,64 +388,70 @@ class FakeCore:
             target, action, who, given = arguments
             self.words.append((target.run, given.get(_SAID[action], ""), who.rpartition(" (")[0]))
 
-    # -- topics -------------------------------------------------------------------------------------
+    # -- the door -----------------------------------------------------------------------------------
 
     @property
     def silent(self) -> bool:
-        """Whether the core publishes nothing by itself."""
-        return self._silent
+        """Whether the core hangs: it publishes and answers nothing."""
+        return not self._speaks.is_set()
 
     @silent.setter
     def silent(self, silent: bool) -> None:
-        with self._speaking:  # after the last messages
-            self._silent = silent
+        (self._speaks.clear if silent else self._speaks.set)()
 
     def clock(self) -> float:
         """The box's clock, UTC seconds."""
         return self._now().utc
 
-    def _tick(self, _event: object) -> None:
-        with self._speaking:
-            if not self._silent:
-                self.publish()
+    def _open(self, calls: Dict[str, Call]) -> None:
+        self._door = Door(LOOP, TOKEN, calls, self._now, self._written)
+        url = f"ws://127.0.0.1:{self._door.open('127.0.0.1')}/door"
+        write_place(file_of(rosgraph.get_master_uri()), url, TOKEN)
+        rospy.set_param(PARAM, {"url": url, "token": TOKEN})
+        self._tick()
 
-    def publish(self, clock: Optional[float] = None, scores: Optional[Dict[tuple, int]] = None) -> None:
-        """Publish once; `clock` and `scores` (of the first zone) make it an older message."""
-        with self._lock:  # also while it is sent: an older message must not come after a newer one
+    def _tick(self) -> None:
+        """Publish as the core does, and give signs of life, unless it is silent."""
+        door = self._door
+        if door is None:
+            return
+        LOOP.call_later(TICK_S, self._tick)
+        if not self.silent:
+            self._look()
+            door.publish()
+            door.sign()
+
+    def _look(self) -> None:
+        with self._lock:
             self.event(self.box.tick)
             now = self._now()
-            made = PanelMessages(self.box, self.box_uuid, "127.255.255.255")  # a new one: all of it is news
-            gui, details, clocks = _read(made.to_gui(now, {})), _read(made.details(now)), _read(made.clocks(now))
-            results, schedule, judging = (
-                board.take(now) for board in (self._results, self._schedule, self._judging))
-            for event in () if schedule is None else schedule.events:
-                if event.state in ("next", "later"):
-                    event.begins = event.schedule + rospy.Duration(LATE_S)
-            for zone, *messages in zip(self.zones.values(), gui.zones, details.zones, clocks.zones):
-                zone.put_into(*messages)
-            self._put_into(gui)
-            if clock is not None:
-                gui.clock = details.clock = clocks.clock = rospy.Time.from_sec(clock)
-            self.said_utc_s = gui.clock.to_sec()
-            if scores is not None:
-                for group in gui.zones[0].scoring:
-                    group.current_values = [scores.get((group.group_name, desc), 0) for desc in group.descriptions]
-            taken_over = Superseded(self.box_uuid, self.superseded_by) if self.superseded_by else None
-            for message in (gui, details, clocks, results, schedule, judging, taken_over):
-                if message is not None:
-                    topic = next(name for name, kind in TOPICS.items() if isinstance(message, kind))
-                    NODE.publish(self, topic, message)
+            self._written.update(self._put_into(self._documents.look(now), now), now)
 
-    def _put_into(self, gui: CoreToGui) -> None:
-        """Set the robots and the tablet, whose times a test can rely on."""
-        ago = rospy.Duration.from_sec
-        gui.active_robots = [
-            RobotInfo(team, robot, ago(skew), gui.clock - ago(self.heard_ago_s)) for team, robot, skew in self.robots
-        ]
-        gui.tablet_last_beacon = gui.clock - ago(0.6) if self.tablet_heard else rospy.Time()
-        gui.tablet_display_map = True
-        gui.tablet_call_time, gui.tablet_position_time = gui.clock - ago(75), gui.clock - ago(12)
-        gui.tablet_position_x, gui.tablet_position_y = 1.5, 3.25
+    def _call(self, call: Call, arguments: Any, caller: Any) -> InThread:
+        """Carry a call out in a thread, because a test may let it wait."""
+        def make() -> Any:
+            self._speaks.wait()
+            found = carried_out(call, arguments, caller)
+            answer = waited(found) if isinstance(found, (InThread, Waiting)) else found
+            if "refused" in answer:
+                raise Refused(decoded(answer["refused"]))
+            self._look()
+            return answer["answer"]
+
+        return InThread(make)
+
+    def _put_into(self, document: Document, now: Now) -> Document:
+        """Set what is published beside what the box says; and robots and a tablet whose times a test can rely on."""
+        silent_since = round(now.mono - self.heard_ago_s, 1) if self.heard_ago_s > LATELY_S else None
+        robots = {f"{robot} of team {team}": RobotSeen(team, robot, skew, silent_since)
+                  for team, robot, skew in self.robots}
+        tablet = TabletSeen(self.tablet_heard, None, True, round(now.utc) - 75, round(now.utc) - 12, 1.5, 3.25)
+        schedule = {key: event._replace(begins_utc_s=event.scheduled_utc_s + LATE_S)
+                    if event.state in ("next", "later") else event for key, event in document.schedule.items()}
+        return document._replace(
+            box=document.box._replace(tablet=tablet, superseded_by=self.superseded_by),
+            robots=robots, schedule=schedule,
+            zones={name: self.zones[name].put_into(zone) for name, zone in document.zones.items()})
 
 
 def _wire(now: Now) -> tuple:
