@@ -17,7 +17,7 @@ from roah_rsbb.core.views.document import Documents
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
-from roah_rsbb.nodes.core.panel_messages import PanelMessages
+from roah_rsbb.nodes.core.to_gui import ToGui
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio.radio import beacon_size
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
@@ -44,7 +44,7 @@ class World:
         config = Config({"HWV": BENCHMARK}, dict.fromkeys(self.teams, "password"), plans)
         self.now = START
         self.box = Box(config, Settings(listen_duration=0.0, max_datagram=8000), beacon_size)
-        self._panels = PanelMessages(self.box, "")
+        self._to_gui = ToGui(self.box)
         self._documents = Documents(self.box, "", "")
         self.box.tick(self.now)
 
@@ -74,8 +74,7 @@ class World:
     def publish(self) -> None:
         """The messages that the core node makes for panels ten times a second."""
         self.box.tick(self.now)
-        self._panels.to_gui(self.now, self._documents.look(self.now)).serialize(io.BytesIO())
-        self._panels.details(self.now)
+        self._to_gui.message(self.now, self._documents.look(self.now)).serialize(io.BytesIO())
 
     def in_runs(self) -> None:
         """All robots connected, started and executing."""

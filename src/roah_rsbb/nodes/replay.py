@@ -25,26 +25,17 @@ from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.msg import (
-    CoreDetails,
     CoreToGui,
     CoreToPublic,
-    Judgings,
     PublicBoard,
     PublicDetails,
     PublicExplained,
-    Results,
-    RunClocks,
-    Schedule,
-    Unsaved,
 )
 from roah_rsbb.nodes.core import public_convert
 from roah_rsbb.nodes.core.door import BoxDoor
-from roah_rsbb.nodes.core.judging_convert import JudgingBoard
-from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.public_board import PublicBoardMaker
-from roah_rsbb.nodes.core.results_convert import ResultsBoard
-from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
 from roah_rsbb.nodes.core.services import CoreServices
+from roah_rsbb.nodes.core.to_gui import ToGui
 from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuration, read_run
 from roah_rsbb.results.runs import NoSuchRun
 from roah_rsbb.ros import connections
@@ -63,7 +54,7 @@ FASTEST = 64.0
 ANSWER_S, QUICK_ANSWER_S = 5.0, 0.5  # for a core's answer: before the replay, and while panels are served
 LONGEST_TICK_S = 2 * PERIOD_S
 # The replay begins when somebody listens to one of these: a panel, a terminal or a public display.
-BEGINS_WITH = (CoreDetails, PublicDetails)
+BEGINS_WITH = (CoreToGui, PublicDetails)
 
 _DESCRIPTION = """\
 Publishes what the core published in an earlier run, for training referees and for testing displays. Start panels and
@@ -141,30 +132,23 @@ class ReplayNode:
         self._last_s = 0.0  # of the loop's clock
         self._has_begun = self._said_end = False
         box = shown.box
-        self._panels = PanelMessages(box, self._uuid)
+        self._to_gui = ToGui(box)
         calls = BoxCalls(box, self._event)
         self._door = BoxDoor(self._ros.loop, box, self._uuid, "", lambda: self._shown.now, dict, tuple, calls.named(),
                              lambda: None)
-        self._results = ResultsBoard(box, self._uuid)
-        self._judging = JudgingBoard(box, self._uuid)
-        self._schedule = ScheduleBoard(box, self._uuid)
         self._public = public_convert.PublicSchedule(box)
         self._board = PublicBoardMaker(box, self._uuid, {})
         self._last_explained: Optional[Tuple[Explanation, ...]] = None
         self._topics = {
             kind: rospy.Publisher(name, kind, queue_size=1, latch=True) for name, kind in (
-                (GUI_TOPIC, CoreToGui), ("/core/details", CoreDetails), ("/core/clocks", RunClocks),
-                ("/core/results", Results), ("/core/schedule", Schedule), ("/core/unsaved", Unsaved),
-                ("/core/judging", Judgings), ("/core/to_public", CoreToPublic),
-                ("/core/public_details", PublicDetails), ("/core/public_board", PublicBoard),
-                ("/core/public_explained", PublicExplained),
+                (GUI_TOPIC, CoreToGui), ("/core/to_public", CoreToPublic), ("/core/public_details", PublicDetails),
+                ("/core/public_board", PublicBoard), ("/core/public_explained", PublicExplained),
             )
         }
-        CoreServices(box, LoopServices(self._ros.loop), self._event, calls)
+        CoreServices(box, LoopServices(self._ros.loop), calls)
 
     def run(self) -> int:
         """Run until shut down; returns the exit status."""
-        self._topics[Unsaved].publish(Unsaved(self._uuid, []))
         self._last_s = self._ros.loop.time()
         self._door.open()
         self._tick()
@@ -209,17 +193,13 @@ class ReplayNode:
     def _publish(self) -> None:
         # Panels mark a message as old if its clock did not advance. So it advances a little even if no time passes.
         box, now = self._shown.box, self._shown.now.later(self._ticks * CLOCK_STEP_S)
-        self._results.on_record_changed()
-        self._judging.on_record_changed()
-        messages: List[Any] = [
-            self._panels.to_gui(now, self._door.publish()), self._panels.details(now), self._panels.clocks(now),
-        ]
+        messages: List[Any] = [self._to_gui.message(now, self._door.publish())]
         if self._ticks % PUBLIC_EVERY == 0:
             public = self._public.to_public(now)
             public.clock = f"{PREFIX}{public.clock}"
             view = public_view(box, now, PublicResults.NONE)
             messages += [public, public_convert.public_details(view, now, self._uuid), self._board.take(now, view),
-                         self._explained(), self._schedule.take(now), self._results.take(now), self._judging.take(now)]
+                         self._explained()]
         for message in messages:
             if message is not None:
                 publisher = next(topic for kind, topic in self._topics.items() if isinstance(message, kind))

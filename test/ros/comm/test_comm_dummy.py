@@ -12,7 +12,6 @@ from support.robots import wire
 from support.run_logs import RunLog
 from support.waiting import wait_until
 
-from roah_rsbb.model import shown
 from roah_rsbb.msg import DevicesState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState
@@ -108,7 +107,7 @@ class TestMisbehaviour(DummyCase):
 
     def test_a_wrong_clock(self) -> None:
         self.dummy("Beta", clock_offset=0.5)
-        self.box.wait_details("Skewed", lambda d: any("Clock skew" in reason for reason in shown.off(d, "connect")),
+        self.box.wait_details("Skewed", lambda d: any("Clock skew" in reason for reason in d.off("connect")),
                               "connect is off, because of the skew")
         wait_until(lambda: self.box.robot("Beta") and abs(self.box.robot("Beta").skew.to_sec() - 0.5) < 0.1,
                    lambda: f"the skew is shown:\n{self.box.gui.active_robots}")

@@ -21,7 +21,7 @@ from support.waiting import LIMIT_S, wait_until
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError
-from roah_rsbb.msg import CopyState, CoreToPublic, PublicDetails, Superseded, Unsaved
+from roah_rsbb.msg import CopyState, CoreToPublic, PublicDetails
 
 ZONE = "Home"
 PORT = RSBB_PORT + 94
@@ -135,13 +135,13 @@ class TestBackup(OwnCoreCase):
         listener = self.participant(LISTENER)
         wait_until(lambda: STANDBY in {host for _, host in listener.heard}, "the other box sends")
         listener.heard.clear()
-        clocks, entries = (self.box.gui.clock, self.box.details.clock), self.entries(self.log_dir)
+        clock, document, entries = self.box.gui.clock, self.box.document, self.entries(self.log_dir)
         self.core.proceed()
         self.assertEqual(self.core.wait_ended(), 1)
         self.assertRegex(self.core.text, "was not running for .* The box at .* has taken over meanwhile")
         self.network.read_all()
         self.assertNotIn(BOX, {host for _, host in listener.heard}, "it sends nothing to robots")
-        self.assertEqual((self.box.gui.clock, self.box.details.clock), clocks, "and nothing to panels")
+        self.assertEqual((self.box.gui.clock, self.box.document), (clock, document), "and nothing to panels")
         self.assertEqual(self.entries(self.log_dir), entries, "and records nothing")
         robot.wait_did("execute HGTKMH", 2)  # after 5 s without its first box
         robot.let("execute")
@@ -189,8 +189,7 @@ class TestBackup(OwnCoreCase):
             self.assertEqual(there, self.marks(self.log_dir))
 
     def test_two_copies_are_demanded(self) -> None:
-        far, unsaved = self.folder / "far", []
-        self.addCleanup(rospy.Subscriber("/core/unsaved", Unsaved, unsaved.append).unregister)
+        far = self.folder / "far"
         self.start_with("two", standby_port=PORT)
         line = len(self.schedule.read_text("utf-8").splitlines())
         robot = self.robot("Alpha")
@@ -205,12 +204,12 @@ class TestBackup(OwnCoreCase):
         self.assertIn(f"delete 'durable: two' in {self.schedule}:{line} and reload", why)
         self.assertIn("It counts, and is saved on this computer: do not enter it again", why)
         self.box.wait_scored(ZONE, (*DOOR, 0, 1))
-        wait_until(lambda: unsaved and any(run.entries for run in unsaved[-1].runs), "panels mark it")
+        wait_until(lambda: any(run.entries for run in self.box.document.box.unsaved), "panels mark it")
 
         # As soon as there is one, all of it is confirmed.
         follower = self.start_standby(far)
         self.wait_no_warning(NOT_CONFIRMED)
-        wait_until(lambda: not unsaved[-1].runs, "panels mark nothing any more")
+        wait_until(lambda: not self.box.document.box.unsaved, "panels mark nothing any more")
         self.assertEqual(len(self.marks(far)), 1)
         self.assert_confirmed_with_copy(far)
 
@@ -230,7 +229,7 @@ class TestBackup(OwnCoreCase):
         self.assertEqual(called("reload", "--yes", "--by", "Olga").returncode, 0)
         self.assertEqual(self.enter(0), "")
         self.wait_no_warning(NOT_CONFIRMED)
-        wait_until(lambda: not unsaved[-1].runs, "panels mark nothing any more")
+        wait_until(lambda: not self.box.document.box.unsaved, "panels mark nothing any more")
 
     def test_a_standby_is_replaced(self) -> None:
         """Whoever reads the log or a topic cannot do that, and every referee hears of it."""
@@ -359,9 +358,8 @@ class TestBackup(OwnCoreCase):
         """The box says on each panel that it was superseded, and by whom."""
         warning = self.wait_warned("This box is superseded")
         wait_until(lambda: warning in self.box.gui.status, "the status says so, too")
-        heard = rospy.wait_for_message("/core/superseded", Superseded, LIMIT_S)
-        wait_until(lambda: self.box.details.box_uuid == heard.box_uuid, "that topic is from the same core")
-        self.assertIn(f"the box at {heard.by} has taken over", warning)
+        by = wait_until(lambda: self.box.document.box.superseded_by, "panels know who took over")
+        self.assertIn(f"the box at {by} has taken over", warning)
 
     def assert_not_live(self) -> None:
         """Public displays hear no clock any more, so they say that there is no signal."""
@@ -370,7 +368,7 @@ class TestBackup(OwnCoreCase):
             self.addCleanup(rospy.Subscriber(f"/core/{topic}", kind, heard.append).unregister)
         # Both came twice a second. The first one may be an old one that is latched.
         wait_until(lambda: [message.clock for message in public].count("not live") > 4, "the box publishes")
-        details = [message for message in details if message.box_uuid == self.box.details.box_uuid]
+        details = [message for message in details if message.box_uuid == self.box.uuid]
         self.assertLessEqual(len(details), 1, "only the latched one")
         self.assertFalse(public[-1].schedule)
 

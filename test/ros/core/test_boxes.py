@@ -11,8 +11,6 @@ from support.programs import Program, own
 from support.robots import BOX, CONFIG
 from support.waiting import wait_until
 
-from roah_rsbb.model import shown
-
 EARLY_BOX, LATER_BOX = "127.0.0.5", "127.0.0.6"
 LISTENING_S = 5.0
 
@@ -46,19 +44,19 @@ class TestTwoBoxes(BoxCase):
         warning = (f"ANOTHER RSBB was heard at {BOX}, so this box sends nothing until you press connect. Stop the "
                    "other box first, or take that computer off the network if it is none of yours")
         wait_until(lambda: warning in other.gui.status, "its referee sees the other box's address")
-        wait_until(lambda: warning in other.details.warnings, "so do all others")
+        wait_until(lambda: warning in other.warnings, "so do all others")
         second.wait_printed("[ERROR]")
         self.robot("Zeta")
         other.wait_details(
-            "Two boxes", lambda d: not shown.off(d, "connect"),
+            "Two boxes", lambda d: not d.off("connect"),
             "it listened for long enough, and connects robots")
         self.assertNotIn(EARLY_BOX, {host for _, host in listener.heard}, "it only listened")
-        self.assertFalse([warning for warning in self.box.details.warnings if EARLY_BOX in warning])
+        self.assertFalse([warning for warning in self.box.warnings if EARLY_BOX in warning])
 
         # Its referee decides: the other one is nobody's.
         other.connect("Two boxes")
         wait_until(lambda: EARLY_BOX in {host for _, host in listener.heard}, "it transmits")
-        wait_until(lambda: any(EARLY_BOX in text for text in self.box.details.warnings), "the first box warns")
+        wait_until(lambda: any(EARLY_BOX in text for text in self.box.warnings), "the first box warns")
         self.assertIsNone(second.ended_mono)
 
     def test_a_box_that_comes_later_is_reported_to_every_referee(self) -> None:
@@ -72,7 +70,7 @@ class TestTwoBoxes(BoxCase):
         for client, host in ((self.box, LATER_BOX), (other, BOX)):
             warning = (f"ANOTHER RSBB is transmitting from {host}, and robots obey both: stop it, or take that "
                        "computer off the network")
-            wait_until(lambda c=client, w=warning: w in c.details.warnings, lambda w=warning: f"the warning: {w}")
+            wait_until(lambda c=client, w=warning: w in c.warnings, lambda w=warning: f"the warning: {w}")
             wait_until(lambda c=client, w=warning: w in c.gui.status, lambda w=warning: f"the status: {w}")
         second.wait_printed("[ERROR]")
         self.assertEqual(self.box.zone_details("Two boxes").phase, "running")

@@ -6,14 +6,12 @@ import shutil
 import tempfile
 from typing import List
 
-import rospy
 from support.box_client import Refusal
 from support.own_core import OwnCoreCase
 from support.robots import Robot
-from support.waiting import happened, wait_until
+from support.waiting import wait_until
 
 from helpers.small_disk import CannotMount, SmallDisk
-from roah_rsbb.msg import Unsaved
 
 ZONE = "Home"
 GROUP, DOOR = "Achievements", "Detects the door whose state has changed"
@@ -34,13 +32,10 @@ class DiskCase(OwnCoreCase):
         except (CannotMount, OSError) as error:
             self.skipTest(f"no file system can be mounted here: {error}")
         self.log_dir = self.disk.path / "logs"
-        subscriber = rospy.Subscriber("/core/unsaved", Unsaved, self.on_unsaved)
-        self.addCleanup(subscriber.unregister)
         return self.disk
 
     def start(self) -> None:
         """Start the core, with its log_dir on the disk."""
-        self.unsaved = None
         self.start_core(pathlib.Path(self.disk.mount_point) / "logs", self.disk.inside)
 
     def running(self) -> Robot:
@@ -63,16 +58,8 @@ class DiskCase(OwnCoreCase):
 
     def wait_unsaved(self, entries: List[int]) -> None:
         """Wait until panels know that these entries of the run's history are not saved."""
-        def is_so() -> bool:
-            unsaved = self.unsaved
-            return (unsaved is not None and unsaved.box_uuid == self.box.details.box_uuid
-                    and [n for run in unsaved.runs for n in run.entries] == entries)
-
-        wait_until(is_so, lambda: f"{entries} are not saved; published:\n{self.unsaved}")
-
-    def on_unsaved(self, unsaved: Unsaved) -> None:
-        self.unsaved = unsaved
-        happened()
+        wait_until(lambda: [n for run in self.box.document.box.unsaved for n in run.entries] == entries,
+                   lambda: f"{entries} are not saved; published:\n{self.box.document.box.unsaved}")
 
     def say(self, robot: Robot, *sayings: str) -> None:
         """Let the robot send a text, and wait until the box has it."""

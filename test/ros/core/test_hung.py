@@ -94,7 +94,7 @@ class TestHungCore(OwnCoreCase):
             if call is not None:
                 call()
             return call is not None
-        pid, before, acknowledged = holder_of(str(self.log_dir)), self.box.details.box_uuid, []
+        pid, before, acknowledged = holder_of(str(self.log_dir)), self.box.uuid, []
 
         def try_call() -> None:
             with contextlib.suppress(Refusal, AssertionError, rospy.ROSException):

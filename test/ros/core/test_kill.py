@@ -128,13 +128,13 @@ class TestKilledOnce(KillCase):
         self.start()
         alpha = self.robot("Alpha")
         port = self.begin("Home", alpha, "HGTKMH")
-        hung, before = self.core, self.box.details.box_uuid
+        hung, before = self.core, self.box.uuid
         self.addCleanup(hung.kill)
         hung.stop()
         waiting = self._leaving(Core({**BENCHMARKS, "schedule_file": CONFIG / "kill.yaml", "log_dir": self.log_dir}))
         wait_until(lambda: f"in use by process {hung.pid}, which is stopped" in waiting.text
                    and f"kill -9 {hung.pid}" in waiting.text, lambda: f"it waits; it printed\n{waiting.text}")
-        self.assertEqual(self.box.details.box_uuid, before, "it does not speak yet")
+        self.assertEqual(self.box.uuid, before, "it does not speak yet")
         hung.kill()
         self.box.wait_other_core(before, lambda: f"a core is heard; it printed\n{waiting.text}")
         self.box.wait_phase("Home", "running")

@@ -8,9 +8,9 @@ from typing import List
 import rospy
 from support.box_case import BoxCase
 from support.box_client import Refusal
-from support.waiting import LIMIT_S, happened, wait_until
+from support.waiting import happened, wait_until
 
-from roah_rsbb.msg import PublicBoard, PublicDetails, Results
+from roah_rsbb.msg import PublicBoard, PublicDetails
 
 DOOR = ("Achievements", "Detects the door whose state has changed")
 FIRST = calendar.timegm((2015, 12, 31, 9, 0, 0))
@@ -72,7 +72,7 @@ class TestPublicDetails(BoxCase):
         self.standing()
 
     def before(self) -> None:
-        self.assertEqual(self.newest.box_uuid, self.box.details.box_uuid)
+        self.assertEqual(self.newest.box_uuid, self.box.uuid)
         first = self.newest.following[0]
         self.assertEqual((first.zone, first.team, first.benchmark), ("Home", "Alpha", "Getting to know my home"))
         self.assertEqual((first.round, first.run, first.scheduled.to_sec()), (2, 3, FIRST))
@@ -94,8 +94,8 @@ class TestPublicDetails(BoxCase):
         self.assertLess(abs(run.ends.to_sec() - clock - 600.0), 100.0)
 
     def sign_off(self) -> None:
-        runs = rospy.wait_for_message("/core/results", Results, LIMIT_S).runs
-        self.box.act("sign_off", "Home", runs[0].identity, "Anna")
+        self.box.wait_current()
+        self.box.act("sign_off", "Home", self.box.document.runs()[0].identity, "Anna")
 
     def standing(self) -> None:
         boards: List[PublicBoard] = []

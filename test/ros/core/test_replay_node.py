@@ -20,8 +20,8 @@ from support.programs import Program, own, run
 from support.waiting import wait_until
 
 from roah_rsbb.journal.file import FILE_NAME
-from roah_rsbb.model import shown
-from roah_rsbb.msg import CoreDetails, Judgings, PublicExplained
+from roah_rsbb.model.document import Document
+from roah_rsbb.msg import PublicExplained
 from roah_rsbb.nodes.replay import live_core
 from roah_rsbb.wording.replay import PREFIX
 
@@ -65,34 +65,30 @@ class TestReplay(OwnCoreCase):
         self.core.kill()  # the master still lists it
         self._occupy(port)
         self.box.public = None
-        heard: List[CoreDetails] = []
-        followed = rospy.Subscriber("/core/details", CoreDetails, heard.append)
-        self.addCleanup(followed.unregister)
+        documents: List[Document] = []
+        self.box.on_document = documents.append
         explained: List[PublicExplained] = []
-        judged: List[Judgings] = []
-        for name, kind, found in (("/core/public_explained", PublicExplained, explained),
-                                  ("/core/judging", Judgings, judged)):
-            self.addCleanup(rospy.Subscriber(name, kind, found.append).unregister)
+        self.addCleanup(rospy.Subscriber("/core/public_explained", PublicExplained, explained.append).unregister)
         replay = self._leaving(Program(own("replay"), journal, identity))
         replay.wait_printed("The run is over. Its last moment stays")
-        wait_until(lambda: heard and heard[-1].zones[0].phase == "idle", "the end of the run is heard")
+        wait_until(lambda: documents and documents[-1].box.is_replay and documents[-1].zones["Home"].phase == "idle",
+                   "the end of the run is heard")
         wait_until(lambda: self.box.public and self.box.public.clock.startswith(PREFIX), "the public display is marked")
         wait_until(lambda: explained and not explained[-1].runs, "nothing is explained after the run")
         marked = [message for message in explained if message.box_uuid.startswith(PREFIX)]
         doing = [run.doing for message in marked for run in message.runs]
         self.assertEqual((doing[0], doing[-1]), ("waiting", "ended"))
         self.assertIn("executing", doing)
-        self.assertEqual([message.runs for message in judged if message.box_uuid.startswith(PREFIX)], [[]])
-        messages = [message for message in heard if message.box_uuid.startswith(PREFIX)]
-        zones = [zone for message in messages for zone in message.zones]
+        replayed = [document for document in documents if document.box.is_replay]
+        zones = [document.zones["Home"] for document in replayed]
         phases = [phase for phase, _ in itertools.groupby(zone.phase for zone in zones)]
         self.assertEqual(phases, ["connected", "running", "ended", "idle"])
         for zone in zones:
-            self.assertEqual((zone.zone, shown.off(zone, "stop"), shown.off(zone, "connect")),
+            self.assertEqual((zone.zone, zone.off("stop"), zone.off("connect")),
                              ("Home", (REASON,), (REASON,)))
         *_, ended = (zone for zone in zones if zone.phase == "ended")
-        self.assertEqual((ended.identity, ended.end_reason, ended.robot_state), (identity, "stopped", "STOP"))
-        self.assertEqual(messages[0].warnings, [REASON])
+        self.assertEqual((ended.identity, ended.end_reason, ended.robot.robot_state), (identity, "stopped", "STOP"))
+        self.assertEqual(replayed[0].box.warnings, (REASON,))
         wait_until(lambda: self.box.gui.status == REASON, "the status says it, too")
         ended_at = self.box.gui.clock
         wait_until(lambda: self.box.gui.clock > ended_at, "panels see that the replay still runs")

@@ -18,7 +18,6 @@ from support.waiting import happened, wait_until
 
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encode
-from roah_rsbb.model import shown
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
 
@@ -219,7 +218,7 @@ class TestPasswords(BoxCase):
         wait_until(lambda: b"all is well" in self.published.get("/core/to_gui", b""), "the topics are heard")
         box.connect("Guessed")
         box.wait_details(
-            "Guessed", lambda d: any("password" in r for r in shown.off(d, "start")),
+            "Guessed", lambda d: any("password" in r for r in d.off("start")),
             "the referee sees the reason")
         robot.let("execute")
         box.wait_text("Secrets", "Benchmark completed by the robot")

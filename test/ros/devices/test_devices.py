@@ -246,7 +246,7 @@ class TestCatering(DevicesCase):
         headers = [message._connection_header for message in (self.state, self.status)]
         kill_if_there(hung)
         self.wait_log("Catering", f"{not_set}: no devices node answers")
-        wait_until(lambda: any("blinds was not set to 44" in w for w in self.box.details.warnings), "it is a warning")
+        wait_until(lambda: any("blinds was not set to 44" in w for w in self.box.warnings), "it is a warning")
         wait_until(lambda: not any(message._connection_header is header for header in headers
                                    for message in (self.state, self.status)), "another node publishes both")
         self.wait_connected()
@@ -256,7 +256,7 @@ class TestCatering(DevicesCase):
 
     def test_a_missing_controller_is_reported_and_gets_all_values_when_it_is_back(self):
         def warned():
-            return any("Home devices" in warning for warning in self.box.details.warnings)
+            return any("Home devices" in warning for warning in self.box.warnings)
         wait_until(lambda: not warned(), "no warning")
         no_controller = self._leaving(NoController())
         self.wait_connected(False)

@@ -15,7 +15,6 @@ from support.robots import BOX, BROADCAST, CONFIG, PASSWORDS, RSBB_PORT, PublicP
 from support.run_logs import RunLog
 from support.waiting import LIMIT_S, happened, wait_until
 
-from roah_rsbb.model import shown
 from roah_rsbb.msg import ModulesState
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
@@ -71,7 +70,7 @@ class TestDummySetUp(NetworkCase):
         self.assertEqual(states, [BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT, BoxState.STOP])
 
     def listens_at_first(self, box: BoxClient, listener: PublicParticipant) -> None:
-        box.wait_details("Hall", lambda d: any("still listening" in reason for reason in shown.off(d, "connect")),
+        box.wait_details("Hall", lambda d: any("still listening" in reason for reason in d.off("connect")),
                          "connect is off while the box only listens")
         self.assertIn("The box is still listening for another box", box.refusal("connect", "Hall"))
         self.assertIsNone(listener.beacon)

@@ -18,7 +18,6 @@ from support.robots import BOX, BROADCAST, RSBB_PORT
 from support.waiting import LIMIT_S, wait_until
 
 from roah_rsbb.journal.file import FILE_NAME
-from roah_rsbb.model import shown
 
 ZONES = ["Task Benchmarks", "Functionality Benchmarks"]
 # A team that has an address in the tests; its password is a new one.
@@ -82,7 +81,7 @@ class TestNewCompetition(NetworkCase):
         with open(os.path.join(self.directory, "passwords.yaml"), encoding="utf-8") as file:
             password = yaml.safe_load(file)[TEAM]
         robot = self.robot(TEAM, password=password)
-        box.wait_details(ZONES[0], lambda details: not shown.off(details, "connect"), "connect is possible")
+        box.wait_details(ZONES[0], lambda details: not details.off("connect"), "connect is possible")
         self.assertEqual(box.zone(ZONES[0]).team, TEAM)
         box.connect(ZONES[0])
         robot.wait_said()

@@ -6,8 +6,6 @@ import shutil
 from support.modules_case import FaultsCase
 from support.robots import CONFIG
 
-from roah_rsbb.model import shown
-
 
 class TestParameters(FaultsCase):
     def test_wrong_parameters_can_be_repaired_without_a_restart(self) -> None:
@@ -65,7 +63,7 @@ class TestParameters(FaultsCase):
         (own / "HNF.yaml").write_text(good, encoding="utf-8")
         (own / "ground_truth.yaml").write_text("source: none\n", encoding="utf-8")
         self.box.wait_details("HNF 2", lambda d: "ground truth is off" in " ".join(d.warnings), "a warning")
-        self.box.wait_details("HNF 2", lambda d: not shown.off(d, "start"), "nothing is wrong")
+        self.box.wait_details("HNF 2", lambda d: not d.off("start"), "nothing is wrong")
         self.box.start("HNF 2")
         placed = self.answer("HNF 2")
         scores, _ = self.to_the_end("HNF 2", placed, end_reason="goals_timed_out")
@@ -76,7 +74,7 @@ class TestParameters(FaultsCase):
     def wait_off(self, zone: str, *patterns: str) -> None:
         """Wait until start is off for exactly these reasons."""
         def fits(details) -> bool:
-            off = shown.off(details, "start")
+            off = details.off("start")
             return len(off) == len(patterns) and all(map(re.search, patterns, off)) and details.robot_state
         self.box.wait_details(zone, fits, f"off: {patterns}")
 

@@ -55,7 +55,7 @@ class BoxCase(NetworkCase):
     def _end_runs(self) -> None:
         """Remove what a failed case left, so that it does not affect the next one."""
         self.box.wait_current()
-        for zone in self.box.details.zones:
+        for zone in self.box.document.zones.values():
             if zone.phase != "idle":
                 with contextlib.suppress(Refusal):
                     self.box.command("disconnect", zone.zone)
@@ -77,7 +77,7 @@ class BoxCase(NetworkCase):
 
     def kill_core(self, number: signal.Signals = signal.SIGKILL) -> None:
         """Send a signal to the core's process, and wait until roslaunch has restarted it."""
-        uuid = self.box.details.box_uuid
+        uuid = self.box.uuid
         kill(CORE, number)
         self.box.wait_other_core(uuid)
 

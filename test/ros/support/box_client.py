@@ -1,18 +1,23 @@
-"""The core as a referee's program sees it: its topics, followed, and its services, called."""
+"""The core as a referee's program sees it: its document, its original topics, followed, and its services, called."""
 
-import json
 import re
 import time
-from typing import Any, Callable, ClassVar, List, Optional, TypeVar
+from typing import Any, Callable, ClassVar, List, Optional, Tuple, TypeVar
 
 import rospy
 from std_msgs.msg import Empty
 
 from helpers.commands import given_with
+from roah_rsbb.client.client import Client
+from roah_rsbb.document.place import NotFound, Place
 from roah_rsbb.model.actions import ACTIONS
-from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, Score, ZoneDetails, ZoneState
+from roah_rsbb.model.document import Document
+from roah_rsbb.model.zone import RobotInRun, Zone
+from roah_rsbb.msg import CoreToGui, CoreToPublic, Score, ZoneState
 from roah_rsbb.ros import refusals
-from roah_rsbb.srv import Act, Zone, ZoneScore
+from roah_rsbb.ros.place import PARAM
+from roah_rsbb.srv import Zone as ZoneRequest
+from roah_rsbb.srv import ZoneScore
 from support.connections import wait_sends
 from support.waiting import LIMIT_S, happened, wait_until
 
@@ -34,12 +39,30 @@ class NoAnswer(AssertionError):
     """The core was killed during a call, or hangs."""
 
 
+class SeenZone:
+    """A zone of the document (`model.zone.Zone`), with the fields of the robot in its run."""
+
+    def __init__(self, zone: Zone) -> None:
+        self._zone = zone
+
+    def __getattr__(self, name: str) -> Any:
+        if hasattr(self._zone, name):
+            return getattr(self._zone, name)
+        return getattr(self._zone.robot or NO_ROBOT, name)
+
+    def __repr__(self) -> str:
+        return repr(self._zone)
+
+
+NO_ROBOT = RobotInRun("", 0, "")
+
+
 class BoxClient:
     """Follows one core and commands it. `prefix` stands before all names of a core that was remapped.
 
-    Each topic comes in its own time: data of one topic may not be in the last message of another yet. The attributes
-    `gui`, `details` and `public` are the last messages. `zone` and `zone_details` read what is true now. All waits
-    consider only messages that the core made after the last command.
+    Each topic, and the document, comes in its own time: data of one may not be in the last message of another yet. The
+    attributes `gui` and `public` are the last messages, `document` the last document. `zone` and `zone_details` read
+    what is true now. All waits consider only what the core made after the last command.
     """
 
     # UTC of the end of the last command of any client in this process: a later test case has another client.
@@ -47,21 +70,35 @@ class BoxClient:
 
     def __init__(self, prefix: str = "") -> None:
         self.gui: Optional[CoreToGui] = None
-        self.details: Optional[CoreDetails] = None
         self.public: Optional[CoreToPublic] = None
         self.timeouts = 0  # messages on /timeout
         self._prefix = prefix
+        self.on_document: Callable[[Document], object] = lambda document: None  # called in another thread
+        self._client = Client(Document, self._find, self._on_document)
+        self._client.start()
         self._subscribers = [
             rospy.Subscriber(f"{prefix}/core/to_gui", CoreToGui, lambda m: self._set("gui", m)),
-            rospy.Subscriber(f"{prefix}/core/details", CoreDetails, lambda m: self._set("details", m)),
             rospy.Subscriber(f"{prefix}/core/to_public", CoreToPublic, lambda m: self._set("public", m)),
             rospy.Subscriber(f"{prefix}/timeout", Empty, lambda _: self._set("timeouts", self.timeouts + 1)),
         ]
 
     def close(self) -> None:
         """Stop following."""
+        self._client.close()
         for subscriber in self._subscribers:
             subscriber.unregister()
+
+    def _find(self) -> Place:
+        try:
+            found = rospy.get_param(f"{self._prefix}{PARAM}")
+        except KeyError:
+            raise NotFound("there is no core") from None
+        return Place(found["url"], found["token"])
+
+    def _on_document(self) -> None:
+        if self.document is not None:
+            self.on_document(self.document)
+        happened()
 
     def _set(self, what: str, value: object) -> None:
         setattr(self, what, value)
@@ -69,10 +106,25 @@ class BoxClient:
 
     # -- looking ------------------------------------------------------------------------------------
 
+    @property
+    def document(self) -> Optional[Document]:
+        """The last document; None: none has come yet."""
+        return self._client.document
+
+    @property
+    def uuid(self) -> str:
+        """Identity of the core; empty: it was not heard."""
+        return "" if self.document is None else self.document.box.uuid
+
+    @property
+    def warnings(self) -> Tuple[str, ...]:
+        """The last warnings for every referee."""
+        return self.document.box.warnings
+
     def wait_heard(self, limit_s: float = LIMIT_S) -> "BoxClient":
         """Wait for the core's first messages."""
-        wait_until(lambda: self._is_current(self.gui) and self._is_current(self.details) and self.public,
-                   "all topics of the core are heard", limit_s)
+        wait_until(lambda: self._is_current(self.gui) and self.public and self.document,
+                   "all topics of the core, and its document, are heard", limit_s)
         return self
 
     def wait_timeouts_heard(self) -> None:
@@ -80,31 +132,41 @@ class BoxClient:
         wait_sends(CORE, self._subscribers[-1])
 
     def wait_other_core(self, uuid: str, what: Callable[[], str] = lambda: "another core runs") -> None:
-        """Wait until another core than the one of this identity is heard on all topics."""
-        wait_until(lambda: self.details and self.details.box_uuid != uuid and self.gui
-                   and self.gui.clock >= self.details.clock and self.public, what)
+        """Wait until another core than the one of this identity is heard."""
+        began = time.time()
+        wait_until(lambda: self.uuid not in ("", uuid) and self.gui and self.gui.clock.to_sec() >= began
+                   and self.public, what)
 
     def wait_current(self) -> None:
-        """Wait until the last messages of both topics are newer than the last command."""
-        wait_until(lambda: self._is_current(self.gui) and self._is_current(self.details), "the core publishes")
+        """Wait until the last message and the document are newer than the last command."""
+        self._synchronise(LIMIT_S)
+        wait_until(lambda: self._is_current(self.gui), "the core publishes")
 
     def zone(self, name: str) -> ZoneState:
         """A zone in the panels' message, as it is now."""
         self._wait_newer("gui", time.time())
         return self.last_zone(name)
 
-    def zone_details(self, name: str) -> ZoneDetails:
-        """The data for which that message has no field, as they are now. They come once a second without a change."""
-        self._wait_newer("details", time.time())
+    def zone_details(self, name: str) -> SeenZone:
+        """A zone of the document, as it is now."""
+        self._synchronise(LIMIT_S)
         return self.last_details(name)
+
+    def _synchronise(self, limit_s: float) -> None:
+        """Wait until the document has everything that happened before this call."""
+        def answered() -> bool:
+            answer = self._client.call("act").result()  # it is refused; its answer has the number of the document
+            return answer.is_answered and self._client.is_confirmed(answer.number)
+
+        wait_until(answered, "the core answers", limit_s)
 
     def last_zone(self, name: str) -> ZoneState:
         """A zone in the last message for panels, which may be older than the last command."""
         return next(zone for zone in self.gui.zones if zone.zone == name)
 
-    def last_details(self, name: str) -> ZoneDetails:
-        """The same for the last details."""
-        return next(zone for zone in self.details.zones if zone.zone == name)
+    def last_details(self, name: str) -> SeenZone:
+        """A zone of the last document."""
+        return SeenZone(self.document.zones[name])
 
     def robot(self, team: str):
         """The first active robot of a team in the last message; None: there is none."""
@@ -117,11 +179,12 @@ class BoxClient:
             lambda: f"{what}; the zone is:\n{self.last_zone(name)}", limit_s,
         )
 
-    def wait_details(self, name: str, condition: Callable[[ZoneDetails], T], what: str, limit_s: float = LIMIT_S) -> T:
-        """Wait until a condition on a zone's details holds; fails with those."""
+    def wait_details(self, name: str, condition: Callable[[SeenZone], T], what: str, limit_s: float = LIMIT_S) -> T:
+        """Wait until a condition on a zone of the document holds; fails with that zone."""
+        self._synchronise(limit_s)
         return wait_until(
-            lambda: self._is_current(self.details) and condition(self.last_details(name)),
-            lambda: f"{what}; the zone's details are:\n{self.last_details(name)}", limit_s,
+            lambda: name in self.document.zones and condition(self.last_details(name)),
+            lambda: f"{what}; the zone is:\n{self.document.zones.get(name)}", limit_s,
         )
 
     def _is_current(self, message: Optional[CoreToGui]) -> bool:
@@ -157,16 +220,30 @@ class BoxClient:
         """Give a command to a zone; raises `Refusal`. Those that hit a team name the one that is shown."""
         action = ACTIONS.get(command)
         if action is None or action.is_original:
-            self.call(command, Zone, zone)
+            self.call(command, ZoneRequest, zone)
             return
-        self.wait_current()
-        event = self.last_details(zone).event if action.aims else ""
-        self.call("act", Act, command, zone, "", event, json.dumps(given_with(command, self.last_zone(zone).team)), "")
+        shown = self.zone_details(zone).event
+        self._do(command, zone, "", shown.id if action.aims else "", given_with(command, shown.team), "")
 
     def act(self, action: str, zone: str, run: str = "", referee: str = "", **given: object) -> Any:
         """Do an action and return its answer; raises `Refusal`. `given`: the values of its fields."""
-        answer = self.call("act", Act, action, zone, run, "", json.dumps(given), referee).answer
-        return json.loads(answer) if answer else None
+        return self._do(action, zone, run, "", given, referee)
+
+    def _do(self, action: str, zone: str, run: str, event: str, given: Any, by: str) -> Any:
+        return self.ask("act", action=action, zone=zone, run=run, event=event, given=given, by=by,
+                        node=rospy.get_name())
+
+    def ask(self, name: str, **arguments: Any) -> Any:
+        """Make a call through the door and return its answer; raises `Refusal` or `NoAnswer`."""
+        try:
+            answer = self._client.call(name, timeout_s=LIMIT_S, **arguments).result()
+        finally:
+            BoxClient._commanded = time.time()
+        if not answer.is_answered:
+            raise NoAnswer(f"{name} was not answered: {self._client.why}")
+        if answer.reasons:
+            raise Refusal("; ".join(answer.reasons))
+        return answer.answer
 
     def set_score(self, zone: str, group: str, desc: str, value: int) -> None:
         """Mark a scoring item; raises `Refusal`."""
@@ -187,8 +264,7 @@ class BoxClient:
 
         `meanwhile` is called again and again while the button is off.
         """
-        # The details may be a moment behind, and still describe the run before, or lack a new zone.
-        old = next((known.port for known in self.details.zones if known.zone == zone), 0)
+        old = self.zone_details(zone).port
         self._press("connect", zone, lambda z: (meanwhile(), z.connect_enabled)[1])
         return self.wait_details(zone, lambda d: d.port != old and d.port, "the run has a port")
 

@@ -7,6 +7,7 @@ from typing import Any, Dict, List, Tuple
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.run_log import KINDS, LogKind
+from roah_rsbb.ros.place import PARAM
 from support.box_case import NetworkCase
 from support.box_client import BoxClient
 from support.programs import Program, own
@@ -23,9 +24,10 @@ PARAMS: Dict[str, Any] = {
 
 # The names in ROS of a second core with the same master.
 OTHER = "/other"
-OTHER_CORE = ("__name:=other_core", f"/timeout:={OTHER}/timeout", *(f"/core/{name}:={OTHER}/core/{name}" for name in (
-    "to_gui", "to_public", "details", "connect", "disconnect", "start", "stop", "previous", "next", "set_score",
-    "manual_operation_complete", "omf_switches/complete", "omf_switches/damaged", "omf_switches/button")))
+OTHER_CORE = ("__name:=other_core", f"/timeout:={OTHER}/timeout", f"{PARAM}:={OTHER}{PARAM}", *(
+    f"/core/{name}:={OTHER}/core/{name}" for name in (
+        "to_gui", "to_public", "connect", "disconnect", "start", "stop", "previous", "next", "set_score",
+        "manual_operation_complete", "omf_switches/complete", "omf_switches/damaged", "omf_switches/button")))
 
 
 class Core(Program):
@@ -64,7 +66,7 @@ class OwnCoreCase(NetworkCase):
 
     def start_core(self, log_dir: pathlib.Path, inside: Tuple[str, ...] = (), **params: Any) -> None:
         """Start the core, or one after one that ended; returns once it is heard."""
-        before = self.box.details.box_uuid if self.box.details else ""
+        before = self.box.uuid
         self.core = self._leaving(Core({**params, "log_dir": log_dir}, inside))
         self.box.wait_other_core(before, lambda: f"a core is heard; it printed\n{self.core.text}")
 
@@ -94,13 +96,13 @@ class OwnCoreCase(NetworkCase):
 
     def wait_warned(self, text: str) -> str:
         """Wait until every referee is warned of something; returns the whole warning."""
-        return wait_until(lambda: next((w for w in self.box.details.warnings if text in w), None),
-                          lambda: f"a warning contains '{text}'; warnings: {self.box.details.warnings}")
+        return wait_until(lambda: next((w for w in self.box.warnings if text in w), None),
+                          lambda: f"a warning contains '{text}'; warnings: {self.box.warnings}")
 
     def wait_no_warning(self, text: str) -> None:
         """Wait until no warning contains that text."""
-        wait_until(lambda: not any(text in warning for warning in self.box.details.warnings),
-                   lambda: f"no warning contains '{text}' any more; warnings: {self.box.details.warnings}")
+        wait_until(lambda: not any(text in warning for warning in self.box.warnings),
+                   lambda: f"no warning contains '{text}' any more; warnings: {self.box.warnings}")
 
 
 def _entries(log: RunLog) -> List[Tuple[str, Any]]:

@@ -94,7 +94,7 @@ class TestTablet(BoxCase):
     def box_says(self, text: str, meanwhile: Callable[[], object] = lambda: None) -> None:
         wait_until(lambda: (meanwhile(), text in self.box.gui.status)[1],
                    lambda: f"'{text}' is shown, not {self.box.gui.status}")
-        wait_until(lambda: any(text in w for w in self.box.details.warnings), "the same is in the details")
+        wait_until(lambda: any(text in w for w in self.box.warnings), "the same is in the details")
 
     def wait_no_tablet(self) -> None:
         """Wait until the box has forgotten the tablet of the test before."""

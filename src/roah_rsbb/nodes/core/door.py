@@ -49,7 +49,8 @@ class BoxDoor:
         path = file_of(rosgraph.get_master_uri())
         try:
             port = self._door.open(rosgraph.network.get_bind_address())
-            write_place(path, f"ws://127.0.0.1:{port}/door", self._token)
+            if rospy.resolve_name(PARAM) == PARAM:  # the file is that of the only box at this master
+                write_place(path, f"ws://127.0.0.1:{port}/door", self._token)
         except (ServeError, OSError) as error:
             rospy.logerr("No panel can follow this box: %s", error)
             return
@@ -107,4 +108,5 @@ class BoxDoor:
 
     def _sign(self) -> None:
         self._loop.call_later(SIGN_S, self._sign)
+        self.publish()
         self._door.sign()

@@ -44,35 +44,25 @@ from roah_rsbb.model import shown
 from roah_rsbb.msg import (
     CopyQuestion,
     CopyState,
-    CoreDetails,
     CoreToGui,
     CoreToPublic,
     DevicesState,
     DevicesStatus,
-    Judgings,
     ModuleRuns,
     ModulesState,
     PublicBoard,
     PublicDetails,
     PublicExplained,
-    Results,
-    RunClocks,
-    Schedule,
-    Superseded,
-    Unsaved,
-    UnsavedParts,
 )
 from roah_rsbb.nodes.core import public_convert
 from roah_rsbb.nodes.core.configuration import Configuration, Content
 from roah_rsbb.nodes.core.device_calls import DeviceCalls, devices_of
 from roah_rsbb.nodes.core.door import BoxDoor
-from roah_rsbb.nodes.core.judging_convert import JudgingBoard
-from roah_rsbb.nodes.core.panel_messages import PanelMessages
+from roah_rsbb.nodes.core.latched import LatchedTopic
 from roah_rsbb.nodes.core.public_board import PublicBoardMaker
-from roah_rsbb.nodes.core.reload import ReloadService
-from roah_rsbb.nodes.core.results_convert import ResultsBoard
-from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
+from roah_rsbb.nodes.core.reload import Reloads
 from roah_rsbb.nodes.core.services import CoreServices
+from roah_rsbb.nodes.core.to_gui import ToGui
 from roah_rsbb.nodes.modules import convert
 from roah_rsbb.nodes.standing_by import CORE, wait_for_journal, wait_for_takeover
 from roah_rsbb.radio.radio import Network
@@ -190,12 +180,10 @@ class CoreNode:
         self._public_soon: Optional[asyncio.TimerHandle] = None
         self._public_mono = float("-inf")  # when it was published after a referee's call
         self._last_explained: Optional[Tuple[object, ...]] = None
-        self._last_unsaved: Optional[Tuple[object, ...]] = None
-        self._said_superseded = False
         self._door: Optional[BoxDoor] = None
         machine = Machine(boot_id(), os.getpid(), self._uuid, time.monotonic, time.time)
         self._device_calls = DeviceCalls(self._on_device_refused)
-        outputs = Outputs(self._ring_timeout, self._publish_module_runs, self._on_record_changed,
+        outputs = Outputs(self._ring_timeout, self._publish_module_runs, lambda: None,
                           self._device_calls.set, lambda level, text: _LOG[level]("%s", text), _report_bug,
                           self._on_changed)
         self._core = CoreAssembly(
@@ -204,17 +192,14 @@ class CoreNode:
             PortRecord(log_dir), functools.partial(RunLogWriter, log_dir), outputs, self._ask_standby)
         self._box = box = self._core.box
         self._event = self._core.event
-        self._results = ResultsBoard(box, self._uuid)
-        self._judging = JudgingBoard(box, self._uuid)
-        self._schedule = ScheduleBoard(box, self._uuid)
         self._public_schedule = public_convert.PublicSchedule(box)
         self._public_board = PublicBoardMaker(box, self._uuid, _titles(content))
-        self._panels = PanelMessages(box, self._uuid)
+        self._to_gui = ToGui(box)
         calls = BoxCalls(box, self._referee_event, Disks(
             self._core.journal.ticket, self._core.store.why_not_saved, self._core.standby.ask))
         self._services = LoopServices(self._ros.loop, self._core.fence.check)
-        CoreServices(box, self._services, self._referee_event, calls, self._panels.renew)
-        reload = ReloadService(box, self._configuration, self._ros, self._event, self._use)
+        CoreServices(box, self._services, calls)
+        reload = Reloads(box, self._configuration, self._ros, self._event, self._use)
         self._door = BoxDoor(
             self._ros.loop, box, self._uuid, network.rsbb_host, self._core.now, lambda: self._core.run_logs.files,
             self._core.unsaved, {**calls.named(), "reload": reload.call}, self._core.fence.check)
@@ -233,18 +218,11 @@ class CoreNode:
         """Run until shut down."""
         self._ros.loop.run_until_complete(self._core.ask())
         self._topics = {
-            "gui": rospy.Publisher("/core/to_gui", CoreToGui, queue_size=1, latch=True),
-            "public": rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True),
+            "gui": LatchedTopic("/core/to_gui", CoreToGui, lambda: self._ros.post(self._publish_for_panels)),
+            "public": LatchedTopic("/core/to_public", CoreToPublic, lambda: self._ros.post(self._publish_to_public)),
             "public_details": rospy.Publisher("/core/public_details", PublicDetails, queue_size=1, latch=True),
             "public_board": rospy.Publisher("/core/public_board", PublicBoard, queue_size=1, latch=True),
             "public_explained": rospy.Publisher("/core/public_explained", PublicExplained, queue_size=1, latch=True),
-            "details": rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True),
-            "clocks": rospy.Publisher("/core/clocks", RunClocks, queue_size=1, latch=True),
-            "results": rospy.Publisher("/core/results", Results, queue_size=1, latch=True),
-            "judging": rospy.Publisher("/core/judging", Judgings, queue_size=1, latch=True),
-            "schedule": rospy.Publisher("/core/schedule", Schedule, queue_size=1, latch=True),
-            "superseded": rospy.Publisher("/core/superseded", Superseded, queue_size=1, latch=True),
-            "unsaved": rospy.Publisher("/core/unsaved", Unsaved, queue_size=1, latch=True),
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
             "timeout": rospy.Publisher("/timeout", Empty, queue_size=1),
         }
@@ -322,15 +300,10 @@ class CoreNode:
         state = convert.modules_state_of(message)
         self._modules.put(state.node, state)
 
-    def _on_record_changed(self) -> None:
-        self._results.on_record_changed()
-        self._judging.on_record_changed()
-
     def _use(self, content: Content, version: int) -> None:
         """Prepare everything outside the box for another configuration."""
         self._core.use(content.config, version)
         self._public_board.use(_titles(content))
-        self._results.on_record_changed()  # other rules may have changed what counts
 
     def _check_log_dir(self) -> None:
         problem = self._core.run_logs.check()
@@ -362,8 +335,7 @@ class CoreNode:
         self._event(self._box.tick_if_due)
         self._signs.send()
         self._do_in_turn([
-            self._publish_for_panels, self._publish_schedule, self._publish_public, self._publish_results,
-            self._write_links, self._end_tick,
+            self._publish_for_panels, self._publish_schedule, self._publish_public, self._write_links, self._end_tick,
         ])
 
     def _do_in_turn(self, todo: List[Callable[[], None]]) -> None:
@@ -376,39 +348,17 @@ class CoreNode:
                 self._ros.loop.call_soon(self._do_in_turn, todo[1:])
 
     def _publish_for_panels(self) -> None:
-        now = self._core.now()
-        self._publish("gui", self._panels.to_gui(now, self._door.publish()))
-        details = self._panels.details(now)
-        if details is not None:
-            self._publish("details", details)
-        clocks = self._panels.clocks(now)
-        if clocks is not None:
-            self._publish("clocks", clocks)
+        document = self._door.publish()
+        if self._topics["gui"].is_wanted:
+            self._publish("gui", self._to_gui.message(self._core.now(), document))
 
     def _publish_schedule(self) -> None:
-        if self._ticks % PUBLIC_EVERY:
-            return
-        now = self._core.now()
-        self._publish("public", self._public_schedule.to_public(now))
-        schedule = self._schedule.take(now)
-        if schedule is not None:
-            self._publish("schedule", schedule)
+        if self._ticks % PUBLIC_EVERY == 0:
+            self._publish_to_public()
 
-    def _publish_results(self) -> None:
-        now = self._core.now()
-        results = self._results.take(now)
-        if results is not None:
-            self._publish("results", results)
-        judging = self._judging.take(now)
-        if judging is not None:
-            self._publish("judging", judging)
-        unsaved = self._core.unsaved()
-        if unsaved != self._last_unsaved:
-            self._last_unsaved = unsaved
-            self._publish("unsaved", Unsaved(self._uuid, [UnsavedParts(*parts) for parts in unsaved]))
-        if self._box.is_superseded and not self._said_superseded:
-            self._said_superseded = True
-            self._publish("superseded", Superseded(self._uuid, self._box.superseded_by))
+    def _publish_to_public(self) -> None:
+        if self._topics["public"].is_wanted:
+            self._publish("public", self._public_schedule.to_public(self._core.now()))
 
     def _write_links(self) -> None:
         if self._ticks % JOURNAL_EVERY == 0:

@@ -1,21 +1,16 @@
-"""The service /core/reload: an organiser changes the configuration while the box runs (docs/organiser.md, "Changes
+"""The call `reload`: an organiser changes the configuration while the box runs (docs/organiser.md, "Changes
 during the competition")."""
 
 import threading
 from typing import Any, Callable, List, Mapping, NamedTuple, Sequence, Tuple
-
-import rospy
 
 from roah_rsbb.box import calls
 from roah_rsbb.core.box import Box
 from roah_rsbb.document.calls import Caller, InThread
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.nodes.core.configuration import Configuration, Content
-from roah_rsbb.nodes.core.services import who_of
-from roah_rsbb.ros import texts
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.rulebook.errors import ConfigErrors
-from roah_rsbb.srv import Reload, ReloadResponse
 
 CHANGED_AGAIN = "the files were changed after they were listed: read the list again before you apply it"
 
@@ -30,8 +25,8 @@ class Reloaded(NamedTuple):
     changes: Sequence[str] = ()  # empty: nothing differs from what is in force
 
 
-class ReloadService:
-    """Reads the files in rospy's threads, and puts them into force in the loop's thread."""
+class Reloads:
+    """Reads the files in other threads, and puts them into force in the loop's thread."""
 
     def __init__(
         self, box: Box, configuration: Configuration, ros: RosLoop, event: Callable[..., None],
@@ -44,13 +39,6 @@ class ReloadService:
         self._event = event
         self._use = use
         self._lock = threading.Lock()  # one reload at a time
-        rospy.Service("/core/reload", Reload, self._handle)
-
-    def _handle(self, request: Any) -> ReloadResponse:
-        problem = texts.too_long(request)
-        if problem:
-            raise rospy.ServiceException(problem)
-        return ReloadResponse(**self.reload(request.digest, who_of(request, request.referee))._asdict())
 
     def call(self, found: Mapping[str, Any], caller: Caller) -> InThread:
         """The call `reload` of the door."""

@@ -1,7 +1,7 @@
 """Converts between scores of referees and modules and their ROS messages.
 
 ZoneScoreGroup, which original panels read, only knows yes-or-no items and counts. There, other numbers appear as counts
-without their decimals, and 0 if they are negative; choices and ratings do not appear. ScoreItem has everything.
+without their decimals, and 0 if they are negative; choices and ratings do not appear.
 """
 
 from typing import Dict, Iterable, List, Optional, Sequence, Tuple
@@ -10,7 +10,7 @@ from roah_rsbb.model.modules import ScoreValue
 from roah_rsbb.model.records import ItemRecord, SheetPoints, grouped
 from roah_rsbb.model.scoring import ScoreGroup, ScoreKind, ScoringItem
 from roah_rsbb.model.zone import SheetItem
-from roah_rsbb.msg import GroupPoints, ModuleScore, ScoreItem, ZoneScoreGroup
+from roah_rsbb.msg import GroupPoints, ModuleScore, ZoneScoreGroup
 from roah_rsbb.msg import SheetPoints as SheetPointsMsg
 
 _KINDS = {kind.word: kind for kind in ScoreKind}
@@ -19,11 +19,6 @@ _OLD_TYPES = {
     ScoreKind.BOOL: ZoneScoreGroup.SCORING_BOOL, ScoreKind.UINT: ZoneScoreGroup.SCORING_UINT,
     ScoreKind.INT: ZoneScoreGroup.SCORING_UINT, ScoreKind.DECIMAL: ZoneScoreGroup.SCORING_UINT,
 }
-
-
-def has_old_form(item: SheetItem) -> bool:
-    """Whether ZoneScoreGroup can show an item."""
-    return _KINDS[item.type] in _OLD_TYPES
 
 
 def group_message(group: ScoreGroup) -> ZoneScoreGroup:
@@ -55,11 +50,6 @@ def _old_group(name: str, items: Sequence[Tuple[ScoreKind, str, int]]) -> ZoneSc
         descriptions=[desc for _, desc, _ in shown],
         current_values=[max(0, value) for _, _, value in shown],
     )
-
-
-def item_message(item: SheetItem) -> ScoreItem:
-    """An item of a score sheet, with what it takes."""
-    return ScoreItem(**{**item._asdict(), "type": int(_KINDS[item.type])})
 
 
 def points_message(points: Optional[SheetPoints]) -> SheetPointsMsg:

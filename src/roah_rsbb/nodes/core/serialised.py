@@ -12,18 +12,12 @@ from typing import Any, List, Sequence, Tuple, Type
 
 import genpy
 
-from roah_rsbb.msg import CoreDetails, CoreToGui, RobotInfo, RunClocks, ZoneState
+from roah_rsbb.msg import CoreToGui, RobotInfo, ZoneState
 
 _COUNT = struct.Struct("<I")  # of an array's elements
 _DURATION = struct.Struct("<2i")
 _TIME = struct.Struct("<2I")
 _MAX_TIME, _MAX_DURATION = 2**32 - 1, 2**31 - 1
-NO_DURATION = bytes(_DURATION.size)
-
-
-def bool_bytes(value: bool) -> bytes:
-    """Return the bytes of a bool."""
-    return b"\1" if value else b"\0"
 
 
 def duration_bytes(seconds: float) -> bytes:
@@ -126,11 +120,3 @@ class SerialisedToGui(_Assembled, CoreToGui):
     """A CoreToGui with serialised robots and zones."""
 
     AFTER = _size_after_zones()
-
-
-class SerialisedDetails(_Assembled, CoreDetails):
-    """A CoreDetails with serialised zones."""
-
-
-class SerialisedClocks(_Assembled, RunClocks):
-    """A RunClocks with serialised zones."""

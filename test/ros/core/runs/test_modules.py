@@ -20,7 +20,7 @@ class TestModulesThatComeAndGo(ModulesCase):
         self.box.connect("Gone")
         off = "Benchmarking module not connected: no node drives HGMF"
         self.box.wait_details(
-            "Gone", lambda d: d.robot_state == "STOP" and len(shown.off(d, "start")) == 1 and off in shown.off(d,
+            "Gone", lambda d: d.robot_state == "STOP" and len(d.off("start")) == 1 and off in shown.off(d,
             "start")[0],
             "the robot is heard, and start is off for the module only",
         )
@@ -28,7 +28,7 @@ class TestModulesThatComeAndGo(ModulesCase):
         problem = "HGMF.yaml:7: found x; expected y"
         self.fbm = self.modules("HGMF", problems=(problem,))
         self.box.wait_details(
-            "Gone", lambda d: list(shown.off(d, "start")) == [problem],
+            "Gone", lambda d: list(d.off("start")) == [problem],
             "start is off for what is wrong")
         self.fbm.drives("HGMF")
         self.box.start("Gone")

@@ -1,17 +1,18 @@
 """A score sheet from the first mark to the sign-off, through a restart of the core."""
 
 import threading
+from typing import Optional
 from unittest import mock
 
 import rospy
 from support.box_case import BoxCase
 from support.box_client import Refusal
-from support.waiting import LIMIT_S, happened, wait_until
+from support.waiting import LIMIT_S, wait_until
 
-from roah_rsbb.msg import Results
+from roah_rsbb.document.written import read
+from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.referee import link as terminal
 from roah_rsbb.referee.words import Entered
-from roah_rsbb.srv import GetRunSheet
 
 ZONE = "Scores"
 DOOR = ("Achievements", "Detects the door whose state has changed")
@@ -21,24 +22,16 @@ BUMPS = ("Penalized Behaviors", "Bumps into the furniture")
 
 class TestScores(BoxCase):
     def setUp(self) -> None:
-        self.results = []
-        self.node = rospy.get_name()
-        subscriber = rospy.Subscriber("/core/results", Results, self._on_results)
-        self.addCleanup(subscriber.unregister)
         super().setUp()
+        self.node = rospy.get_name()
 
-    def _on_results(self, message: Results) -> None:
-        self.results.append(message)
-        happened()
-
-    def sheet(self, identity: str = ""):
+    def sheet(self, identity: str = "") -> RunSheet:
         """The sheet of a run; of the connected one without an identity."""
-        return rospy.ServiceProxy("/core/run_sheet", GetRunSheet)(ZONE, identity).sheet
+        return read(RunSheet, self.box.ask("sheet", zone=ZONE, run=identity))
 
-    def summary(self, identity: str):
-        """The run in the newest results; None: it is not there."""
-        runs = self.results[-1].runs if self.results else []
-        return next((run for run in runs if run.identity == identity), None)
+    def summary(self, identity: str) -> Optional[RunLine]:
+        """The run in the newest document; None: it is not there."""
+        return self.box.document.results.get(identity)
 
     def values(self, identity: str):
         """Return the values of the scored items."""
@@ -49,7 +42,6 @@ class TestScores(BoxCase):
 
     def restart_core(self) -> None:
         self.kill_core()
-        wait_until(lambda: self.results[-1].box_uuid == self.box.details.box_uuid, "and publishes the results")
 
     def test_from_the_first_mark_to_the_sign_off(self) -> None:
         self.robot("Beta")
@@ -67,7 +59,7 @@ class TestScores(BoxCase):
         self.mark("", FURNITURE, not_attempted=True)
         self.assertEqual(self.values(identity), {DOOR[1]: 1, BUMPS[1]: 2, FURNITURE[1]: "-"})
         history = self.sheet().history
-        self.assertEqual([(e.number, e.who, e.desc, e.note) for e in history], [
+        self.assertEqual([(e.number, e.who, e.item, e.note) for e in history], [
             (1, self.node, DOOR[1], ""),
             (2, f"Anna ({self.node})", BUMPS[1], "the vase"),
             (3, self.node, FURNITURE[1], ""),
@@ -76,7 +68,7 @@ class TestScores(BoxCase):
         self.assertEqual(self.values(identity), {DOOR[1]: 1, FURNITURE[1]: "-"})
         withdrawn = self.sheet().history[1]
         self.assertEqual((withdrawn.withdrawn_by, withdrawn.withdrawn_note), (f"Ben ({self.node})", "another robot"))
-        self.assertGreaterEqual(withdrawn.withdrawn, withdrawn.time)
+        self.assertGreaterEqual(withdrawn.withdrawn_utc_s, withdrawn.utc_s)
         self.box.wait_scored(ZONE, (*BUMPS, 1, 0))  # panels see the withdrawal
         wait_until(lambda: "not attempted)" in self.summary(identity).score, "and what was not attempted")
 
@@ -95,7 +87,7 @@ class TestScores(BoxCase):
     def stop(self, identity: str) -> None:
         self.box.command("stop", ZONE)
         self.box.act("stop_reason", ZONE, identity, "Anna", reason="fire alarm")
-        (stop,) = self.sheet().stops
+        (stop,) = self.sheet().ends
         self.assertEqual((stop.who, stop.end_reason, stop.reason, stop.reason_by),
                          (self.node, "stopped", "fire alarm", f"Anna ({self.node})"))
         log = self.leave(ZONE)
@@ -103,7 +95,7 @@ class TestScores(BoxCase):
                          [(DOOR[1], 1), (BUMPS[1], 2), (FURNITURE[1], 0), (BUMPS[1], 0)])
 
     def corrections(self, identity: str) -> None:
-        wait_until(lambda: self.summary(identity).closed.to_sec(), "the results say that the run is over")
+        wait_until(lambda: self.summary(identity).closed_utc_s, "the results say that the run is over")
         self.mark(identity, BUMPS, "Anna", value=4, note="seen on video")
         wait_until(lambda: self.summary(identity).corrected, "the correction is marked")
         before = self.sheet(identity)
@@ -115,7 +107,7 @@ class TestScores(BoxCase):
 
     def sign_off(self, identity: str) -> None:
         self.box.act("sign_off", ZONE, identity, "Cleo")
-        wait_until(lambda: self.summary(identity).signed.to_sec(), "the run is signed off")
+        wait_until(lambda: self.summary(identity).signed_utc_s, "the run is signed off")
         self.assertEqual(self.summary(identity).signed_by, f"Cleo ({self.node})")
         self.restart_core()
         self.assertEqual(self.summary(identity).signed_by, f"Cleo ({self.node})")
@@ -186,12 +178,3 @@ class TestScores(BoxCase):
             self.kill_core()
             thread.join()
         self.assertEqual((failed, self.values(identity)), ([], {BUMPS[1]: 20}))
-
-    def test_results_come_on_change_only(self) -> None:
-        wait_until(lambda: self.results, "the results are latched")
-        end = self.box.gui.clock.to_sec() + 2.5
-        wait_until(lambda: self.box.gui.clock.to_sec() > end, "time passes")
-        before = len(self.results)
-        self.box.command("open_sheet", ZONE)
-        wait_until(lambda: len(self.results) > before, "the results have the new run")
-        self.assertFalse([one for one, next_one in zip(self.results, self.results[1:]) if one.runs == next_one.runs])

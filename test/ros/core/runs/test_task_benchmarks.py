@@ -10,7 +10,6 @@ from support.robots import RSBB_PORT, listed, wire
 from support.waiting import wait_until
 
 from roah_rsbb.comm.ciphers import Cipher
-from roah_rsbb.model import shown
 from roah_rsbb.msg import DevicesState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
@@ -121,7 +120,7 @@ class TestGettingToKnowMyHome(BoxCase):
         box.wait_zone("Home", lambda z: z.code == "HWV" and not z.next_enabled, "next goes forth")
 
     def check_log(self, log) -> None:
-        uuid = self.box.details.box_uuid
+        uuid = self.box.uuid
         self.assertRegex(log.path.name, rf"^online_log_[\d_-]+_Alpha_round2_run3_{uuid}\.bag$")
         self.assertEqual(log.path.parent.as_posix(), rospy.get_param("/roah_rsbb_core/log_dir"))
         uint8, string = "std_msgs/UInt8", "std_msgs/String"
@@ -293,7 +292,7 @@ class TestTwoZonesAtOnce(BoxCase):
         self.box.wait_zone("Two", lambda z: z.team == "Epsilon", "the next event is one of the busy team")
         busy = "Robot Robot of team Epsilon is in a run in zone One"
         self.box.wait_details(
-            "Two", lambda d: list(shown.off(d, "connect")) == [busy],
+            "Two", lambda d: list(d.off("connect")) == [busy],
             "connect is off, with the reason")
         self.assertEqual(self.box.refusal("connect", "Two"), busy)
 

@@ -1,0 +1,96 @@
+"""The original's message for panels, /core/to_gui, made of the document. Its fields are fixed.
+
+Most of a zone's content stays the same for many ticks, so its bytes are kept until it changes. Only times are always
+new.
+"""
+
+from typing import Dict, List, NamedTuple
+
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.robots import RobotId
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import Document
+from roah_rsbb.model.zone import Zone
+from roah_rsbb.msg import CoreToGui, RobotInfo, ZoneState
+from roah_rsbb.nodes.core.score_convert import old_groups
+from roah_rsbb.nodes.core.serialised import Serialised, SerialisedToGui, duration_bytes, time_bytes
+from roah_rsbb.ros.times import ros_duration, ros_time, ros_wire_time
+
+
+class _Zone(NamedTuple):
+    """The kept bytes of a zone."""
+
+    zone: Zone  # of which they are made
+    state: Serialised
+
+
+class ToGui:
+    """Makes the messages of one box."""
+
+    def __init__(self, box: Box) -> None:
+        self._box = box
+        self._robots: Dict[RobotId, Serialised] = {}
+        self._zones: Dict[str, _Zone] = {}
+
+    def message(self, now: Now, document: Document) -> CoreToGui:
+        """Return the message of a moment. `document`: of the same moment; robots and tablet, of which it says less than
+        the message, come from the box."""
+        heard, tablet = self._box.tablet.heard, self._box.tablet.state
+        before, self._zones = self._zones, {}
+        for name, zone in document.zones.items():
+            kept = before.get(name)
+            self._zones[name] = kept if kept is not None and kept.zone is zone else _Zone(
+                zone, Serialised(_zone_state(zone), "timer"))
+        return SerialisedToGui(
+            self._robot_infos(now),
+            [kept.state.with_values(duration_bytes(kept.zone.clock.timer(now.mono))) for kept in self._zones.values()],
+            clock=ros_time(now.utc),
+            status=document.box.status,
+            addr=document.box.host,
+            port=str(document.box.port),
+            tablet_last_beacon=ros_time(0.0 if heard is None else heard.utc),
+            tablet_display_map=tablet.display_map,
+            tablet_call_time=ros_wire_time(tablet.call_time),
+            tablet_position_time=ros_wire_time(tablet.position_time),
+            tablet_position_x=tablet.position_x,
+            tablet_position_y=tablet.position_y,
+        )
+
+    def _robot_infos(self, now: Now) -> List[bytes]:
+        robots = self._box.robots.all(now)
+        before, self._robots = self._robots, {}
+        for robot in robots:
+            self._robots[robot.id] = before.get(robot.id) or Serialised(
+                RobotInfo(*robot.id, ros_duration(0.0), ros_time(0.0)), "skew", "beacon")
+        return [kept.with_values(duration_bytes(robot.skew.seconds or 0.0), time_bytes(robot.last_heard.utc))
+                for robot, kept in zip(robots, self._robots.values())]
+
+
+def _zone_state(zone: Zone) -> ZoneState:
+    event, switches = zone.event, zone.switches
+    return ZoneState(
+        zone=zone.zone,
+        name=event.name,
+        desc=event.desc,
+        code=event.code,
+        timeout=ros_duration(zone.timeout),
+        team=event.team,
+        round=event.round,
+        run=event.run,
+        schedule=ros_time(event.scheduled),
+        state="\n".join(zone.lines),
+        manual_operation=zone.manual_operation,
+        connect_enabled=zone.is_on("connect"),
+        disconnect_enabled=zone.is_on("disconnect"),
+        start_enabled=zone.is_on("start"),
+        stop_enabled=zone.is_on("stop"),
+        prev_enabled=zone.is_on("previous"),
+        next_enabled=zone.is_on("next"),
+        omf=switches is not None,
+        omf_switches=b"" if switches is None else bytes(switches.on),
+        omf_damaged=0 if switches is None else switches.damaged,
+        omf_complete=switches is not None and switches.to_confirm,
+        log=zone.log,
+        online_data=zone.online_data,
+        scoring=old_groups(zone.items),
+    )
