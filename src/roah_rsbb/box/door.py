@@ -37,6 +37,8 @@ STUCK_S = 20.0
 _PING_S = 20.0
 # Of a client that does not read them.
 MAX_ANSWERS = 100
+# Different errors of calls that are logged.
+MAX_LOGGED = 100
 # Calls that wait for the disks at the same time.
 MAX_THREADS = 64
 # The system would otherwise hold megabytes for a client that does not read.
@@ -190,7 +192,7 @@ class Door:
             return found if isinstance(found, (InThread, Waiting)) else json.dumps(found)
         except Exception as error:
             text = f"internal error, please report it: {request.name} ({type(error).__name__}: {error})"
-            if text not in self._logged:
+            if text not in self._logged and len(self._logged) < MAX_LOGGED:
                 self._logged.add(text)
                 _log.error("%s", text, exc_info=True)
             return json.dumps({"error": text})
