@@ -118,6 +118,7 @@ class Client(Generic[D]):
         `on_change` is called in the loop's thread when the document, its number or `why` has changed. `loop`: in which
         to run; None: in a thread of its own. `face`: what this is, such as referee."""
         self.why = "there is no connection to the box yet"  # why there is none, with the remedy; empty: there is one
+        self.news = 0  # rises whenever something has changed, or failed, and with `wake`; see `wait_news`
         self._find, self._on_change, self._face = find, on_change, face
         self._followed: Followed[D] = Followed(root)
         self._changed = threading.Condition()
@@ -189,6 +190,19 @@ class Client(Generic[D]):
         if document is None:
             raise TimeoutError(self.why or f"the box did not do that within {timeout_s:g} s")
         return document
+
+    def wait_news(self, since: int, timeout_s: float) -> int:
+        """Wait, in another thread than that of the loop, until `news` is no longer `since`, but at most that long;
+        returns `news`."""
+        with self._changed:
+            self._changed.wait_for(lambda: self.news != since, max(0.0, timeout_s))
+            return self.news
+
+    def wake(self) -> None:
+        """Wake whoever waits for news."""
+        with self._changed:
+            self.news += 1
+            self._changed.notify_all()
 
     def call(self, name: str, done: Optional[Done] = None, timeout_s: float = TIMEOUT_S,
              **arguments: Any) -> "concurrent.futures.Future[Answer]":
@@ -324,8 +338,7 @@ class Client(Generic[D]):
             self._publish()
 
     def _publish(self) -> None:
-        with self._changed:
-            self._changed.notify_all()
+        self.wake()
         try:
             self._on_change()
         except Exception:  # the connection must not end for it

@@ -12,8 +12,9 @@ from typing import Callable, List, Optional
 from roah_rsbb.model.actions import ACTIONS, Row
 from roah_rsbb.model.fields import Choice
 from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.zone import Zone
 from roah_rsbb.referee.exits import NoCore
-from roah_rsbb.referee.state import ManualOperation, ZoneSnapshot
+from roah_rsbb.referee.state import asked_in
 from roah_rsbb.referee.stopping import TypedStops
 from roah_rsbb.referee.words import BadWord, form_words, given_in, given_of, is_one_answer
 
@@ -51,29 +52,29 @@ class Automatic:
         self._in_a_row = 0
         self._not_before = 0.0
 
-    def look(self, zone: ZoneSnapshot) -> None:
+    def look(self, zone: Zone) -> None:
         """Complete what a running zone requests. Raises `GivenUp`."""
-        operation = zone.operation
-        if operation is not None and operation.number != self._done:
-            self._complete(zone, operation)
+        if zone.operation and zone.operation != self._done:
+            self._complete(zone)
         if zone.switches is not None and zone.switches.to_confirm:
             _ignoring_others(lambda: self._link.act("confirm_switches", zone.zone))
 
-    def _complete(self, zone: ZoneSnapshot, operation: ManualOperation) -> None:
-        again = operation.text == self._text
-        if again and self._link.now() < self._not_before:
+    def _complete(self, zone: Zone) -> None:
+        text, now_s = zone.manual_operation, self._link.here_s()
+        again = text == self._text
+        if again and now_s < self._not_before:
             return
         if again and self._in_a_row >= MAX_IN_A_ROW:
-            raise GivenUp(f"asked {self._in_a_row} times in a row: {operation.text}")
-        needed = [field.label for field in operation.fields if field.required and not isinstance(field, Choice)]
+            raise GivenUp(f"asked {self._in_a_row} times in a row: {text}")
+        needed = [field.label for field in asked_in(zone) if field.required and not isinstance(field, Choice)]
         if needed:
-            raise GivenUp(f"{operation.text}: it needs answers: {', '.join(needed)}")
-        given = {"operation": operation.number}
+            raise GivenUp(f"{text}: it needs answers: {', '.join(needed)}")
+        given = {"operation": zone.operation}
         if not _ignoring_others(lambda: self._link.act("operation", zone.zone, given)):
             return
-        self._note(f"completed without a human referee: {operation.text}")
+        self._note(f"completed without a human referee: {text}")
         self._in_a_row = self._in_a_row + 1 if again else 1
-        self._done, self._text, self._not_before = operation.number, operation.text, self._link.now() + AGAIN_S
+        self._done, self._text, self._not_before = zone.operation, text, now_s + AGAIN_S
 
 
 class Typed:
@@ -91,7 +92,7 @@ class Typed:
         self._done: Optional[object] = None  # the completed request, which the zone shows a moment longer
         self._typed: List[str] = []
 
-    def look(self, zone: ZoneSnapshot) -> None:
+    def look(self, zone: Zone) -> None:
         """Show what a running zone requests, and pass on what was typed."""
         self._typed += self._lines()
         asked = _asked(zone)
@@ -101,18 +102,18 @@ class Typed:
             self._asked = None
         elif asked != self._asked:
             self._asked = asked
-            self._note(_prompt(zone.operation))
+            self._note(_prompt(zone))
         elif self._typed:
             self._take(zone, asked, self._typed.pop(0))
             return
         if not self._ahead:
             self._typed.clear()
 
-    def _take(self, zone: ZoneSnapshot, asked: object, line: str) -> None:
+    def _take(self, zone: Zone, asked: object, line: str) -> None:
         try:
-            if zone.operation is not None:
-                given = given_in(line, zone.operation.fields)
-                self._link.act("operation", zone.zone, {"operation": zone.operation.number, **given})
+            if zone.operation:
+                given = given_in(line, asked_in(zone))
+                self._link.act("operation", zone.zone, {"operation": zone.operation, **given})
                 self._done = asked
             elif self._enter(zone, line):
                 self._done = asked
@@ -120,7 +121,7 @@ class Typed:
             self._note(f"not done: {error}")
             self._asked = None  # ask again
 
-    def _enter(self, zone: ZoneSnapshot, line: str) -> bool:
+    def _enter(self, zone: Zone, line: str) -> bool:
         """Do an action of the module's row. Return whether the switches are confirmed."""
         word, *words = line.split() or [CONFIRM]
         action = next((one for one in ACTIONS.values() if one.row is Row.MODULE and one.words == word), None)
@@ -130,17 +131,17 @@ class Typed:
         return word == CONFIRM
 
 
-def _asked(zone: ZoneSnapshot) -> Optional[object]:
+def _asked(zone: Zone) -> Optional[object]:
     """Return the referee's current request in a form that can be compared."""
-    if zone.operation is not None:
-        return zone.operation
+    if zone.operation:
+        return zone.operation, zone.manual_operation, asked_in(zone)
     return "switches" if zone.switches is not None and zone.switches.to_confirm else None
 
 
-def _prompt(operation: Optional[ManualOperation]) -> str:
-    if operation is None:
+def _prompt(zone: Zone) -> str:
+    if not zone.operation:
         return "type 'switch NUMBER' for each switch that changed, 'damaged NUMBER', and an empty line to confirm"
-    fields = operation.fields
+    fields = asked_in(zone)
     if not fields:
         return "press Enter when it is done"
     if not is_one_answer(fields):
@@ -229,6 +230,8 @@ class Keyboard:
                 continue
             if not line:
                 self._read.put(None)
-                return
-            if not self._stops.take(line):
+            elif not self._stops.take(line):
                 self._read.put(line.strip())
+            self._stops.wake()
+            if not line:
+                return

@@ -8,7 +8,9 @@ from typing import Any, Callable, ContextManager, Dict, List, Optional, Tuple
 
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.referee import Refused
-from roah_rsbb.referee import judges, pairing, sheets, view
+from roah_rsbb.model.results import RunLine
+from roah_rsbb.model.zone import CONNECTED, IDLE, SheetItem, Zone
+from roah_rsbb.referee import judges, sheets, view
 from roah_rsbb.referee.answers import Keyboard, Operations
 from roah_rsbb.referee.args import given_in
 from roah_rsbb.referee.changes import Change, Follower
@@ -16,8 +18,19 @@ from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.output import Output
 from roah_rsbb.referee.run import RunScript, ScriptOutcome, ScriptPlan
-from roah_rsbb.referee.sheets import LAST, RunLine, Sheet, pick_run, sheet_of
-from roah_rsbb.referee.state import CONNECTED, IDLE, SheetItem
+from roah_rsbb.referee.sheets import LAST, pick_run
+from roah_rsbb.referee.state import (
+    asked_in,
+    box_json,
+    event_json,
+    item_json,
+    items_json,
+    run_json,
+    scheduled_json,
+    score_json,
+    sheet_json,
+    zone_json,
+)
 from roah_rsbb.referee.stopping import Stopping, TypedStops
 from roah_rsbb.referee.words import (
     ALL_OPTION,
@@ -41,24 +54,24 @@ STOP_HINT_ALL = "type 'stop ZONE' to stop a run, 'stop all' to stop the runs of 
 
 
 def _status(link: Link, options, output: Output) -> Exit:
-    box = link.box
+    now = link.now()
     if options.zone is None:
-        output.object(box) if output.json else output.lines(view.status(box, output.style))
+        output.object(box_json(link.box, now)) if output.json else output.lines(
+            view.status(link.box, now, output.style))
         return Exit.OK
-    zone = box.zone(_zone_name(link, options.zone))
-    output.object(zone) if output.json else output.lines(view.zone_report(zone, box.clock_utc_s, output.style))
+    zone = _zone(link, options)
+    output.object(zone_json(zone, now)) if output.json else output.lines(view.zone_report(zone, now, output.style))
     return Exit.OK
 
 
 def _watch(link: Link, options, output: Output) -> Exit:
     zone = None if options.zone is None else _zone_name(link, options.zone)
+    follower, now = Follower(link, zone), link.now()
     if output.json:
-        output.object({"utc_s": link.box.clock_utc_s, "kind": "start", "zone": zone or "", "box": link.box})
+        output.object({"utc_s": now.utc, "kind": "start", "zone": zone or "", "box": box_json(follower.box, now)})
     else:
-        box = link.box if zone is None else link.box._replace(zones=(link.box.zone(zone),))
-        output.lines([*view.status(box, output.style), ""])
-    follower = Follower(link, zone)
-    with _keyboard(link, options, output, zone or "") as keyboard:
+        output.lines([*view.status(follower.box, now, output.style, zone), ""])
+    with _keyboard(link, output, zone or "") as keyboard:
         if keyboard is not None:
             _note(output, zone or "", STOP_HINT if zone else STOP_HINT_ALL)
         while not output.closed:
@@ -68,12 +81,12 @@ def _watch(link: Link, options, output: Output) -> Exit:
 
 
 def _keyboard(
-    link: Link, options: Any, output: Output, zone: str, always: bool = False, at_end: str = "",
+    link: Link, output: Output, zone: str, always: bool = False, at_end: str = "",
 ) -> ContextManager[Optional[Keyboard]]:
     """Return what reads the lines that are typed; None: there is no terminal, and not `always` a reader."""
     if not always and not sys.stdin.isatty():
         return contextlib.nullcontext()
-    return Keyboard(_typed_stops(link, options, output, zone),
+    return Keyboard(_typed_stops(link, output, zone),
                     functools.partial(_note, output, zone, at_end) if at_end else lambda: None)
 
 
@@ -83,24 +96,23 @@ def _slow_keyboard(link: Link, options: Any, output: Output) -> ContextManager[A
         return contextlib.nullcontext()
     zone = getattr(options, "zone", None) or ""
     hint = STOP_HINT if zone else STOP_HINT_ALL
-    return Keyboard(_typed_stops(link, options, output, zone), begin_s=SLOW_S,
+    return Keyboard(_typed_stops(link, output, zone), begin_s=SLOW_S,
                     at_begin=functools.partial(_note, output, zone, hint))
 
 
-def _typed_stops(link: Link, options: Any, output: Output, zone: str) -> TypedStops:
-    return TypedStops(lambda: Link(options.ros_arguments), output.stop, functools.partial(_note, output, zone), zone,
-                      lambda: link.box)
+def _typed_stops(link: Link, output: Output, zone: str) -> TypedStops:
+    return TypedStops(link, output.stop, functools.partial(_note, output, zone), zone)
 
 
 def _note(output: Output, zone: str, text: str) -> None:
     output.change(Change(time.time(), "note", zone, {"text": text}))
 
 
-def _stop(_link: Link, options: Any, output: Output) -> Exit:
-    """Stop, on connections of its own."""
+def _stop(link: Link, options: Any, output: Output) -> Exit:
+    """Stop. The link need not be open."""
     if (options.zone is None) != options.all:
         raise BadWord("give the name of a zone, or 'all'")
-    stopping = Stopping(lambda: Link(options.ros_arguments), ALL_OPTION if options.all else options.zone, output.stop)
+    stopping = Stopping(link, ALL_OPTION if options.all else options.zone, output.stop)
     with contextlib.suppress(KeyboardInterrupt):
         stopping.run()
     status, found = stopping.status(), stopping.result()
@@ -108,7 +120,8 @@ def _stop(_link: Link, options: Any, output: Output) -> Exit:
     if status is Exit.REFUSED and reasons:
         return output.failure(status, "stop was refused", reasons)
     if output.json:
-        zones = [{"zone": one.zone, "way": one.line(time.monotonic()).way, "state": one.after} for one in found]
+        zones = [{"zone": one.zone, "way": one.line(time.monotonic()).way,
+                  "state": None if one.after is None else zone_json(one.after, link.now())} for one in found]
         which = {"zones": zones} if stopping.is_all or not zones else zones[0]
         output.object({"kind": "result", "ok": status is Exit.OK, "exit": int(status), "command": "stop", **which})
     elif not found and status is Exit.OK:
@@ -130,23 +143,22 @@ def _check_stopped(link: Link, options: Any) -> None:
     """Refuse to leave a run whose robots do not report STOP, unless the referee says that they know it."""
     if options.yes:
         return
-    name, deadline = _zone_name(link, options.zone), link.now() + NOT_DELIVERED_S
-    zone = link.settle().zone(name)
-    while zone is not None and leaving(zone) and link.now() < deadline:
-        link.next(deadline - link.now())
-        zone = link.box.zone(name)
-    if zone is not None and leaving(zone):
+    zone, deadline = _zone(link, options), link.here_s() + NOT_DELIVERED_S
+    while leaving(zone) and link.here_s() < deadline:
+        link.next(deadline - link.here_s())
+        zone = _zone(link, options)
+    if leaving(zone):
         raise Refused([f"{leaving(zone)}. Then give --yes"])
 
 
 def _say_done(link: Link, name: str, output: Output, command: str) -> Exit:
     """Print the zone after a command."""
-    box = link.settle()
-    zone = box.zone(name)
+    link.settle()
+    zone, now = link.box.zones[name], link.now()
     if output.json:
-        output.object({"ok": True, "command": command, "zone": name, "state": zone})
+        output.object({"ok": True, "command": command, "zone": name, "state": zone_json(zone, now)})
     else:
-        output.lines([f"{command}: done", *view.zone_lines(zone, box.clock_utc_s, output.style)])
+        output.lines([f"{command}: done", *view.zone_lines(zone, now, output.style)])
     return Exit.OK
 
 
@@ -158,33 +170,37 @@ def _score(link: Link, options, output: Output) -> Exit:
         return _score_with_words(link, options, output)
     if options.run is not None:
         return _sheet(link, options, output)
-    name = _zone_name(link, options.zone)
-    zone = link.box.zone(name)
+    zone = _zone(link, options)
     if zone.phase == IDLE:
         raise Refused(["No run is connected: the score sheet starts with connect"])
     if options.item is None:
-        output.object({"zone": name, "event": zone.event, "score": zone.score}) if output.json else output.lines(
-            view.score_sheet(zone, output.style))
+        output.object({"zone": zone.zone, "event": event_json(zone), "score": items_json(zone.items)}) \
+            if output.json else output.lines(view.score_sheet(zone, output.style))
         return Exit.OK
-    item = pick_item(options.item, zone.score)
-    link.mark(name, zone.identity, item, value_of(options.value, item))
-    zone = link.settle().zone(name)
-    item = zone.score[item.number - 1]
-    output.object({"ok": True, "command": "score", "zone": name, **item._asdict()}) if output.json else output.lines(
-        [view.item_line(item)])
+    number = pick_item(options.item, zone.items)
+    item = zone.items[number - 1]
+    link.mark(zone.zone, zone.identity, item, value_of(options.value, item))
+    link.settle()
+    return _show_item(zone.zone, number, link.box.zones[zone.zone].items[number - 1], output)
+
+
+def _show_item(zone: str, number: int, item: SheetItem, output: Output) -> Exit:
+    if output.json:
+        output.object({"ok": True, "command": "score", "zone": zone, **item_json(number, item)})
+    else:
+        output.lines([view.item_line(item)])
     return Exit.OK
 
 
 def _done(link: Link, options, output: Output) -> Exit:
-    name = _zone_name(link, options.zone)
-    operation = link.box.zone(name).operation
-    if operation is None:
+    zone = _zone(link, options)
+    if not zone.operation:
         raise Refused(["no manual operation is requested now"])
-    if options.operation not in (None, operation.number):
-        raise Refused([f"operation {options.operation} is over; the current one is: {operation.text}"])
-    link.act("operation", name, {"operation": operation.number, **given_of(options.answer, operation.fields)},
+    if options.operation not in (None, zone.operation):
+        raise Refused([f"operation {options.operation} is over; the current one is: {zone.manual_operation}"])
+    link.act("operation", zone.zone, {"operation": zone.operation, **given_of(options.answer, asked_in(zone))},
              referee=options.referee)
-    return _say_done(link, name, output, "done")
+    return _say_done(link, zone.zone, output, "done")
 
 
 def _run(link: Link, options, output: Output) -> Exit:
@@ -197,7 +213,7 @@ def _run(link: Link, options, output: Output) -> Exit:
     )
     is_typed = plan.operations is Operations.TYPED
     end = "end of input: other referees must complete manual operations" if is_typed else ""
-    with _keyboard(link, options, output, plan.zone, is_typed, end) as keyboard:
+    with _keyboard(link, output, plan.zone, is_typed, end) as keyboard:
         if keyboard is not None and keyboard.is_terminal:
             _note(output, plan.zone, STOP_HINT)
         outcome = RunScript(link, plan, output.change, keyboard).run()
@@ -209,8 +225,9 @@ def _show_outcome(name: str, outcome: ScriptOutcome, output: Output) -> None:
     zone = outcome.zone
     if output.json:
         run: Dict[str, Any] = {} if zone is None else {
-            "event": zone.event, "end_reason": zone.end_reason, "robot": zone.robot, "score": zone.score,
-            "module_score": zone.module_score, "log_file": zone.log_file,
+            "event": event_json(zone), "end_reason": zone.end_reason, "robot": zone.robot_name,
+            "score": items_json(zone.items), "module_score": [score_json(score) for score in zone.module_scores],
+            "log_file": zone.log_file,
         }
         output.object({"kind": "result", "ok": outcome.status is Exit.OK, "exit": int(outcome.status), "zone": name,
                        "text": outcome.text, **run})
@@ -224,7 +241,11 @@ def _show_outcome(name: str, outcome: ScriptOutcome, output: Output) -> None:
 
 
 def _zone_name(link: Link, word: str) -> str:
-    return pick_zone(word, [zone.zone for zone in link.box.zones])
+    return pick_zone(word, link.box.box.zones)
+
+
+def _zone(link: Link, options: Any) -> Zone:
+    return link.box.zones[_zone_name(link, options.zone)]
 
 
 # -- runs and score sheets ------------------------------------------------------------------------
@@ -233,11 +254,11 @@ def _zone_name(link: Link, word: str) -> str:
 def _runs(link: Link, options: Any, output: Any) -> Exit:
     """Print the runs of a zone, or of all zones."""
     zone = None if options.zone is None else _zone_name(link, options.zone)
-    found = [run for run in link.runs() if zone in (None, run.zone)]
+    found = [run for run in link.box.runs() if zone in (None, run.zone)]
     if output.json:
-        output.object({"runs": found})
+        output.object({"runs": [run_json(run) for run in found]})
         return Exit.OK
-    for name in [z.zone for z in link.box.zones if zone in (None, z.zone)]:
+    for name in [name for name in link.box.box.zones if zone in (None, name)]:
         lines = sheets.run_lines([run for run in found if run.zone == name], output.style)
         output.lines(lines if zone else [f"{name}:", *(f"    {line}" for line in lines)])
     return Exit.OK
@@ -252,16 +273,13 @@ def _sheet(link: Link, options: Any, output: Any) -> Exit:
 def _score_with_words(link: Link, options: Any, output: Any) -> Exit:
     """Set an item: with a note, as not attempted, or of a run that is over."""
     zone, run = _which(link, options)
-    item = pick_item(options.item, _fetched(link, zone, run).items)
+    items = link.run_sheet(zone, _identity(run)).items
+    number = pick_item(options.item, items)
+    item = items[number - 1]
     entered = None if options.value.lower() in NOT_ATTEMPTED else value_of(options.value, item)
-    identity = _identity(run) or link.box.zone(zone).identity
+    identity = _identity(run) or link.box.zones[zone].identity
     link.mark(zone, identity, item, entered, options.note, options.referee)
-    new: SheetItem = _fetched(link, zone, run).items[item.number - 1]
-    if output.json:
-        output.object({"ok": True, "command": "score", "zone": zone, **new._asdict()})
-    else:
-        output.lines([view.item_line(new)])
-    return Exit.OK
+    return _show_item(zone, number, link.run_sheet(zone, _identity(run)).items[number - 1], output)
 
 
 def _withdraw(link: Link, options: Any, output: Any) -> Exit:
@@ -281,7 +299,7 @@ def _reason(link: Link, options: Any, output: Any) -> Exit:
 def _sign_off(link: Link, options: Any, output: Any) -> Exit:
     """Sign off the score sheet of a finished run. Where a run is connected and nobody is shown the sheet, another one
     is meant only by its name."""
-    connected = link.box.zone(_zone_name(link, options.zone)).identity
+    connected = _zone(link, options).identity
     if connected and (options.run is None or (options.run == LAST and options.yes)):
         raise Refused([f"run {connected} is still connected: disconnect it first. To sign off an earlier run, give its "
                        "name ('runs' lists them)"])
@@ -290,8 +308,8 @@ def _sign_off(link: Link, options: Any, output: Any) -> Exit:
         if not options.yes:
             if output.json or not sys.stdin.isatty():
                 raise BadWord("the sheet becomes final: give --yes, or use a terminal, where you are asked")
-            keyboard = at_end.enter_context(_keyboard(link, options, output, zone, always=True))
-            output.lines(sheets.sheet_lines(_fetched(link, zone, run), output.style))
+            keyboard = at_end.enter_context(_keyboard(link, output, zone, always=True))
+            output.lines(sheets.sheet_lines(link.run_sheet(zone, _identity(run)), output.style))
             if not _is_yes(keyboard, output, f"Sign off as {escaped(options.referee)}? The sheet becomes final. [y/N]"):
                 raise Refused(["not signed off: the question was not answered with yes"])
         link.act("sign_off", zone, {}, _identity(run), options.referee)
@@ -303,9 +321,9 @@ def _is_yes(keyboard: Keyboard, output: Output, question: str) -> bool:
 
 
 def _show(link: Link, zone: str, run: Optional[RunLine], command: str, output: Any) -> Exit:
-    shown = _fetched(link, zone, run)
+    shown = link.run_sheet(zone, _identity(run))
     if output.json:
-        output.object({"ok": True, "command": command, "zone": zone, "sheet": shown})
+        output.object({"ok": True, "command": command, "zone": zone, "sheet": sheet_json(shown)})
     else:
         output.lines(sheets.sheet_lines(shown, output.style))
     return Exit.OK
@@ -315,9 +333,9 @@ def _which(link: Link, options: Any) -> Tuple[str, Optional[RunLine]]:
     """Return the zone and the run; None: the connected run. Raises `Refused`, `BadWord`."""
     zone = _zone_name(link, options.zone)
     if options.run is not None:
-        known: List[RunLine] = [run for run in link.runs() if run.zone == zone]
+        known: List[RunLine] = [run for run in link.box.runs() if run.zone == zone]
         return zone, pick_run(options.run, known)
-    if link.box.zone(zone).phase == IDLE:
+    if link.box.zones[zone].phase == IDLE:
         raise Refused(["No run is connected. For a finished run give its name, such as '--run last' (see 'runs')"])
     return zone, None
 
@@ -326,21 +344,16 @@ def _identity(run: Optional[RunLine]) -> str:
     return "" if run is None else run.identity
 
 
-def _fetched(link: Link, zone: str, run: Optional[RunLine]) -> Sheet:
-    return sheet_of(link.run_sheet(zone, _identity(run)))
-
-
 # -- the schedule ---------------------------------------------------------------------------------
 
 
 def _schedule(link: Link, options: Any, output: Any) -> Exit:
     """Print the events that the options choose."""
-    events = schedule.events_of(link.schedule())
     zone = "" if options.zone is None else _zone_name(link, options.zone)
     shown = schedule.EventFilter(zone, options.team, options.day, schedule.Show[options.show.upper().replace("-", "_")])
-    found = [event for event in events if shown.shows(event, options.utc)]
+    found = [event for event in link.box.events() if shown.shows(event, options.utc)]
     if output.json:
-        output.object({"events": [{**event._asdict(), "late_s": event.late_s} for event in found]})
+        output.object({"events": [scheduled_json(event) for event in found]})
     else:
         output.lines([*view.schedule_lines(found, output.style), "", schedule.summary(found)])
     return Exit.OK
@@ -349,8 +362,7 @@ def _schedule(link: Link, options: Any, output: Any) -> Exit:
 def _choose(link: Link, options: Any, output: Any) -> Exit:
     """Choose an event for its zone."""
     name = _zone_name(link, options.zone)
-    message = link.schedule()
-    own = [line for line in message.events if line.zone == name]
+    own = sorted((event for event in link.box.schedule.values() if event.zone == name), key=lambda one: one.number)
     if options.event > len(own):
         raise BadWord(f"zone '{name}' has no event {options.event}: there are 1 to {len(own)} ('schedule' lists them)")
     _check_stopped(link, options)
@@ -367,40 +379,49 @@ def _reload(link: Link, options: Any, output: Output) -> Exit:
     """Check the configuration files, list what they change, and apply it."""
     found = link.reload("", options.referee)
     _check_reload(found)
-    if not found.changes or options.check:
+    if not found["changes"] or options.check:
         return _show_reload(found, output)
     with contextlib.ExitStack() as at_end:
         if not options.yes:
             if output.json or not sys.stdin.isatty():
                 raise BadWord("give --yes to apply the changes, --check to list them, or use a terminal, where you are "
                               "asked")
-            keyboard = at_end.enter_context(_keyboard(link, options, output, "", always=True))
+            keyboard = at_end.enter_context(_keyboard(link, output, "", always=True))
             output.lines(_reload_lines(found))
             if not _is_yes(keyboard, output, "Apply these changes? [y/N]"):
                 raise Refused(["nothing was changed: the question was not answered with yes"])
-        done = link.reload(found.digest, options.referee)
+        done = link.reload(found["digest"], options.referee)
         _check_reload(done)
         return _show_reload(done, output)
 
 
 def _check_reload(answer: Any) -> None:
-    if answer.errors:
-        raise Refused([*answer.errors, "Nothing was changed"])
+    if answer["errors"]:
+        raise Refused([*answer["errors"], "Nothing was changed"])
 
 
 def _show_reload(answer: Any, output: Output) -> Exit:
     if output.json:
-        output.object({"ok": True, "command": "reload", "applied": answer.applied, "changes": list(answer.changes),
-                       "warnings": list(answer.warnings)})
+        output.object({"ok": True, "command": "reload", "applied": answer["applied"], "changes": answer["changes"],
+                       "warnings": answer["warnings"]})
     else:
-        end = ["The changes are in force"] if answer.applied and answer.changes else []
+        end = ["The changes are in force"] if answer["applied"] and answer["changes"] else []
         output.lines(_reload_lines(answer) + end)
     return Exit.OK
 
 
 def _reload_lines(answer: Any) -> List[str]:
-    warnings = [f"warning: {escaped(text)}" for text in answer.warnings]
-    return warnings + ([escaped(text) for text in answer.changes] or ["The files contain what is in force"])
+    warnings = [f"warning: {escaped(text)}" for text in answer["warnings"]]
+    return warnings + ([escaped(text) for text in answer["changes"]] or ["The files contain what is in force"])
+
+
+# -- the web pages' node --------------------------------------------------------------------------
+
+
+def _of_gateway(link: Link, options: Any, output: Output) -> Exit:
+    from roah_rsbb.referee import pairing  # late: no other command needs messages of ROS
+
+    return pairing.COMMANDS[options.command](link, options, output)
 
 
 # -- all commands ---------------------------------------------------------------------------------
@@ -410,8 +431,7 @@ COMMANDS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
     "status": _status, "watch": _watch, "stop": _stop, "score": _score, "runs": _runs, "sheet": _sheet,
     "withdraw": _withdraw, "reason": _reason, "sign-off": _sign_off, "schedule": _schedule, "choose": _choose,
     "done": _done, "run": _run, "reload": _reload,
-    "judges": judges.judges, "pair": pairing.pair, "devices": pairing.devices,
-    "team-codes": pairing.team_codes,
+    "judges": judges.judges, "pair": _of_gateway, "devices": _of_gateway, "team-codes": _of_gateway,
 }
 # Those that read the keyboard themselves, and the STOP.
 READS = ("watch", "run", "sign-off", "reload", "stop")
@@ -419,7 +439,8 @@ READS = ("watch", "run", "sign-off", "reload", "stop")
 
 def carry_out(options: Any, output: Output) -> Exit:
     """Connect to the core and carry out the command."""
-    link = Link(options.ros_arguments)
+    link = Link()
+    link.start()
     try:
         with _slow_keyboard(link, options, output):
             if options.command != "stop":

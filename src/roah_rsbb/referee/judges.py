@@ -1,64 +1,55 @@
 """The terminal's commands for a run with several judges, and for objections (docs/referee.md, "Several judges")."""
 
-from typing import Any, Callable, Dict, List, NamedTuple, Optional
+from typing import Any, Callable, Dict, List, Optional
 
+from roah_rsbb.model.judging import JudgedRun, Judging, ObjectionLine
 from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.results import RunLine
+from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.referee.exits import Exit
 from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.output import Output
-from roah_rsbb.referee.sheets import RunLine, pick_run
-from roah_rsbb.referee.state import SheetItem, items_of
+from roah_rsbb.referee.sheets import pick_run
+from roah_rsbb.referee.state import run_json
 from roah_rsbb.referee.view import BOLD, YELLOW, Style
 from roah_rsbb.referee.words import NOT_ATTEMPTED, BadWord, Entered, pick_item, pick_zone, value_of
 from roah_rsbb.wording import judging, sheets
-from roah_rsbb.wording.judging import Judged, Judging, ObjectionLine
+from roah_rsbb.wording.judging import Judged
 from roah_rsbb.wording.texts import escaped
 
 _IN = "    "
-
-
-class JudgedRun(NamedTuple):
-    """A run with what its judges submitted. Its fields are those of the JSON output."""
-
-    run: Optional[RunLine]  # None: the core no longer lists it
-    judging: Judging
-    items: tuple  # of Judged; empty: judges are waited for
-    objections: tuple  # of ObjectionLine
-
 
 # -- which run --------------------------------------------------------------------------------------
 
 
 def _which(link: Link, options: Any) -> JudgedRun:
     """Return the run that the options name; by default the one of the zone that is not final. Raises `BadWord`."""
-    zone = pick_zone(options.zone, [one.zone for one in link.box.zones])
-    runs = [run for run in link.runs() if run.zone == zone]
+    zone = pick_zone(options.zone, link.box.box.zones)
     if options.run is not None:
-        return _fetched(link, zone, pick_run(options.run, runs).identity)
-    identities = [one.identity for one in link.judgings() if one.zone == zone]
+        runs = [run for run in link.box.runs() if run.zone == zone]
+        return link.judging(zone, pick_run(options.run, runs).identity)
+    identities = [identity for identity, one in link.box.judging.items() if one.zone == zone]
     if not identities:
         raise Refused([f"zone '{zone}' has no run that judges score, and no provisional result. Name another run with "
                        "--run (see 'runs')"])
     if len(identities) > 1:
         raise BadWord("\n  ".join([f"zone '{zone}' has {len(identities)} such runs: name one with --run",
                                    *identities]))
-    return _fetched(link, zone, identities[0])
+    return link.judging(zone, identities[0])
 
 
-def _fetched(link: Link, zone: str, identity: str) -> JudgedRun:
-    answer = link.judging(zone, identity)
-    run = next((run for run in link.runs() if run.identity == identity), None)
-    return JudgedRun(run, judging.judging_of(answer.state), judging.judged_of(answer), judging.objections_of(answer))
-
-
-def _show(link: Link, which: JudgedRun, options: Any, output: Output) -> Exit:
+def _show(link: Link, which: Judging, options: Any, output: Output) -> Exit:
     """Print a run after a command."""
-    shown = _fetched(link, which.judging.zone, which.judging.identity)
+    link.settle()
+    shown = link.judging(which.zone, which.identity)
+    run = link.box.results.get(which.identity)
     if output.json:
-        command = f"judges {options.action}"
-        output.object({"ok": True, "command": command, "zone": shown.judging.zone, **shown._asdict()})
+        output.object({
+            "ok": True, "command": f"judges {options.action}", "zone": which.zone,
+            "run": None if run is None else run_json(run), "judging": shown.judging,
+            "items": judging.judged_of(shown), "objections": judging.objections_of(shown)})
     else:
-        output.lines(lines_of(shown, link.box.clock_utc_s, output.style))
+        output.lines(lines_of(run, shown, link.now().utc, output.style))
     return Exit.OK
 
 
@@ -68,27 +59,26 @@ def _show(link: Link, which: JudgedRun, options: Any, output: Output) -> Exit:
 def _list(link: Link, options: Any, output: Output) -> Exit:
     """Print the progress of the judges; for a single zone also what they submitted."""
     if options.zone is not None:
-        return _show(link, _which(link, options), options, output)
+        return _show(link, _which(link, options).judging, options, output)
     if options.run is not None:
         raise BadWord("give the zone of the run before --run")
-    found = link.judgings()
+    found = list(link.box.judging.values())
     if output.json:
         output.object({"runs": found})
         return Exit.OK
-    runs = {run.identity: run for run in link.runs()}
     lines = [line for one in found for line in (
-        f"{escaped(one.zone)}: {_title(runs.get(one.identity), one)}",
-        *_progress(one, link.box.clock_utc_s, output.style))]
+        f"{escaped(one.zone)}: {_title(link.box.results.get(one.identity), one)}",
+        *_progress(one, link.now().utc, output.style))]
     output.lines(lines or ["no run that judges score, and no provisional result"])
     return Exit.OK
 
 
 def _settle(link: Link, options: Any, output: Output) -> Exit:
     which = _which(link, options)
-    item = pick_item(options.item, items_of(link.judging(which.judging.zone, which.judging.identity).items))
+    item = which.items[pick_item(options.item, which.items) - 1]
     is_not = options.value.lower() in NOT_ATTEMPTED
     value = Entered() if is_not else settled_value(options.value, item)
-    return _act(link, which, options, output, "settle", group=item.group, desc=item.item, value=value.value,
+    return _act(link, which, options, output, "settle", group=item.group, desc=item.desc, value=value.value,
                 text=value.text, not_attempted=is_not, reason=options.reason)
 
 
@@ -103,10 +93,10 @@ def settled_value(word: str, item: SheetItem) -> Entered:
     return Entered(text=value.added) if item.type in ("decimal", "rating") else Entered(int(value.added))
 
 
-def _act(link: Link, which: Any, options: Any, output: Output, action: str, **given: Any) -> Exit:
+def _act(link: Link, which: JudgedRun, options: Any, output: Output, action: str, **given: Any) -> Exit:
     """Do an action of the table, and show what became of the run."""
     link.act(action, which.judging.zone, given, which.judging.identity, options.referee)
-    return _show(link, which, options, output)
+    return _show(link, which.judging, options, output)
 
 
 def _of_judge(action: str) -> Callable[[Link, Any, Output], Exit]:
@@ -147,18 +137,19 @@ def judges(link: Link, options: Any, output: Output) -> Exit:
 # -- lines ------------------------------------------------------------------------------------------
 
 
-def lines_of(shown: JudgedRun, utc_s: float, style: Style) -> List[str]:
-    """Return the lines of a run: the progress of its judges, their values side by side, and objections."""
-    lines = [_title(shown.run, shown.judging), *_progress(shown.judging, utc_s, style)]
+def lines_of(run: Optional[RunLine], shown: JudgedRun, utc_s: float, style: Style) -> List[str]:
+    """Return the lines of a run: the progress of its judges, their values side by side, and objections. `run`: None if
+    the box no longer lists it."""
+    lines = [_title(run, shown.judging), *_progress(shown.judging, utc_s, style)]
     group = None
-    for item in shown.items:
+    for item in judging.judged_of(shown):
         if item.group != group:
             group = item.group
             lines.append(f"{_IN}{escaped(group)}")
         lines += _item(item, style)
     if shown.objections:
         lines.append("Objections")
-    return lines + [line for one in shown.objections for line in _objection(one, style)]
+    return lines + [line for one in judging.objections_of(shown) for line in _objection(one, style)]
 
 
 def _title(run: Optional[RunLine], one: Judging) -> str:

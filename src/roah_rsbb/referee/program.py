@@ -27,8 +27,7 @@ def _hang_up(_number: int, _frame: object) -> None:
 def options_of(words: List[str]) -> argparse.Namespace:
     """Read a command line. Raises SystemExit after help and for wrong options."""
     top = parser()
-    options = top.parse_args([word for word in words if ":=" not in word])
-    options.ros_arguments = [word for word in words if ":=" in word]  # remappings, as for every ROS program
+    options = top.parse_args([word for word in words if ":=" not in word])  # ROS adds words such as __name:=x
     if options.command is None:
         top.print_help(sys.stderr)
         sys.exit(int(Exit.USAGE))

@@ -1,12 +1,10 @@
-"""Calls services and reads topics of ROS without rospy, whose import alone takes longer than a whole command should.
+"""Calls services of ROS without rospy, whose import alone takes longer than a whole command should.
 
-A `Client` is not a node: the master does not know it, and it has no servers. It opens connections to the master and to
-the nodes, and each of them has a time limit.
+The caller is not a node: the master does not know it, and it has no servers. Each connection has a time limit.
 """
 
 import os
 import queue
-import select
 import socket
 import struct
 import threading
@@ -24,7 +22,6 @@ _PIECE = 1 << 18  # bytes to read at once
 # Bytes of a message or answer. More than any of ours, less than the memory of a computer.
 _MAX_BYTES = 1 << 28
 _SUCCESS = 1  # the status of an answer to an XML-RPC call
-_LIMIT_S = 2.0  # for the connections of a topic
 
 
 class RosError(Exception):
@@ -39,7 +36,7 @@ class ServiceError(RosError):
     """The service answered with an error, which is the text."""
 
 
-class _Socket:
+class Connection:
     """A TCP connection whose every operation ends at a moment, in monotonic seconds."""
 
     def __init__(self, host: str, port: int, until: float) -> None:
@@ -109,133 +106,30 @@ class _Socket:
                 raise RosError(value)
 
 
-class Client:
-    """Reaches the nodes of a ROS master under the name `caller`, which nodes show as the sender of a call."""
-
-    def __init__(self, master_uri: str, caller: str, remapped: Optional[Dict[str, str]] = None) -> None:
-        """`remapped`: other names of topics and services."""
-        self.master_uri = master_uri
-        self.caller = caller
-        self._remapped = remapped or {}
-
-    def published(self, limit_s: float = _LIMIT_S) -> Dict[str, List[str]]:
-        """Return the topics that have publishers, and the names of these nodes; raises `RosError`."""
-        state = _xml_rpc(self.master_uri, "getSystemState", [self.caller], time.monotonic() + limit_s)
-        topics: Dict[str, List[str]] = dict(state[0])
-        return {name: topics[actual] for name, actual in self._names(topics)}
-
-    def _names(self, topics: Dict[str, List[str]]) -> List[Tuple[str, str]]:
-        renamed = [(name, actual) for name, actual in self._remapped.items() if actual in topics]
-        return [(name, name) for name in topics if name not in self._remapped] + renamed
-
-    def call(self, service: str, kind: Any, *request: object, limit_s: float) -> Any:
-        """Call a service and return its answer; raises `RosError`, `Late`, `ServiceError`."""
-        until = time.monotonic() + limit_s
-        name = self._remapped.get(service, service)
-        address = urlsplit(_xml_rpc(self.master_uri, "lookupService", [self.caller, name], until))
-        connection = _Socket(address.hostname or "", address.port or 0, until)
-        try:
-            connection.handshake({"callerid": self.caller, "service": name, "md5sum": kind._md5sum}, until)
-            buffer = BytesIO()
-            kind._request_class(*request).serialize(buffer)
-            connection.write(_SIZE.pack(len(buffer.getvalue())) + buffer.getvalue(), until)
-            is_done = connection.read_exactly(1, until) != b"\0"
-            answer = connection.read_block(until)
-        finally:
-            connection.close()
-        if not is_done:
-            raise ServiceError(answer.decode(errors="replace"))
-        return kind._response_class().deserialize(answer)
-
-    def follow(self, topic: str, kind: Any, limit_s: float = _LIMIT_S) -> "Subscription":
-        """Connect to the first publisher of a topic that answers; raises `RosError`."""
-        until = time.monotonic() + limit_s
-        name = self._remapped.get(topic, topic)
-        error = RosError("nobody publishes it")
-        for node in self.published(limit_s).get(topic, ()):
-            try:
-                uri = _xml_rpc(self.master_uri, "lookupNode", [self.caller, node], until)
-                _, host, port = _xml_rpc(uri, "requestTopic", [self.caller, name, [["TCPROS"]]], until)
-                return Subscription(self._subscribed(name, kind, _Socket(host, port, until), until), kind)
-            except RosError as failed:
-                error = failed
-        raise error
-
-    def _subscribed(self, name: str, kind: Any, connection: _Socket, until: float) -> socket.socket:
-        header = {"callerid": self.caller, "topic": name, "md5sum": kind._md5sum, "type": kind._type,
-                  "tcp_nodelay": "1"}
-        try:
-            connection.handshake(header, until)
-        except RosError:
-            connection.close()
-            raise
-        return connection.socket
-
-
-class Subscription:
-    """A connection to a topic's publisher."""
-
-    def __init__(self, connected: socket.socket, kind: Any) -> None:
-        self._socket = connected
-        self._socket.setblocking(False)
-        self._kind = kind
-        self._buffer = bytearray()
-
-    def fileno(self) -> int:
-        """For `wait`."""
-        return self._socket.fileno()
-
-    def close(self) -> None:
-        """End the connection."""
-        self._socket.close()
-
-    def take(self) -> Any:
-        """Return the newest message that has arrived, or None. Raises `RosError` when the publisher is gone."""
-        gone: Optional[RosError] = None
-        while gone is None:
-            try:
-                data = self._socket.recv(_PIECE)
-            except BlockingIOError:
-                break
-            except OSError as error:
-                gone = RosError(str(error))
-            else:
-                self._buffer += data
-                gone = None if data else RosError("the publisher has closed the connection")
-        newest = self._newest()
-        if newest is not None:
-            return self._kind().deserialize(newest)
-        if gone is not None:
-            raise gone
-        return None
-
-    def _newest(self) -> Optional[bytes]:
-        newest, at = None, 0
-        while len(self._buffer) - at >= _SIZE.size:
-            end = at + _SIZE.size + _size_of(self._buffer[at:at + _SIZE.size])
-            if end > len(self._buffer):
-                break
-            newest, at = (at + _SIZE.size, end), end
-        found = None if newest is None else bytes(self._buffer[slice(*newest)])
-        del self._buffer[:at]
-        return found
-
-
-def wait(subscriptions: List[Subscription], limit_s: float) -> None:
-    """Wait until something has arrived at one of them, but not longer than `limit_s`."""
-    select.select(subscriptions, (), (), max(0.0, limit_s))
+def call(master_uri: str, caller: str, service: str, kind: Any, *request: object, limit_s: float) -> Any:
+    """Call a service of a node of a ROS master and return its answer; raises `RosError`, `Late`, `ServiceError`.
+    `caller`: the name that the node shows as the sender."""
+    until = time.monotonic() + limit_s
+    address = urlsplit(xml_rpc(master_uri, "lookupService", [caller, service], until))
+    connection = Connection(address.hostname or "", address.port or 0, until)
+    try:
+        connection.handshake({"callerid": caller, "service": service, "md5sum": kind._md5sum}, until)
+        buffer = BytesIO()
+        kind._request_class(*request).serialize(buffer)
+        connection.write(_SIZE.pack(len(buffer.getvalue())) + buffer.getvalue(), until)
+        is_done = connection.read_exactly(1, until) != b"\0"
+        answer = connection.read_block(until)
+    finally:
+        connection.close()
+    if not is_done:
+        raise ServiceError(answer.decode(errors="replace"))
+    return kind._response_class().deserialize(answer)
 
 
 def caller_name(program: str) -> str:
     """Return a name of ROS that no other process has."""
     name = f"{program}_{socket.gethostname()}_{os.getpid()}_{int(time.time() * 1000)}"
     return "/" + "".join(letter if letter.isalnum() and letter.isascii() else "_" for letter in name)
-
-
-def remapped(words: List[str]) -> Dict[str, str]:
-    """Return the names of topics and services that words such as /from:=/to give them."""
-    pairs = (word.partition(":=") for word in words if ":=" in word and not word.startswith("_"))
-    return {"/" + name.lstrip("/"): "/" + other.lstrip("/") for name, _, other in pairs}
 
 
 # -- connections ----------------------------------------------------------------------------------
@@ -299,7 +193,7 @@ def limited(limit_s: float, job: Callable[[], Any]) -> Any:
 # -- XML-RPC --------------------------------------------------------------------------------------
 
 
-def _xml_rpc(uri: str, method: str, arguments: List[Any], until: float) -> Any:
+def xml_rpc(uri: str, method: str, arguments: List[Any], until: float) -> Any:
     """Call a master or node and return the value of its answer; raises `RosError`."""
     try:
         address = urlsplit(uri)

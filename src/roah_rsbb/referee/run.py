@@ -10,14 +10,15 @@ import time
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
 
 from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, SheetItem, Zone
 from roah_rsbb.referee.answers import Automatic, GivenUp, Keyboard, Note, Operations, Typed
 from roah_rsbb.referee.changes import Change, Follower, news
 from roah_rsbb.referee.exits import Exit, NoCore
-from roah_rsbb.referee.state import COMPLETED, CONNECTED, ENDED, IDLE, RUNNING, STOPPED, SheetItem, ZoneSnapshot
 from roah_rsbb.referee.words import BadWord, Entered, EventWanted, pick_item, value_of
 from roah_rsbb.wording.sheets import END_REASONS
 from roah_rsbb.wording.stop import NOT_DELIVERED_S, Way, leaving, way_text
 
+COMPLETED, STOPPED = "completed", "stopped"  # Zone.end_reason
 # A core that crashed is restarted within seconds. After this long without it, the script gives up.
 GIVE_UP_S = 60.0
 STEP_S = 1.0
@@ -47,7 +48,7 @@ class ScriptOutcome(NamedTuple):
 
     status: Exit
     text: str
-    zone: Optional[ZoneSnapshot] = None  # before the disconnect; None: there was no run
+    zone: Optional[Zone] = None  # before the disconnect; None: there was no run
 
 
 class _Failed(Exception):
@@ -74,7 +75,7 @@ class RunScript:
         self._is_ours = False  # the core confirmed our connect
         self._unanswered = False  # a connect was sent, but the core did not answer it
         self._event = self._zone().event
-        self._uuid = link.box.box_uuid  # of the core that has our run
+        self._uuid = link.box.box.uuid  # of the core that has our run
         self._scores: List[Tuple[SheetItem, Entered]] = []
         self._unmarked = ""  # why a score could not be set
 
@@ -98,7 +99,6 @@ class RunScript:
     # -- the steps ----------------------------------------------------------------------------------
 
     def _whole(self) -> ScriptOutcome:
-        self._settle(self._plan.wait_s)  # the first snapshot may hold old details
         zone = self._zone()
         if zone.phase != IDLE:
             raise _Failed(Exit.REFUSED, f"a run is in zone '{zone.zone}' already ({zone.phase}): disconnect it first")
@@ -119,12 +119,12 @@ class RunScript:
                 event = self._zone().event
                 team = event.team if wanted.team else ""
                 seen.append(str(EventWanted(event.code, event.round, event.run, team)))
-                if self._zone().off[command]:
+                if self._zone().off(command):
                     break
                 self._move(command)
             else:
                 return
-        while self._zone().event != start and not self._zone().off["next"]:
+        while self._zone().event != start and not self._zone().off("next"):
             self._move("next")
         there_are = ", ".join(dict.fromkeys(seen))
         raise BadWord(f"no event {wanted} in zone '{self._plan.zone}': there are {there_are}")
@@ -135,7 +135,7 @@ class RunScript:
             self._link.act(command, self._plan.zone)
         except NoCore as gone:
             self._note(f"waiting for the core: {gone}")
-            self._until_heard(self._link.now() + GIVE_UP_S)
+            self._until_heard(self._link.here_s() + GIVE_UP_S)
         self._settle()
 
     def _connect(self) -> None:
@@ -145,14 +145,14 @@ class RunScript:
             raise _Failed(Exit.REFUSED, "the run did not begin: see the core's log")
         if not is_done and not self._unanswered:
             raise _Failed(Exit.REFUSED, f"another referee was quicker: zone '{zone.zone}' is {zone.phase}")
-        self._run, self._is_ours, self._uuid = zone.identity, is_done, self._link.box.box_uuid
+        self._run, self._is_ours, self._uuid = zone.identity, is_done, self._link.box.box.uuid
 
     def _start(self) -> bool:
         """Start the run and set the scores; False: a restart of the core lost the run before it was started."""
         self._attempt("start", CONNECTED)
         zone = self._zone()
         if zone.identity != self._run:
-            if zone.phase == IDLE and self._link.box.box_uuid != self._uuid:
+            if zone.phase == IDLE and self._link.box.box.uuid != self._uuid:
                 self._note("the core was restarted: connecting again")
                 self._run, self._is_ours = "", False
                 return False
@@ -165,13 +165,13 @@ class RunScript:
         try:
             self._link.mark(self._plan.zone, self._run, item, value)
         except (Refused, NoCore) as error:
-            self._unmarked = f"; '{item.item}' = {value.added or value.text or value.value} failed: {error}"
+            self._unmarked = f"; '{item.desc}' = {value.added or value.text or value.value} failed: {error}"
             self._note(self._unmarked[2:])
 
     def _attempt(self, command: str, phase: str) -> bool:
         """Give a command as soon as it is allowed. Returns True once the core carried it out, or False as soon as
         the zone is no longer in `phase`."""
-        deadline = self._link.now() + self._plan.wait_s
+        deadline = self._link.here_s() + self._plan.wait_s
         known: Tuple[str, ...] = ()
         while self._zone().phase == phase:
             if self._is_stopped():
@@ -179,7 +179,7 @@ class RunScript:
             gone: Optional[NoCore] = None
             if phase == IDLE:
                 self._hold_event()
-            reasons = tuple(self._zone().off[command])
+            reasons = tuple(self._zone().off(command))
             if not reasons:
                 try:
                     self._give(command)
@@ -195,7 +195,7 @@ class RunScript:
             for reason in news(known, reasons):
                 self._note(f"waiting to {command}: {reason}")
             known = reasons
-            left = deadline - self._link.now()
+            left = deadline - self._link.here_s()
             if left <= 0:
                 raise gone or Refused(list(reasons))
             self._step(min(left, STEP_S))
@@ -205,11 +205,10 @@ class RunScript:
         """Check that the zone is still at the wanted event: a restarted core may be at its first event."""
         if self._zone().event == self._event:
             return
-        self._settle()  # event and box_uuid come on two topics
         event = self._zone().event
-        if self._link.box.box_uuid == self._uuid:
+        if self._link.box.box.uuid == self._uuid:
             raise _Failed(Exit.REFUSED, f"another referee moved the zone to {event.code}/{event.round}/{event.run}")
-        self._uuid = self._link.box.box_uuid
+        self._uuid = self._link.box.box.uuid
         self._go_to(EventWanted(self._event.code, self._event.round, self._event.run, self._event.team))
 
     def _give(self, command: str) -> None:
@@ -219,7 +218,8 @@ class RunScript:
     def _resolve_scores(self) -> None:
         self._scores = []
         for word, text in self._plan.scores:
-            item = pick_item(word, self._zone().score)
+            items = self._zone().items
+            item = items[pick_item(word, items) - 1]
             self._scores.append((item, value_of(text, item)))
 
     def _to_the_end(self) -> ScriptOutcome:
@@ -230,9 +230,6 @@ class RunScript:
             self._step(STEP_S)
             if self._answers is not None and self._is_running():
                 self._answers.look(self._zone())
-        with contextlib.suppress(NoCore):  # the last lines and scores, if they come
-            self._link.settle()
-            self._step(0.0)
         zone = self._zone()
         if zone.identity != self._run or zone.phase != ENDED:
             raise _Failed(Exit.NOT_COMPLETED, self._how_it_went())
@@ -255,7 +252,7 @@ class RunScript:
         zone = self._zone()
         if zone.identity == self._run:
             return f"the run did not complete: it is {zone.phase} again"
-        if zone.phase == IDLE and self._link.box.box_uuid != self._uuid:
+        if zone.phase == IDLE and self._link.box.box.uuid != self._uuid:
             return "the run did not complete: it was lost when the core was restarted"
         return "the run did not complete: another referee disconnected it"
 
@@ -264,7 +261,7 @@ class RunScript:
     def _leave(self, status: Exit, text: str, wait_s: float = GIVE_UP_S) -> ScriptOutcome:
         """Disconnect our run, unless the plan keeps it. If the core is down, wait for it. A run whose robots do not
         stop stays connected: after the disconnect the box would not repeat STOP."""
-        zone = self._link.box.zone(self._plan.zone)
+        zone = self._link.box.zones.get(self._plan.zone)
         if not self._run or zone is None or zone.identity != self._run:
             return ScriptOutcome(status, text)
         if self._plan.keep:
@@ -288,7 +285,7 @@ class RunScript:
 
     def _disconnect(self, wait_s: float) -> str:
         """Return why the run stays connected; empty: it was left. Raises `NoCore`."""
-        deadline = self._link.now() + wait_s
+        deadline = self._link.here_s() + wait_s
         is_waiting = False
         while True:
             try:
@@ -296,11 +293,11 @@ class RunScript:
             except Refused as refused:
                 with contextlib.suppress(NoCore):
                     self._link.settle()
-                zone = self._link.box.zone(self._plan.zone)
+                zone = self._link.box.zones.get(self._plan.zone)
                 is_left = zone is None or zone.identity != self._run
                 return "" if is_left else f"; left connected: {refused}"
             except NoCore as gone:
-                if self._link.now() >= deadline:
+                if self._link.here_s() >= deadline:
                     raise
                 if not is_waiting:
                     self._note(f"waiting to disconnect: {gone}")
@@ -308,8 +305,7 @@ class RunScript:
                 self._pause(STEP_S)
             else:
                 with contextlib.suppress(NoCore):
-                    self._link.settle()
-                    self._step(0.0)
+                    self._settle()
                 return ""
 
     def _stop_and_leave(self, text: str) -> ScriptOutcome:
@@ -321,14 +317,14 @@ class RunScript:
             return ScriptOutcome(Exit.NOT_COMPLETED, f"{text}; it could not be stopped: {error}{self._left_behind()}")
         return self._leave(Exit.NOT_COMPLETED, text)
 
-    def _not_stopped(self) -> Optional[ZoneSnapshot]:
+    def _not_stopped(self) -> Optional[Zone]:
         """Return the zone if its robots do not report STOP in time after the end of our run. Raises `NoCore`."""
-        deadline = self._link.now() + NOT_DELIVERED_S
+        deadline = self._link.here_s() + NOT_DELIVERED_S
         while True:
-            zone = self._link.box.zone(self._plan.zone)
+            zone = self._link.box.zones.get(self._plan.zone)
             if zone is None or zone.identity != self._run or not leaving(zone):
                 return None
-            left = deadline - self._link.now()
+            left = deadline - self._link.here_s()
             if left <= 0:
                 return zone
             self._step(left)
@@ -343,12 +339,10 @@ class RunScript:
             if self._run or self._unanswered:
                 self._note("interrupted: leaving the run")
                 with contextlib.suppress(NoCore):  # a core that publishes nothing may still obey
-                    self._link.settle()
-                    self._step(0.0)
+                    self._settle()
                 if self._is_running():
                     self._link.stop_run(self._plan.zone, self._run)
-                    self._link.settle()
-                    self._step(0.0)
+                    self._settle()
                     text = "interrupted, the run was stopped"
             return self._leave(Exit.INTERRUPTED, text, wait_s=0.0)
         except KeyboardInterrupt:
@@ -362,8 +356,8 @@ class RunScript:
 
     # -- shared -------------------------------------------------------------------------------------
 
-    def _zone(self) -> ZoneSnapshot:
-        zone = self._link.box.zone(self._plan.zone)
+    def _zone(self) -> Zone:
+        zone = self._link.box.zones.get(self._plan.zone)
         if zone is None:
             raise _Failed(Exit.NOT_COMPLETED, f"zone '{self._plan.zone}' is no longer in the schedule")
         return zone
@@ -375,28 +369,18 @@ class RunScript:
             raise NoCore(f"the core has been silent for {GIVE_UP_S:.0f} s: check the launch on the box's computer")
 
     def _pause(self, seconds: float) -> None:
-        until = self._link.now() + seconds
-        while self._link.now() < until:
-            self._step(until - self._link.now())
+        until = self._link.here_s() + seconds
+        while self._link.here_s() < until:
+            self._step(until - self._link.here_s())
 
     def _until_heard(self, deadline: float) -> None:
         """Wait until the core publishes again, but not beyond `deadline` (monotonic seconds)."""
-        self._step(STEP_S)  # take messages from before the silence that are still in the queue
-        while self._link.silence_s > STEP_S and self._link.now() < deadline:
+        while self._link.silence_s > STEP_S and self._link.here_s() < deadline:
             self._step(STEP_S)
 
-    def _settle(self, wait_s: float = GIVE_UP_S) -> None:
-        """Wait for a snapshot that shows the effect of the last command. If the core is down, wait for it."""
-        deadline = self._link.now() + wait_s
-        while True:
-            try:
-                self._link.settle()
-                break
-            except NoCore as gone:
-                if self._link.now() >= deadline:
-                    raise
-                self._note(f"waiting for the core: {gone}")
-                self._until_heard(deadline)
+    def _settle(self) -> None:
+        """Wait for the effect of the last command, and report it."""
+        self._link.settle()
         self._step(0.0)
 
     def _note(self, text: str) -> None:

@@ -1,236 +1,32 @@
-"""The core's published state as plain values. The terminal referee shows them, and `--json` prints them.
+"""The values of the box as `--json` prints them.
 
-The names of the fields are the names in the JSON output (docs/referee.md) and never change. Times are UTC seconds since
-1970, durations are seconds.
+The names are those of docs/referee.md and never change. Times are UTC seconds since 1970, durations are seconds.
 """
 
 import json
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-from roah_rsbb.model import shown
 from roah_rsbb.model.actions import ACTIONS, Row
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import Document
 from roah_rsbb.model.fields import Choice, Field, Text, entered
+from roah_rsbb.model.reason import Said
+from roah_rsbb.model.records import ScoreValue
+from roah_rsbb.model.results import RunLine, RunSheet
+from roah_rsbb.model.schedule import ScheduledEvent
+from roah_rsbb.model.zone import Event, SheetItem, Zone
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.clock import clock_of, lines
 
-IDLE, CONNECTED, RUNNING, ENDED = "idle", "connected", "running", "ended"  # ZoneDetails.phase
-COMPLETED, STOPPED = "completed", "stopped"  # ZoneDetails.end_reason
+Json = Dict[str, Any]
+
 # They are of no interest in a zone without such a module.
 _OF_MODULES = [action.name for action in ACTIONS.values() if action.row is Row.MODULE]
 
 
-class SheetItem(NamedTuple):
-    """A scoring item. Its number counts from 1 through the whole sheet, in the order of the groups."""
-
-    number: int
-    group: str
-    item: str
-    type: str
-    value: int  # 0 where it was not attempted
-    not_attempted: bool = False  # the robot did not try
-    text: str = ""  # of a decimal, a choice or a rating
-    points: str = ""  # a decimal number; empty: the item gives none
-    choices: Tuple[str, ...] = ()
-    judges: Tuple[str, ...] = ()
-    ratings: Tuple[str, ...] = ()  # by each judge; an empty text: none yet
-
-
-class ManualOperation(NamedTuple):
-    """A manual operation that a benchmarking module requests."""
-
-    number: int  # in the attempt; an operation with the same text as the one before has another number
-    text: str
-    choices: Tuple[str, ...] = ()  # of its first choice, the usual one first
-    asks_text: bool = False  # it has a text
-    fields: Tuple[Field, ...] = ()  # of its form
-
-
-class SwitchesSnapshot(NamedTuple):
-    """HOMF: what the referee entered."""
-
-    on: Tuple[int, ...]  # numbers of the switches that are on
-    damaged: int
-    to_confirm: bool  # the robot has finished
-
-
-class ModuleScoreLine(NamedTuple):
-    """A line of a benchmarking module's score."""
-
-    group: str  # such as "waypoint 2"; empty: of the whole run
-    name: str
-    value: Any  # a number, a bool, a text, or None if not known yet
-    unit: str
-    desc: str
-
-
-class AllRobotsSnapshot(NamedTuple):
-    """HSUF: how many robots prepare, execute and have stopped, and what each robot does."""
-
-    preparing: int
-    executing: int
-    stopped: int
-    robots: Tuple[str, ...]  # "<robot> of team <team>: <what it is doing>"
-
-
-class EventSnapshot(NamedTuple):
-    """An event of the schedule."""
-
-    code: str
-    name: str
-    desc: str
-    team: str
-    round: int
-    run: int
-    scheduled_utc_s: float
-    timeout_s: float
-
-
-class RunTimes(NamedTuple):
-    """The times of a run, or the limits of the next one. They do not count pauses."""
-
-    text: Tuple[str, ...]  # each time with its label, as the panels show them
-    pause: str  # that the run is paused, and why; empty: it is not
-    limit_s: float  # 0: no limit
-    elapsed_s: float  # after the end: the final time of the run
-    counting: bool
-    goal: int  # number of the current goal; 0: there is none with a timeout
-    goal_limit_s: float
-    goal_elapsed_s: float
-    goal_counting: bool
-    after_stop_s: float  # after the end: time left
-    setup_limit_s: float = 0.0  # 0: the rules have no setup time
-    setup_elapsed_s: float = 0.0
-    setup_counting: bool = False
-    phase: int = 0  # number of the current phase of a task; 0: none
-    phase_name: str = ""
-    phase_limit_s: float = 0.0  # 0: no limit
-    phase_elapsed_s: float = 0.0
-
-
-class ZoneSnapshot(NamedTuple):
-    """A zone, its event and its run. Unknown values are None or empty."""
-
-    zone: str
-    event: EventSnapshot
-    phase: str
-    identity: str  # of the run; empty: there is none
-    end_reason: str
-    timer_s: float
-    state: Tuple[str, ...]
-    robot: str
-    port: int
-    box_state: str
-    robot_state: str
-    skew_s: Optional[float]
-    last_message_utc_s: Optional[float]
-    messages_saved: int
-    manual_operation: str
-    warnings: Tuple[str, ...]
-    off: Dict[str, List[str]]
-    score: Tuple[SheetItem, ...]
-    log_file: str
-    log: str
-    online_data: str
-    operation: Optional[ManualOperation] = None
-    switches: Optional[SwitchesSnapshot] = None
-    held: bool = False
-    module_status: str = ""
-    module_score: Tuple[ModuleScoreLine, ...] = ()
-    points: str = ""  # of the score sheet, such as "85 points: Achievements 100 · Penalties -15"; empty: it gives none
-    all_robots: Optional[AllRobotsSnapshot] = None
-    times: Optional[RunTimes] = None
-    by_hand: bool = False  # the run has no robot
-    attempt: int = 0  # number of this or the next run of the event; 0: the rules do not count attempts
-    attempts: int = 0  # how many the rules allow
-    robots_to_choose: Tuple[str, ...] = ()  # the team's robots if there are several
-    not_stopped: Tuple[str, ...] = ()  # robots of the run that do not report STOP
-
-
-class RobotSnapshot(NamedTuple):
-    """An active robot."""
-
-    team: str
-    robot: str
-    skew_s: float
-    last_heard_utc_s: float
-    age_s: float
-
-
-class BoxSnapshot(NamedTuple):
-    """The whole box at one moment of its clock."""
-
-    clock_utc_s: float
-    status: str
-    host: str
-    port: str
-    box_uuid: str
-    warnings: Tuple[str, ...]
-    robots: Tuple[RobotSnapshot, ...]
-    zones: Tuple[ZoneSnapshot, ...]
-
-    def zone(self, name: str) -> Optional[ZoneSnapshot]:
-        """Return the zone of that name, or None."""
-        return next((zone for zone in self.zones if zone.zone == name), None)
-
-
-def box_of(gui, details, clocks) -> Optional[BoxSnapshot]:
-    """Combine a CoreToGui, a CoreDetails and RunClocks; None: their zones or runs differ."""
-    details_of = {zone.zone: zone for zone in details.zones}
-    times_of = {zone.zone: zone for zone in clocks.zones}
-    if [zone.zone for zone in gui.zones] != list(details_of) or _runs(details_of) != _runs(times_of):
-        return None
-    passed_s = max(0.0, (gui.clock - clocks.clock).to_sec())
-    clock = gui.clock.to_sec()
-    robots = [
-        RobotSnapshot(r.team, r.robot, r.skew.to_sec(), r.beacon.to_sec(), max(0.0, clock - r.beacon.to_sec()))
-        for r in gui.active_robots
-    ]
-    return BoxSnapshot(
-        clock_utc_s=clock,
-        status=gui.status,
-        host=gui.addr,
-        port=gui.port,
-        box_uuid=details.box_uuid,
-        warnings=tuple(details.warnings),
-        robots=tuple(robots),
-        zones=tuple(_zone(zone, details_of[zone.zone], _times(times_of[zone.zone], passed_s)) for zone in gui.zones),
-    )
-
-
-def _runs(zones: Dict[str, Any]) -> Dict[str, Tuple[str, str]]:
-    return {name: (zone.identity, zone.phase) for name, zone in zones.items()}
-
-
-def _times(message, passed_s: float) -> RunTimes:
-    shown = clock_of(message, passed_s)
-    return RunTimes(
-        text=tuple(lines(shown._replace(pause=""))),
-        pause=shown.pause,
-        limit_s=message.limit.to_sec(),
-        elapsed_s=message.elapsed.to_sec() + message.counting * passed_s,
-        counting=message.counting,
-        goal=message.goal,
-        goal_limit_s=message.goal_limit.to_sec(),
-        goal_elapsed_s=message.goal_elapsed.to_sec() + message.goal_counting * passed_s,
-        goal_counting=message.goal_counting,
-        after_stop_s=max(0.0, message.after_stop.to_sec() - passed_s) if message.phase == ENDED else 0.0,
-        setup_limit_s=message.setup_limit.to_sec(),
-        setup_elapsed_s=message.setup_elapsed.to_sec() + message.setup_counting * passed_s,
-        setup_counting=message.setup_counting,
-        phase=message.phase_number,
-        phase_name=message.phase_name,
-        phase_limit_s=message.phase_limit.to_sec(),
-        phase_elapsed_s=message.phase_elapsed.to_sec() + message.counting * bool(message.phase_number) * passed_s,
-    )
-
-
-def lines_of(text: str) -> List[str]:
-    """Return the lines that the core wrote. Only \\n ends a line; a robot's text may contain other line ends."""
-    return [line for line in text.split("\n") if line]
-
-
 def as_json(value: Any) -> Any:
-    """Return a value of this module for `json.dumps`. Times and durations are rounded to microseconds."""
+    """Return a value for `json.dumps`; one of the model with the names of its fields. Times and durations are rounded
+    to microseconds."""
     if isinstance(value, Field):
         return value.form()
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
@@ -242,82 +38,150 @@ def as_json(value: Any) -> Any:
     return round(value, 6) if isinstance(value, float) else value
 
 
-def _zone(zone, details, run_times: RunTimes) -> ZoneSnapshot:
-    heard = details.last_message.to_sec()
-    return ZoneSnapshot(
-        zone=zone.zone,
-        event=EventSnapshot(
-            zone.code, zone.name, zone.desc, zone.team, zone.round, zone.run, zone.schedule.to_sec(),
-            zone.timeout.to_sec(),
-        ),
-        phase=details.phase,
-        identity=details.identity,
-        end_reason=details.end_reason,
-        timer_s=zone.timer.to_sec(),
-        state=tuple(lines_of(zone.state)),
-        robot=details.robot,
-        port=details.port,
-        box_state=details.box_state,
-        robot_state=details.robot_state,
-        skew_s=details.skew.to_sec() if details.skew_known else None,
-        last_message_utc_s=heard if heard > 0 else None,
-        messages_saved=details.messages_saved,
-        manual_operation=zone.manual_operation,
-        warnings=tuple(details.warnings),
-        off={name: [str(reason) for reason in action.off] for name, action in shown.read(details.actions).items()
-             if action.shown or name not in _OF_MODULES},
-        score=items_of(details.items),
-        points=sheets.points_of(details.points),
-        log_file=details.log_file,
-        log=zone.log,
-        online_data=zone.online_data,
-        operation=_operation(details),
-        switches=SwitchesSnapshot(tuple(zone.omf_switches), zone.omf_damaged, zone.omf_complete) if zone.omf else None,
-        all_robots=_all_robots(details),
-        times=run_times,
-        by_hand=details.by_hand,
-        attempt=details.attempt,
-        attempts=details.attempts,
-        robots_to_choose=shown.robots_to_choose(details),
-        not_stopped=tuple(details.not_stopped),
-        held=details.held,
-        module_status=details.module_status,
-        module_score=tuple(
-            ModuleScoreLine(s.group, s.name, _json_value(s.value), s.unit, s.desc) for s in details.module_scores
-        ),
-    )
+# -- what the terminal shows of a box ---------------------------------------------------------------
 
 
-def _all_robots(details) -> Optional[AllRobotsSnapshot]:
-    if not details.robots:
-        return None
-    return AllRobotsSnapshot(
-        details.robots_preparing, details.robots_executing, details.robots_stopped, tuple(details.robots)
-    )
+def zones_of(box: Document) -> List[Zone]:
+    """Return the zones in the order of the schedule."""
+    return [box.zones[name] for name in box.box.zones if name in box.zones]
 
 
-def _operation(details) -> Optional[ManualOperation]:
-    action = shown.of(details, "operation")
-    if not details.operation or not action.shown:
-        return None
-    fields = entered(action.fields)
+def off_in(zone: Zone) -> Dict[str, Tuple[Said, ...]]:
+    """Return why each action is off, by its name, without those of benchmarking modules that nobody asks for."""
+    return {name: action.off for name, action in zone.actions.items() if action.shown or name not in _OF_MODULES}
+
+
+def asked_in(zone: Zone) -> Tuple[Field, ...]:
+    """Return what the referee enters for the manual operation."""
+    return entered(zone.fields("operation")) if zone.operation else ()
+
+
+def silence_s(silent_since: Optional[float], now: Now) -> float:
+    """Return for how long something has not been heard; one that is not silent was heard now."""
+    return 0.0 if silent_since is None else max(0.0, now.mono - silent_since)
+
+
+def lines_of(text: str) -> List[str]:
+    """Return the lines that the core wrote. Only \\n ends a line; a robot's text may contain other line ends."""
+    return [line for line in text.split("\n") if line]
+
+
+# -- as JSON ----------------------------------------------------------------------------------------
+
+
+def box_json(box: Document, now: Now) -> Json:
+    """Return the whole box at a moment."""
+    return {
+        "clock_utc_s": now.utc, "status": box.box.status, "host": box.box.host, "port": str(box.box.port),
+        "box_uuid": box.box.uuid, "warnings": box.box.warnings,
+        "robots": [{
+            "team": robot.team, "robot": robot.robot, "skew_s": robot.skew,
+            "last_heard_utc_s": now.utc - silence_s(robot.silent_since, now),
+            "age_s": silence_s(robot.silent_since, now),
+        } for robot in box.robots.values()],
+        "zones": [zone_json(zone, now) for zone in zones_of(box)],
+    }
+
+
+def zone_json(zone: Zone, now: Now) -> Json:
+    """Return a zone, its event and its run at a moment. Unknown values are None or empty."""
+    robot, of_all = zone.robot, zone.all_robots
+    return {
+        "zone": zone.zone, "event": event_json(zone), **state_json(zone), "identity": zone.identity,
+        "timer_s": zone.clock.timer(now.mono), "state": [line for text in zone.lines for line in lines_of(text)],
+        "skew_s": None if robot is None else robot.skew,
+        "last_message_utc_s": (
+            None if robot is None or not robot.heard else now.utc - silence_s(robot.silent_since, now)),
+        "messages_saved": 0 if robot is None else robot.messages_saved,
+        "manual_operation": zone.manual_operation, "warnings": zone.warnings, "off": off_in(zone),
+        "score": items_json(zone.items), "log": zone.log, "online_data": zone.online_data,
+        "operation": {"number": zone.operation, **operation_json(zone)} if zone.operation else None,
+        "switches": zone.switches, "held": zone.held, "module_status": zone.module_status,
+        "module_score": [score_json(score) for score in zone.module_scores], "points": sheets.points_of(zone.points),
+        "all_robots": None if of_all is None else {
+            "preparing": of_all.preparing, "executing": of_all.executing, "stopped": of_all.stopped,
+            "robots": of_all.robots},
+        "times": _times_json(zone, now.mono), "by_hand": zone.by_hand, "attempt": zone.attempt,
+        "attempts": zone.attempts, "robots_to_choose": zone.robots_to_choose, "not_stopped": zone.not_stopped,
+    }
+
+
+def state_json(zone: Zone) -> Json:
+    """Return the states of a zone and its robot."""
+    robot = zone.robot
+    return {
+        "phase": zone.phase, "end_reason": zone.end_reason, "robot": zone.robot_name, "port": zone.port,
+        "box_state": "" if robot is None else robot.box_state,
+        "robot_state": "" if robot is None else robot.robot_state, "log_file": zone.log_file,
+    }
+
+
+def event_json(zone: Zone) -> Json:
+    """Return the event of a zone."""
+    event: Event = zone.event
+    return {"code": event.code, "name": event.name, "desc": event.desc, "team": event.team, "round": event.round,
+            "run": event.run, "scheduled_utc_s": event.scheduled, "timeout_s": zone.timeout}
+
+
+def operation_json(zone: Zone) -> Json:
+    """Return the manual operation, without its number. `choices`: of its first choice, the usual one first."""
+    fields = asked_in(zone)
     choices = next((field.choices for field in fields if isinstance(field, Choice)), ())
-    return ManualOperation(details.operation, action.text, choices, any(isinstance(f, Text) for f in fields), fields)
+    return {"text": zone.manual_operation, "choices": list(choices),
+            "asks_text": any(isinstance(field, Text) for field in fields), "fields": list(fields)}
 
 
-def _json_value(text: str) -> Any:
+def score_json(score: ScoreValue) -> Json:
+    """Return a line of a module's score; its value is a number, a bool, a text, or None if not known yet."""
     try:
-        return json.loads(text)
+        value = json.loads(score.value)
     except ValueError:
-        return text
+        value = score.value
+    return {"group": score.group, "name": score.name, "value": value, "unit": score.unit, "desc": score.desc}
 
 
-def items_of(messages) -> Tuple[SheetItem, ...]:
-    """Read ScoreItems."""
-    return tuple(
-        SheetItem(
-            number, item.group, item.desc, sheets.type_word(item.type), item.value, item.not_attempted, item.text,
-            item.points, tuple(item.choices), tuple(item.judges), tuple(item.ratings),
-        )
-        for number, item in enumerate(messages, 1)
-    )
+def item_json(number: int, item: SheetItem) -> Json:
+    """Return a scoring item. Its number counts from 1 through the whole sheet."""
+    return {
+        "number": number, "group": item.group, "item": item.desc, "type": item.type, "value": item.value,
+        "not_attempted": item.not_attempted, "text": item.text, "points": item.points, "choices": item.choices,
+        "judges": item.judges, "ratings": item.ratings,
+    }
+
+
+def items_json(items: Sequence[SheetItem]) -> List[Json]:
+    """Return the scoring items of a sheet."""
+    return [item_json(number, item) for number, item in enumerate(items, 1)]
+
+
+def run_json(run: RunLine) -> Json:
+    """Return a run, without its score sheet."""
+    return {name: value for name, value in run._asdict().items() if name != "revision"}
+
+
+def sheet_json(sheet: RunSheet) -> Json:
+    """Return a run with its score sheet. `corrected`: numbers of the items that were changed after the run was over."""
+    return {
+        "run": run_json(sheet.run), "robots": sheet.robots, "elapsed_s": sheet.elapsed_s,
+        "items": items_json(sheet.items),
+        "corrected": [number for number, item in enumerate(sheet.items, 1) if item.corrected],
+        "history": sheet.history, "ends": sheet.ends, "points": sheets.points_of(sheet.points),
+    }
+
+
+def scheduled_json(event: ScheduledEvent) -> Json:
+    """Return an event of the schedule."""
+    return {**{name: value for name, value in event._asdict().items() if name != "id"}, "late_s": event.late_s}
+
+
+def _times_json(zone: Zone, mono: float) -> Json:
+    clock, shown = zone.clock, clock_of(zone.clock, zone.phase, mono)
+    return {
+        "text": lines(shown._replace(pause="")), "pause": shown.pause, "limit_s": clock.limit,
+        "elapsed_s": clock.spent(mono), "counting": clock.elapsed.counting, "goal": clock.goal,
+        "goal_limit_s": clock.goal_limit, "goal_elapsed_s": clock.goal_spent(mono),
+        "goal_counting": clock.goal_elapsed.counting, "after_stop_s": clock.after_stop(mono),
+        "setup_limit_s": clock.setup_limit, "setup_elapsed_s": clock.setup_elapsed.at(mono),
+        "setup_counting": clock.setup_elapsed.counting, "phase": clock.phase_number, "phase_name": clock.phase_name,
+        "phase_limit_s": clock.phase_limit, "phase_elapsed_s": clock.phase_elapsed.at(mono),
+    }

@@ -6,24 +6,20 @@ that it cannot send commands to the terminal.
 
 import json
 import re
-from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import Document
+from roah_rsbb.model.fields import Field
+from roah_rsbb.model.records import ScoreValue, SheetPoints
+from roah_rsbb.model.schedule import ScheduledEvent
+from roah_rsbb.model.zone import CONNECTED, ENDED, RUNNING, Event, RobotInRun, SheetItem, Switches, Zone
 from roah_rsbb.referee.changes import Change
-from roah_rsbb.referee.state import (
-    CONNECTED,
-    ENDED,
-    RUNNING,
-    BoxSnapshot,
-    EventSnapshot,
-    ManualOperation,
-    ModuleScoreLine,
-    SheetItem,
-    SwitchesSnapshot,
-    ZoneSnapshot,
-    lines_of,
-)
+from roah_rsbb.referee.state import asked_in, lines_of, off_in, silence_s, zones_of
 from roah_rsbb.referee.words import command_of, form_words
 from roah_rsbb.wording import module_scores, schedule, sheets, times
+from roah_rsbb.wording.clock import clock_of
+from roah_rsbb.wording.clock import lines as clock_lines
 from roah_rsbb.wording.texts import escaped
 
 # SGR codes (ECMA-48).
@@ -48,30 +44,31 @@ class Style(NamedTuple):
         return f"\x1b[{code}m{text}\x1b[0m" if self.in_colour else text
 
 
-# -- snapshots ------------------------------------------------------------------------------------
+# -- a box ----------------------------------------------------------------------------------------
 
 
-def status(box: BoxSnapshot, style: Style) -> List[str]:
-    """Return all zones at a glance, the active robots and the box's warnings."""
+def status(box: Document, now: Now, style: Style, only: Optional[str] = None) -> List[str]:
+    """Return all zones at a glance, the active robots and the box's warnings. `only`: the zone to show."""
     lines = [
-        f"{style(BOLD, 'RSBB')} at {escaped(box.host)}:{escaped(box.port)}, "
-        f"{style.moments.with_zone(box.clock_utc_s)}: {escaped(box.status)}"
+        f"{style(BOLD, 'RSBB')} at {escaped(box.box.host)}:{box.box.port}, "
+        f"{style.moments.with_zone(now.utc)}: {escaped(box.box.status)}"
     ]
-    lines += [style(RED, f"WARNING: {escaped(text)}") for text in box.warnings]
+    lines += [style(RED, f"WARNING: {escaped(text)}") for text in box.box.warnings]
     lines += ["", "Active robots:" if box.robots else "Active robots: none"]
     lines += [
-        f"{_IN}{escaped(r.team)} {escaped(r.robot)}: skew {times.skew(r.skew_s)}, heard {times.ago(r.age_s)}"
-        for r in box.robots
+        f"{_IN}{escaped(r.team)} {escaped(r.robot)}: skew {times.skew(r.skew)}, "
+        f"heard {times.ago(silence_s(r.silent_since, now))}" for r in box.robots.values()
     ]
-    for zone in box.zones:
-        lines += ["", *zone_lines(zone, box.clock_utc_s, style)]
+    for zone in zones_of(box):
+        if only in (None, zone.zone):
+            lines += ["", *zone_lines(zone, now, style)]
     return lines
 
 
 _STATE_COLOURS = {"running": GREEN, "connected": CYAN, "ended": YELLOW, "next": BOLD}
 
 
-def schedule_lines(events: Sequence[schedule.Event], style: Style) -> List[str]:
+def schedule_lines(events: Sequence[ScheduledEvent], style: Style) -> List[str]:
     """Return a table of events, with the numbers that they have in their zones."""
     rows = [("Zone", "No.", "Scheduled", "Begins", "Late", "Event", "State", "Score", "Sheet")]
     rows += [_event_row(event, style.moments.in_utc) for event in events]
@@ -83,7 +80,7 @@ def schedule_lines(events: Sequence[schedule.Event], style: Style) -> List[str]:
     ]
 
 
-def _event_row(event: schedule.Event, in_utc: bool) -> Tuple[str, ...]:
+def _event_row(event: ScheduledEvent, in_utc: bool) -> Tuple[str, ...]:
     begins = "" if event.state == "skipped" else times.formatted(event.begins_utc_s, "%H:%M", in_utc)
     estimate = "~" if event.state in ("next", "later", "connected") else ""
     return (
@@ -95,53 +92,54 @@ def _event_row(event: schedule.Event, in_utc: bool) -> Tuple[str, ...]:
     )
 
 
-def zone_lines(zone: ZoneSnapshot, clock_utc_s: float, style: Style) -> List[str]:
+def zone_lines(zone: Zone, now: Now, style: Style) -> List[str]:
     """Return a zone in a few lines."""
     event = zone.event
     lines = [
         f"{style(BOLD, escaped(zone.zone))}: {_phase(zone, style)}",
-        *(_IN + line for line in _times(zone, style)),
+        *(_IN + line for line in _times(zone, now, style)),
         f"{_IN}{escaped(event.name)}: {escaped(event.desc)}",
         f"{_IN}{_which(event)}, scheduled "
-        + style.moments.scheduled(event.scheduled_utc_s, clock_utc_s) + (" UTC" if style.moments.in_utc else ""),
+        + style.moments.scheduled(event.scheduled, now.utc) + (" UTC" if style.moments.in_utc else ""),
     ]
     lines += [
-        _IN + (style(RED, escaped(text)) if text.startswith("WARNING") else escaped(text)) for text in zone.state
+        _IN + (style(RED, escaped(line)) if line.startswith("WARNING") else escaped(line))
+        for text in zone.lines for line in lines_of(text)
     ]
-    if zone.robot and zone.all_robots is None:
-        lines.append(_IN + _robot(zone, clock_utc_s))
-    if zone.operation is not None:
-        lines.append(_IN + style(YELLOW, to_do(zone.operation)))
+    if zone.robot is not None:
+        lines.append(_IN + _robot(zone.robot, now))
+    if zone.operation:
+        lines.append(_IN + style(YELLOW, to_do(zone.manual_operation, asked_in(zone))))
     if zone.switches is not None:
         lines.append(_IN + switches_line(zone.switches, style))
-    allowed = [command_of(action) for action, reasons in zone.off.items() if not reasons]
+    allowed = [command_of(action) for action, reasons in off_in(zone).items() if not reasons]
     return [*lines, f"{_IN}allowed now: {', '.join(allowed) or 'nothing'}"]
 
 
-def zone_report(zone: ZoneSnapshot, clock_utc_s: float, style: Style) -> List[str]:
+def zone_report(zone: Zone, now: Now, style: Style) -> List[str]:
     """Return a zone in full: also why each command is refused, its score sheet and its online data."""
-    lines = zone_lines(zone, clock_utc_s, style)
-    for command, reasons in zone.off.items():
+    lines = zone_lines(zone, now, style)
+    for command, reasons in off_in(zone).items():
         lines += [f"{_IN}no {command_of(command)}: {escaped(reason)}" for reason in reasons]
     if zone.all_robots is not None:
         lines += [f"{_IN}robot {escaped(robot)}" for robot in zone.all_robots.robots]
     if zone.log_file:
         lines.append(f"{_IN}log: {escaped(zone.log_file)}")
-    if zone.score or zone.module_score:
+    if zone.items or zone.module_scores:
         lines += ["", *score_sheet(zone, style)]
     if zone.online_data:
-        online_data = style.moments.lines(zone.online_data, clock_utc_s)
+        online_data = style.moments.lines(zone.online_data, now.utc)
         lines += ["", "Online data:", *(_IN + escaped(line) for line in lines_of(online_data))]
     return lines
 
 
-def to_do(operation: ManualOperation) -> str:
+def to_do(text: str, fields: Sequence[Field]) -> str:
     """Return what the referee is asked to do, and the possible answers."""
-    text = f"TO DO by the referee: {escaped(operation.text)}"
-    return f"{text} ({escaped(form_words(operation.fields))})" if operation.fields else text
+    text = f"TO DO by the referee: {escaped(text)}"
+    return f"{text} ({escaped(form_words(fields))})" if fields else text
 
 
-def switches_line(switches: SwitchesSnapshot, style: Style) -> str:
+def switches_line(switches: Switches, style: Style) -> str:
     """HOMF: return what was entered, and whether the referee must confirm it."""
     on = ", ".join(map(str, switches.on)) or "none"
     text = f"switches that are on: {on}; damaged: {switches.damaged}"
@@ -149,44 +147,42 @@ def switches_line(switches: SwitchesSnapshot, style: Style) -> str:
         else text
 
 
-def score_sheet(zone: ZoneSnapshot, style: Style) -> List[str]:
+def score_sheet(zone: Zone, style: Style) -> List[str]:
     """Return all scoring items with their numbers and values by group, then the benchmarking module's score."""
-    lines = [f"Score sheet: {_which(zone.event)}"]
-    group = None
-    for item in zone.score:
-        if item.group != group:
-            group = item.group
-            lines.append(f"{_IN}{escaped(group)}")
-        lines.append(sheet_line(item, style))
-    if zone.points:
-        lines.append(f"{_IN}{style(BOLD, escaped(zone.points))}")
-    if not zone.score:
+    lines = [f"Score sheet: {_which(zone.event)}", *item_lines(zone.items, zone.points, style)]
+    if not zone.items:
         lines.append(f"{_IN}no scoring items for the referee")
     return lines + _module_sheet(zone, style)
 
 
-def _module_sheet(zone: ZoneSnapshot, style: Style) -> List[str]:
-    lines = ["Score of the benchmarking module"] if zone.module_score else []
-    for title, group in module_scores.by_group(map(_score_in_json, zone.module_score)):
+def item_lines(items: Sequence[SheetItem], points: Optional[SheetPoints], style: Style, mark: str = "") -> List[str]:
+    """Return the items of a sheet with their numbers, by group, and its points. `mark`: behind corrected items."""
+    lines = []
+    for number, item in enumerate(items, 1):
+        if number == 1 or item.group != items[number - 2].group:
+            lines.append(f"{_IN}{escaped(item.group)}")
+        lines.append(_sheet_line(number, item, style) + (mark if item.corrected else ""))
+    total = sheets.points_of(points)
+    return [*lines, f"{_IN}{style(BOLD, escaped(total))}"] if total else lines
+
+
+def _module_sheet(zone: Zone, style: Style) -> List[str]:
+    lines = ["Score of the benchmarking module"] if zone.module_scores else []
+    for title, group in module_scores.by_group(zone.module_scores):
         lines.append(f"{_IN}{escaped(title)}")
         width = min(max(len(escaped(line.value)) for line in group), _WIDEST)
         lines += [f"{_IN}{_IN}{style(BOLD, escaped(line.value).rjust(width))}  {escaped(line.name)}" for line in group]
     return lines
 
 
-def _score_in_json(score: ModuleScoreLine) -> ModuleScoreLine:
-    """As it is on the ROS interface."""
-    return score._replace(value=json.dumps(score.value))
-
-
-def sheet_line(item: SheetItem, style: Style) -> str:
+def _sheet_line(number: int, item: SheetItem, style: Style) -> str:
     """Return the line of a scoring item in its sheet: number, value, points, text and ratings."""
     value = f"{escaped(item_text(item)):>5}"
     marked = sheets.is_marked(item.value, item.text) or item.not_attempted
     points = f"{item.points:>8}" if item.points else ""
     ratings = sheets.ratings_text(zip(item.judges, item.ratings))
     more = f" ({escaped(ratings)})" if ratings else ""
-    return f"{_IN}{item.number:4}  {style(BOLD, value) if marked else value}{points}  {escaped(item.item)}{more}"
+    return f"{_IN}{number:4}  {style(BOLD, value) if marked else value}{points}  {escaped(item.desc)}{more}"
 
 
 def item_text(item: SheetItem) -> str:
@@ -196,33 +192,31 @@ def item_text(item: SheetItem) -> str:
 
 def item_line(item: SheetItem) -> str:
     """Return a scoring item and its value in one line."""
-    return f"{escaped(item.group)}: {escaped(item.item)}: {item_text(item)}"
+    return f"{escaped(item.group)}: {escaped(item.desc)}: {item_text(item)}"
 
 
-def _which(event: EventSnapshot) -> str:
+def _which(event: Event) -> str:
     return sheets.run_name(escaped(event.code), escaped(event.team), event.round, event.run)
 
 
-def _phase(zone: ZoneSnapshot, style: Style) -> str:
+def _phase(zone: Zone, style: Style) -> str:
     word = escaped(sheets.phase(zone.phase, zone.end_reason))
     return style(_PHASE_COLOURS.get(zone.phase, BOLD), word)
 
 
-def _times(zone: ZoneSnapshot, style: Style) -> List[str]:
+def _times(zone: Zone, now: Now, style: Style) -> List[str]:
     """Return the times of the run as the panels show them, and whether it is paused."""
-    if zone.times is None:
-        return []
-    pause = [style(YELLOW, escaped(zone.times.pause))] if zone.times.pause else []
-    return [*pause, escaped(", ".join(zone.times.text))]
+    shown = clock_of(zone.clock, zone.phase, now.mono)
+    pause = [style(YELLOW, escaped(shown.pause))] if shown.pause else []
+    return [*pause, escaped(", ".join(clock_lines(shown._replace(pause=""))))]
 
 
-def _robot(zone: ZoneSnapshot, clock_utc_s: float) -> str:
-    skew = "not known" if zone.skew_s is None else times.skew(zone.skew_s)
-    heard = "never heard on its private channel"
-    if zone.last_message_utc_s is not None:
-        heard = f"heard {times.ago(clock_utc_s - zone.last_message_utc_s)}"
-    state = escaped(zone.robot_state) or "no state yet"
-    return f"robot {escaped(zone.robot)}: {state}, skew {skew}, {heard} (UDP port {zone.port})"
+def _robot(robot: RobotInRun, now: Now) -> str:
+    skew = "not known" if robot.skew is None else times.skew(robot.skew)
+    heard = f"heard {times.ago(silence_s(robot.silent_since, now))}" if robot.heard else (
+        "never heard on its private channel")
+    state = escaped(robot.robot_state) or "no state yet"
+    return f"robot {escaped(robot.robot)}: {state}, skew {skew}, {heard} (UDP port {robot.port})"
 
 
 # -- changes --------------------------------------------------------------------------------------
@@ -240,8 +234,9 @@ def change_line(change: Change, style: Style) -> str:
 
 
 def _core(facts: Dict, style: Style) -> str:
+    why = f" ({escaped(facts['why'])})" if facts.get("why") else ""
     return {
-        "silent": style(RED, "core SILENT: the state above is old; waiting for the core"),
+        "silent": style(RED, "core SILENT: the state above is old; waiting for the core" + why),
         "back": style(GREEN, "core is back"),
         "restarted": style(YELLOW, "core was RESTARTED"),
     }[facts["what"]]
@@ -260,7 +255,8 @@ def _robot_change(facts: Dict, style: Style) -> str:
 
 
 def _event(facts: Dict, style: Style) -> str:
-    return f"now at {_which(EventSnapshot(**facts))}"
+    which = sheets.run_name(escaped(facts["code"]), escaped(facts["team"]), facts["round"], facts["run"])
+    return f"now at {which}"
 
 
 def _state(facts: Dict, style: Style) -> str:
@@ -288,15 +284,15 @@ def _online_data(facts: Dict, style: Style) -> str:
 def _manual_operation(facts: Dict, style: Style) -> str:
     if not facts["operation"]:
         return "manual operation over"
-    return style(YELLOW, to_do(ManualOperation(facts["operation"], facts["text"], fields=tuple(facts["fields"]))))
+    return style(YELLOW, to_do(facts["text"], facts["fields"]))
 
 
 def _module_score(facts: Dict, style: Style) -> str:
     """Only the first value gets a line: some change twice a second, and the sheet has the last one."""
     if facts["value"] is None or not (facts["old"] is None or isinstance(facts["old"], (bool, str))):
         return ""
-    score = ModuleScoreLine(*(facts[name] for name in ModuleScoreLine._fields))
-    line = module_scores.readable(_score_in_json(score))
+    score = ScoreValue(facts["group"], facts["name"], json.dumps(facts["value"]), facts["unit"], facts["desc"])
+    line = module_scores.readable(score)
     where = f"{escaped(score.group)}: " if score.group else ""
     return f"module's score: {where}{escaped(line.name)}: {style(BOLD, escaped(line.value))}"
 
@@ -309,7 +305,7 @@ _WRITERS: Dict[str, Callable[[Dict, Style], str]] = {
     "state": _state,
     "score": _score,
     "manual_operation": _manual_operation,
-    "switches": lambda facts, style: switches_line(SwitchesSnapshot(**facts), style),
+    "switches": lambda facts, style: switches_line(Switches(**facts), style),
     "module_score": _module_score,
     "module_status": lambda facts, style: f"module: {escaped(facts['text'])}",
     "log": lambda facts, style: escaped(facts["text"]),

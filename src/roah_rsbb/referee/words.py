@@ -8,7 +8,7 @@ from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Pose, Text, Toggle
 from roah_rsbb.model.scoring import MAX_VALUE, ScoreKind, ScoringItem
-from roah_rsbb.referee.state import EventSnapshot, SheetItem
+from roah_rsbb.model.zone import Event, SheetItem
 from roah_rsbb.wording.suggestions import did_you_mean
 
 T = TypeVar("T")
@@ -36,7 +36,7 @@ class EventWanted(NamedTuple):
     run: Optional[int] = None
     team: str = ""
 
-    def fits(self, event: EventSnapshot) -> bool:
+    def fits(self, event: Event) -> bool:
         """Return whether this event is meant."""
         return self.code.lower() in ("", event.code.lower()) and self.team.lower() in ("", event.team.lower()) and all(
             wanted in (None, number) for wanted, number in ((self.round, event.round), (self.run, event.run))
@@ -72,16 +72,17 @@ def stop_wanted(line: str) -> Optional[str]:
     return rest.strip() if first.casefold().rstrip(",:!.") in STOP else None
 
 
-def pick_item(word: str, items: Sequence[SheetItem]) -> SheetItem:
-    """Return the scoring item meant by `word`: its number, or a part of one description only."""
+def pick_item(word: str, items: Sequence[SheetItem]) -> int:
+    """Return the number, from 1, of the scoring item meant by `word`: it, or a part of one description only."""
     if not items:
         raise BadWord("this benchmark has no scoring items for the referee")
     if word.isdecimal() and 1 <= int(word) <= len(items):
-        return items[int(word) - 1]
-    found = _found(word, items, lambda item: item.item, str.__contains__)
+        return int(word)
+    numbered = list(enumerate(items, 1))
+    found = _found(word, numbered, lambda one: one[1].desc, str.__contains__)
     if len(found) == 1:
-        return found[0]
-    listed = "\n".join(f"  {item.number:2}  {item.group}: {item.item}" for item in found or items)
+        return found[0][0]
+    listed = "\n".join(f"  {number:2}  {item.group}: {item.desc}" for number, item in found or numbered)
     if not found:
         raise BadWord(f"no scoring item '{word}'; there are\n{listed}")
     raise BadWord(f"'{word}' is in {len(found)} scoring items: give the number, or more of the text\n{listed}")
@@ -114,13 +115,13 @@ def value_of(text: str, item: SheetItem) -> Entered:
             value = int(text)
         except ValueError:
             kind = "0, 1, yes or no" if item.type == "bool" else "a whole number such as 2, +1 or -1"
-            raise BadWord(f"'{text}' is not a value for '{item.item}': give {kind}") from None
+            raise BadWord(f"'{text}' is not a value for '{item.desc}': give {kind}") from None
         if text.startswith(("+", "-")) and item.type != "bool":
             return Entered(added=str(value))
     if abs(value) > MAX_VALUE:
-        raise BadWord(f"'{text}' is too large for '{item.item}': the maximum is {MAX_VALUE}")
-    sheet = ScoreSheet((ScoringItem(item.group, item.item, ScoreKind[item.type.upper()]),))
-    sheet.check(Mark(item.group, item.item, value))
+        raise BadWord(f"'{text}' is too large for '{item.desc}': the maximum is {MAX_VALUE}")
+    sheet = ScoreSheet((ScoringItem(item.group, item.desc, ScoreKind[item.type.upper()]),))
+    sheet.check(Mark(item.group, item.desc, value))
     return Entered(value)
 
 
@@ -128,14 +129,14 @@ def _choice(text: str, item: SheetItem) -> str:
     found = _found(text, item.choices, str, str.startswith)
     if len(found) == 1:
         return found[0]
-    raise BadWord(f"'{text}' is not a choice of '{item.item}': choose one of {_quoted(item.choices)}")
+    raise BadWord(f"'{text}' is not a choice of '{item.desc}': choose one of {_quoted(item.choices)}")
 
 
 def _rating(text: str, item: SheetItem) -> Entered:
     judge, colon, number = text.rpartition(":")
     found = _found(judge.strip(), item.judges, str, str.startswith)
     if not colon or len(found) != 1:
-        raise BadWord(f"'{text}' is not a rating of '{item.item}': give the judge and a number, such as "
+        raise BadWord(f"'{text}' is not a rating of '{item.desc}': give the judge and a number, such as "
                       f"'{item.judges[0]}:5'; the judges are {_quoted(item.judges)}")
     return Entered(text=number.strip(), judge=found[0])
 
@@ -143,7 +144,7 @@ def _rating(text: str, item: SheetItem) -> Entered:
 def _decimal(text: str, item: SheetItem) -> Entered:
     number = number_of(text)
     if number is None:
-        raise BadWord(f"'{text}' is not a value for '{item.item}': give a number such as 2.5, +0.5 or -1")
+        raise BadWord(f"'{text}' is not a value for '{item.desc}': give a number such as 2.5, +0.5 or -1")
     is_added = text.startswith(("+", "-"))
     return Entered(added=text_of(number)) if is_added else Entered(text=text_of(number))
 
