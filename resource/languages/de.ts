@@ -697,8 +697,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>NOT CONFIRMED: {mark}. The box has it, but its standby does not</source>
-        <translation>NICHT BESTÄTIGT: {mark}. Die Box hat die Eingabe, aber ihr Standby nicht</translation>
+        <source>NOT CONFIRMED: {mark}. The box has it, but it is not on all disks yet</source>
+        <translation>NICHT BESTÄTIGT: {mark}. Die Box hat die Eingabe, aber sie ist noch nicht auf allen Festplatten</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>

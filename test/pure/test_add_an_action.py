@@ -140,7 +140,7 @@ def test_the_terminal_has_it_with_its_arguments_and_help(tree):
 @needs_ros
 def test_the_gateway_takes_it_and_gives_the_page_its_form(tree):
     found = run(tree, """
-        from roah_rsbb.nodes.web.core_calls import CALLS
+        from roah_rsbb.web.calls import call_of
         from roah_rsbb.web.commands import command_of, may
         from roah_rsbb.web.pairing import Grant, Session
         from roah_rsbb.wording.device import page_words
@@ -150,12 +150,12 @@ def test_the_gateway_takes_it_and_gives_the_page_its_form(tree):
             session = Session("id", Grant(role, ""), "Anna", "phone", 0.0)
             command = command_of("extend", body, session)
             answers.append(may(command))
-        print(json.dumps([answers, CALLS["extend"].request(command), page_words()["actions"]["extend"]]))
+        print(json.dumps([answers, call_of(command), page_words()["actions"]["extend"]]))
     """)
     answers, request, words = found
     assert answers == [True, False]
-    assert request[:4] == ["extend", "Home", "run 1", ""]
-    assert json.loads(request[4]) == {"seconds": 60, "reason": "why"}
+    assert request == ["act", {"zone": "Home", "run": "run 1", "by": "Anna, judge, phone", "action": "extend", "event": "",
+                               "given": {"seconds": 60, "reason": "why"}}]
     assert (words["label"], words["row"]) == ("More time", "clock")
     assert [(field["kind"], field["label"]) for field in words["fields"]] == [
         ("number", "How long"), ("text", "Reason")]

@@ -9,11 +9,11 @@ import sys
 import pytest
 
 from roah_rsbb import signs_of_life
+from roah_rsbb.client import client
 from roah_rsbb.referee import changes
 from roah_rsbb.rqt.public import display
 from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, Signs, Silence, Watch
 from roah_rsbb.web import server
-from roah_rsbb.web.desk import Desk
 from roah_rsbb.web.store import Store
 
 CORE = """
@@ -214,6 +214,6 @@ def test_each_face_knows_before_the_core_is_ended():
     (test/ros/panels/test_benchmark_control.py)."""
     limits = {
         "terminal": changes.SILENT_S, "public display": display.SILENT_S + LOOK_S,
-        "pages": Store.SILENT_S + server.LOOK_S, "devices": Desk.SILENT_S + server.LOOK_S,
+        "pages": Store.SILENT_S + server.LOOK_S, "devices": client.OLD_S + server.LOOK_S,
     }
     assert {face: limit for face, limit in limits.items() if limit > HUNG_S} == {}

@@ -11,8 +11,8 @@ const MARKS_AT_ONCE = 2;
 const KEPT = "roah_rsbb_mark ";
 // Answers after which a mark is sent again: whether it counted is not known, or the box was not ready.
 const AGAIN = [0, 401, 429, 503, 504];
-// The box has the mark, but its standby does not: the mark is sent again until both have it.
-const ON_ONE_COMPUTER = 202;
+// The box has the mark, but it is not on all disks yet: the mark is sent again until it is.
+const NOT_ON_DISKS = 202;
 
 // The answer is in the language of the page.
 export const send = (name, body) => ask("POST", `commands/${name}`, {language: document.documentElement.lang, ...body});
@@ -83,7 +83,7 @@ export class Marks {
       this.isNotConfirmed(mark);
       return;
     }
-    if (answer.status === ON_ONE_COMPUTER) {
+    if (answer.status === NOT_ON_DISKS) {
       mark.isAtBox = true;
       this.isNotConfirmed(mark);
       this.sendNext();

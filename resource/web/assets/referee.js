@@ -254,7 +254,7 @@ function Now({zone, texts, judge}) {
     </section>`;
 }
 
-const lateText = (mark, texts) => (mark.isAtBox ? texts.not_on_standby : texts.not_confirmed)
+const lateText = (mark, texts) => (mark.isAtBox ? texts.not_on_disks : texts.not_confirmed)
   .replace("{mark}", () => `${mark.desc}: ${mark.shown}`);
 const refusedText = (mark, texts) => texts.refused.replace("{what}", () => `${mark.desc}: ${mark.shown}`)
   .replace("{reasons}", () => mark.reasons.join("; "));

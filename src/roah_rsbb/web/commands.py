@@ -1,6 +1,6 @@
 """What paired devices may command. The gateway checks who may give them, and the core what is possible. No I/O."""
 
-from typing import Any, Dict, NamedTuple, Optional, Tuple
+from typing import Any, Dict, NamedTuple, Tuple
 
 from roah_rsbb.model import fields as model_fields
 from roah_rsbb.model.actions import EVERY, JUDGES, MARK, STOP, Action
@@ -42,8 +42,8 @@ class Outcome(NamedTuple):
 
     reasons: Tuple[str, ...] = ()  # why it was refused; empty: it was carried out
     is_known: bool = True  # false: there was no answer, so it may have been carried out
-    is_confirmed: bool = True  # false: it was carried out, but the standby does not have it; `reasons` say why
-    result: Optional[Dict[str, Any]] = None
+    is_confirmed: bool = True  # false: it was carried out, but it is not on all disks yet; `reasons` say why
+    result: Any = None  # of a sheet `RunSheet`, of judges `JudgedRun`, else JSON
 
 
 def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:

@@ -48,6 +48,7 @@ class Numbered:
 
     def __init__(self, session: str = "") -> None:
         self.session = session or uuid.uuid4().hex  # of this process: numbers begin again with each
+        self.changes = 0  # of all documents
         self._documents: Dict[Key, Document] = {}
         self._pieces: Dict[Key, str] = {}  # parts of messages
         self._heard_mono = float("-inf")
@@ -100,17 +101,21 @@ class Numbered:
         self._documents.pop(key, None)
         self._pieces.pop(key, None)
 
-    def _make_one(self, key: Key, make: Callable[[], Any]) -> None:
-        """Make a document. If this fails, it is null until the next update, and no other document misses anything."""
+    def _make_one(self, key: Key, make: Callable[[], Any]) -> bool:
+        """Make a document; returns whether that succeeded. Otherwise it is null until the next update, and no other
+        document misses anything."""
         try:
             self._put(key, make())
+            return True
         except Exception as error:  # whatever a message or a translation does
             report_once(f"Document {' '.join(key)} of the web pages cannot be made", error)
             self._put(key, None)
+            return False
 
     def _put(self, key: Key, data: Any) -> None:
         text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
         before = self.document(key)
         if text != before.text:
             self._documents[key] = Document(before.number + 1, text)
+            self.changes += 1
             self._pieces.pop(key, None)

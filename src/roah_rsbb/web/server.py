@@ -10,12 +10,12 @@ import pathlib
 import socket
 import ssl
 import time
-from typing import Any, Awaitable, Callable, FrozenSet, List, Optional, Set
+from typing import Any, Awaitable, Callable, FrozenSet, Iterable, List, Optional, Set
 
 from tornado import web
 
 from roah_rsbb.web.commands import Command, Outcome
-from roah_rsbb.web.desk import Desk
+from roah_rsbb.web.desk import Box, Desk, NoBox
 from roah_rsbb.web.displays.listed import Display, Displays, Setting
 from roah_rsbb.web.displays.logos import LogoHandler
 from roah_rsbb.web.displays.requests import DisplaysHandler
@@ -39,12 +39,10 @@ REQUESTS_OF_DEVICE_A_SECOND, REQUESTS_OF_DEVICE_AT_ONCE = 20.0, 100.0
 MAX_DEVICES = 400  # connections: each has one for STOP alone
 # Why a WebSocket is closed.
 NOT_PAIRED = 4401
-# A team's page asks more often. The state of robots comes ten times a second: nobody else needs it here.
-TEAM_ASKS_S = 10.0
 # How often readers get the clock. Pages report silence after three of these periods.
 BEAT_S = 1.0
-# How often the server checks whether the core is silent.
-LOOK_S = 0.25
+# How often the server checks whether the core is silent, and counts the clocks of runs that devices show.
+LOOK_S = 0.1
 _PING_S = 20.0
 
 _OPEN_TO_READ = {
@@ -61,13 +59,13 @@ class WebServer:
     def __init__(
         self, loop: asyncio.AbstractEventLoop, store: Store, folder: str, names: FrozenSet[str],
         sessions: Optional[Sessions] = None, command: Optional[Callable[[Command], Awaitable[Outcome]]] = None,
-        on_devices: Callable[[bool], None] = lambda any_device: None, context: Optional[ssl.SSLContext] = None,
+        box: Optional[Box] = None, context: Optional[ssl.SSLContext] = None,
         displays: Optional[Displays] = None, team_codes: Optional[TeamCodes] = None, team_pages: str = CODE,
     ) -> None:
         """`folder`: the files of the pages; `names`: of this computer (`limits.own_names`).
 
         `sessions`: the paired devices; None: they are forgotten at the end. `command` carries commands out; None:
-        there is no answer. `on_devices(are_wanted)` is called when devices come or go: whether their topics are wanted.
+        there is no answer. `box`: what devices are shown; None: it is never heard. Call `follow` when it has changed.
         `context`: the certificate; None: nothing is encrypted.
         `displays`: what organisers have set for them, `team_codes`: of the teams; None: forgotten at the end.
         `team_pages`: who sees what the box knows of a team's robot: `all`, or who has the team's `code`.
@@ -78,14 +76,12 @@ class WebServer:
         self.rates = Rates()
         self.codes = Codes()
         self.sessions = sessions or Sessions(lambda records: None)
-        self.desk = Desk(store)
+        self.desk = Desk(store, box or NoBox())
         self.team_codes = team_codes or TeamCodes(lambda secret: None, {})
         self.team_pages = team_pages
         self.team_guesses = Guesses(TOO_MANY_TEAM_GUESSES)
-        self._teams_until_mono = float("-inf")  # until then, pages of teams want to know the state of robots
         self.displays = displays or Displays(lambda records: None, {})
         self.command = command or _no_answer
-        self._on_devices = on_devices
         self.device_rates = Rates(REQUESTS_OF_DEVICE_A_SECOND, REQUESTS_OF_DEVICE_AT_ONCE)
         self.devices: Places[Reader] = Places(
             lambda device: device.close(1013, "too many devices"), MAX_DEVICES)
@@ -146,12 +142,20 @@ class WebServer:
 
     def publish(self) -> None:
         """Send what has changed to all readers, first to those who act on it."""
-        self._to_each(lambda viewer, made: viewer.send_next(self.now(), made))
+        self._send_changes((*self.devices, *self.viewers))
 
-    def _to_each(self, send: Callable[[Reader, Made], None]) -> None:
-        """Send something to all readers. A fault of one costs it one message: it notices, and begins again."""
+    def follow(self) -> None:
+        """Send devices what has changed in the box, or only with its clocks."""
+        if self.desk.look():
+            self._send_changes(self.devices)
+
+    def _send_changes(self, readers: Iterable[Reader]) -> None:
+        self._to_each(readers, lambda viewer, made: viewer.send_next(self.now(), made))
+
+    def _to_each(self, readers: Iterable[Reader], send: Callable[[Reader, Made], None]) -> None:
+        """Send something to readers. A fault of one costs it one message: it notices, and begins again."""
         made: Made = {}
-        for viewer in (*self.devices, *self.viewers):
+        for viewer in tuple(readers):
             try:
                 send(viewer, made)
             except Exception as error:
@@ -182,15 +186,6 @@ class WebServer:
     def devices_changed(self) -> None:
         """Make documents only for what devices show."""
         self.desk.show(device.key for device in self.devices if device.key is not None)
-        self._want_devices()
-
-    def team_asked(self) -> None:
-        """Note that a page of a team asks for the state of its robot, and will ask again."""
-        self._teams_until_mono = self.now() + TEAM_ASKS_S
-        self._want_devices()
-
-    def _want_devices(self) -> None:
-        self._on_devices(len(self.devices) > 0 or self.now() < self._teams_until_mono)
 
     def display_opened(self, window: Reader, display: Display) -> bool:
         """Note that a display was opened; returns whether the organiser can set what it shows."""
@@ -244,17 +239,16 @@ class WebServer:
         self._http.know(stream, address)
 
     def _look(self) -> None:
-        """Send the clock each second, and at once when the core falls silent or is heard again."""
+        """Send the clock each second, and at once when the core falls silent or is heard again. Count clocks."""
         self._timer = self._loop.call_later(LOOK_S, self._look)
+        self.follow()
         now = self.now()
-        if 0.0 <= now - self._teams_until_mono < BEAT_S:
-            self._want_devices()
         is_heard = (self.store.is_heard(now), self.desk.is_heard(now))
         if now < self._beat_due_mono and is_heard == self._was_heard:
             return
         self._was_heard, self._beat_due_mono = is_heard, now + BEAT_S
         self._close_unpaired()
-        self._to_each(lambda viewer, made: viewer.beat(now, made))
+        self._to_each((*self.devices, *self.viewers), lambda viewer, made: viewer.beat(now, made))
 
 
 async def _no_answer(_command: Command) -> Outcome:

@@ -6,7 +6,6 @@ its device must be paired.
 """
 
 import json
-from types import SimpleNamespace
 from typing import Any, Dict, Optional
 from urllib.parse import urlsplit
 
@@ -198,8 +197,8 @@ class CommandHandler(FromOwnPage):
     async def post(self, name: str) -> None:
         """Carry it out, and answer with the outcome.
 
-        200: it was carried out. 202: so it was, but the standby does not have it yet, and why. 409: it was refused, and
-        why. 504: there was no answer, so it may have been.
+        200: it was carried out. 202: so it was, but it is not on all disks yet, and why. 409: it was refused, and why.
+        504: there was no answer, so it may have been.
         """
         session = self.needed_session()
         try:
@@ -221,17 +220,16 @@ class CommandHandler(FromOwnPage):
             elif reasons:
                 self.refuse(409 if outcome.is_confirmed else 202, *reasons)
             else:
-                self.finish(_shown(command, outcome.result or {}))
+                self.finish(_shown(command, outcome.result))
 
 
-def _shown(command: Command, result: Dict[str, Any]) -> Dict[str, Any]:
+def _shown(command: Command, result: Any) -> Dict[str, Any]:
     """Return what the device may see of the result of a command."""
     if command.name == SHEET:
-        return sheet_page(result["sheet"])
-    if command.name != JUDGING:
-        return result
-    is_judge = command.session.grant.role == JUDGE
-    return (own_sheet if is_judge else side_by_side)(SimpleNamespace(**result))
+        return sheet_page(result)
+    if command.name == JUDGING:
+        return (own_sheet if command.session.grant.role == JUDGE else side_by_side)(result)
+    return result or {}
 
 
 class DeviceEventsHandler(OfDevice, Reader):

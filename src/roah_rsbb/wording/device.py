@@ -122,7 +122,7 @@ def page_words() -> Dict[str, Any]:
         "subtract": tr("{item}: one less", item="{item}"), "options": tr("More for {item}", item="{item}"),
         "sending": tr("sending {mark}", mark="{mark}"),
         "not_confirmed": tr("NOT CONFIRMED: {mark}. It is sent again until the box answers", mark="{mark}"),
-        "not_on_standby": tr("NOT CONFIRMED: {mark}. The box has it, but its standby does not", mark="{mark}"),
+        "not_on_disks": tr("NOT CONFIRMED: {mark}. The box has it, but it is not on all disks yet", mark="{mark}"),
         "refused": tr("Refused: {what}: {reasons}", what="{what}", reasons="{reasons}"),
         "undo": tr("Undo: {mark}", mark="{mark}"), "nothing_to_undo": tr("Undo"),
         "stop_reason": tr("Reason for the stop"), "save": tr("Save"), "saved": tr("Saved"),

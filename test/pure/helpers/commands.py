@@ -18,11 +18,15 @@ def mark_with(mark):
     return {"value": mark.value, **{name: value for name, value in mark._asdict().items() if value}}
 
 
-def actions_text(off=None, hidden=(), fields=None, asked=None):
-    """The actions of a zone as ZoneDetails has them. `off`: by name, the reasons why each is off. `asked`: what a
-    benchmarking module asks for, see `forms.shown_form`."""
+def actions_shown(off=None, hidden=(), fields=None, asked=None):
+    """The actions of a zone. `off`: by name, the reasons why each is off. `asked`: what a benchmarking module asks for,
+    see `forms.shown_form`."""
     known = {name: shown.Shown(
-        tuple((off or {}).get(name, ())), name not in hidden and action.row is not Row.MODULE,
-        (fields or {}).get(name, action.fields),
+        tuple((off or {}).get(name, ())), name not in hidden and action.row is not Row.MODULE, (fields or {}).get(name),
     ) for name, action in ACTIONS.items()}
-    return shown.written({**known, **({"operation": asked} if asked else {})}.items())
+    return {**known, **({"operation": asked} if asked else {})}
+
+
+def actions_text(off=None, hidden=(), fields=None, asked=None):
+    """The actions of a zone as ZoneDetails has them; see `actions_shown`."""
+    return shown.written(actions_shown(off, hidden, fields, asked).items())

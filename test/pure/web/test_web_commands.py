@@ -2,12 +2,14 @@
 
 import json
 import pathlib
-from types import SimpleNamespace
 
 import pytest
 from tornado import httpclient, websocket
 
 from helpers.http_clients import HOST, HttpClients
+from roah_rsbb.model.judging import DIFFER, Given, JudgedItem, JudgedRun, Judging
+from roah_rsbb.model.results import RunLine, RunSheet
+from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.web.commands import FIELDS, BadCommand, Outcome, command_of, may
 from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.limits import Rates
@@ -104,10 +106,8 @@ class Served(HttpClients):
         self.running = running
         self.commands = []
         self.outcome = Outcome(result={"number": 3})
-        self.any_device = []
         self.sessions = Sessions(lambda records: None)
-        self.server = WebServer(running.loop, Store(GERMAN), FOLDER, frozenset(), self.sessions, self.carry_out,
-                                self.any_device.append)
+        self.server = WebServer(running.loop, Store(GERMAN), FOLDER, frozenset(), self.sessions, self.carry_out)
         self.port = self.server.open(HOST, 0)
         self.origin = f"http://{HOST}:{self.port}"
 
@@ -175,10 +175,8 @@ def test_what_is_wrong_with_a_value_is_said_in_the_page_s_language(served):
 
 
 def test_a_sheet_of_a_run_that_is_over_is_shown_to_referees(served):
-    item = SimpleNamespace(group="G", desc="cups", type=1, value=2, text="", not_attempted=False, points="4", min="",
-                           max="3", choices=(), judges=(), ratings=())
-    points = SimpleNamespace(total="", groups=())
-    served.outcome = Outcome(result={"sheet": SimpleNamespace(items=[item], points=points)})
+    line = RunLine("run", 1, "Home", "HWV", "Alpha", 1, 1, 10.0)
+    served.outcome = Outcome(result=RunSheet(line, (), 3.5, (SheetItem("G", "cups", "uint", 2, max="3"),), (), ()))
     body = {"zone": "Home", "identity": "run"}
     shown = json.loads(served.send("sheet", body, served.token()).body)
     assert [(one["desc"], one["shown"], one["max"]) for one in shown["items"]] == [("cups", "2", "3")]
@@ -226,13 +224,11 @@ def test_a_device_is_shown_its_zone_until_its_pairing_ends(served):
     device = served.device(token)
     message = json.loads(served.running.do(device.read_message()))
     assert set(message["documents"]) == {"page.words", "page.device_words", "page.zones", "page.zone", "page.clock"}
-    assert served.any_device == [True]
     assert served.server.connected() == {served.sessions.listed(served.server.utc())[0].id}
     served.server.revoke("")
     while served.running.do(device.read_message()) is not None:
         pass
     assert device.close_code == NOT_PAIRED
-    served.running.until(lambda: served.any_device == [True, False])
 
 
 def test_a_device_whose_pairing_has_become_too_old_is_shown_nothing_more(served, monkeypatch):
@@ -273,15 +269,10 @@ def test_spectators_take_no_places_of_devices(served):
 
 def _answer():
     """What the core says of two judges who differ, as the call makes it."""
-    item = SimpleNamespace(
-        group="Table", desc="cups", type=1, value=0, text="", not_attempted=False, points="", min="", max="",
-        choices=[], judges=[], ratings=[])
-    judged = SimpleNamespace(
-        group="Table", desc="cups", outcome=1, judges=["Ann", "Ben"], values=[2, 0], texts=["", ""],
-        not_attempted=[False, True], who="", reason="")
-    own = SimpleNamespace(**{**vars(item), "value": 2})
-    return {"state": None, "submitted": True, "again": "", "own": [own], "items": [item], "judged": [judged],
-            "objections": []}
+    item = SheetItem("Table", "cups", "uint")
+    given = Given("Ann", 2, "", False), Given("Ben", 0, "", True)
+    return JudgedRun(Judging("Home", "run"), (item,), (JudgedItem(item, DIFFER, given),), (),
+                     (item._replace(value=2),), submitted=True)
 
 
 def test_a_judge_gets_the_own_sheet_only(served):

@@ -2,14 +2,16 @@
 
 import json
 import pathlib
-from types import SimpleNamespace
 from urllib.parse import quote
 
 import pytest
 
-from helpers.commands import actions_text
 from helpers.http_clients import HOST, HttpClients
-from helpers.public_messages import NOW, Time, board, details, event, result, run, standing
+from helpers.public_messages import NOW, board, details, event, result, run, standing
+from helpers.shown_box import MONO, ShownBox, zone_of
+from roah_rsbb.model.document import RobotSeen
+from roah_rsbb.model.schedule import ScheduledEvent
+from roah_rsbb.model.zone import RobotInRun
 from roah_rsbb.web.kept_file import open_kept
 from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant
 from roah_rsbb.web.server import WebServer
@@ -28,17 +30,17 @@ def codes(kept=None):
     return TeamCodes((kept if kept is not None else []).append, {})
 
 
-def gui(team=TEAM, skew=0.25, heard=NOW - 2.0):
-    robot = SimpleNamespace(team=team, robot="R1", skew=Time(skew), beacon=Time(heard))
-    zones = [SimpleNamespace(zone="Home", team=team), SimpleNamespace(zone="Lab", team="Others")]
-    return SimpleNamespace(clock=Time(NOW), active_robots=[robot], zones=zones)
+def box(phase="idle", off=("Robot not active",), robot=None, skew=0.25, silent_since=MONO - 2.0, events=()):
+    """A box that hears the robot of a team."""
+    made = ShownBox()
+    made.show(*(zone_of(name, {"connect": off}, phase=phase, team=team, robot=robot)
+                for name, team in (("Home", TEAM), ("Lab", "Others"))),
+              robots={"R1": RobotSeen(TEAM, "R1", skew, silent_since)}, schedule={event.id: event for event in events})
+    return made
 
 
-def core_details(phase="idle", off=("Robot not active",), last=0.0):
-    zones = [SimpleNamespace(zone=name, phase=phase, actions=actions_text({"connect": off}), said="",
-                             last_message=Time(last),
-                             robot_state="EXECUTING") for name in ("Home", "Lab")]
-    return SimpleNamespace(zones=zones, said="")
+def facts_of(made, team=TEAM):
+    return facts(team, made.document, made.now())
 
 
 # -- codes ------------------------------------------------------------------------------------------
@@ -93,29 +95,28 @@ def test_a_damaged_file_is_moved_aside(tmp_path, content):
 
 
 def test_what_a_team_reads_before_its_run():
-    lines = facts(TEAM, gui(), core_details(), None)
-    assert lines == ["The box hears R1, last 2 s ago", "Its clock is 0.250 s ahead of the box",
-                     "In zone Home, connect is off: Robot not active"]
-    assert facts(TEAM, gui(skew=-0.5), core_details(off=()), None)[1:] == [
-        "Its clock is 0.500 s behind the box", "In zone Home, the robot can be connected now"]
-    assert facts("Unknown", gui(), core_details(), None) == ["The box does not hear the robot"]
+    assert facts_of(box()) == ["The box hears R1, last 2 s ago", "Its clock is 0.25 s ahead of the box",
+                               "In zone Home, connect is off: Robot not active"]
+    assert facts_of(box(skew=-0.5, off=(), silent_since=None)) == [
+        "The box hears R1, last less than 2 s ago", "Its clock is 0.50 s behind the box",
+        "In zone Home, the robot can be connected now"]
+    assert facts_of(box(), "Unknown") == ["The box does not hear the robot"]
 
 
 def test_what_a_team_reads_in_its_run():
-    assert facts(TEAM, gui(), core_details("running", last=NOW - 1.0), None)[-1].endswith(
-        "Its state: EXECUTING. Last message 1 s ago")
-    assert facts(TEAM, gui(), core_details("connected"), None)[-1].endswith("No message of it has come yet")
+    robot = RobotInRun("R1", 6701, "GOAL_TX", "EXECUTING", heard=True, silent_since=MONO - 3.0)
+    assert facts_of(box("running", robot=robot))[-1].endswith("Its state: EXECUTING. Last message 3 s ago")
+    assert facts_of(box("connected"))[-1].endswith("No message of it has come yet")
 
 
 def test_the_next_event_with_its_estimated_time():
     def line(team, state, begins):
-        return SimpleNamespace(team=team, state=state, begins=Time(begins), benchmark="Visitors", zone="Lab")
-    schedule = SimpleNamespace(events=[line(TEAM, "done", NOW - 50.0), line("Others", "next", NOW + 5.0),
-                                       line(TEAM, "later", NOW + 900.0), line(TEAM, "later", NOW + 300.0)])
-    found = facts(TEAM, gui(), core_details(), schedule)[-1]
+        return ScheduledEvent(f"{team} {begins}", 1, "Lab", "HWV", "Visitors", team, 1, 1, NOW, begins, state, False)
+    events = [line(TEAM, "done", NOW - 50.0), line("Others", "next", NOW + 5.0),
+              line(TEAM, "later", NOW + 900.0), line(TEAM, "later", NOW + 300.0)]
+    found = facts_of(box(events=events))[-1]
     assert found.startswith("Next event: Visitors in zone Lab, about ")
-    schedule.events.pop()
-    assert facts(TEAM, gui(), core_details(), schedule)[-1] != found
+    assert facts_of(box(events=events[:-1]))[-1] != found
 
 
 # -- on real loopback sockets -----------------------------------------------------------------------
@@ -126,14 +127,11 @@ class Served(HttpClients):
 
     def __init__(self, running):
         self.running = running
-        self.wanted = []
         self.store = Store({"de": lambda text, n: f"auf Deutsch: {text}"})
         self.store.on_details(running.loop.time(), details([run()], [event(team=TEAM)], NOW))
         self.store.on_board(board([result("Beta")], [result("Gamma")], [standing()]))
-        self.server = WebServer(running.loop, self.store, FOLDER, frozenset({"localhost"}),
-                                on_devices=self.wanted.append)
-        self.server.desk.on_details(core_details())
-        self.server.desk.on_gui(running.loop.time(), gui())
+        self.box = box()
+        self.server = WebServer(running.loop, self.store, FOLDER, frozenset({"localhost"}), box=self.box)
         self.port = self.server.open(HOST, 0)
 
     def ask(self, path, body=None, cookie="", **headers):
@@ -154,7 +152,6 @@ class Served(HttpClients):
 
 def test_the_code_of_the_team_shows_its_robot_and_no_other(served):
     assert served.facts() == {"is_allowed": False, "facts": None}
-    assert served.wanted == [], "nobody needs the state of robots"
     answer = served.team(body={"code": served.server.team_codes.code(TEAM)})
     assert answer.code == 200
     cookie = answer.headers["Set-Cookie"]
@@ -163,7 +160,6 @@ def test_the_code_of_the_team_shows_its_robot_and_no_other(served):
     assert cookie.startswith(TEAM_COOKIE)
     found = served.facts(cookie=cookie)
     assert found["is_allowed"] and found["facts"][0] == "The box hears R1, last 2 s ago"
-    assert served.wanted[-1] is True
     assert served.facts("Other", cookie=cookie) == {"is_allowed": False, "facts": None}
 
 
@@ -180,16 +176,8 @@ def test_paired_devices_see_every_team(served):
 
 def test_a_silent_box_is_not_known_to_hear_anything(served):
     served.server.team_pages = ALL
-    served.server.desk._heard_mono = float("-inf")
+    served.box.is_old = True
     assert served.facts() == {"is_allowed": True, "facts": None}
-
-
-def test_the_state_of_robots_is_wanted_while_a_page_asks(served, monkeypatch):
-    monkeypatch.setattr("roah_rsbb.web.server.TEAM_ASKS_S", 0.05)
-    served.server.team_pages = ALL
-    served.facts()
-    assert served.wanted == [True]
-    served.running.until(lambda: served.wanted[-1] is False)
 
 
 def test_many_readers_behind_one_address_have_the_code(served):

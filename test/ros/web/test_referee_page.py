@@ -386,7 +386,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
                       f"the box has it: {pressed}")
         self.assertEqual(page.get("marks.refused.length"), 0)
 
-    def test_a_mark_that_the_standby_does_not_have_is_not_confirmed_and_keeps_no_other_one(self) -> None:
+    def test_a_mark_that_is_not_on_all_disks_is_not_confirmed_and_keeps_no_other_one(self) -> None:
         page = self.running()
         page.wait("document.querySelector('.all button[data-changed]') === null", "nothing has changed just now")
         page.get("""(() => {
@@ -402,7 +402,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         first, second = page.get("marks.waiting.map(mark => mark.id)")
         is_asked = "asked.some(one => one.id === {!r})".format
         page.get(f"answer({first!r}, 202, {{reasons: ['not confirmed: no standby']}}), 0")
-        page.wait(f"{TEXT}.includes('The box has it, but its standby does not')", "the referee sees it")
+        page.wait(f"{TEXT}.includes('The box has it, but it is not on all disks yet')", "the referee sees it")
         page.wait(is_asked(second), "the next one of the item is sent")
         page.get(f"answer({second!r}, 200, {{number: 2}}), 0")
         page.wait(f"marks.waiting.length === 1 && {is_asked(first)}", "the first one is sent again")

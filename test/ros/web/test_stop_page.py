@@ -282,6 +282,7 @@ class TestFaults(PhoneCase):
         page = self.phone(gateway)
         page.wait(f"{IS_ON}", "STOP is on")
         with mock.patch.object(desk.zone_documents, "stop_page", side_effect=TypeError("broken")):
+            gateway.set(warning="Something new")
             page.wait(f"{SAID}.includes('NO LINK')", "it does not know")
             page.get("window.parsed = 0, JSON.parse = (parse => text => (parsed++, parse(text)))(JSON.parse), 0")
             is_forgotten = page.note(f"!{SAID}.includes('NO LINK')")

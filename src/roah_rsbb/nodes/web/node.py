@@ -1,8 +1,9 @@
 """Node roah_rsbb_web: serves the public display and other pages to browsers, and live data to programs (docs/web.md).
 
-Reading is open: it shows the public topics of the core. Devices that are paired may do more. It can end and start again
-at any time. If its port is taken, it logs this once with the remedy, and retries. While another gateway runs, it waits
-and changes nothing. It also serves the tablet's page, on a port of its own (docs/tablet.md).
+Reading is open: it shows the public topics of the core. Devices that are paired may do more, through the door of the
+box. It can end and start again at any time. If its port is taken, it logs this once with the remedy, and retries. While
+another gateway runs, it waits and changes nothing. It also serves the tablet's page, on a port of its own
+(docs/tablet.md).
 
 Parameters (private): web and tablet (what is served: the pages, and the tablet's page; default: only the pages);
 rsbb_host. Of the pages: web_port (TCP, 0: any free one), web_host (address at which it is served; default: all, or this
@@ -18,7 +19,7 @@ import asyncio
 import datetime
 import importlib.util
 import pathlib
-from typing import Any, List
+from typing import Any, List, Set
 
 import rosgraph
 import rospkg
@@ -26,6 +27,7 @@ import rospy
 
 from roah_rsbb.comm import sockets
 from roah_rsbb.durable import close_to_others
+from roah_rsbb.model.document import Document
 from roah_rsbb.msg import PublicBoard, PublicDetails, PublicExplained
 from roah_rsbb.nodes.web.opening import LOOPBACK, hosts_of, retry_until_open
 from roah_rsbb.nodes.web.other import wait_for_other
@@ -33,6 +35,7 @@ from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.place import Places
 from roah_rsbb.web.displays.listed import FILE as DISPLAYS_FILE
 from roah_rsbb.web.displays.listed import Displays
 from roah_rsbb.web.kept_file import open_kept
@@ -58,9 +61,9 @@ class WebPart:
     def __init__(self, ros: RosLoop, params: Params, resource: pathlib.Path, names: list) -> None:
         """`resource`: the folder with the pages and languages; `names`: further names of this computer."""
         # These need tornado; see `main`.
-        from roah_rsbb.nodes.web.core_calls import CoreCalls
-        from roah_rsbb.nodes.web.device_feed import DeviceFeed
+        from roah_rsbb.client.client import Client
         from roah_rsbb.nodes.web.pairing import PairingServices
+        from roah_rsbb.web.calls import Calls
         from roah_rsbb.web.displays.logos import read_logos
         from roah_rsbb.web.server import WebServer
         from roah_rsbb.web.teams.requests import CODE, TEAM_PAGES
@@ -85,10 +88,12 @@ class WebPart:
         team_codes = open_kept(log_dir, CODES_FILE, TeamCodes, {}, rospy.logerr, "the teams have new codes")
         displays = open_kept(log_dir, DISPLAYS_FILE, Displays, {}, rospy.logerr, "set what the displays show again")
         self._certificate = _certificate(*files) if all(files) else None
+        self._client: Client[Document] = Client(
+            Document, Places(rosgraph.get_master_uri()).find, lambda: self._server.follow(), self._ros.loop, "referee")
+        self._why: Set[str] = set()  # it was not connected; these were logged
         self._server = WebServer(self._ros.loop, self._store, str(resource / "web"), own_names(names), sessions,
-                                 CoreCalls(self._ros).carry_out, lambda any_device: self._device_feed.want(any_device),
+                                 Calls(self._client, rospy.get_name()).carry_out, self._client,
                                  self._certificate and self._certificate.context, displays, team_codes, team_pages)
-        self._device_feed = DeviceFeed(self._ros, self._server.desk, self._server.publish)
         self._url = ""  # for paired devices
         PairingServices(self._ros, self._server, self._store.zones, lambda: self._url)
         self._feed = Feed(TOPICS, lambda: self._ros.post(self._take))
@@ -96,14 +101,15 @@ class WebPart:
     def start(self) -> None:
         """Serve as soon as that is possible."""
         self._feed.start()
-        self._renew()
+        self._client.start()
+        self._ros.loop.call_later(RENEW_S, self._renew)
         retry_until_open(self._ros.loop, self._open)
 
     def stop(self) -> None:
         """End."""
         self._server.close()
         self._feed.stop()
-        self._device_feed.want(False)
+        self._client.close()
 
     def _take(self) -> None:
         """Take the newest messages. The board comes first: results and runs change together."""
@@ -118,11 +124,16 @@ class WebPart:
             self._server.publish()
 
     def _renew(self) -> None:
-        """Subscribe again while the core is silent."""
+        """Subscribe again while the core is silent. Log once why paired devices are shown nothing of the box."""
         self._ros.loop.call_later(RENEW_S, self._renew)
         if not self._store.is_heard(self._server.now()):
             self._feed.renew()
-            self._device_feed.renew()
+        why = self._client.why
+        if not why:
+            self._why.clear()
+        elif why not in self._why:
+            self._why.add(why)
+            rospy.logwarn("Paired devices cannot act: %s", why)
 
     def _open(self) -> None:
         if self._certificate is not None:

@@ -26,7 +26,6 @@ class TeamHandler(FromOwnPage):
             self.finish({"is_allowed": False, "facts": None})
             return
         server = self._server
-        server.team_asked()
         heard = server.desk.is_heard(server.now())
         language = server.store.language(self.get_query_argument(
             "language", self.request.headers.get("Accept-Language", "")))

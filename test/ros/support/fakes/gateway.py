@@ -8,13 +8,13 @@ import pathlib
 import threading
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
-import genpy
-
-from helpers.commands import actions_text
+from helpers.commands import actions_shown
 from helpers.forms import shown_form
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import BoxState, Document
 from roah_rsbb.model.fields import form_of
 from roah_rsbb.model.modules import form_of_one
-from roah_rsbb.msg import CoreDetails, CoreToGui, RunClock, RunClocks, ScoreItem, ZoneDetails, ZoneState
+from roah_rsbb.model.zone import Count, Event, RobotInRun, RunClock, SheetItem, Zone
 from roah_rsbb.web.commands import Command, Outcome
 from roah_rsbb.web.pairing import Grant
 from roah_rsbb.web.server import WebServer
@@ -30,9 +30,10 @@ PORT = RSBB_PORT + 96
 URL = f"http://127.0.0.1:{PORT}"
 TICK_S = 0.1
 NOW = 1_450_000_000.0
-ITEMS = [("Achievements", "Enters Annie's room", ScoreItem.BOOL),
-         ("Achievements", "Operates the right device of all those that Annie has asked for", ScoreItem.UINT),
-         ("Penalized Behaviors", "Bumps into the furniture", ScoreItem.UINT)]
+EVENT = Event("e1", "HCFGAC", "Task Benchmark 3", "Catering for Granny Annie's Comfort", "Delta", 1, 2, NOW)
+ITEMS = [("Achievements", "Enters Annie's room", "bool"),
+         ("Achievements", "Operates the right device of all those that Annie has asked for", "uint"),
+         ("Penalized Behaviors", "Bumps into the furniture", "uint")]
 NAMES = ("Home A", "Home B", "Hall", "Room 4", "Room 5", "Room 6", "Room 7", "Room 8", "Room 9", "Room 10", "Room 11",
          "Room 12")
 NOT_RUNNING = {"idle": "No run is connected, so there is nothing to stop",
@@ -49,7 +50,7 @@ def _longer(text: str, _count: int) -> str:
     return text + "".join(" " if n % 9 == 0 else "ø" for n in range(len(text)))
 
 
-class Zone:
+class PlayedZone:
     """A zone of the box that the test plays."""
 
     def __init__(self, name: str) -> None:
@@ -94,52 +95,39 @@ class Zone:
             given = fields["given"]
             self.values[index] = self.values[index] + int(given["added"]) if given["added"] else given["value"]
 
-    def details(self) -> ZoneDetails:
-        """As the core publishes them."""
-        message = ZoneDetails(zone=self.name, phase=self.phase, identity=self.identity,
-                              end_reason=self.end_reason if self.phase == "ended" else "",
-                              robot="" if self.phase == "idle" else "R2D2", not_stopped=self.not_stopped)
+    def shown(self) -> Zone:
+        """The zone as the core shows it."""
         off: Dict[str, List[str]] = {}
         if self.phase != "running":
             off["stop"] = [NO_ANSWER if self.is_moving else NOT_RUNNING[self.phase]]
         for name, phase in (("connect", "idle"), ("start", "connected"), ("disconnect", "connected")):
             if self.phase not in (phase, "ended" if name != "connect" else phase):
                 off[name] = [f"{name} is not possible in phase {self.phase}"]
-        asked, fields = None, self.form or form_of(form_of_one(self.choices, not self.choices))
-        if self.operation:
-            message.operation, asked = 7, shown_form(7, fields, self.operation)
-        message.actions = actions_text(off, ("pause", "resume", "next_phase", "previous_phase"), asked=asked)
-        if self.phase != "idle":
-            message.items = [ScoreItem(group=group, desc=desc, type=kind, value=value)
-                             for (group, desc, kind), value in zip(ITEMS, self.values)]
-        return message
-
-    def state(self) -> ZoneState:
-        """As the core publishes it."""
-        return ZoneState(
-            zone=self.name, name="Task Benchmark 3", desc="Catering for Granny Annie's Comfort", code="HCFGAC",
-            team="Delta", round=1, run=2, schedule=genpy.Time.from_sec(NOW), manual_operation=self.operation,
-            state="\n".join([f"WARNING: {text}" for text in (self.is_moving and IGNORES_STOP, self.warning) if text]
-                            + ["All OK"]),
-            connect_enabled=self.phase == "idle", start_enabled=self.phase in ("connected", "ended"))
-
-    def clock(self) -> RunClock:
-        """As the core publishes it."""
-        counting = self.phase == "running"
-        return RunClock(zone=self.name, identity=self.identity, phase=self.phase, counting=counting,
-                        limit=genpy.Duration.from_sec(600.0),
-                        elapsed=genpy.Duration.from_sec(0.0 if not self.run else 10.0))
+        fields = self.form or form_of(form_of_one(self.choices, not self.choices))
+        asked = shown_form(7, fields, self.operation) if self.operation else None
+        shown = Zone(
+            self.name, EVENT, self.phase, state=("All OK",),
+            warnings=tuple(filter(None, [self.is_moving and IGNORES_STOP, self.warning])),
+            actions=actions_shown(off, ("pause", "resume", "next_phase", "previous_phase"), asked=asked),
+            clock=RunClock(600.0, Count(10.0 if self.run else 0.0, 0.0 if self.phase == "running" else None)),
+            not_stopped=tuple(self.not_stopped), operation=7 if asked else 0, manual_operation=self.operation)
+        if self.phase == "idle":
+            return shown
+        return shown._replace(
+            identity=self.identity, end_reason=self.end_reason if self.phase == "ended" else "",
+            robot=RobotInRun("R2D2", 6701, "STOP"),
+            items=tuple(SheetItem(*item, value) for item, value in zip(ITEMS, self.values)))
 
 
 class FakeGateway:
     """The gateway. Methods are called by the test's thread; close it at the end."""
 
     def __init__(self, zones: int = 1) -> None:
-        self.zones = [Zone(name) for name in NAMES[:zones]]
+        self.zones = [PlayedZone(name) for name in NAMES[:zones]]
         self.given: List[Tuple[str, str, Dict[str, Any]]] = []  # commands: name, zone, fields
         self.answers = True  # whether commands have an effect and an answer
         self.is_silent = False  # the core is
-        self.clock_s = NOW
+        self.document: Optional[Document] = None
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run, name="gateway", daemon=True)
         self._thread.start()
@@ -160,7 +148,8 @@ class FakeGateway:
         languages = {path.stem: catalogues.translation(path.stem, catalogues.read(path))
                      for path in (ROOT / "resource" / "languages").glob("*.ts")}
         store = Store({**languages, LONG: _longer})
-        self.server = WebServer(self._loop, store, str(ROOT / "resource" / "web"), frozenset(), command=self._command)
+        self.server = WebServer(self._loop, store, str(ROOT / "resource" / "web"), frozenset(), command=self._command,
+                                box=self)
         self.server.open("127.0.0.1", PORT)
         self._tick()
         return self.server
@@ -182,7 +171,7 @@ class FakeGateway:
             self._thread.join(LIMIT_S)
             self._loop.close()
 
-    def zone(self, name: str) -> Zone:
+    def zone(self, name: str) -> PlayedZone:
         """A zone."""
         return next(zone for zone in self.zones if zone.name == name)
 
@@ -198,17 +187,21 @@ class FakeGateway:
 
         self.do(change)
 
+    @property
+    def is_old(self) -> bool:
+        """Whether the core is silent."""
+        return self.is_silent
+
+    def now(self) -> Now:
+        """The box's clocks. No time passes for runs."""
+        return Now(0.0, NOW + self._loop.time())
+
     def feed(self) -> None:
         """Publish what the core would, in the gateway's thread."""
-        desk, mono = self.server.desk, self._loop.time()
-        if self.is_silent:
-            return
-        self.clock_s += TICK_S
-        clock = genpy.Time.from_sec(self.clock_s)
-        desk.on_clocks(RunClocks(clock=clock, zones=[zone.clock() for zone in self.zones]))
-        desk.on_details(CoreDetails(clock=clock, zones=[zone.details() for zone in self.zones]))
-        desk.on_gui(mono, CoreToGui(clock=clock, zones=[zone.state() for zone in self.zones]))
-        self.server.publish()
+        if not self.is_silent:
+            zones = {zone.name: zone.shown() for zone in self.zones}
+            self.document = Document(BoxState("played", "", 0, zones=tuple(zones)), {}, zones, {}, {}, {})
+            self.server.follow()
 
     def _tick(self) -> None:
         self._timer = self._loop.call_later(TICK_S, self._tick)
