@@ -291,7 +291,7 @@ class FakeCore:
         self.zones = {name: FakeZone(self, name) for name in zones}
         self._documents, self._written = Documents(self.box, box_uuid, "127.255.255.255"), Written(Document)
         self._robots_speak()
-        self._look()
+        self.look()
         calls = BoxCalls(self.box, self._serve).named()
         self._door: Optional[Door] = None
         _in_loop(lambda: self._open({name: partial(self._call, call) for name, call in calls.items()}))
@@ -417,11 +417,17 @@ class FakeCore:
             return
         LOOP.call_later(TICK_S, self._tick)
         if not self.silent:
-            self._look()
+            self.look()
             door.publish()
             door.sign()
 
-    def _look(self) -> None:
+    @property
+    def number(self) -> int:
+        """Of the document."""
+        return self._written.number
+
+    def look(self) -> None:
+        """Let the document be what the box is now. A core that is not silent publishes it soon."""
         with self._lock:
             self.event(self.box.tick)
             now = self._now()
@@ -435,7 +441,7 @@ class FakeCore:
             answer = waited(found) if isinstance(found, (InThread, Waiting)) else found
             if "refused" in answer:
                 raise Refused(decoded(answer["refused"]))
-            self._look()
+            self.look()
             return answer["answer"]
 
         return InThread(make)
