@@ -292,9 +292,11 @@ class FakeCore:
         self._documents, self._written = Documents(self.box, box_uuid, "127.255.255.255"), Written(Document)
         self._robots_speak()
         self.look()
-        calls = BoxCalls(self.box, self._serve).named()
+        self._calls: Dict[str, Call] = {}
+        for name, call in BoxCalls(self.box, self._serve).named().items():
+            self.add_call(name, call)
         self._door: Optional[Door] = None
-        _in_loop(lambda: self._open({name: partial(self._call, call) for name, call in calls.items()}))
+        _in_loop(self._open)
 
     def _new_box(self, zones: tuple) -> Box:
         benchmarks = {code: Benchmark(code, name, desc, s, s, self._items, judges=self._judges)
@@ -403,8 +405,12 @@ class FakeCore:
         """The box's clock, UTC seconds."""
         return self._now().utc
 
-    def _open(self, calls: Dict[str, Call]) -> None:
-        self._door = Door(LOOP, TOKEN, calls, self._now, self._written)
+    def add_call(self, name: str, call: Call) -> None:
+        """Answer another call."""
+        self._calls[name] = partial(self._call, call)
+
+    def _open(self) -> None:
+        self._door = Door(LOOP, TOKEN, self._calls, self._now, self._written)
         url = f"ws://127.0.0.1:{self._door.open('127.0.0.1')}/door"
         write_place(file_of(rosgraph.get_master_uri()), url, TOKEN)
         rospy.set_param(PARAM, {"url": url, "token": TOKEN})
