@@ -151,6 +151,11 @@ class Client(Generic[D]):
         return self._followed.document
 
     @property
+    def number(self) -> int:
+        """The number of the document; 0: none has come yet. Read it first: the document may then be newer."""
+        return self._followed.number
+
+    @property
     def heard_mono(self) -> float:
         """When the box was last heard, in seconds of this computer's monotonic clock; -inf: never."""
         heard = self._heard
@@ -204,11 +209,13 @@ class Client(Generic[D]):
             self.news += 1
             self._changed.notify_all()
 
-    def call(self, name: str, done: Optional[Done] = None, timeout_s: float = TIMEOUT_S,
+    def call(self, name: str, done: Optional[Done] = None, timeout_s: float = TIMEOUT_S, again: bool = False,
              **arguments: Any) -> "concurrent.futures.Future[Answer]":
-        """Make a call. `done` is called in the loop's thread with the answer, for which it waits that long."""
+        """Make a call. `done` is called in the loop's thread with the answer, for which it waits that long. `again`:
+        try until the time is over; only for what the box does once, such as a mark with an id."""
         request = json.dumps({**arguments, "call": name})
-        return self._begin(lambda: self._ask(_MAIN, request), done, timeout_s)
+        ask = self._ask_again if again else self._ask
+        return self._begin(lambda: ask(_MAIN, request), done, timeout_s)
 
     def stop(self, zone: str, run: str, done: Optional[Done] = None, timeout_s: float = TIMEOUT_S,
              **arguments: Any) -> "concurrent.futures.Future[Answer]":
@@ -238,6 +245,13 @@ class Client(Generic[D]):
 
     async def _ask(self, way: str, request: str) -> Answer:
         return await self._links[way].ask(request) if way in self._links else UNANSWERED
+
+    async def _ask_again(self, way: str, request: str) -> Answer:
+        while True:
+            answer = await self._ask(way, request)
+            if answer.is_answered:
+                return answer
+            await asyncio.sleep(FIRST_S)
 
     async def _ask_stop(self, request: str) -> Answer:
         while True:

@@ -9,7 +9,7 @@ import threading
 import types
 import unittest
 import weakref
-from typing import List
+from typing import Any, Dict, List, Mapping
 from xml.etree import ElementTree
 
 import rosgraph
@@ -32,6 +32,8 @@ from support.gui_testing import (
 )
 from support.panel_case import CoreCase
 
+from roah_rsbb.document.calls import Caller
+from roah_rsbb.nodes.core.reload import Reloaded
 from roah_rsbb.rqt.app.panel_list import PANELS
 from roah_rsbb.rqt.app.window import Window
 from roah_rsbb.rqt.model import calls
@@ -48,42 +50,9 @@ from roah_rsbb.rqt.widgets.basic import ALARM, OLD
 from roah_rsbb.rqt.widgets.focus_ring import FocusRing
 from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
 from roah_rsbb.rqt.widgets.sheet_view import ARRANGEMENTS, SheetView
-from roah_rsbb.srv import Reload, ReloadResponse
 from roah_rsbb.wording.replay import PREFIX
 
 PLUGIN_XML = pathlib.Path(__file__).resolve().parents[3] / "plugin.xml"
-
-
-class TestMarks(unittest.TestCase):
-    """What is sent again, and what is not."""
-
-    def setUp(self) -> None:
-        limit(self, calls, "AGAIN_S", 0.0)
-        self.answers = []
-        self.tries = 0
-
-    def call(self) -> str:
-        self.tries += 1
-        answer = self.answers.pop(0)
-        if answer.startswith("answer"):
-            return answer
-        raise rospy.ServiceException(answer)
-
-    def test_a_mark_is_sent_until_the_core_answers(self) -> None:
-        self.answers = ["service [/core/mark] unavailable", "transport error completing service call: gone",
-                        "unable to connect to service: refused", "answer 1", "answer 2"]
-        self.assertEqual((calls._until_answered(self.call), self.tries), ("answer 1", 4))
-
-    def test_a_refusal_is_an_answer(self) -> None:
-        self.answers = ["service [/core/mark] responded with an error: b'error processing request: no such item'"]
-        with self.assertRaisesRegex(rospy.ServiceException, "no such item"):
-            calls._until_answered(self.call)
-
-    def test_it_is_not_sent_for_ever(self) -> None:
-        limit(self, calls, "TIMEOUT_S", -1.0)
-        self.answers = ["service [/core/mark] unavailable"]
-        with self.assertRaisesRegex(rospy.ServiceException, "unavailable"):
-            calls._until_answered(self.call)
 
 
 class TestCalls(unittest.TestCase):
@@ -91,10 +60,10 @@ class TestCalls(unittest.TestCase):
 
     def setUp(self) -> None:
         limit(self, calls, "TIMEOUT_S", LONG_S)
-        self.calls = calls.Calls(calls.RefereeName())
+        self.calls = calls.Calls(None, calls.RefereeName())  # without a box
         self.gate = threading.Event()
         self.outcomes: List[calls.CallOutcome] = []
-        self.addCleanup(lambda: wait_until(lambda: not any(self.calls._threads.values()), "all calls have ended"))
+        self.addCleanup(lambda: wait_until(lambda: not self.calls.are_waiting, "all calls have ended"))
         self.addCleanup(self.gate.set)
 
     def call(self, what: str, times: int) -> None:
@@ -105,12 +74,8 @@ class TestCalls(unittest.TestCase):
         self.call("/web/sessions", calls.MAX_WAITING + 1)
         self.assertEqual(len(self.outcomes), 1)
         self.assertIn("/web/sessions: not sent", self.outcomes[0].error)
-        self.call("/core/start", 1)
+        self.call("/devices/bell/mock", 1)
         self.assertEqual(len(self.outcomes), 1)
-
-    def test_more_zones_than_other_calls_can_be_stopped_at_once(self) -> None:
-        self.call("/core/stop_run", 3 * calls.MAX_WAITING)
-        self.assertEqual(self.outcomes, [])
 
 
 class TestFocusRing(unittest.TestCase):
@@ -233,10 +198,10 @@ class TestPanels(CoreCase):
         def lines():
             return [[table.item(row, column).text() for column in (0, 1, 3, 4)] for row in range(table.rowCount())]
 
-        wait_until(lambda: lines() == [["TestingTeam", "mbot", "+0.012 s", "Home A"],
-                                       ["AnotherTeam", "amigo", "-0.087 s", "–"]], "both robots are shown")
+        wait_until(lambda: lines() == [["AnotherTeam", "amigo", "-0.087 s", "–"],
+                                       ["TestingTeam", "mbot", "+0.012 s", "Home A"]], "both robots are shown")
         self.core.zones["Home B"].all_robots = ["amigo of team AnotherTeam: ready"]
-        wait_until(lambda: [line[3] for line in lines()] == ["Home A", "Home B"], "one of all robots at once is shown")
+        wait_until(lambda: [line[3] for line in lines()] == ["Home B", "Home A"], "one of all robots at once is shown")
         link = COLUMNS.index("Link")
         wait_until(lambda: table.item(0, link).text() == "▮▮▮ good", "the link is good")
         self.core.heard_ago_s = 5.0
@@ -344,18 +309,18 @@ class TestPanels(CoreCase):
 
     def test_reload_lists_the_changes_before_they_are_applied(self) -> None:
         answers = [
-            ReloadResponse(errors=["schedule.yaml:4: found team 'Bet'", "benchmarks.yaml:5: found the text 'soon'"]),
-            ReloadResponse(digest="d1", warnings=["passwords.yaml: readable"], changes=["team 'Late': added"]),
-            ReloadResponse(digest="d1", changes=["team 'Late': added"], applied=True),
-            ReloadResponse(digest="d1"),
+            {"errors": ["schedule.yaml:4: found team 'Bet'", "benchmarks.yaml:5: found the text 'soon'"]},
+            {"digest": "d1", "warnings": ["passwords.yaml: readable"], "changes": ["team 'Late': added"]},
+            {"digest": "d1", "changes": ["team 'Late': added"], "applied": True},
+            {"digest": "d1"},
         ]
         asked = []
 
-        def reload(request):
-            asked.append(request.digest)
-            return answers[len(asked) - 1]
+        def reload(found: Mapping[str, Any], _caller: Caller) -> Dict[str, Any]:
+            asked.append(found["digest"])
+            return Reloaded(**answers[len(asked) - 1])._asdict()
 
-        self.addCleanup(rospy.Service("/core/reload", Reload, reload).shutdown)
+        self.core.add_call("reload", reload)
         panel = self.open(CoreStatusPanel)
 
         def dialog() -> ReloadDialog:
@@ -368,7 +333,7 @@ class TestPanels(CoreCase):
 
         press_reload()
         wrong = dialog()
-        self.assertEqual(wrong.lines.toPlainText().splitlines(), answers[0].errors)
+        self.assertEqual(wrong.lines.toPlainText().splitlines(), answers[0]["errors"])
         self.assertFalse(hasattr(wrong, "apply"))
         wrong.reject()
         wait_until(lambda: not panel.findChildren(ReloadDialog), "it is closed")
@@ -442,13 +407,13 @@ class TestPlugins(CoreCase):
         self.assertEqual({type(plugin.panel) for plugin in opened}, set(PANELS))
         self.assertIs(sys.excepthook, logs_failures)
         wait_until(lambda: all("live" in plugin.panel._news.text() for plugin in opened), "all of them show the core")
-        self.assertEqual(dict(rosgraph.Master("/t").getSystemState()[1])["/core/to_gui"], [rospy.get_name()])
+        self.assertEqual(dict(rosgraph.Master("/t").getSystemState()[1])["/devices/state"], [rospy.get_name()])
         for plugin in opened:
             plugin.shutdown_plugin()
             plugin.panel.close()
         self.assertIsNone(Client._shared)
         # A busy master may take longer than the client waits for it at its end.
-        wait_until(lambda: "/core/to_gui" not in dict(rosgraph.Master("/t").getSystemState()[1]), "it has left")
+        wait_until(lambda: "/devices/state" not in dict(rosgraph.Master("/t").getSystemState()[1]), "it has left")
 
     def test_following_is_kept(self) -> None:
         panel, settings = self.open(LogDisplayPanel), _Settings()

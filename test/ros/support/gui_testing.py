@@ -41,9 +41,9 @@ _settings = tempfile.TemporaryDirectory()
 os.environ.update({"DISPLAY": _start_display(), "QT_QPA_PLATFORM": "xcb", "XDG_CONFIG_HOME": _settings.name,
                    "XDG_RUNTIME_DIR": _settings.name})
 
-from roah_rsbb.ros import known_services  # noqa: E402  (only now is there a display)
+from roah_rsbb.client import client  # noqa: E402  (only now is there a display)
 from roah_rsbb.rqt.app.application import make_application  # noqa: E402
-from roah_rsbb.rqt.model import calls, model, presses, stops  # noqa: E402
+from roah_rsbb.rqt.model import calls, presses, stops  # noqa: E402
 from roah_rsbb.rqt.panels import panel  # noqa: E402
 from roah_rsbb.rqt.qt import (  # noqa: E402
     QApplication,
@@ -63,10 +63,9 @@ LONG_S = 3600.0
 # Limits of the panels that depend on the machine's speed: what is a silent core, a late answer, a slow second press,
 # and how long a line about a success stays. A busy machine may stop for seconds at any moment.
 _LIMITS = (
-    (model, "SILENT_S", LONG_S), (model, "DETAILS_SILENT_S", LONG_S), (calls, "TIMEOUT_S", LONG_S),
+    (client, "OLD_S", LONG_S), (client, "SILENT_S", LONG_S), (client, "STOP_S", LONG_S), (calls, "TIMEOUT_S", LONG_S),
     (presses, "WITHIN_S", LONG_S), (stops, "DONE_S", LONG_S), (stops, "FAILED_S", LONG_S),
-    (stop, "NOT_DELIVERED_S", LONG_S), (stops, "AGAIN_S", LONG_S), (known_services, "STEP_S", LONG_S),
-    (panel, "DONE_MS", round(1000 * LONG_S)),
+    (stop, "NOT_DELIVERED_S", LONG_S), (panel, "DONE_MS", round(1000 * LONG_S)),
 )
 
 

@@ -5,7 +5,8 @@ import unittest
 
 import rospy
 
-from roah_rsbb.rqt.model import model, zone_parameter
+from roah_rsbb.client import client
+from roah_rsbb.rqt.model import zone_parameter
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.benchmark_control import BenchmarkControlPanel
 from roah_rsbb.rqt.widgets.stop_strip import StopStrip
@@ -14,7 +15,7 @@ from support.gui_testing import QApplication, limit, show, wait_until, without_h
 
 DOOR = ("Achievements", "The robot detects the door with changed state")
 BUMPS = ("Penalized behaviours", "Bumps into the furniture")
-SILENT_S = model.SILENT_S
+OLD_S = client.OLD_S
 
 
 class CoreCase(unittest.TestCase):
@@ -56,18 +57,14 @@ class CoreCase(unittest.TestCase):
         return panel
 
     def wait_heard(self) -> None:
-        """Wait until the panels show what the core says now. Each topic comes in its own time."""
-        now = self.core.clock()
-        wait_until(lambda: min(self.heard()) > now, "all topics are heard")
-
-    def heard(self) -> list:
-        """Return the core's clock in the newest messages on the topics that it publishes all the time."""
-        heard = self.client.model
-        return [0.0 if each is None else each.clock.to_sec() for each in (heard.gui, heard.details, heard._clocks)]
+        """Wait until the panels show what the core says now."""
+        self.core.look()
+        number = self.core.number
+        wait_until(lambda: self.client.model.number >= number, "the document is heard")
 
     def wait_answered(self) -> None:
         """Wait until all calls are answered, and the panels have shown the answers."""
-        wait_until(lambda: not any(self.client.calls._threads.values()), "all calls are answered")
+        wait_until(lambda: not self.client.calls.are_waiting, "all calls are answered")
 
     def wait_call(self, *call: object) -> None:
         """Wait until the core receives this call. What it does then may take a moment."""
@@ -76,12 +73,12 @@ class CoreCase(unittest.TestCase):
     def hush(self) -> None:
         """Let the core publish no more, and wait until all that it published is heard. It does not count as silent."""
         self.core.silent = True
-        wait_until(lambda: set(self.heard()) == {self.core.said_utc_s}, "the core's last messages are heard")
+        wait_until(lambda: self.client.model.number == self.core.number, "the core's last document is heard")
 
     def fall_silent(self) -> None:
         """Let the core fall silent, and wait until the client notices it."""
         self.hush()
-        limit(self, model, "SILENT_S", SILENT_S)
+        limit(self, client, "OLD_S", OLD_S)
         wait_until(lambda: self.client.model.is_old, "the core is silent")
 
 

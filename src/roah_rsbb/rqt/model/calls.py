@@ -1,22 +1,18 @@
-"""Service calls off the Qt thread. Their outcome is delivered on the Qt thread."""
+"""Calls of the box, and of other nodes' services, which never block. Outcomes are delivered on the Qt thread."""
 
 import collections
 import contextlib
-import json
 import threading
-import time
 import uuid
 from typing import Any, Callable, Counter, Dict, Mapping, NamedTuple
 
 import rospy
 
+from roah_rsbb.client.client import Answer, Client
 from roah_rsbb.model.actions import MARK
-from roah_rsbb.model.fields import given_text
+from roah_rsbb.model.document import Document
 from roah_rsbb.ros import refusals
-from roah_rsbb.ros.connections import REFEREE_HEADER
-from roah_rsbb.ros.known_services import KnownService
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
-from roah_rsbb.srv import Act, GetClock
 from roah_rsbb.wording.device import NO_WEB
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.said import tr_said
@@ -25,10 +21,6 @@ from roah_rsbb.wording.said import tr_said
 TIMEOUT_S = 5.0
 # Limit of calls of a service that wait at the same time: a node that hangs must not fill this process with threads.
 MAX_WAITING = 16
-# It has no such limit: nothing ignores a STOP, and each call ends (known_services.py).
-STOP = "/core/stop_run"
-# A mark that was not answered is sent again after this time (s).
-AGAIN_S = 0.2
 # Of the person at a panel, for marks.
 ROLE = "referee"
 
@@ -55,87 +47,97 @@ class CallOutcome(NamedTuple):
     error: str  # for the referee; empty: it was carried out
     result: Any = None
     is_answered: bool = True  # false: nobody answered, so it may have been carried out
+    number: int = 0  # of the document that contains what it did
 
 
-class Marked(NamedTuple):
-    """The result of a mark."""
-
-    clock_s: float  # of the box after it, UTC seconds
-    answer: Mapping[str, Any]  # see `Act.answer`
+Done = Callable[[CallOutcome], None]
 
 
 class _Waiting(NamedTuple):
     owner: object
-    what: str
-    done: Callable[[CallOutcome], None]
+    done: Done
 
 
 class Calls(QObject):
     """Makes all calls of a process. Use it from the Qt thread only."""
 
-    _answered = Signal(int, str, object)
+    _answered = Signal(int, object)
 
-    def __init__(self, referee: RefereeName) -> None:
+    def __init__(self, afar: Client[Document], referee: RefereeName) -> None:
         """`referee`: their name goes with each call."""
         super().__init__()
+        self._afar = afar
         self._referee = referee
         self._waiting: Dict[int, _Waiting] = {}
         self._threads: Counter[str] = collections.Counter()  # by what they call
         self._next = 0
-        self._answered.connect(self._on_answer)
+        self._answered.connect(self._deliver)
 
-    def service(
-        self, owner: object, name: str, kind: type, request: tuple, done: Callable[[CallOutcome], None]
-    ) -> None:
-        """Call the service `name` of type `kind` with the request's fields; `done` receives the outcome."""
-        headers = self._headers()
-        self.run(owner, name, lambda: KnownService(name, kind, headers=headers)(*request), done)
+    @property
+    def are_waiting(self) -> bool:
+        """Whether a call waits for its answer."""
+        return bool(self._waiting) or any(self._threads.values())
+
+    # -- of the box -----------------------------------------------------------------------------------
+
+    def call(self, owner: object, name: str, done: Done, again: bool = False, referee: str = "",
+             **arguments: Any) -> None:
+        """Make a call of the box (docs/door.md, "Calls"). `done` receives the outcome, unless `owner` was forgotten.
+        `again`: see `Client.call`. `referee`: who was asked, if it was somebody before a change of the name."""
+        self._afar.call(name, self._on_answer(owner, name, done), TIMEOUT_S, again,
+                        **{**arguments, **self._who(referee)})
 
     def act(
-        self, owner: object, action: str, zone: str, run: str, given: Mapping[str, Any],
-        done: Callable[[CallOutcome], None], event: str = "", referee: str = "",
+        self, owner: object, action: str, zone: str, run: str, given: Mapping[str, Any], done: Done, event: str = "",
+        referee: str = "", again: bool = False,
     ) -> None:
-        """Do one of `model.actions.EVERY`. `run`, `event`: what the referee means, see `Act`; `given`: the values of
-        its fields; `referee`: who was asked, if it was somebody before a change of the name."""
-        self.service(owner, "/core/act", Act, (action, zone, run, event, given_text(given), referee), done)
+        """Do one of `model.actions.EVERY`. `run`, `event`: what the referee means; `given`: the values of its
+        fields."""
+        self.call(owner, "act", done, again, referee, action=action, zone=zone, run=run, event=event,
+                  given=dict(given))
 
-    def learn(self, owner: object, name: str, kind: type) -> None:
-        """Find the service `name`, so that a later call does not depend on the master."""
-        self.run(owner, f"{name}/address", KnownService(name, kind).learn, lambda outcome: None)
-
-    def mark(self, owner: object, zone: str, run: str, given: Mapping[str, Any],
-             done: Callable[[CallOutcome], None]) -> None:
-        """Mark a scoring item; the result is a `Marked`. `given`: the values of the action's fields, without an id.
+    def mark(self, owner: object, zone: str, run: str, given: Mapping[str, Any], done: Done) -> None:
+        """Mark a scoring item. `given`: the values of the action's fields, without an id.
 
         The core applies a mark once. So it is sent again while there is no answer, for example while the core restarts.
-        Only messages with a later clock than that of the result surely contain the mark.
         """
-        mark = given_text({**given, "id": str(uuid.uuid4()), "role": ROLE})
-        headers = self._headers()
+        self.act(owner, MARK, zone, run, {**given, "id": str(uuid.uuid4()), "role": ROLE}, done, again=True)
 
-        def job() -> Marked:
-            answer = _until_answered(
-                lambda: KnownService("/core/act", Act, headers=headers)(MARK, zone, run, "", mark, ""))
-            return Marked(KnownService("/core/clock", GetClock)().clock.to_sec(), json.loads(answer.answer))
+    def stop(self, owner: object, zone: str, run: str, done: Done) -> None:
+        """Stop a run: on a way of its own, again and again for `TIMEOUT_S`."""
+        self._afar.stop(zone, run, self._on_answer(owner, "stop", done), TIMEOUT_S, **self._who(""))
 
-        self.run(owner, MARK, job, done)
+    def _who(self, referee: str) -> Dict[str, str]:
+        return {"by": referee or self._referee.name, "node": rospy.get_name()}
 
-    def run(self, owner: object, what: str, job: Callable[[], Any], done: Callable[[CallOutcome], None]) -> None:
+    def _on_answer(self, owner: object, name: str, done: Done) -> Callable[[Answer], None]:
+        """Return what takes the answer, in the client's thread."""
+        token = self._wait(owner, done)
+        return lambda answer: self._emit(token, lambda: self._outcome(name, answer))
+
+    def _outcome(self, name: str, answer: Answer) -> CallOutcome:
+        if answer.is_answered:
+            return CallOutcome("; ".join(map(tr_said, answer.reasons)), answer.answer, True, answer.number)
+        return CallOutcome(tr("no answer: {why} ({error})", why=_missing(name), error=self._afar.why)
+                           if self._afar.why else _late(name), is_answered=False)
+
+    # -- of other nodes -------------------------------------------------------------------------------
+
+    def service(self, owner: object, name: str, kind: type, request: tuple, done: Done) -> None:
+        """Call the ROS service `name` of type `kind` with the request's fields; `done` receives the outcome."""
+        self.run(owner, name, lambda: rospy.ServiceProxy(name, kind)(*request), done)
+
+    def run(self, owner: object, what: str, job: Callable[[], Any], done: Done) -> None:
         """Run `job` in a thread; `done` receives its result or error, unless `owner` was forgotten."""
-        if what != STOP and self._threads[what] >= MAX_WAITING:
+        if self._threads[what] >= MAX_WAITING:
             done(CallOutcome(tr("{what}: not sent, because {n} commands are still waiting for an answer",
                                 what=what, n=self._threads[what]), is_answered=False))
             return
         self._threads[what] += 1
-        self._next += 1
-        token = self._next
-        self._waiting[token] = _Waiting(owner, what, done)
-        QTimer.singleShot(int(TIMEOUT_S * 1000), lambda: self._on_late(token))
+        token = self._wait(owner, done)
+        QTimer.singleShot(int(TIMEOUT_S * 1000), lambda: self._deliver(
+            token, lambda: CallOutcome(_late(what), is_answered=False)))
         threading.Thread(target=self._work, args=(token, what, job), name=what, daemon=True).start()
-
-    def _headers(self) -> Dict[str, str]:
-        who = {REFEREE_HEADER: self._referee.name} if self._referee.name else {}
-        return {refusals.HEADER: refusals.VALUES, **who}
 
     def forget(self, owner: object) -> None:
         """Deliver nothing more to `owner`, which is closing."""
@@ -146,41 +148,37 @@ class Calls(QObject):
             outcome = CallOutcome("", job())
         except Exception as e:  # the referee reads any error beside the command
             outcome = CallOutcome(failure_text(str(e)) or type(e).__name__, None, refusals.was_answered(str(e)))
+
+        def ended() -> CallOutcome:
+            self._threads[what] -= 1
+            return outcome
+
+        self._emit(token, ended)
+
+    # -- answers --------------------------------------------------------------------------------------
+
+    def _wait(self, owner: object, done: Done) -> int:
+        self._next += 1
+        self._waiting[self._next] = _Waiting(owner, done)
+        return self._next
+
+    def _emit(self, token: int, make: Callable[[], CallOutcome]) -> None:
+        """Hand an outcome to the Qt thread, which also makes it: texts are translated there."""
         with contextlib.suppress(RuntimeError):  # the process is ending
-            self._answered.emit(token, what, outcome)
+            self._answered.emit(token, make)
 
-    def _on_answer(self, token: int, what: str, outcome: CallOutcome) -> None:
-        self._threads[what] -= 1
-        self._deliver(token, outcome)
-
-    def _on_late(self, token: int) -> None:
-        if token in self._waiting:
-            what = self._waiting[token].what
-            self._deliver(token, CallOutcome(
-                tr("{what}: no answer within {time:.0f} s: {why}", what=what, time=TIMEOUT_S, why=_missing(what)),
-                is_answered=False))
-
-    def _deliver(self, token: int, outcome: CallOutcome) -> None:
-        waiting = self._waiting.pop(token, None)
+    def _deliver(self, token: int, make: Callable[[], CallOutcome]) -> None:
+        outcome, waiting = make(), self._waiting.pop(token, None)
         if waiting is not None:
             waiting.done(outcome)
 
 
-def _until_answered(call: Callable[[], Any]) -> Any:
-    """Call until there is an answer, or the time is over. It waits in its own thread, because a start of the core is no
-    event here."""
-    until_mono = time.monotonic() + TIMEOUT_S
-    while True:
-        try:
-            return call()
-        except rospy.ServiceException as error:
-            if refusals.was_answered(str(error)) or time.monotonic() + AGAIN_S > until_mono:
-                raise
-        time.sleep(AGAIN_S)
+def _late(what: str) -> str:
+    return tr("{what}: no answer within {time:.0f} s: {why}", what=what, time=TIMEOUT_S, why=_missing(what))
 
 
 def _missing(text: str) -> str:
-    """Return what to check, for a service that `text` names."""
+    """Return what to check, for a call that `text` names."""
     if "/web/" in text:
         return f"{tr(NO_WEB)}."
     return tr("is the core running? Check the state when it is back.")
@@ -191,7 +189,7 @@ _UNREACHED = ("unable to connect to service", "unable to contact master", "trans
 
 
 def failure_text(raised: str) -> str:
-    """Return the core's reasons, or what to check if there was no answer."""
+    """Return the reasons of a service, or what to check if there was no answer."""
     if raised.endswith("unavailable") or raised.startswith(_UNREACHED):
         return tr("no answer: {why} ({error})", why=_missing(raised), error=raised)
     return "; ".join(map(tr_said, refusals.reasons(raised)))

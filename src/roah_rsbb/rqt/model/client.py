@@ -1,4 +1,4 @@
-"""What all panels of a process share: one subscription, one zone, one queue of calls, the referee's name."""
+"""What all panels of a process share: one connection to the box, one zone, one queue of calls, the referee's name."""
 
 from typing import Optional
 
@@ -35,7 +35,7 @@ class Client:
     def __init__(self) -> None:
         self.model = Model(Feed(TOPICS), ZoneParameter())
         self.referee = RefereeName()
-        self.calls = Calls(self.referee)
+        self.calls = Calls(self.model.afar, self.referee)
         self.presses = DoublePress()
         self.stops = Stops(self.model, self.calls)
         self.stop_keys = StopKeys(self.model, self.stops)

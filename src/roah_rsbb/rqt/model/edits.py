@@ -1,29 +1,23 @@
-"""Changes that the referee made in a panel, until the core publishes them.
+"""Changes that the referee made in a panel, until what is published contains them."""
 
-A message from before the change still holds the old value. It may arrive after the answer to the change, on another
-connection, and must not overwrite what the referee sees.
-"""
-
-from typing import Dict, Hashable, NamedTuple, Optional, TypeVar
+from typing import Callable, Dict, Generic, Hashable, NamedTuple, Optional, TypeVar
 
 Value = TypeVar("Value", bound=Hashable)  # any value but None
+Mark = TypeVar("Mark")
 
 
 class _Edit(NamedTuple):
     wish: Hashable
     sent: Optional[Hashable]  # value in the call that waits for its answer; None: answered
-    since: float = 0.0  # once answered: later messages include the change
+    mark: object = None  # of the answer
 
 
-class Edits:
-    """Edits by item. Each item has at most one call in progress, so that calls cannot overtake each other.
+class Edits(Generic[Mark]):
+    """Edits by item. Each item has at most one call in progress, so that calls cannot overtake each other."""
 
-    Clocks are those of the messages, in seconds. Where messages have none, use any clock that never goes back.
-    """
-
-    def __init__(self, margin_s: float = 0.0) -> None:
-        """`margin_s`: how long after the answer to a change an older message may still arrive."""
-        self._margin_s = margin_s
+    def __init__(self, is_confirmed: Callable[[Mark], bool]) -> None:
+        """`is_confirmed`: whether what is published now contains a change, by the mark of its answer."""
+        self._is_confirmed = is_confirmed
         self._edits: Dict[Hashable, _Edit] = {}
 
     def wish(self, item: Hashable, value: Value) -> Optional[Value]:
@@ -35,10 +29,8 @@ class Edits:
         self._edits[item] = _Edit(value, sent=value)
         return value
 
-    def carried_out(
-        self, item: Hashable, clock_s: float, is_now: Optional[Hashable] = None
-    ) -> Optional[Hashable]:
-        """Note that the call was answered at `clock_s`. Returns the value to send next, if it changed meanwhile.
+    def carried_out(self, item: Hashable, mark: Mark, is_now: Optional[Hashable] = None) -> Optional[Hashable]:
+        """Note that the call was answered. Returns the value to send next, if it changed meanwhile.
 
         `is_now`: the value of the item after the call, if the answer has it. Others may have changed it, too.
         """
@@ -48,19 +40,19 @@ class Edits:
         if edit.wish != edit.sent:
             self._edits[item] = _Edit(edit.wish, sent=edit.wish)
             return edit.wish
-        self._edits[item] = _Edit(edit.wish if is_now is None else is_now, None, clock_s + self._margin_s)
+        self._edits[item] = _Edit(edit.wish if is_now is None else is_now, None, mark)
         return None
 
     def failed(self, item: Hashable) -> None:
         """Note that the call failed. The item shows the published value again."""
         self._edits.pop(item, None)
 
-    def value(self, item: Hashable, published: Value, clock_s: float) -> Value:
-        """Return the value to show when a message of `clock_s` says `published`."""
+    def value(self, item: Hashable, published: Value) -> Value:
+        """Return the value to show while `published` is published."""
         edit = self._edits.get(item)
         if edit is None:
             return published
-        if edit.sent is None and clock_s > edit.since:
+        if edit.sent is None and self._is_confirmed(edit.mark):
             del self._edits[item]
             return published
         return edit.wish

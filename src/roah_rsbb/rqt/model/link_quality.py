@@ -1,6 +1,6 @@
 """The quality of a robot's link: its longest recent silence.
 
-The core publishes when it last heard a robot, ten times a second; a robot sends each second (docs/protocol.md,
+The core publishes since when a robot is silent, once it missed a message; a robot sends each second (docs/protocol.md,
 "Timing"). So the longest silence shows how many of its messages were lost in a row.
 """
 
@@ -11,7 +11,7 @@ from roah_rsbb.wording.language import tr, tr_later
 
 # Older silences are ignored, seconds.
 WINDOW_S = 10.0
-# A gap between two messages of the core that is longer than this says nothing about robots, seconds.
+# Between two looks; after a longer time, nothing is known, seconds.
 MISSED_S = 1.0
 
 
@@ -26,37 +26,39 @@ SILENT = tr_later("▯▯▯ silent")
 
 
 class _Robot:
-    def __init__(self, heard_s: float) -> None:
-        self.heard_s = heard_s
+    def __init__(self) -> None:
+        self.since: Optional[float] = None
         self.gaps: Deque[tuple] = collections.deque()  # (when it ended, how long it was)
 
 
 class LinkQuality:
-    """Watches all robots. Times are seconds of the box's clock."""
+    """Watches all robots. Times are moments of the box's clock, in seconds."""
 
     def __init__(self) -> None:
         self._robots: Dict[Hashable, _Robot] = {}
-        self._clock_s: Optional[float] = None
+        self._mono: Optional[float] = None
 
-    def observe(self, clock_s: float, heard_s: Dict[Hashable, float]) -> None:
-        """Record when each robot was last heard, as of `clock_s`. Robots that are missing are forgotten."""
-        if self._clock_s is None or not 0.0 <= clock_s - self._clock_s <= MISSED_S:
+    def observe(self, mono: float, silent: Dict[Hashable, Optional[float]]) -> None:
+        """Record since when each robot is silent, at the moment `mono`; None: it is not. Robots that are missing are
+        forgotten."""
+        if self._mono is None or not 0.0 <= mono - self._mono <= MISSED_S:
             self._robots.clear()
-        self._clock_s = clock_s
-        self._robots = {name: self._robots.get(name) or _Robot(heard) for name, heard in heard_s.items()}
+        self._mono = mono
+        self._robots = {name: self._robots.get(name) or _Robot() for name in silent}
         for name, robot in self._robots.items():
-            if heard_s[name] != robot.heard_s:
-                robot.gaps.append((clock_s, heard_s[name] - robot.heard_s))
-                robot.heard_s = heard_s[name]
-            while robot.gaps and clock_s - robot.gaps[0][0] > WINDOW_S:
+            if robot.since is not None and silent[name] != robot.since:
+                robot.gaps.append((mono, (mono if silent[name] is None else silent[name]) - robot.since))
+            robot.since = silent[name]
+            while robot.gaps and mono - robot.gaps[0][0] > WINDOW_S:
                 robot.gaps.popleft()
 
     def longest_silence_s(self, name: Hashable) -> Optional[float]:
-        """Return the longest silence that ended within the window or still lasts; None: unknown robot."""
+        """Return the longest silence that ended within the window or still lasts, 0.0 if there was none; None: unknown
+        robot."""
         robot = self._robots.get(name)
         if robot is None:
             return None
-        return max([self._clock_s - robot.heard_s, *(length for _, length in robot.gaps)])
+        return max([0.0 if robot.since is None else self._mono - robot.since, *(length for _, length in robot.gaps)])
 
 
 def text(longest_silence_s: Optional[float]) -> str:

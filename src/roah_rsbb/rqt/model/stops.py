@@ -10,18 +10,15 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Dict, Iterable, List, NamedTuple, Tuple
 
-from roah_rsbb.rqt.model.calls import STOP, CallOutcome, Calls
+from roah_rsbb.model.zone import ENDED, RUNNING
+from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.model.model import Model
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
-from roah_rsbb.srv import StopRun
 from roah_rsbb.wording import replay, stop, superseded
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.stop import Way
 
 LOOK_MS = 100
-# A STOP that the box has not answered is sent again after this time (s), also while others hang: each of them ends by
-# itself (known_services.py).
-AGAIN_S = 0.5
 # How long a STOP that reached its robot, or that the box refused, stays on the screen.
 DONE_S = 8.0
 FAILED_S = 15.0
@@ -56,7 +53,7 @@ def target_of(model: Model) -> Target:
         return Target(running[0])
     if running:
         return Target(why_off=tr(OTHERS_RUN, zone=shown, zones=", ".join(running)))
-    return Target(why_off=tr(NOT_HEARD if model.gui is None else NONE_RUNS))
+    return Target(why_off=tr(NOT_HEARD if model.document is None else NONE_RUNS))
 
 
 @dataclass
@@ -66,7 +63,7 @@ class SentStop:
     zone: str
     identity: str  # of the run; empty: not known
     sent_mono: float
-    tried_mono: float
+    calls: int = 0  # that wait for an answer
     box_has_it: bool = False
     refused: str = ""  # why the box did not stop the run
     way: Way = Way.SENT
@@ -86,16 +83,17 @@ class Stops(QObject):
         self._calls = calls
         self._sent: List[SentStop] = []
         self._pressed = ("", -math.inf)  # the zone that was stopped last, and the monotonic time (s)
-        self._was_heard = False
         # Since when (monotonic seconds) runs that are over wait for their robots, by zone and identity.
         self._waiting: Dict[Tuple[str, str], float] = {}
         self._timer = QTimer(self, interval=LOOK_MS)
         self._timer.timeout.connect(self._look)
         model.updated.connect(self._on_update)
+        model.ticked.connect(self._on_update)
 
     def end(self) -> None:
         """Stop following."""
         self._model.updated.disconnect(self._on_update)
+        self._model.ticked.disconnect(self._on_update)
         self._timer.stop()
         self._calls.forget(self)
 
@@ -116,9 +114,9 @@ class Stops(QObject):
                           if one.zone != zone or (one.identity == identity and not one.refused and not one.box_has_it)]
             found = next((one for one in self._sent if one.zone == zone), None)
             if found is None:
-                found = SentStop(zone, identity, now, now)
+                found = SentStop(zone, identity, now)
                 self._sent.append(found)
-            self._try(found, now)
+            self._try(found)
         self._timer.start()
         self.changed.emit()
 
@@ -128,34 +126,28 @@ class Stops(QObject):
                                                    -one.sent_mono))
 
     def _on_update(self) -> None:
-        """Whenever a core begins to speak, find its service at once: the master may be gone when STOP is pressed."""
-        is_heard = not self._model.is_old
-        if is_heard and not self._was_heard:
-            self._calls.learn(self, STOP, StopRun)
-        self._was_heard = is_heard
-        if is_heard and not self._model.is_replay and not self._model.is_superseded:
+        if not self._model.is_old and not self._model.is_replay:
             self._take_unanswered(time.monotonic())
 
     def _take_unanswered(self, now: float) -> None:
         """Follow what others stopped, too, and what ended by itself, once a robot does not answer."""
         before, self._waiting = self._waiting, {}
-        for zone in self._model.gui.zones:
-            details = self._model.details_of(zone.zone)
-            if details is None or details.phase != "ended" or not details.not_stopped:
+        for zone in self._model.document.zones.values():
+            if zone.phase != ENDED or not zone.not_stopped:
                 continue
-            key = zone.zone, details.identity
+            key = zone.zone, zone.identity
             since = self._waiting[key] = before.get(key, now)
             if now - since >= stop.NOT_DELIVERED_S and all(one.zone != zone.zone for one in self._sent):
-                self._sent.append(SentStop(zone.zone, details.identity, since, now, box_has_it=True,
-                                           way=Way.LOST_ROBOT, is_over=True))
+                self._sent.append(SentStop(*key, since, box_has_it=True, way=Way.LOST_ROBOT, is_over=True))
                 self._timer.start()
                 self.changed.emit()
 
-    def _try(self, one: SentStop, now: float) -> None:
-        one.tried_mono = now
-        self._calls.service(self, STOP, StopRun, (one.zone, one.identity), partial(self._answered, one))
+    def _try(self, one: SentStop) -> None:
+        one.calls += 1
+        self._calls.stop(self, one.zone, one.identity, partial(self._answered, one))
 
     def _answered(self, one: SentStop, outcome: CallOutcome) -> None:
+        one.calls -= 1
         if not outcome.error:
             one.box_has_it = True
         elif outcome.is_answered and not one.box_has_it:
@@ -168,26 +160,27 @@ class Stops(QObject):
         now = time.monotonic()
         for one in self._sent:
             self._follow(one, now)
-            if not one.box_has_it and not one.refused and now - one.tried_mono >= AGAIN_S:
-                self._try(one, now)
+            if not one.box_has_it and not one.refused and not one.calls:
+                self._try(one)
         self._sent = [one for one in self._sent if now < one.until_mono]
         if not self._sent:
             self._timer.stop()
         self.changed.emit()
 
     def _follow(self, one: SentStop, now: float) -> None:
-        details = None if self._model.is_old else self._model.details_of(one.zone)
-        is_same = details is not None and one.identity in ("", details.identity)
-        if is_same and details.phase == "running" and (one.is_over or one.is_done):
+        zone = None if self._model.is_old else self._model.zone_of(one.zone)
+        is_same = zone is not None and one.identity in ("", zone.identity)
+        runs = is_same and zone.phase == RUNNING
+        if runs and (one.is_over or one.is_done):
             one.until_mono = now  # the referee continued the run
             return
-        if details is not None and (not is_same or details.phase != "running"):
+        if zone is not None and not runs:
             one.box_has_it, one.refused, one.is_over = True, "", True
-        if details is not None and not is_same and one.identity:
+        if zone is not None and not is_same and one.identity:
             one.until_mono = min(one.until_mono, now)  # the run was left: the STOP concerns nobody any more
             return
-        one.way = stop.way(now - one.sent_mono, one.box_has_it, is_same and details.by_hand,
-                           not is_same or details.phase == "running" or bool(details.not_stopped))
+        one.way = stop.way(now - one.sent_mono, one.box_has_it, is_same and zone.by_hand,
+                           not is_same or runs or bool(zone.not_stopped))
         if one.way in stop.DONE and not one.is_done:
             one.is_done, one.until_mono = True, now + DONE_S
 

@@ -2,7 +2,7 @@
 
 from typing import List, Tuple
 
-from roah_rsbb.msg import RobotInfo
+from roah_rsbb.model.document import RobotSeen
 from roah_rsbb.rqt.model import link_quality
 from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import QAbstractItemView, QHeaderView, Qt, QTableWidget, QTableWidgetItem
@@ -43,52 +43,57 @@ class ActiveRobotsPanel(CollapsingPanel):
         self.body.addWidget(self.table, 1)
         self._links = link_quality.LinkQuality()
         # Also while the panel is hidden: the quality depends on the past.
-        self.model.updated.connect(self._observe)
+        self.model.ticked.connect(self._observe)
 
     def shutdown(self) -> None:
-        self.model.updated.disconnect(self._observe)
+        self.model.ticked.disconnect(self._observe)
         super().shutdown()
 
     def _observe(self) -> None:
-        if self.model.gui is not None:
-            heard = {(r.team, r.robot): r.beacon.to_sec() for r in self.model.gui.active_robots}
-            self._links.observe(self.model.clock_s, heard)
+        if self.model.document is not None:
+            self._links.observe(self.model.now().mono, {
+                name: robot.silent_since for name, robot in self.model.document.robots.items()})
+
+    def parts(self) -> tuple:
+        document = self.model.document
+        return () if document is None else (document.robots, document.zones)
 
     def show_model(self) -> None:
-        gui = self.model.gui
-        robots = gui.active_robots if gui else []
+        self._observe()
         self.table.setEnabled(not self.model.is_old)
-        self._show_lines([self._line(robot) for robot in robots] or [self._nobody()])
+
+    def show_times(self) -> None:
+        document = self.model.document
+        robots = [] if document is None else sorted(document.robots.items(), key=lambda item: item[1][:2])
+        self._show_lines([self._line(name, robot) for name, robot in robots] or [self._nobody()])
 
     def where(self) -> str:
         return tr("The whole box")
 
     def _nobody(self) -> Tuple[str, ...]:
-        text = tr("No robot is heard") if self.model.gui else tr("Waiting for the core")
+        text = tr("No robot is heard") if self.model.document else tr("Waiting for the core")
         return (text, *("" for _ in COLUMNS[1:]))
 
-    def _zone_of(self, robot: RobotInfo) -> str:
+    def _zone_of(self, name: str, robot: RobotSeen) -> str:
         """Return the zone of the run that the robot takes part in."""
-        gui, details = self.model.gui, self.model.details
-        if gui is None or details is None:
-            return NO_RUN
-        teams = {z.zone: z.team for z in gui.zones}
-        name = f"{robot.robot} of team {robot.team}: "
-        for zone in details.zones:
+        for zone in self.model.document.zones.values():
+            one, several = zone.robot, zone.all_robots
+            is_alone_in_it = one is not None and (zone.event.team, one.robot) == (robot.team, robot.robot)
             # If all robots run at once, each has a line.
-            is_alone_in_it = (teams.get(zone.zone), zone.robot) == (robot.team, robot.robot)
-            if is_alone_in_it or any(line.startswith(name) for line in zone.robots):
+            if is_alone_in_it or (several is not None and any(
+                    line.startswith(f"{name}: ") for line in several.robots)):
                 return zone.zone
         return NO_RUN
 
-    def _line(self, robot: RobotInfo) -> Tuple[str, ...]:
+    def _line(self, name: str, robot: RobotSeen) -> Tuple[str, ...]:
+        silent_since = robot.silent_since
         return (
             robot.team,
             robot.robot,
-            link_quality.text(self._links.longest_silence_s((robot.team, robot.robot))),
-            times.skew(robot.skew.to_sec()),
-            self._zone_of(robot),
-            times.ago(self.model.clock_s - robot.beacon.to_sec()),
+            link_quality.text(self._links.longest_silence_s(name)),
+            times.skew(robot.skew),
+            self._zone_of(name, robot),
+            times.ago(0.0 if silent_since is None else self.model.now().mono - silent_since),
         )
 
     def _show_lines(self, lines: List[Tuple[str, ...]]) -> None:

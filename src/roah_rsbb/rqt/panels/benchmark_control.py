@@ -6,10 +6,10 @@ Key: F5 twice starts, whichever panel of the process has the focus. STOP is in t
 from functools import partial
 from typing import Any, Dict, FrozenSet, Optional, Tuple
 
-from roah_rsbb.model import shown
 from roah_rsbb.model.actions import ACTIONS, Action
 from roah_rsbb.model.fields import Team, entered
-from roah_rsbb.msg import RunSummary, ZoneDetails, ZoneState
+from roah_rsbb.model.results import RunLine
+from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, Zone
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels.history import RunSheets, why_fixed
 from roah_rsbb.rqt.panels.more_commands import ActionForm, MoreMenu, RuleButtons, what_text, why_off
@@ -33,7 +33,6 @@ from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
 from roah_rsbb.wording import sheets, stop
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.said import tr_said
-from roah_rsbb.wording.todo import WARNING
 
 REASON = tr_later("Reason for the stop")
 ASK_REASON = tr_later("Why was the run stopped? Press Enter to save")
@@ -49,7 +48,7 @@ class StopReasonLine(QLineEdit):
         self._panel = panel
         self._answer = answer
         self._sheets = RunSheets(panel, panel.client.calls, self._show)
-        self._summary: Optional[RunSummary] = None
+        self._summary: Optional[RunLine] = None
         self._without: FrozenSet[int] = frozenset()  # revisions of the run from before the text was sent
         self.setMaxLength(MAX_NOTE)
         self.editingFinished.connect(self._send)
@@ -73,13 +72,13 @@ class StopReasonLine(QLineEdit):
         self.setToolTip(basic.tip(why_fixed_now or tr(REASON_TIP)))
         self.setPlaceholderText("" if summary is None else tr(ASK_REASON))
         sheet = None if summary is None else self._sheets.sheet(summary)
-        if sheet is None or not sheet.stops or self.isModified() or sheet.summary.revision in self._without:
+        if sheet is None or not sheet.ends or self.isModified() or sheet.run.revision in self._without:
             return
-        if self.text() != sheet.stops[-1].reason:
-            self.setText(sheet.stops[-1].reason)
+        if self.text() != sheet.ends[-1].reason:
+            self.setText(sheet.ends[-1].reason)
 
     @staticmethod
-    def _identity(summary: Optional[RunSummary]) -> str:
+    def _identity(summary: Optional[RunLine]) -> str:
         return "" if summary is None else summary.identity
 
     def _send(self) -> None:
@@ -89,7 +88,7 @@ class StopReasonLine(QLineEdit):
             return
         self.setModified(False)
         known = self._sheets.sheet(summary)
-        self._without = frozenset([summary.revision] if known is None else [summary.revision, known.summary.revision])
+        self._without = frozenset([summary.revision] if known is None else [summary.revision, known.run.revision])
 
         def done(outcome: CallOutcome) -> None:
             self._answer.show_outcome(tr(REASON), outcome)
@@ -103,15 +102,14 @@ class StopReasonLine(QLineEdit):
 # The actions that have a place of their own here.
 COMMANDS = {name: ACTIONS[name] for name in ("previous", "next", "connect", "start", "disconnect")}
 SMALL = ("previous", "next")
-ENABLED = {"previous": "prev"}  # <name>_enabled in ZoneState, where it has another name
 START_KEYS = tr_later("keys: F5 twice")
 NO_ZONE = tr_later("This zone is not in the schedule. Choose a zone above.")
 
 # The usual next command of each phase is highlighted while it is possible, and nothing must be done before.
 NEXT_STEP = {
-    ("idle", "connect"): basic.READY,
-    ("connected", "start"): basic.RUNNING,
-    ("ended", "disconnect"): basic.READY,
+    (IDLE, "connect"): basic.READY,
+    (CONNECTED, "start"): basic.RUNNING,
+    (ENDED, "disconnect"): basic.READY,
 }
 
 
@@ -212,32 +210,45 @@ class BenchmarkControlPanel(Panel):
 
     # -- showing ------------------------------------------------------------------------------------
 
+    def parts(self) -> tuple:
+        document = self.model.document
+        return (self.model.zone, None if document is None else document.results)
+
     def show_model(self) -> None:
-        self._show_zones()
         self._show_zone_change()
         zone = self.model.zone
-        details = self.model.zone_details
         if zone is None:
             self._show_no_zone()
         else:
             self._show_event(zone)
-            self._show_run(zone, details)
+            self._show_state(zone)
         for name in COMMANDS:
-            self._show_button(name, zone, details)
-        silent = tr(NO_ZONE) if zone is None else self.model.why_old(tr(SILENT))
-        self.rules.show_details(details, silent)
-        self.more.show_details(details, silent)
+            self._show_button(name, zone)
+        self.rules.show_zone(zone, self._silent(zone))
         self.reason.show_run()
+
+    def show_times(self) -> None:
+        self._show_zones()
+        zone, clock = self.model.zone, self.model.clock_of(self.model.zone_name)
+        self.times.show_clock(clock, self.model.is_old)
+        if zone is not None:
+            phase = phases.shown(zone, clock)
+            text = f"{phase.text}  ·  {zone.robot_name}" if zone.robot_name else phase.text
+            self._phase.show_text(text, basic.IDLE if self.model.is_old else phase.tone)
+        self.more.show_zone(zone, self._silent(zone))  # its menu may just have closed
         self._start_key.forget()
 
+    def _silent(self, zone: Optional[Zone]) -> str:
+        return tr(NO_ZONE) if zone is None else self.model.why_old(tr(SILENT))
+
     def where(self) -> str:
-        return self.client.moments.with_zone(self.model.clock_s) if self.model.gui else ""
+        return self.client.moments.with_zone(self.model.now().utc) if self.model.document else ""
 
     def where_tip(self) -> str:
-        return self.client.moments.tip(self.model.clock_s) if self.model.gui else ""
+        return self.client.moments.tip(self.model.now().utc) if self.model.document else ""
 
     def _show_zones(self) -> None:
-        names = [z.zone for z in self.model.gui.zones] if self.model.gui else []
+        names = self.model.zone_names
         if [self._zones.itemText(i) for i in range(self._zones.count())] != names:
             self._zones.clear()
             self._zones.addItems(names)
@@ -257,50 +268,30 @@ class BenchmarkControlPanel(Panel):
     def _show_no_zone(self) -> None:
         for label in self._event.values():
             label.setText("")
-        heard = self.model.gui is not None
+        heard = self.model.document is not None
         self._phase.show_text(tr("NO SUCH ZONE") if heard else tr("NO CORE"), basic.IDLE)
-        self.times.show_clock(None, self.model.is_old)
-        self._show_state(f"{tr(NO_ZONE)} ({self.model.zone_name})" if heard else tr("Waiting for the core"))
+        text = f"{tr(NO_ZONE)} ({self.model.zone_name})" if heard else tr("Waiting for the core")
+        self.state.show_lines([(line, False) for line in (text, self.model.why) if line])
 
-    def _show_event(self, zone: ZoneState) -> None:
-        self._event["name"].setText(f"{zone.code}  {zone.desc}")
-        self._event["team"].setText(zone.team)
-        scheduled_s = zone.schedule.to_sec()
-        when = self.client.moments.scheduled(scheduled_s, self.model.clock_s)
+    def _show_event(self, zone: Zone) -> None:
+        event, moments = zone.event, self.client.moments
+        self._event["name"].setText(f"{event.code}  {event.desc}")
+        self._event["team"].setText(event.team)
+        when = moments.scheduled(event.scheduled, self.model.now().utc)
         self._event["facts"].setText(
-            f"{zone.name} · {sheets.turn(zone.round, zone.run)} · {tr('scheduled {time}', time=when)}"
+            f"{event.name} · {sheets.turn(event.round, event.run)} · {tr('scheduled {time}', time=when)}"
         )
-        self._event["facts"].setToolTip(tr("Scheduled: {time}", time=self.client.moments.tip(scheduled_s)))
+        self._event["facts"].setToolTip(tr("Scheduled: {time}", time=moments.tip(event.scheduled)))
 
-    def _show_run(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
-        clock = self.model.clock_of(zone.zone)
-        phase = phases.shown(details, clock)
-        text = f"{phase.text}  ·  {details.robot}" if details and details.robot else phase.text
-        self._phase.show_text(text, basic.IDLE if self.model.is_old else phase.tone)
-        self.times.show_clock(clock, self.model.is_old)
-        self._show_state(zone.state)
-
-    def _show_state(self, state: str) -> None:
+    def _show_state(self, zone: Zone) -> None:
         """Show the zone's warnings, those of the box, which concern every referee, then the zone's other lines."""
-        of_box = list(self.model.details.warnings) if self.model.details else []
-        lines = [line for line in state.splitlines() if line]
-        warnings = [line[len(WARNING):] for line in lines if line.startswith(WARNING)] + of_box
-        self.state.show_lines([(tr_said(text), True) for text in warnings]
-                              + [(tr_said(line), False) for line in lines if not line.startswith(WARNING)])
+        self.state.show_lines([(tr_said(text), True) for text in (*zone.unsaid, *self.model.box.warnings)]
+                              + [(tr_said(line), False) for line in zone.state])
 
-    def _show_button(self, name: str, zone: Optional[ZoneState], details: Optional[ZoneDetails]) -> None:
-        button = self.buttons[name]
-        if zone is None:
-            button.allow(False, [tr(NO_ZONE) if self.model.gui else tr("Waiting for the core")])
-            return
-        if self.model.is_old:
-            button.allow(False, [self.model.why_old(tr(SILENT))])
-            return
-        if details is None:  # they come a moment later
-            button.allow(getattr(zone, f"{ENABLED.get(name, name)}_enabled"), [tr("Waiting for the core")])
-            return
-        reasons = why_off(details, name, "")
-        button.allow(not reasons, reasons, None if stop.leaving(details) else NEXT_STEP.get((details.phase, name)))
+    def _show_button(self, name: str, zone: Optional[Zone]) -> None:
+        reasons = why_off(zone, name, self._silent(zone) if self.model.document else tr("Waiting for the core"))
+        tone = None if zone is None or stop.leaving(zone) else NEXT_STEP.get((zone.phase, name))
+        self.buttons[name].allow(not reasons, reasons, tone)
 
     # -- commands -----------------------------------------------------------------------------------
 
@@ -317,13 +308,12 @@ class BenchmarkControlPanel(Panel):
 
     def _leaving(self, zone: str) -> Tuple[str, str]:
         """Return the question before the run in a zone is left, and why it is asked; empty: it is not."""
-        details = self.model.details_of(zone)
+        found = self.model.zone_of(zone)
         if zone in self.model.running_zones():
-            team = next(one.team for one in self.model.gui.zones if one.zone == zone)
-            robot = team if details is None else details.robot
             return tr("The run is in progress. Disconnect?"), tr(
-                "This ends the run of {robot} in zone {zone}, and it cannot be resumed.", robot=robot, zone=zone)
-        why = "" if details is None else stop.leaving(details)
+                "This ends the run of {robot} in zone {zone}, and it cannot be resumed.",
+                robot=found.robot_name, zone=zone)
+        why = "" if found is None else stop.leaving(found)
         return tr("The robot has not stopped. Disconnect?") if why else tr("The run is over. Disconnect?"), why
 
     def _disconnect(self, zone: str, asked: str) -> None:
@@ -335,31 +325,28 @@ class BenchmarkControlPanel(Panel):
 
     def _ask(self, action: Action) -> None:
         """An action of the row or the menu was chosen: ask what it needs, and what its table says, then do it."""
-        zone, details, event = self.model.zone_name, self.model.zone_details, self.model.zone
-        if details is None or event is None:
+        zone = self.model.zone
+        if zone is None:
             return
-        fields = shown.of(details, action.name).fields
-        same = partial(self._send_if_same, action, zone, (event.team, details.event, details.identity))
+        fields = zone.fields(action.name)
+        same = partial(self._send_if_same, action, zone)
         if entered(fields):
-            basic.show_dialog(ActionForm(self, action, what_text(action, zone), fields, same))
+            basic.show_dialog(ActionForm(self, action, what_text(action, zone.zone), fields, same))
         elif action.question:
             text = "\n\n".join(filter(None, [
-                stop.leaving(details) if action.leaves else "", tr(action.question, team=event.team)]))
+                stop.leaving(zone) if action.leaves else "", tr(action.question, team=zone.event.team)]))
             ask(self, tr(action.label), text, tr(action.label), same)
         else:
-            self._send(action, zone)
+            self._send(action, zone.zone)
 
-    def _send_if_same(
-        self, action: Action, zone: str, asked: Tuple[str, str, str], given: Optional[Dict[str, Any]] = None,
-    ) -> None:
+    def _send_if_same(self, action: Action, asked: Zone, given: Optional[Dict[str, Any]] = None) -> None:
         """Do an action if the zone is still at the event and the run that the referee was asked about. The core checks
         it again."""
-        event, details = self.model.zone, self.model.zone_details
-        now = None if event is None or details is None else (event.team, details.event, details.identity)
-        if self.model.zone_name == zone and now == asked:
-            self._send(action, zone, given)
+        now = self.model.zone
+        if now is not None and _subject(now) == _subject(asked):
+            self._send(action, asked.zone, given)
         else:
-            self._answer.warn(tr("Not done: {zone} is at another event now", zone=zone))
+            self._answer.warn(tr("Not done: {zone} is at another event now", zone=asked.zone))
 
     def _pair(self) -> None:
         basic.show_alone(PairDialog(self, self.client.calls, self.client.moments, self.model.zone_name))
@@ -383,8 +370,14 @@ class BenchmarkControlPanel(Panel):
             if outcome.error and button is not None:
                 button.let_go()
 
-        event, details = self.model.zone, self.model.details_of(zone)
+        found = self.model.zone_of(zone)
+        event = None if found is None else found.event
         team = {"team": event.team} if event is not None and any(isinstance(f, Team) for f in action.fields) else {}
-        seen = details.event if details is not None and action.aims else ""
+        seen = event.id if event is not None and action.aims else ""
         run = self.model.identity_of(zone)
         self.client.calls.act(self, action.name, zone, run, {**team, **(given or {})}, done, seen)
+
+
+def _subject(zone: Zone) -> Tuple[str, str, str, str]:
+    """Return what an action in a zone is about."""
+    return zone.zone, zone.event.team, zone.event.id, zone.identity

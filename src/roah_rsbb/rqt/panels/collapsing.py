@@ -7,6 +7,7 @@ others.
 
 from typing import Optional
 
+from roah_rsbb.model.zone import ENDED, IDLE, RUNNING
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QDockWidget, QMainWindow, Qt, QTimer, QToolButton, QWidget
 from roah_rsbb.rqt.widgets import basic
@@ -18,7 +19,7 @@ SCORING = "ScoringPanel"
 SHOW, HIDE = "▸", "▾"
 SHOW_TIP, HIDE_TIP = tr_later("Show this panel now"), tr_later("Leave the space to Scoring")
 NO_LIMIT = 16777215  # Qt's QWIDGETSIZE_MAX
-# Updates of the model after which the earlier height is no longer asked for.
+# Looks at the model after which the earlier height is no longer asked for.
 MOST_ATTEMPTS = 20
 
 
@@ -51,9 +52,11 @@ class CollapsingPanel(Panel):
         self.heading.addWidget(self.toggle)
         # Do this even while the panel is hidden behind others, because its limit applies to all of them.
         self.model.updated.connect(self._watch)
+        self.model.ticked.connect(self._watch)
 
     def shutdown(self) -> None:
         self.model.updated.disconnect(self._watch)
+        self.model.ticked.disconnect(self._watch)
         super().shutdown()
 
     def show_collapsed(self, is_collapsed: bool) -> None:
@@ -63,21 +66,19 @@ class CollapsingPanel(Panel):
     def _show_news(self) -> None:
         """Leave the space to what the line says."""
         super()._show_news()
-        self._news.setToolTip("")
         if self.is_collapsed and self.model.is_old:
-            self._news.setToolTip(basic.tip(self._news.text()))
+            self._news.setToolTip(basic.tip("\n".join(filter(None, (self._news.text(), self.model.why)))))
             self._news.show_text("⚠", basic.OLD)
 
     def _watch(self) -> None:
-        zone, details = self.model.zone, self.model.zone_details
-        if zone is None or details is None:
+        zone = self.model.zone
+        if zone is None:
             return
-        is_scored = details.phase in ("running", "ended") and bool(zone.scoring)
-        run = details.identity if is_scored else ""
+        run = zone.identity if zone.phase in (RUNNING, ENDED) and zone.items else ""
         if not self.is_collapsed and not self.visibleRegion().isEmpty():
             if self._attempts:
                 self._grow()
-            elif details.phase == "idle":
+            elif zone.phase == IDLE:
                 dock = dock_of(self)
                 self._height = 0 if dock is None else dock.height()
         if run != self._run:
@@ -104,7 +105,7 @@ class CollapsingPanel(Panel):
         self._attempts = 0 if is_collapsed else MOST_ATTEMPTS
         if not is_collapsed:
             QTimer.singleShot(0, self._grow)
-        self._on_update()
+        self.redraw()
 
     def _grow(self) -> None:
         """Restore the earlier height of the dock. Qt gives it only when Scoring needs no space for its sheet any more,

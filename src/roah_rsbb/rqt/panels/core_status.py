@@ -17,12 +17,11 @@ from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.qt import QGridLayout, QHBoxLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
-from roah_rsbb.srv import Reload
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.said import tr_said
 
 SHUTDOWN = "roah_rsbb_shutdown"
-RELOAD = "/core/reload"
+RELOAD = "reload"
 ENDS_RSBB = "exit_ends_rsbb"
 
 FIELDS = {
@@ -71,22 +70,25 @@ class CoreStatusPanel(Panel):
         buttons.addWidget(self.exit)
         self.body.addLayout(buttons)
 
+    def parts(self) -> tuple:
+        document = self.model.document
+        return () if document is None else (document.robots, document.zones)
+
     def show_model(self) -> None:
-        gui, details = self.model.gui, self.model.details
-        if gui is None:
-            self.notices.show_lines([(tr("Waiting for the core"), False)])
+        document = self.model.document
+        if document is None:
+            self.notices.show_lines([(line, False) for line in (tr("Waiting for the core"), self.model.why) if line])
             return
-        warnings = list(details.warnings) if details else []
-        # The status may only repeat these warnings in one line.
-        is_repeated = bool(warnings) and gui.status == "; ".join(warnings)
-        status = [] if is_repeated else [(tr_said(gui.status), gui.status != "OK")]
-        self.notices.show_lines(status + [(tr_said(w), True) for w in warnings])
-        phases = [d.phase for d in details.zones] if details else []
+        box = document.box
+        # The status may only repeat the warnings in one line.
+        is_repeated = bool(box.warnings) and box.status == "; ".join(box.warnings)
+        status = [] if is_repeated else [(tr_said(box.status), box.status != "OK")]
+        self.notices.show_lines(status + [(tr_said(warning), True) for warning in box.warnings])
         values = {
-            "addr": gui.addr,
-            "port": gui.port,
-            "robots": str(len(gui.active_robots)),
-            "runs": tr("{number} of {n} zones", number=phases.count("running"), n=len(gui.zones)),
+            "addr": box.host,
+            "port": str(box.port),
+            "robots": str(len(document.robots)),
+            "runs": tr("{number} of {n} zones", number=len(self.model.running_zones()), n=len(document.zones)),
         }
         for name, value in values.items():
             self._values[name].setText(value)
@@ -101,7 +103,7 @@ class CoreStatusPanel(Panel):
         """Check the files, list what they change, then ask."""
         self.reload.hold()
         self._answer.say(tr("Reading the configuration files …"))
-        self.client.calls.service(self, RELOAD, Reload, ("", ""), self._ask_reload)
+        self.client.calls.call(self, RELOAD, self._ask_reload, digest="")
 
     def _ask_reload(self, found: CallOutcome) -> None:
         if found.error:
@@ -109,25 +111,25 @@ class CoreStatusPanel(Panel):
             return
         self._answer.clear_answer()
         answer = found.result
-        if answer.errors:
-            self._show_lines(tr("Nothing was changed. Correct this first:"), answer.errors)
-        elif not answer.changes:
+        if answer["errors"]:
+            self._show_lines(tr("Nothing was changed. Correct this first:"), answer["errors"])
+        elif not answer["changes"]:
             self._answer.say(tr("The files contain what is in force"))
         else:
-            warnings = [tr("Warning: {line}", line=line) for line in answer.warnings]
+            warnings = [tr("Warning: {line}", line=line) for line in answer["warnings"]]
             heading = tr("Apply these changes? Connected runs keep what they began with.")
-            self._show_lines(heading, [*answer.changes, *warnings], lambda: self._apply(answer.digest))
+            self._show_lines(heading, [*answer["changes"], *warnings], lambda: self._apply(answer["digest"]))
 
     def _show_lines(self, heading: str, lines: Sequence[str], apply: Optional[Callable[[], None]] = None) -> None:
         basic.show_dialog(ReloadDialog(self, heading, list(lines), apply))
 
     def _apply(self, digest: str) -> None:
         self._answer.say(tr("Reload …"))
-        self.client.calls.service(self, RELOAD, Reload, (digest, ""), self._applied)
+        self.client.calls.call(self, RELOAD, self._applied, digest=digest)
 
     def _applied(self, outcome: CallOutcome) -> None:
-        if not outcome.error and outcome.result.errors:
-            self._show_lines(tr("Nothing was changed. Correct this first:"), outcome.result.errors)
+        if not outcome.error and outcome.result["errors"]:
+            self._show_lines(tr("Nothing was changed. Correct this first:"), outcome.result["errors"])
             self._answer.clear_answer()
         else:
             self._answer.show_outcome(tr("Reload"), outcome)
@@ -148,8 +150,8 @@ class CoreStatusPanel(Panel):
         if found.error:
             self._answer.show_outcome(tr("Exit"), found)
             return
-        details = self.model.details
-        runs = [f"{d.zone} ({d.robot})" for d in details.zones if d.phase == "running"] if details else []
+        zones = map(self.model.zone_of, self.model.running_zones())
+        runs = [f"{zone.zone} ({zone.robot_name})" for zone in zones]
         if found.result:
             question, yes = tr("End the whole RSBB?"), tr("End the RSBB")
             text = tr("This ends the core and everything started with it, for all referees.")

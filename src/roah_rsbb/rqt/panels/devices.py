@@ -193,7 +193,7 @@ class DevicesPanel(Panel):
 
     def __init__(self, client) -> None:
         super().__init__(client)
-        self._edits = Edits(LATE_S)
+        self._edits: Edits[float] = Edits(lambda until_mono: time.monotonic() > until_mono)
         self.connection = basic.Badge(1.2)
         self.reason = basic.enlarged(QLabel(wordWrap=True), 1.1)
         self.body.addWidget(self.connection)
@@ -244,16 +244,23 @@ class DevicesPanel(Panel):
     def where(self) -> str:
         return tr("Home devices")
 
+    def parts(self) -> tuple:
+        return (self.model.devices, self.model.devices_status, self.model.has_devices)
+
     def show_model(self) -> None:
-        state, there = self.model.devices, self.model.has_devices
-        off = [] if there else [tr(NO_NODE)]
+        there = self.model.has_devices
         self._show_connection(there)
-        now = time.monotonic()
+        self.ring.allow(there, self._off())
+
+    def show_times(self) -> None:
+        state = self.model.devices
         for device, row in self.rows.items():
             published = 0 if state is None else int(getattr(state, device))
-            row.show_value(self._edits.value(device, published, now), self._edits.is_waiting(device), off)
-        self.ring.allow(there, off)
+            row.show_value(self._edits.value(device, published), self._edits.is_waiting(device), self._off())
         self._show_bell(0.0 if state is None else state.bell.to_sec())
+
+    def _off(self) -> List[str]:
+        return [] if self.model.has_devices else [tr(NO_NODE)]
 
     def _show_connection(self, there: bool) -> None:
         status = self.model.devices_status
@@ -281,7 +288,7 @@ class DevicesPanel(Panel):
         send = self._edits.wish(device, value)
         if send is not None:
             self._send(device, service, kind, send)
-        self.show_model()
+        self.show_times()
 
     def _send(self, device: str, service: str, kind: type, value: int) -> None:
         self.client.calls.service(self, service, kind, (value,), partial(self._answered, device, service, kind, value))
@@ -292,10 +299,10 @@ class DevicesPanel(Panel):
         if outcome.error:
             self._edits.failed(device)
         else:
-            following = self._edits.carried_out(device, time.monotonic())
+            following = self._edits.carried_out(device, time.monotonic() + LATE_S)
             if following is not None:
                 self._send(device, service, kind, following)
-        self.show_model()
+        self.show_times()
 
     def _ring(self) -> None:
         self.ring.hold()

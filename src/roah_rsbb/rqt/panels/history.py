@@ -2,7 +2,7 @@
 
 from typing import Callable, Collection, List, Optional
 
-from roah_rsbb.msg import RunSheet, RunSummary, ScoreChange
+from roah_rsbb.model.results import HistoryEntry, RunLine, RunSheet
 from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.model.fetched import Fetched
@@ -12,37 +12,30 @@ from roah_rsbb.rqt.qt import QDialog, QHBoxLayout, QPoint, QPushButton, Qt, QVBo
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog
-from roah_rsbb.srv import GetRunSheet
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import Moments
 
 
-class RunSheets:
+class RunSheets(Fetched[RunSheet]):
     """The score sheets that a panel shows."""
 
-    def __init__(self, owner: object, calls: Calls, news: Callable[[], None]) -> None:
+    def __init__(self, owner: QWidget, calls: Calls, news: Callable[[], None]) -> None:
         """See `Fetched`."""
-        self._fetched = Fetched(owner, calls, "/core/run_sheet", GetRunSheet, news)
+        super().__init__(owner, calls, "sheet", RunSheet, news)
 
-    @property
-    def error(self) -> str:
-        """Why the last request failed."""
-        return self._fetched.error
-
-    def sheet(self, summary: RunSummary) -> Optional[RunSheet]:
+    def sheet(self, summary: RunLine) -> Optional[RunSheet]:
         """Return the known sheet of a run at once, and request a newer one if it exists."""
-        answer = self._fetched.newest(summary.identity, summary.revision, (summary.zone, summary.identity))
-        return None if answer is None else answer.sheet
+        return self.newest(summary.zone, summary.identity, summary.revision)
 
 
 WIDE_EMS, HIGH_EMS = 56, 24
 SILENT = tr_later("The core is silent: nothing can be changed now")
 
 
-def why_fixed(summary: Optional[RunSummary], model: Model) -> str:
+def why_fixed(summary: Optional[RunLine], model: Model) -> str:
     """Return why a run's sheet cannot be changed now; empty: it can."""
-    if summary is not None and summary.signed.to_sec():
+    if summary is not None and summary.signed_utc_s:
         return tr("Final: signed off by {name}", name=summary.signed_by)
     return model.why_read_only(tr(SILENT))
 
@@ -56,7 +49,7 @@ class History(QWidget):
         self._client = client
         self._owner = owner
         self._answer = answer
-        self._summary: Optional[RunSummary] = None
+        self._summary: Optional[RunLine] = None
         self._sheet: Optional[RunSheet] = None
         self._why_off = ""
         self.rows = Rows(("#", tr("Time"), tr("Who"), tr("Item"), tr("Change"), tr("Notes")), stretched=(3, 5))
@@ -69,22 +62,22 @@ class History(QWidget):
         column.addWidget(self.rows, 1)
         column.addWidget(self.withdraw, 0, Qt.AlignLeft)
 
-    def show_sheet(self, summary: Optional[RunSummary], sheet: Optional[RunSheet], why_off: str) -> None:
+    def show_sheet(self, summary: Optional[RunLine], sheet: Optional[RunSheet], why_off: str) -> None:
         """Show the history of a run. `why_off`: why nothing can be withdrawn; empty: it can."""
         self._summary, self._sheet, self._why_off = summary, sheet, why_off
         unsaved = () if summary is None else self._client.model.unsaved_of(summary.identity).entries
         self.rows.show_rows([] if sheet is None else _history_rows(sheet, unsaved, self._client.moments))
         self._show_button()
 
-    def _chosen(self) -> Optional[ScoreChange]:
-        history = [] if self._sheet is None else self._sheet.history
+    def _chosen(self) -> Optional[HistoryEntry]:
+        history = () if self._sheet is None else self._sheet.history
         return next((entry for entry in history if entry.number == self.rows.chosen), None)
 
     def _show_button(self) -> None:
         entry, why_off = self._chosen(), self._why_off
         if not why_off and entry is None:
             why_off = tr("Choose an entry above")
-        elif not why_off and entry.withdrawn.to_sec():
+        elif not why_off and entry.withdrawn_utc_s:
             why_off = tr("Already withdrawn")
         self.withdraw.setEnabled(not why_off)
         self.withdraw.setToolTip(basic.tip(why_off))
@@ -94,7 +87,7 @@ class History(QWidget):
         if summary is None or entry is None:
             return
         what = tr("Withdraw entry {number}", number=entry.number)
-        text = f"{entry.desc}\n{sheets.person(entry.who)}, {self._client.moments.time_of_day(entry.time.to_sec())}"
+        text = f"{entry.item}\n{sheets.person(entry.who)}, {self._client.moments.time_of_day(entry.utc_s)}"
 
         def send(note: str) -> None:
             self._answer.say(f"{what} …")
@@ -107,15 +100,9 @@ class History(QWidget):
         basic.show_dialog(NoteDialog(self, f"{what}?", text, tr("Why"), tr("Withdraw"), send))
 
 
-def history_of(sheet: RunSheet) -> List[sheets.HistoryEntry]:
-    """Return all entries of a sheet, the oldest first."""
-    types = {(item.group, item.desc): sheets.type_word(item.type) for item in sheet.items}
-    return [sheets.history_entry(change, types.get((change.group, change.desc), "uint")) for change in sheet.history]
-
-
 def _history_rows(sheet: RunSheet, unsaved: Collection[int], moments: Moments) -> List[Row]:
     rows = []
-    for entry in reversed(history_of(sheet)):
+    for entry in reversed(sheet.history):
         words = sheets.entry_texts(entry, moments.time_of_day)
         notes = "; ".join(mark + text for mark, text in (
             ("⚠ ", tr(sheets.NOT_SAVED) if entry.number in unsaved else ""), ("✎ ", words.correction), ("", words.note),
@@ -137,7 +124,6 @@ class HistoryDialog(QDialog):
         self.setWindowTitle(tr("History of the score sheet – {zone}", zone=zone))
         self.resize(round(WIDE_EMS * basic.em()), round(HIGH_EMS * basic.em()))
         self._client = client
-        self._zone = zone
         self._identity = identity
         self._sheets = RunSheets(self, client.calls, self._on_update)
         answer = Answer()
@@ -166,7 +152,6 @@ class HistoryDialog(QDialog):
         self._client.calls.forget(self)
 
     def _on_update(self) -> None:
-        runs = self._client.model.runs_of(self._zone)
-        summary = next((run for run in runs if run.identity == self._identity), None)
+        summary = self._client.model.run_of(self._identity)
         sheet = None if summary is None else self._sheets.sheet(summary)
         self.history.show_sheet(summary, sheet, why_fixed(summary, self._client.model))

@@ -4,7 +4,9 @@ from functools import partial
 from typing import Any, Callable, List, Optional, Tuple
 
 from roah_rsbb.model.actions import ENTRIES
-from roah_rsbb.msg import RunSummary, ScoreItem
+from roah_rsbb.model.judging import JudgedRun, Judging, ObjectionLine
+from roah_rsbb.model.results import RunLine
+from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt.model.fetched import Fetched
 from roah_rsbb.rqt.panels.history import why_fixed
 from roah_rsbb.rqt.panels.panel import Answer, RefereePanel
@@ -14,12 +16,8 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.judge_dialogs import ChoiceDialog, ObjectionDialog, PublishDialog, ReasonDialog, SettleDialog
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import Entered
-from roah_rsbb.srv import (
-    GetJudging,
-    GetJudgingResponse,
-)
 from roah_rsbb.wording import judging, sheets
-from roah_rsbb.wording.judging import Judged, Judging, ObjectionLine
+from roah_rsbb.wording.judging import Judged
 from roah_rsbb.wording.language import tr, tr_later
 
 NO_RUNS = tr_later("No run of this zone has judges, or is to be signed off.")
@@ -38,21 +36,22 @@ class JudgesPanel(RefereePanel):
 
     def __init__(self, client) -> None:
         super().__init__(client)
-        self._answers = Fetched(self, client.calls, "/core/judges", GetJudging, self._on_update)
+        self._answers = Fetched(self, client.calls, "judges", JudgedRun, self.redraw)
         self._zone = ""
+        self._run: Optional[Judging] = None  # that is shown
         self._judges: Optional[List[str]] = None  # of the columns
         self._judged: Tuple[Judged, ...] = ()
         self._objections: Tuple[ObjectionLine, ...] = ()
         self._answer = Answer()
         self.which = QComboBox()
         self.which.setAccessibleName(tr("Run"))
-        self.which.currentIndexChanged.connect(self._on_update)
+        self.which.currentIndexChanged.connect(self.redraw)
         self.progress = basic.Notices(1.1)
         self.progress.setFixedHeight(round(LINES * 1.1 * basic.em() * 1.35))
         self.items: Rows
         self.objections = Rows(
             ("#", tr("Time"), tr("Who objects"), tr("Objection"), tr("Answer")), stretched=(3, 4))
-        self.objections.itemSelectionChanged.connect(self._on_update)
+        self.objections.itemSelectionChanged.connect(self.redraw)
         self.objections.itemDoubleClicked.connect(lambda *_: self.reply.click())
         self.settle = self._button(judging.SETTLE, self._ask_settle)
         self.hand_back = self._button(judging.HAND_BACK, partial(self._ask_judge, "hand_back"))
@@ -108,7 +107,7 @@ class JudgesPanel(RefereePanel):
         self._judges = judges
         columns = (tr("Group"), tr("Item"), *judges, tr("Value"), tr("Reason"))
         self.items = Rows(columns, stretched=(1, len(columns) - 1))
-        self.items.itemSelectionChanged.connect(self._on_update)
+        self.items.itemSelectionChanged.connect(self.redraw)
         self.items.itemDoubleClicked.connect(lambda *_: self.settle.click())
         self._items_column.insertWidget(0, self.items, 1)
 
@@ -117,6 +116,13 @@ class JudgesPanel(RefereePanel):
     def where(self) -> str:
         return self.model.zone_name
 
+    def parts(self) -> tuple:
+        document = self.model.document
+        return () if document is None else (document.judging, document.results)
+
+    def show_times(self) -> None:
+        self.progress.show_lines(self._progress(self._run))
+
     def show_model(self) -> None:
         zone = self.model.zone_name
         if zone != self._zone:
@@ -124,11 +130,10 @@ class JudgesPanel(RefereePanel):
             self._answer.clear_answer()
         judgings = self.model.judgings_of(zone)
         self._offer(judgings)
-        one = self._chosen(judgings)
+        one = self._run = self._chosen(judgings)
         answer = None if one is None else self._fetched(one)
         self._judged = () if answer is None else judging.judged_of(answer)
         self._objections = () if answer is None else judging.objections_of(answer)
-        self.progress.show_lines(self._progress(one))
         self._show_items(one)
         self.objections.show_rows([_objection_row(each, self.client.moments.short) for each in self._objections]
                                   or [Row(None, ("", "", "", tr(NO_OBJECTIONS), ""))])
@@ -158,11 +163,11 @@ class JudgesPanel(RefereePanel):
         """The chosen run."""
         return self._chosen(self.model.judgings_of(self._zone))
 
-    def _fetched(self, one: Judging) -> Optional[GetJudgingResponse]:
-        return self._answers.newest(one.identity, one.revision, (one.zone, one.identity, ""))
+    def _fetched(self, one: Judging) -> Optional[JudgedRun]:
+        return self._answers.newest(one.zone, one.identity, one.revision)
 
-    def _summary(self, one: Judging) -> Optional[RunSummary]:
-        return next((run for run in self.model.runs_of(one.zone) if run.identity == one.identity), None)
+    def _summary(self, one: Judging) -> Optional[RunLine]:
+        return self.model.run_of(one.identity)
 
     def _progress(self, one: Optional[Judging]) -> List[Tuple[str, bool]]:
         if one is None:
@@ -211,7 +216,7 @@ class JudgesPanel(RefereePanel):
         summary = None if one is None else self._summary(one)
         general = why_fixed(summary, self.model) or (tr(NO_RUNS) if one is None else "")
         named = general or ("" if self.client.referee.name else tr(ENTER_NAME))
-        off = judging.off(one or Judging("", ""), summary is not None and bool(summary.closed.to_sec()))
+        off = judging.off(one or Judging("", ""), summary is not None and bool(summary.closed_utc_s))
         basic.allow(self.settle, named or off["settle"] or ("" if self._item() else tr("Choose an item above")))
         basic.allow(self.hand_back, named or off["hand_back"])
         basic.allow(self.withdraw, named or off["withdraw_sheet"])
@@ -228,11 +233,10 @@ class JudgesPanel(RefereePanel):
         answer = None if one is None else self._fetched(one)
         if one is None or item is None or answer is None:
             return
-        message = next((each for each in answer.items if (each.group, each.desc) == (item.group, item.item)), None)
-        if message is not None:
-            basic.show_dialog(SettleDialog(self, message, item, partial(self._settle, one, message)))
+        of_sheet = answer.items[item.number - 1]
+        basic.show_dialog(SettleDialog(self, of_sheet, item, partial(self._settle, one, of_sheet)))
 
-    def _settle(self, one: Judging, item: ScoreItem, given: Entered) -> None:
+    def _settle(self, one: Judging, item: SheetItem, given: Entered) -> None:
         self._act(one, item.desc, "settle", group=item.group, desc=item.desc, value=given.value, text=given.text,
                   not_attempted=bool(given.not_attempted), reason=given.note)
 

@@ -2,8 +2,8 @@
 
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-from roah_rsbb.model import shown
 from roah_rsbb.model.fields import Choice, Field, entered, fixed
+from roah_rsbb.model.zone import UNKNOWN
 from roah_rsbb.rqt.panels.collapsing import scoring_in
 from roah_rsbb.rqt.panels.more_commands import FieldEditors
 from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel
@@ -69,13 +69,13 @@ class ManualOperationPanel(Panel):
     # -- showing ------------------------------------------------------------------------------------
 
     def show_model(self) -> None:
-        zone, details = self.model.zone, self.model.zone_details
-        action = shown.Shown(shown=False) if details is None else shown.of(details, "operation")
-        request = (details.zone, details.identity, details.operation) if action.shown else None
+        zone = self.model.zone
+        action = UNKNOWN if zone is None else zone.action("operation")
+        request = (zone.zone, zone.identity, zone.operation) if action.shown else None
         if request != self._request:
-            self._fields = action.fields if request is not None else ()
+            self._fields = zone.fields("operation") if request is not None else ()
             self._show_another(request)
-        waits_for_switches = zone is not None and zone.omf_complete
+        waits_for_switches = zone is not None and zone.switches is not None and zone.switches.to_confirm
         self.text.setText(action.text if request else tr(SWITCHES if waits_for_switches else NOTHING))
         self.text.setEnabled(not self.model.is_old and (request is not None or waits_for_switches))
         self._show_tone()

@@ -4,7 +4,6 @@ the table of actions (docs/referee.md, "Setup time, phases, pauses" and "Without
 
 from typing import Any, Callable, Dict, Optional, Sequence
 
-from roah_rsbb.model import shown
 from roah_rsbb.model.actions import ACTIONS, Action, Row
 from roah_rsbb.model.fields import (
     BadValue,
@@ -18,7 +17,7 @@ from roah_rsbb.model.fields import (
     fixed,
     read,
 )
-from roah_rsbb.msg import ZoneDetails
+from roah_rsbb.model.zone import Zone
 from roah_rsbb.rqt.qt import (
     QAction,
     QCheckBox,
@@ -58,11 +57,11 @@ def what_text(action: Action, zone: str) -> str:
     return tr(action.what, zone=zone) if action.what else tr("{command} in {zone}", command=tr(action.label), zone=zone)
 
 
-def why_off(details: Optional[ZoneDetails], name: str, silent: str) -> Sequence[str]:
-    """Return why an action is off now; empty: it is on. `silent`: the core is not heard."""
-    if details is None or silent:
+def why_off(zone: Optional[Zone], name: str, silent: str) -> Sequence[str]:
+    """Return why an action is off now; empty: it is on. `silent`: why nothing is possible; empty: the core is heard."""
+    if zone is None or silent:
         return [silent or tr("Waiting for the core")]
-    return [tr_said(reason) for reason in shown.off(details, name)]
+    return [tr_said(reason) for reason in zone.off(name)]
 
 
 def is_offered(action: Action) -> bool:
@@ -174,13 +173,13 @@ class RuleButtons(QWidget):
             self.buttons[action.name] = button
         self.hide()
 
-    def show_details(self, details: Optional[ZoneDetails], silent: str) -> None:
+    def show_zone(self, zone: Optional[Zone], silent: str) -> None:
         """Show what is possible now. `silent`: why nothing is; empty: the core is heard."""
         is_visible = False
         for name, button in self.buttons.items():
-            reasons = why_off(details, name, silent)
+            reasons = why_off(zone, name, silent)
             button.allow(not reasons, reasons, basic.READY if name in HIGHLIGHTED else None)
-            button.setVisible(details is not None and shown.of(details, name).shown)
+            button.setVisible(zone is not None and zone.action(name).shown)
             is_visible = is_visible or not button.isHidden()
         self.setVisible(is_visible)
 
@@ -217,18 +216,18 @@ class MoreMenu(QToolButton):
         self._line.setVisible(False)
         self.setMenu(self._menu)
 
-    def show_details(self, details: Optional[ZoneDetails], silent: str) -> None:
+    def show_zone(self, zone: Optional[Zone], silent: str) -> None:
         """Show what is possible now. An open menu does not change its entries, only what is possible."""
-        robots = () if details is None or silent else shown.robots_to_choose(details)
+        robots = () if zone is None or silent else zone.robots_to_choose
         if robots != self._robots and not self._menu.isVisible():
             self._show_robots(robots)
         for entry in self.robots:
             entry.setEnabled(bool(robots))
         for name, entry in self.actions_of.items():
-            reasons = why_off(details, name, silent)
+            reasons = why_off(zone, name, silent)
             entry.setEnabled(not reasons)
             entry.setToolTip(basic.tip("\n".join(reasons) or tr(ACTIONS[name].explanation)))
-            entry.setVisible(details is None or shown.of(details, name).shown)
+            entry.setVisible(zone is None or zone.action(name).shown)
 
     def _show_robots(self, robots: Sequence[str]) -> None:
         for action in self.robots:

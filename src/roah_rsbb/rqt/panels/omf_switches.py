@@ -1,9 +1,9 @@
 """OMF Switches: the switches that the robot changed and damaged, in HOMF (docs/referee.md, "OMF Switches")."""
 
-from typing import Dict, List
+from typing import Dict, List, Optional
 
 from roah_rsbb.model.actions import MAX_DAMAGED
-from roah_rsbb.msg import ZoneState
+from roah_rsbb.model.zone import Switches
 from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel
 from roah_rsbb.rqt.qt import QGridLayout, QHBoxLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
@@ -61,22 +61,25 @@ class OmfSwitchesPanel(Panel):
     # -- showing ------------------------------------------------------------------------------------
 
     def show_model(self) -> None:
-        zone = self.model.zone
-        there = zone is not None and zone.omf
+        switches = self._entered()
+        there = switches is not None
         why_off = self.model.why_read_only(tr(SILENT))
         can = there and not why_off
         off = [why_off or tr(NO_SWITCHES)]
         self.hint.setText("" if there else tr(NO_SWITCHES))
         self.hint.setVisible(not there)
-        on = set(_numbers(zone)) if there else set()
+        on, damaged, to_confirm = switches or Switches((), 0, False)
         for number, button in enumerate(self.switches, 1):
             button.setText(f"{number}\n{tr('ON') if number in on else tr('off')}")
             button.allow(can, off, basic.RUNNING if number in on else None)
-        self.damaged.setText(str(zone.omf_damaged) if there else "0")
-        self.less.allow(can and zone.omf_damaged > 0, off if not can else [tr("No switch is damaged")])
-        self.more.allow(can and zone.omf_damaged < MAX_DAMAGED, off)
-        waits = can and zone.omf_complete
-        self.complete.allow(waits, off if not can else [tr(EXECUTING)], basic.READY)
+        self.damaged.setText(str(damaged))
+        self.less.allow(can and damaged > 0, off if not can else [tr("No switch is damaged")])
+        self.more.allow(can and damaged < MAX_DAMAGED, off)
+        self.complete.allow(can and to_confirm, off if not can else [tr(EXECUTING)], basic.READY)
+
+    def _entered(self) -> Optional[Switches]:
+        """What was entered; None: there are no switches."""
+        return None if self.model.zone is None else self.model.zone.switches
 
     # -- entering -----------------------------------------------------------------------------------
 
@@ -85,9 +88,9 @@ class OmfSwitchesPanel(Panel):
         self._call("switch", {"number": number}, what, self.switches[number - 1])
 
     def _damage(self, by: int) -> None:
-        zone = self.model.zone
-        if zone is not None:
-            damaged = min(MAX_DAMAGED, max(0, zone.omf_damaged + by))
+        switches = self._entered()
+        if switches is not None:
+            damaged = min(MAX_DAMAGED, max(0, switches.damaged + by))
             button = self.more if by > 0 else self.less
             self._call("damaged", {"number": damaged}, tr("{n} damaged", n=damaged), button)
 
@@ -102,8 +105,3 @@ class OmfSwitchesPanel(Panel):
             button.let_go()
 
         self.client.calls.act(self, action, self.model.zone_name, "", given, done)
-
-
-def _numbers(zone: ZoneState) -> List[int]:
-    """Return the switches that are on; rospy delivers uint8[] as bytes."""
-    return list(zone.omf_switches)

@@ -3,7 +3,7 @@
 import math
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.msg import ZoneDetails, ZoneState
+from roah_rsbb.model.zone import Zone
 from roah_rsbb.rqt.model.stops import NONE_RUNS, NOT_HEARD
 from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import (
@@ -91,20 +91,11 @@ class ZoneTile(QFrame):
         self.todo.settle()
         self.setMinimumHeight(round((COMPACT_EMS if compact else HIGH_EMS) * factor * basic.em()))
 
-    def show_zone(self, zone: ZoneState, details: Optional[ZoneDetails], clock: Optional[Clock], todo: Todo,
-                  chosen: bool, old: bool) -> None:
+    def show_zone(self, zone: Zone, todo: Todo, chosen: bool, old: bool) -> None:
         """Show the zone. `chosen`: the other panels show it; `old`: the core is silent."""
-        self._texts = (f"{CHOSEN if chosen else ''}{zone.zone}", zone.team,
-                       f"{zone.team}  ·  {zone.code}  ·  {sheets.turn(zone.round, zone.run)}")
-        figure = known(clock).main
-        self.countdown.setText(f"({figure.text})" if old else marked(figure))
-        self.countdown.setToolTip(basic.tip("\n".join(lines(known(clock)))))
-        tone = None if old else tone_of(figure)
-        basic.set_style(self.countdown, f"background: {tone.background}; color: {tone.text};" if tone else "")
-        phase = phases.shown(details, clock)
-        self._phase_text = phase.text
-        self.phase.show_text(phase.text, basic.IDLE if old else phase.tone)
-        self._fit()
+        event = zone.event
+        self._texts = (f"{CHOSEN if chosen else ''}{zone.zone}", event.team,
+                       f"{event.team}  ·  {event.code}  ·  {sheets.turn(event.round, event.run)}")
         mark, tone = LINES[todo.urgency]
         more = todo.warnings - (todo.urgency is Urgency.LOOK)
         text = f"{tr(mark)}{todo.text}"
@@ -119,6 +110,18 @@ class ZoneTile(QFrame):
         border = "0.25em solid palette(highlight)" if chosen else "0.1em solid palette(mid)"
         basic.set_style(self, f"ZoneTile {{ border: {border}; border-radius: 0.3em; }}"
                                 "ZoneTile:focus { border-style: dashed; }")
+
+    def show_clock(self, zone: Zone, clock: Optional[Clock], old: bool) -> None:
+        """Show the time and the phase; see `show_zone`."""
+        figure = known(clock).main
+        self.countdown.setText(f"({figure.text})" if old else marked(figure))
+        self.countdown.setToolTip(basic.tip("\n".join(lines(known(clock)))))
+        tone = None if old else tone_of(figure)
+        basic.set_style(self.countdown, f"background: {tone.background}; color: {tone.text};" if tone else "")
+        phase = phases.shown(zone, clock)
+        self._phase_text = phase.text
+        self.phase.show_text(phase.text, basic.IDLE if old else phase.tone)
+        self._fit()
 
     def resizeEvent(self, event) -> None:
         super().resizeEvent(event)
@@ -154,7 +157,7 @@ class ZoneTile(QFrame):
             super().keyPressEvent(event)
 
 
-NO_CALL = (0, -1)
+NO_CALL = ("", -1)
 # Tiles grow with the panel, so that they can be read from a distance, up to the factor MOST. Where space is short they
 # are compact, and shrink to LEAST at the smallest.
 LEAST, MOST = 0.7, 3.5
@@ -189,7 +192,7 @@ class OverviewPanel(CollapsingPanel):
         super().__init__(client)
         self.tiles: Dict[str, ZoneTile] = {}
         self._shape: Optional[TileArrangement] = None
-        self._calls: Dict[str, Tuple[int, int]] = {}  # zone: port of the run, number of the operation
+        self._calls: Dict[str, Tuple[str, int]] = {}  # zone: identity of the run, number of the operation
         self.head = basic.Badge(1.3)
         self.head.setAlignment(Qt.AlignLeft | Qt.AlignVCenter)  # if the text is too long, its beginning stays visible
         self.body.addWidget(self.head)
@@ -215,28 +218,35 @@ class OverviewPanel(CollapsingPanel):
             self.body.insertWidget(0, self.head)
 
     def where(self) -> str:
-        clock = f"  ·  {self.client.moments.with_zone(self.model.clock_s)}" if self.model.gui else ""
+        clock = f"  ·  {self.client.moments.with_zone(self.model.now().utc)}" if self.model.document else ""
         return tr("All zones") + clock
 
     def where_tip(self) -> str:
-        return self.client.moments.tip(self.model.clock_s) if self.model.gui else ""
+        return self.client.moments.tip(self.model.now().utc) if self.model.document else ""
+
+    def parts(self) -> tuple:
+        return (None if self.model.document is None else self.model.document.zones,)
 
     def show_model(self) -> None:
-        zones = list(self.model.gui.zones) if self.model.gui else []
+        zones = list(filter(None, map(self.model.zone_of, self.model.zone_names)))
         if list(self.tiles) != [zone.zone for zone in zones]:
             self._build(zones)
         old, calling = self.model.is_old, []
         for zone in zones:
-            details = self.model.details_of(zone.zone)
-            what = todo(zone, details)
+            what = todo(zone)
             if what.urgency is Urgency.DO:
                 calling.append(zone.zone)
-                self._beep(zone, details)
+                self._beep(zone)
             elif self._calls.get(zone.zone, NO_CALL)[1] == 0:  # switches have no number: the next request is new
                 del self._calls[zone.zone]
-            self.tiles[zone.zone].show_zone(
-                zone, details, self.model.clock_of(zone.zone), what, zone.zone == self.model.zone_name, old)
+            self.tiles[zone.zone].show_zone(zone, what, zone.zone == self.model.zone_name, old)
         self._show_head(self.model.running_zones(), calling)
+
+    def show_times(self) -> None:
+        for name, tile in self.tiles.items():
+            zone = self.model.zone_of(name)
+            if zone is not None:
+                tile.show_clock(zone, self.model.clock_of(name), self.model.is_old)
 
     def resizeEvent(self, event) -> None:
         super().resizeEvent(event)
@@ -244,7 +254,7 @@ class OverviewPanel(CollapsingPanel):
 
     def _show_head(self, running: List[str], calling: List[str]) -> None:
         """Show which zones need the referee, and which are running."""
-        if self.model.gui is None:
+        if self.model.document is None:
             self.head.show_text(tr(NOT_HEARD), basic.IDLE)
             return
         text = tr("▶ RUNNING: {zones}", zones=", ".join(running)) if running else f"○ {tr(NONE_RUNS)}"
@@ -254,16 +264,14 @@ class OverviewPanel(CollapsingPanel):
         old = self.model.is_old
         self.head.show_text(f"({text})" if old else text, basic.IDLE if old else tone)
 
-    def _beep(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
+    def _beep(self, zone: Zone) -> None:
         """Beep once for each request to the referee, also in zones that the other panels do not show."""
-        if details is None or (zone.manual_operation and not details.operation):
-            return  # the details have not arrived yet
-        call = (details.port, details.operation)
+        call = (zone.identity, zone.operation)
         if self._calls.get(zone.zone) != call:
             self._calls[zone.zone] = call
             QApplication.beep()
 
-    def _build(self, zones: List[ZoneState]) -> None:
+    def _build(self, zones: List[Zone]) -> None:
         """Create the tiles again: the schedule has other zones."""
         for tile in self.tiles.values():
             self._grid.removeWidget(tile)

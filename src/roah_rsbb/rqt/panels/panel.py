@@ -6,7 +6,7 @@ from typing import Callable, List, Optional, Tuple
 from roah_rsbb.rqt.model import failures
 from roah_rsbb.rqt.model.calls import CallOutcome, RefereeName
 from roah_rsbb.rqt.model.client import Client
-from roah_rsbb.rqt.model.model import Model
+from roah_rsbb.rqt.model.model import Model, same
 from roah_rsbb.rqt.qt import (
     QApplication,
     QDockWidget,
@@ -71,15 +71,16 @@ class PanelArea(QScrollArea):
 
 
 class Panel(QWidget):
-    """Base of all panels. A subclass fills `self.body` and implements `show_model`.
+    """Base of all panels. A subclass fills `self.body` and implements `show_model`, `parts` and `show_times`.
 
-    `show_model` is called whenever something changed while the panel is visible, and when it becomes visible.
+    `show_model` is called when a part changed while the panel is visible, and when it becomes visible. `show_times` is
+    called after it, and a few times a second.
     """
 
     TITLE = ""
     TAB = ""  # a shorter title for the tabs of our window; empty: the title
     WHERE_FACTOR = 1.0
-    # Whether `show_model` is also called while the panel is behind others: it beeps there, has keys that work
+    # Whether both are also called while the panel is behind others: it beeps there, has keys that work
     # everywhere, or keeps what it shows.
     WORKS_BEHIND = False
 
@@ -89,6 +90,7 @@ class Panel(QWidget):
         self.model = client.model
         self._docks: List[QDockWidget] = []  # that the panel is in, or was
         self._has_ended = False
+        self._drawn: tuple = ()  # the parts that are shown
         self._left: Optional[QWidget] = None  # the control that was switched off while it had the focus
         self.setObjectName(type(self).__name__)
         self.setWindowTitle(tr(self.TITLE))
@@ -111,17 +113,27 @@ class Panel(QWidget):
         self.foot = QVBoxLayout()  # what does not scroll away
         outer.addLayout(self.foot)
         self.model.updated.connect(self._on_update)
+        self.model.ticked.connect(self._on_tick)
 
     def show_model(self) -> None:
         """Show the state of the model."""
         raise NotImplementedError
+
+    def parts(self) -> tuple:
+        """Return what the panel shows of the model, beside the box, its age and the name of the zone. It is drawn again
+        when a part is another object."""
+        return (self.model.zone,)
+
+    def show_times(self) -> None:
+        """Show what changes while only time passes."""
 
     def where(self) -> str:
         """Return the panel's heading: its zone, and the event there."""
         zone = self.model.zone
         if zone is None:
             return self.model.zone_name
-        return f"{zone.zone}  ·  {zone.code}  ·  {zone.team}  ·  {sheets.turn(zone.round, zone.run)}"
+        event = zone.event
+        return f"{zone.zone}  ·  {event.code}  ·  {event.team}  ·  {sheets.turn(event.round, event.run)}"
 
     def where_tip(self) -> str:
         """Return the tooltip of the heading."""
@@ -131,6 +143,7 @@ class Panel(QWidget):
         """Stop: no more updates or answers reach this panel."""
         self._has_ended = True
         self.model.updated.disconnect(self._on_update)
+        self.model.ticked.disconnect(self._on_tick)
         self.client.calls.forget(self)
 
     def save_settings(self, settings) -> None:
@@ -142,7 +155,7 @@ class Panel(QWidget):
     def showEvent(self, event) -> None:
         super().showEvent(event)
         self._follow_docks()
-        self._refresh()
+        self.redraw()
 
     def _follow_docks(self) -> None:
         """Follow the docks that the panel is in. Qt does not hide a dock behind another tab, but moves it away, so that
@@ -156,7 +169,7 @@ class Panel(QWidget):
 
     def _on_dock(self, is_visible: bool) -> None:
         if is_visible:
-            self._refresh()
+            self.redraw()
 
     def focusNextPrevChild(self, forward: bool) -> bool:
         """Tab skips panels that are behind others.
@@ -193,19 +206,41 @@ class Panel(QWidget):
                 self._left.setFocus()
         self._left = None
 
-    def _on_update(self) -> None:
-        if self.WORKS_BEHIND or not self.visibleRegion().isEmpty():
-            self._refresh()
+    def _is_followed(self) -> bool:
+        """Whether it shows what changes now."""
+        return not self._has_ended and self.isVisible() and (
+            self.WORKS_BEHIND or not self.visibleRegion().isEmpty())
 
-    def _refresh(self) -> None:
+    def _on_update(self) -> None:
+        if self._is_followed() and not same(self._all_parts(), self._drawn):
+            self.redraw()
+
+    def _on_tick(self) -> None:
+        self._on_update()  # it may have come into sight
+        if self._is_followed():
+            with failures.reported(tr(self.TITLE)):
+                self._show_heading()
+                self.show_times()
+                self._return_focus()
+
+    def _all_parts(self) -> tuple:
+        return (self.model.box, self.model.is_old, self.model.why, self.model.zone_name, *self.parts())
+
+    def redraw(self, *_: object) -> None:
+        """Show everything again, if the panel is not hidden."""
         if self._has_ended or not self.isVisible():
             return
+        self._drawn = self._all_parts()
         with failures.reported(tr(self.TITLE)):
-            self._where.setText(self.where())
-            self._where.setToolTip(self.where_tip())
-            self._show_news()
+            self._show_heading()
             self.show_model()
+            self.show_times()
             self._return_focus()
+
+    def _show_heading(self) -> None:
+        self._where.setText(self.where())
+        self._where.setToolTip(self.where_tip())
+        self._show_news()
 
     def _show_news(self) -> None:
         if self.model.is_superseded:
@@ -216,6 +251,7 @@ class Panel(QWidget):
             self._news.show_text(f"▶ {tr(NOT_LIVE)}", basic.OLD)
         else:
             self._news.show_text(tr("● live"), basic.OFF)
+        self._news.setToolTip(basic.tip(self.model.why))
         self._title.show(self.model.is_replay)
 
 
@@ -366,8 +402,10 @@ class RefereePanel(Panel):
     def __init__(self, client: Client) -> None:
         super().__init__(client)
         self.referee = RefereeLine(client.referee)
+        client.referee.changed.connect(self.redraw)
 
     def shutdown(self) -> None:
+        self.client.referee.changed.disconnect(self.redraw)
         self.referee.end()
         super().shutdown()
 

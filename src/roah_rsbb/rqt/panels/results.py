@@ -3,7 +3,8 @@
 from typing import Any, Callable, List, Optional
 
 from roah_rsbb.model.actions import ENTRIES
-from roah_rsbb.msg import RunSheet, RunSummary, ScoreItem
+from roah_rsbb.model.results import RunLine, RunSheet
+from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt.panels.history import History, RunSheets, why_fixed
 from roah_rsbb.rqt.panels.panel import Answer, Panel, RefereePanel, ask
 from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QPushButton, QSplitter, Qt, QTabWidget, QVBoxLayout, QWidget
@@ -30,7 +31,7 @@ class ResultsPanel(RefereePanel):
 
     def __init__(self, client) -> None:
         super().__init__(client)
-        self._sheets = RunSheets(self, client.calls, self._on_update)
+        self._sheets = RunSheets(self, client.calls, self.redraw)
         self._zone = ""
         self.runs = Rows(
             (tr("Time"), tr("Team"), tr("Run"), tr("End"), tr("Score"), tr("Sheet")), stretched=(4,), wrapped=False)
@@ -47,7 +48,7 @@ class ResultsPanel(RefereePanel):
         self.history = History(client, self, self._answer)
         self._lay_out()
         for rows in (self.runs, self.items, self.stops):
-            rows.itemSelectionChanged.connect(self._on_update)
+            rows.itemSelectionChanged.connect(self.redraw)
         self.items.itemDoubleClicked.connect(lambda *_: self.correct.click())
 
     def _lay_out(self) -> None:
@@ -82,6 +83,9 @@ class ResultsPanel(RefereePanel):
 
     # -- showing ------------------------------------------------------------------------------------
 
+    def parts(self) -> tuple:
+        return (None if self.model.document is None else self.model.document.results,)
+
     def show_model(self) -> None:
         zone = self.model.zone_name
         runs = self.model.runs_of(zone)
@@ -102,35 +106,36 @@ class ResultsPanel(RefereePanel):
     def where(self) -> str:
         return self.model.zone_name
 
-    def _summary(self) -> Optional[RunSummary]:
+    def _summary(self) -> Optional[RunLine]:
         """The chosen run."""
-        return next((run for run in self.model.runs_of(self._zone) if run.identity == self.runs.chosen), None)
+        run = self.model.run_of(str(self.runs.chosen or ""))
+        return run if run is not None and run.zone == self._zone else None
 
     def _sheet(self) -> Optional[RunSheet]:
         summary = self._summary()
         return None if summary is None else self._sheets.sheet(summary)
 
-    def _show_sheet(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> None:
+    def _show_sheet(self, summary: Optional[RunLine], sheet: Optional[RunSheet]) -> None:
         moments = self.client.moments
         self.what.setText(self._what(summary, sheet))
         self.items.show_rows([] if sheet is None else _item_rows(sheet))
         self.history.show_sheet(summary, sheet, self._why_off(summary, sheet))
         self.stops.show_rows([] if sheet is None else [
-            Row(number, (
-                str(number), moments.time_of_day(stop.time.to_sec()), sheets.person(stop.who) or "–",
-                tr_said(stop.desc), sheets.stop_reason(stop.reason, stop.reason_by, stop.who),
-            ), tips=("", moments.tip(stop.time.to_sec()), sheets.node_of(stop.who), "", sheets.node_of(stop.reason_by)))
-            for number, stop in enumerate(sheet.stops, 1)
+            Row(end.number, (
+                str(end.number), moments.time_of_day(end.utc_s), sheets.person(end.who) or "–",
+                tr_said(end.desc), sheets.stop_reason(end.reason, end.reason_by, end.who),
+            ), tips=("", moments.tip(end.utc_s), sheets.node_of(end.who), "", sheets.node_of(end.reason_by)))
+            for end in sheet.ends
         ])
         for index, (name, rows) in enumerate(((tr("History"), self.history.rows), (tr("Ends"), self.stops)), 1):
             self.tabs.setTabText(index, f"{name} ({len(rows.texts())})")
 
-    def _what(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> str:
+    def _what(self, summary: Optional[RunLine], sheet: Optional[RunSheet]) -> str:
         if summary is None:
             return tr(CHOOSE) if self.model.runs_of(self._zone) else ""
         if sheet is None:
             return self._sheets.error or tr(FETCHING)
-        took = [tr("{time} min", time=times.elapsed(sheet.elapsed.to_sec()))] if summary.end_reason else []
+        took = [tr("{time} min", time=times.elapsed(sheet.elapsed_s))] if summary.end_reason else []
         unsaved = [f"⚠ {tr(sheets.NOT_SAVED)}"] if self.model.unsaved_of(summary.identity).sign_off else []
         lines = ([_name(summary), _state(summary), *took, ", ".join(sheet.robots)],
                  [_sheet_state(summary, self.client.moments.with_zone), *unsaved])
@@ -138,24 +143,24 @@ class ResultsPanel(RefereePanel):
 
     # -- what may be done ---------------------------------------------------------------------------
 
-    def _show_buttons(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> None:
+    def _show_buttons(self, summary: Optional[RunLine], sheet: Optional[RunSheet]) -> None:
         general = self._why_off(summary, sheet)
         item = self._chosen_item(sheet)
-        over = summary is not None and summary.closed.to_sec()
+        over = summary is not None and summary.closed_utc_s
         basic.allow(self.correct, general or ("" if item is not None else tr("Choose an item above")))
-        is_stopped = sheet is not None and bool(sheet.stops)
+        is_stopped = sheet is not None and bool(sheet.ends)
         basic.allow(self.give_reason, general or ("" if is_stopped else tr("The run has not been stopped yet")))
         basic.allow(self.sign, general or ("" if over else tr("The run is still connected. Disconnect it first."))
                     or ("" if self.client.referee.name else tr("Enter your name at the bottom left")))
         self.correct.setText(tr("Correct …") if over else tr("Change …"))
 
-    def _why_off(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> str:
+    def _why_off(self, summary: Optional[RunLine], sheet: Optional[RunSheet]) -> str:
         if summary is None or sheet is None:
             return tr(CHOOSE)
         return why_fixed(summary, self.model)
 
-    def _chosen_item(self, sheet: Optional[RunSheet]) -> Optional[ScoreItem]:
-        items = [] if sheet is None else sheet.items
+    def _chosen_item(self, sheet: Optional[RunSheet]) -> Optional[SheetItem]:
+        items = () if sheet is None else sheet.items
         return next((item for item in items if (item.group, item.desc) == self.items.chosen), None)
 
     # -- doing it -----------------------------------------------------------------------------------
@@ -170,7 +175,7 @@ class ResultsPanel(RefereePanel):
             lambda given: self._mark(summary, item, given),
         ))
 
-    def _mark(self, summary: RunSummary, item: ScoreItem, given: Entered) -> None:
+    def _mark(self, summary: RunLine, item: SheetItem, given: Entered) -> None:
         what = self._begin(summary, item.desc)
         self.client.calls.mark(self, summary.zone, summary.identity, {
             "group": item.group, "desc": item.desc, "not_attempted": given.not_attempted, "value": given.value,
@@ -179,17 +184,16 @@ class ResultsPanel(RefereePanel):
 
     def _ask_reason(self) -> None:
         summary, sheet = self._summary(), self._sheet()
-        if summary is None or sheet is None or not sheet.stops:
+        if summary is None or sheet is None or not sheet.ends:
             return
-        number = self.stops.chosen or len(sheet.stops)
-        stop = sheet.stops[number - 1]
-        end = f"{self.client.moments.time_of_day(stop.time.to_sec())}: {tr_said(stop.desc)}"
+        end = next((end for end in sheet.ends if end.number == self.stops.chosen), sheet.ends[-1])
+        what = f"{self.client.moments.time_of_day(end.utc_s)}: {tr_said(end.desc)}"
+        about = tr("Reason of end {number}", number=end.number)
         dialog = NoteDialog(
-            self, tr("Reason"), end, tr("Why"), tr("Save"),
-            lambda reason: self._send(
-                summary, tr("Reason of end {number}", number=number), "stop_reason", reason=reason, stop=number),
+            self, tr("Reason"), what, tr("Why"), tr("Save"),
+            lambda reason: self._send(summary, about, "stop_reason", reason=reason, stop=end.number),
         )
-        dialog.note.setText(stop.reason)
+        dialog.note.setText(end.reason)
         basic.show_dialog(dialog)
 
     def _ask_sign_off(self) -> None:
@@ -200,12 +204,12 @@ class ResultsPanel(RefereePanel):
         ask_sign_off(self, self._answer, summary, name,
                      lambda: self._send(summary, tr(ENTRIES["sign_off"].label), "sign_off", name))
 
-    def _send(self, summary: RunSummary, what: str, action: str, referee: str = "", **given: Any) -> None:
+    def _send(self, summary: RunLine, what: str, action: str, referee: str = "", **given: Any) -> None:
         what = self._begin(summary, what)
         self.client.calls.act(self, action, summary.zone, summary.identity, given,
                               lambda outcome: self._answer.show_outcome(what, outcome), referee=referee)
 
-    def _begin(self, summary: RunSummary, what: str) -> str:
+    def _begin(self, summary: RunLine, what: str) -> str:
         """Show that a call begins. Returns what it is about."""
         what = f"{_name(summary)}: {what}"
         self._answer.say(f"{what} …")
@@ -213,11 +217,11 @@ class ResultsPanel(RefereePanel):
 
 
 def ask_sign_off(
-    panel: Panel, answer: Answer, summary: RunSummary, name: str, then: Callable[[], None]
+    panel: Panel, answer: Answer, summary: RunLine, name: str, then: Callable[[], None]
 ) -> None:
     """Ask before a score sheet becomes final; call `then()` if the referee confirms the score of that moment."""
     def confirmed() -> None:
-        run = next((run for run in panel.model.runs_of(summary.zone) if run.identity == summary.identity), summary)
+        run = panel.model.run_of(summary.identity) or summary
         if run.score == summary.score:
             then()
         else:
@@ -240,29 +244,29 @@ def _page(rows: Rows, button: QPushButton) -> QWidget:
     return page
 
 
-def _name(run: RunSummary) -> str:
+def _name(run: RunLine) -> str:
     return sheets.run_name(run.code, run.team, run.round, run.run)
 
 
-def _state(run: RunSummary) -> str:
-    return with_counting(sheets.run_state(run.started.to_sec(), run.closed.to_sec(), run.end_reason), run.counts)
+def _state(run: RunLine) -> str:
+    return with_counting(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason), run.counts)
 
 
-def _sheet_state(run: RunSummary, when: Optional[sheets.When] = None) -> str:
+def _sheet_state(run: RunLine, when: Optional[sheets.When] = None) -> str:
     """Return the state of the score sheet; with `when`, also who signed it off and at what time."""
-    signed = run.signed.to_sec()
-    state = sheets.sheet_state(run.closed.to_sec(), signed)
+    signed = run.signed_utc_s
+    state = sheets.sheet_state(run.closed_utc_s, signed)
     if signed:
         state = f"✔ {sheets.signature(signed, run.signed_by, when) if when else state}"
     return f"✎ {tr(sheets.CORRECTED)}, {state}" if run.corrected else state
 
 
-def _run_row(run: RunSummary, moments: Moments) -> Row:
-    closed = run.closed.to_sec()
+def _run_row(run: RunLine, moments: Moments) -> Row:
+    closed = run.closed_utc_s
     return Row(run.identity, (
         moments.short(closed) if closed else tr("now"), run.team,
         f"{run.code}, {sheets.turn(run.round, run.run)}", _state(run), run.score, _sheet_state(run),
-    ), bold=not run.signed.to_sec(), tips=(
+    ), bold=not run.signed_utc_s, tips=(
         moments.tip(closed) if closed else "", "", "", "", "", sheets.node_of(run.signed_by),
     ))
 
@@ -273,11 +277,11 @@ def _item_rows(sheet: RunSheet) -> List[Row]:
     group = None
     for item in sheet.items:
         name, group = ("" if item.group == group else item.group), item.group
-        value = sheets.item_value(sheets.type_word(item.type), item.value, item.not_attempted, item.text)
+        value = sheets.item_value(item.type, item.value, item.not_attempted, item.text)
         rows.append(Row((item.group, item.desc), (
             name, f"{item.desc}{_ratings(item)}", value, _notes(item)
         ), bold=bool(sheets.is_marked(item.value, item.text) or item.not_attempted or item.corrected)))
-    if sheet.points.total:
+    if sheet.points is not None:
         rows.append(Row(None, ("", sheets.points_of(sheet.points), "", ""), bold=True))
     for name, lines in by_group(sheet.module_scores):
         rows += [
@@ -287,12 +291,12 @@ def _item_rows(sheet: RunSheet) -> List[Row]:
     return rows
 
 
-def _ratings(item: ScoreItem) -> str:
+def _ratings(item: SheetItem) -> str:
     ratings = sheets.ratings_text(zip(item.judges, item.ratings))
     return f" ({ratings})" if ratings else ""
 
 
-def _notes(item: ScoreItem) -> str:
+def _notes(item: SheetItem) -> str:
     corrected = [f"✎ {tr(sheets.CORRECTED)}"] if item.corrected else []
     points = [tr("{points} points", points=item.points)] if item.points else []
     return "; ".join((*points, *corrected))

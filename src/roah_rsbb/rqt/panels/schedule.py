@@ -1,14 +1,15 @@
 """Schedule: all events of all zones, with results, sign-offs and estimated times (docs/referee.md, "Schedule")."""
 
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, List, Optional, Sequence
 
+from roah_rsbb.model.schedule import ScheduledEvent
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.qt import QAbstractItemView, QComboBox, QHBoxLayout, QPushButton, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.wording import schedule, sheets, stop
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.schedule import Event, EventFilter, Show
+from roah_rsbb.wording.schedule import EventFilter, Show
 from roah_rsbb.wording.times import Moments
 
 WAITING = tr_later("Waiting for the core")
@@ -22,7 +23,6 @@ COLUMNS = (
 )
 # The widest column of names, in units of the desktop's font.
 WIDEST_EMS = 11.0
-Key = Tuple[str, int]  # zone and number of an event
 
 
 class FilterBox(QComboBox):
@@ -63,7 +63,7 @@ class SchedulePanel(Panel):
 
     def __init__(self, client) -> None:
         super().__init__(client)
-        self._events: List[Event] = []
+        self._events: Sequence[ScheduledEvent] = ()
         self._shown: Optional[EventFilter] = None
         self._scroll = QTimer(self, singleShot=True, interval=0)
         self._scroll.timeout.connect(self._scroll_to_current)
@@ -77,8 +77,8 @@ class SchedulePanel(Panel):
         self._answer = Answer()
         self._lay_out()
         for box in (self.zones, self.teams, self.days, self.shows):
-            box.currentIndexChanged.connect(self._on_update)
-        self.rows.itemSelectionChanged.connect(self._on_update)
+            box.currentIndexChanged.connect(self.redraw)
+        self.rows.itemSelectionChanged.connect(self.redraw)
         self.rows.itemDoubleClicked.connect(lambda *_: self.choose.click())
         self.choose.clicked.connect(self._choose)
 
@@ -98,8 +98,11 @@ class SchedulePanel(Panel):
     def where(self) -> str:
         return schedule.summary(self._events) if self._events else tr(WAITING)
 
+    def parts(self) -> tuple:
+        return (None if self.model.document is None else self.model.document.schedule,)
+
     def show_model(self) -> None:
-        self._events = [] if self.model.schedule is None else schedule.events_of(self.model.schedule)
+        self._events = () if self.model.document is None else self.model.document.events()
         self._where.setText(self.where())
         in_utc = self.client.moments.in_utc
         self.zones.offer(list(dict.fromkeys(event.zone for event in self._events)))
@@ -118,7 +121,7 @@ class SchedulePanel(Panel):
         self._show_button()
 
     def _scroll_to_current(self) -> None:
-        keys = {_key(event) for event in self._events if event.current}
+        keys = {event.id for event in self._events if event.current}
         current = next((index for index, key in enumerate(self.rows.keys()) if key in keys), 0)
         self.rows.scrollToItem(self.rows.item(current, 0), QAbstractItemView.PositionAtCenter)
 
@@ -129,8 +132,8 @@ class SchedulePanel(Panel):
         self.choose.setEnabled(not why)
         self.choose.setToolTip(basic.tip(why or tr("Make it the current event of {zone}", zone=event.zone)))
 
-    def _chosen(self) -> Optional[Event]:
-        return next((event for event in self._events if _key(event) == self.rows.chosen), None)
+    def _chosen(self) -> Optional[ScheduledEvent]:
+        return next((event for event in self._events if event.id == self.rows.chosen), None)
 
     # -- choosing -----------------------------------------------------------------------------------
 
@@ -139,7 +142,7 @@ class SchedulePanel(Panel):
         if event is None:
             return
         left = schedule.left_unsigned(self._events, event.zone)
-        if left is None or left.number == event.number:
+        if left is None or left.id == event.id:
             self._send(event, left)
             return
         ask(
@@ -152,45 +155,42 @@ class SchedulePanel(Panel):
 
     def _leaving(self, zone: str) -> str:
         """Return what the referee must know before they leave the run in a zone, as a paragraph."""
-        details = self.model.details_of(zone)
-        why = "" if details is None else stop.leaving(details)
+        found = self.model.zone_of(zone)
+        why = "" if found is None else stop.leaving(found)
         return f"{why}\n\n" if why else ""
 
-    def _send(self, event: Event, left: Optional[Event]) -> None:
+    def _send(self, event: ScheduledEvent, left: Optional[ScheduledEvent]) -> None:
         """Choose an event. `left`: the run that the referee leaves without a sign-off."""
         what = f"{event.zone}: {_name(event)}"
-        events = schedule.events_of(self.model.schedule)
-        now_left = schedule.left_unsigned(events, event.zone)
-        line = next((line for line in self.model.schedule.events if _is(line, event)), None)
+        document = self.model.document
+        now_left = schedule.left_unsigned(document.schedule.values(), event.zone)
+        now = document.schedule.get(event.id)
         # A question may have been open for long.
-        if line is None or (now_left is not None and (left is None or now_left.number != left.number)):
+        if now is None or _subject(now) != _subject(event) or (
+                now_left is not None and (left is None or now_left.id != left.id)):
             self._answer.warn(tr("Not done: the schedule or the runs in {zone} have changed", zone=event.zone))
             return
         self._answer.say(f"{what} …")
-        given = {"event": line.id, "team": event.team, "unsigned": left is not None}
+        given = {"event": event.id, "team": event.team, "unsigned": left is not None}
         self.client.calls.act(self, "choose_event", event.zone, "", given,
                               lambda outcome: self._answer.show_outcome(what, outcome))
 
 
-def _key(event: Event) -> Key:
-    return event.zone, event.number
+def _subject(event: ScheduledEvent) -> tuple:
+    """Return what the referee chooses with an event."""
+    return event.zone, event.code, event.team, event.round, event.run, event.scheduled_utc_s
 
 
-def _is(line, event: Event) -> bool:
-    return (line.zone, line.code, line.team, line.round, line.run, line.schedule.to_sec()) == (
-        event.zone, event.code, event.team, event.round, event.run, event.scheduled_utc_s)
-
-
-def _name(event: Event) -> str:
+def _name(event: ScheduledEvent) -> str:
     return sheets.run_name(event.code, event.team, event.round, event.run)
 
 
-def _row(event: Event, several_days: bool, moments: Moments) -> Row:
+def _row(event: ScheduledEvent, several_days: bool, moments: Moments) -> Row:
     """Return the row of an event. Estimated times have a mark that distinguishes them from facts."""
     has_begun = event.state in ("done", "running", "ended")
     begins = "" if event.state == "skipped" else schedule.moment_text(event.begins_utc_s, several_days, moments.in_utc)
     is_signed = bool(event.identity) and not event.unsigned
-    return Row(_key(event), (
+    return Row(event.id, (
         schedule.moment_text(event.scheduled_utc_s, several_days, moments.in_utc),
         begins if has_begun or not begins else f"~ {begins}",
         schedule.delay_text(event.late_s), schedule.state_text(event), event.zone, event.team,

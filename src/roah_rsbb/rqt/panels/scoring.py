@@ -3,12 +3,14 @@
 import enum
 import html
 from functools import partial
-from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple, Union
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
-from roah_rsbb.msg import ModuleScore, ScoreItem, SheetPoints, ZoneDetails, ZoneState
+from roah_rsbb.model.records import ScoreValue, SheetPoints
+from roah_rsbb.model.results import HistoryEntry
+from roah_rsbb.model.zone import IDLE, SheetItem
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.edits import Edits
-from roah_rsbb.rqt.panels.history import HistoryDialog, RunSheets, history_of
+from roah_rsbb.rqt.panels.history import HistoryDialog, RunSheets
 from roah_rsbb.rqt.panels.panel import Answer, RefereePanel
 from roah_rsbb.rqt.qt import (
     QFrame,
@@ -33,7 +35,6 @@ from roah_rsbb.rqt.widgets.undo import PLACES, UNDO, UndoRow
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.module_scores import by_group
-from roah_rsbb.wording.sheets import HistoryEntry
 from roah_rsbb.wording.times import NOTHING
 
 NO_RUN = tr_later("Scoring begins when a robot is connected.")
@@ -55,17 +56,8 @@ EditName = Tuple[str, str, str]  # and the judge
 Value = Union[int, str, NoValue]
 
 
-class ItemShape(NamedTuple):
-    """An item without its value."""
-
-    group: str
-    desc: str
-    kind: int
-    takes: tuple  # limits, choices, judges and so on
-
-
 # Types whose value is a whole number.
-_WHOLE = (ScoreItem.BOOL, ScoreItem.UINT, ScoreItem.INT)
+_WHOLE = ("bool", "uint", "int")
 _YES = tr_later("✔ Yes")
 _BOOL_TEXTS = {0: tr_later("No"), NOT_ATTEMPTED: tr_later("Not attempted")}
 # The items with these numbers have keys.
@@ -93,7 +85,7 @@ class ItemRow(QWidget):
     """One item: its text, its controls, its points, and a menu."""
 
     def __init__(
-        self, number: int, item: ScoreItem, change: Callable[..., None], count: Callable[[int], None],
+        self, number: int, item: SheetItem, change: Callable[..., None], count: Callable[[int], None],
         ask: Callable[[], None],
     ) -> None:
         """`number` in the sheet; `change(value, judge)`: the referee set this value; `count(added)`: they counted;
@@ -118,7 +110,7 @@ class ItemRow(QWidget):
         self._add_menu(ask)
         self.set_compact(False)
 
-    def add_controls(self, item: ScoreItem) -> None:
+    def add_controls(self, item: SheetItem) -> None:
         """Add the controls of the item's type."""
         raise NotImplementedError
 
@@ -196,10 +188,10 @@ class ItemRow(QWidget):
 class ScoreRow(ItemRow):
     """A yes-or-no item, or a whole number that is counted."""
 
-    def add_controls(self, item: ScoreItem) -> None:
-        self._is_bool = item.type == ScoreItem.BOOL
+    def add_controls(self, item: SheetItem) -> None:
+        self._is_bool = item.type == "bool"
         self.is_count = not self._is_bool
-        self._least = 0 if item.type == ScoreItem.UINT else int(item.min or -MAX_VALUE)
+        self._least = 0 if item.type == "uint" else int(item.min or -MAX_VALUE)
         self._most = int(item.max or MAX_VALUE)
         if self._is_bool:
             self.toggle = self._button("", lambda: self._change(0 if self._value == 1 else 1))
@@ -259,8 +251,8 @@ class FieldRow(ItemRow):
 
     nothing = ""
 
-    def add_controls(self, item: ScoreItem) -> None:
-        if item.type == ScoreItem.CHOICE:
+    def add_controls(self, item: SheetItem) -> None:
+        if item.type == "choice":
             self.field: Union[ChoiceField, NumberField] = ChoiceField(item, self._entered)
         else:
             self.field = NumberField(item, self._entered)
@@ -292,7 +284,7 @@ class RatingRow(ItemRow):
 
     nothing = ""
 
-    def add_controls(self, item: ScoreItem) -> None:
+    def add_controls(self, item: SheetItem) -> None:
         self.result = QLabel("", alignment=Qt.AlignCenter)
         self.result.setToolTip(tr("Result of the jury"))
         self.ratings = RatingFields(item, lambda judge, text: self._change(text, judge))
@@ -332,7 +324,7 @@ class ModuleScores(QScrollArea):
         self.setWidget(self.text)
         self.hide()
 
-    def show_scores(self, scores: Sequence[ModuleScore], is_old: bool) -> None:
+    def show_scores(self, scores: Sequence[ScoreValue], is_old: bool) -> None:
         """Show these scores; more follow during the run."""
         self.setVisible(bool(scores))
         self.text.setEnabled(not is_old)
@@ -359,8 +351,7 @@ class ScoringPanel(RefereePanel):
     def __init__(self, client) -> None:
         super().__init__(client)
         self._sheet: tuple = ()  # identifies the sheet that is shown
-        self._edits = Edits()
-        self._clock_steps = 0
+        self._edits: Edits[int] = Edits(self.model.is_confirmed)
         self.rows: Dict[ItemName, ItemRow] = {}
         self._nothing = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.3)
         self.sheet = SheetView()
@@ -378,7 +369,7 @@ class ScoringPanel(RefereePanel):
         last.addWidget(self.referee, 1)
         last.addWidget(self._answer, 2)
         last.addWidget(self.history)
-        self._sheets = RunSheets(self, client.calls, self._on_update)
+        self._sheets = RunSheets(self, client.calls, self.redraw)
         self.points = basic.enlarged(QLabel(wordWrap=True), 1.2, bold=True)
         self.points.setTextFormat(Qt.PlainText)
         self.points.hide()
@@ -399,80 +390,66 @@ class ScoringPanel(RefereePanel):
 
     # -- showing ------------------------------------------------------------------------------------
 
+    def parts(self) -> tuple:
+        document = self.model.document
+        return (self.model.zone, None if document is None else document.results)
+
     def show_model(self) -> None:
-        zone, details = self.model.zone, self.model.zone_details
-        items = [] if zone is None or details is None else details.items
-        shapes = [_shape(item) for item in items]
-        identity = "" if details is None else details.identity
-        sheet = () if zone is None else (
-            zone.zone, identity, zone.code, zone.team, zone.round, zone.run, tuple(shapes))
-        if sheet != self._sheet or self._clock_steps != self.model.box_clock.steps_back:
-            self._clock_steps = self.model.box_clock.steps_back
-            self._edits.clear()
+        zone = self.model.zone
+        items = () if zone is None else zone.items
+        sheet = () if zone is None else (zone.zone, zone.identity, zone.event, tuple(map(_shape, items)))
         if sheet != self._sheet:
             self._sheet = sheet
+            self._edits.clear()
             self._build(items)
-            self.undo.show_entries([], self.model.clock_s, "")  # those of another run are new, though numbers repeat
+            self.undo.show_entries([], self.model.now().utc, "")  # those of another run are new, though numbers repeat
             self._answer.clear_answer()
-        self.module_scores.show_scores(() if details is None else details.module_scores, self.model.is_old)
-        if not shapes:
-            connected = details is not None and details.robot != ""
-            self._nothing.setText(tr(NO_ITEMS if connected else NO_RUN))
-        elif zone is not None:
-            self._show_values(zone, details)
-        self.undo.setVisible(bool(shapes))  # without a sheet there is nothing to undo, and perhaps no space
-        self.history.setEnabled(bool(shapes) and details is not None and bool(details.identity))
-        self._show_undo(identity)
+        self.module_scores.show_scores(() if zone is None else zone.module_scores, self.model.is_old)
+        if zone is None or not items:
+            self._nothing.setText(tr(NO_RUN if zone is None or zone.phase == IDLE else NO_ITEMS))
+        else:
+            self._show_values(items, zone.points)
+        self.undo.setVisible(bool(items))  # without a sheet there is nothing to undo, and perhaps no space
+        self.history.setEnabled(bool(items) and bool(zone.identity))
 
-    def _show_undo(self, identity: str) -> None:
-        """Show the last marks of the run."""
-        summary = next((run for run in self.model.runs_of(self._sheet[0]) if run.identity == identity), None) \
-            if self._sheet and identity else None
-        sheet = None if summary is None else self._sheets.sheet(summary)
-        entries = [] if sheet is None else sheets.to_undo(history_of(sheet), PLACES)
-        self.undo.show_entries(entries, self.model.clock_s, self.model.why_read_only(tr(SILENT)))
+    def show_times(self) -> None:
+        """Show the last marks of the run, and how long ago they were."""
+        run = self.model.run_of(self.model.identity_of(self.model.zone_name))
+        sheet = None if run is None else self._sheets.sheet(run)
+        entries = [] if sheet is None or not self.rows else sheets.to_undo(sheet.history, PLACES)
+        self.undo.show_entries(entries, self.model.now().utc, self.model.why_read_only(tr(SILENT)))
 
-    def _show_values(self, zone: ZoneState, details: ZoneDetails) -> None:
-        # Counts come on a second topic, too, which is quicker. The shown state is as old as the older of them.
-        clock_s = min(self.model.clock_s, self.model.details_clock_s)
-        counts = {
-            (group.group_name, desc): value
-            for group in zone.scoring for desc, value in zip(group.descriptions, group.current_values)
-        }
-        for item in details.items:
-            row = self.rows.get((item.group, item.desc))
-            if row is None:
-                continue
+    def _show_values(self, items: Sequence[SheetItem], points: Optional[SheetPoints]) -> None:
+        why_off = self.model.why_read_only(tr(SILENT))
+        for item in items:
+            row = self.rows[item.group, item.desc]
             name = (item.group, item.desc, NO_JUDGE)
-            published: Value = item.text if item.type not in _WHOLE else item.value
-            if item.type in (ScoreItem.BOOL, ScoreItem.UINT):
-                published = counts.get(name[:2], item.value)
-            if item.not_attempted:
-                published = NOT_ATTEMPTED
+            published: Value = NOT_ATTEMPTED if item.not_attempted else item.value if item.type in _WHOLE else item.text
             judges = [(*name[:2], judge) for judge in item.judges]
             waiting = any(self._edits.is_waiting(each) for each in (name, *judges))
-            row.show_value(self._edits.value(name, published, clock_s), waiting, self.model.why_read_only(tr(SILENT)))
+            row.show_value(self._edits.value(name, published), waiting, why_off)
             row.show_points(item.points)
             if isinstance(row, RatingRow):
                 row.ratings.show_ratings([
-                    (judge[2], self._edits.value(judge, text, clock_s)) for judge, text in zip(judges, item.ratings)])
-        self._show_points(details.points)
+                    (judge[2], self._edits.value(judge, text)) for judge, text in zip(judges, item.ratings)])
+        self._show_points(points)
 
-    def _show_points(self, points: SheetPoints) -> None:
-        self.sheet.show_points({group.name: tr("{points} points", points=group.points) for group in points.groups})
-        self.points.setVisible(bool(points.total))
+    def _show_points(self, points: Optional[SheetPoints]) -> None:
+        groups = () if points is None else points.groups
+        self.sheet.show_points({name: tr("{points} points", points=given) for name, given in groups})
+        self.points.setVisible(points is not None)
         text = sheets.points_of(points)
         if text != self.points.text():
             self.points.setText(text)
 
-    def _build(self, items: Sequence[ScoreItem]) -> None:
+    def _build(self, items: Sequence[SheetItem]) -> None:
         """Create the rows of another sheet."""
         self.rows = {}
         self.sheet.clear()
         self.points.hide()
         for number, item in enumerate(items, 1):
             name = (item.group, item.desc)
-            kind = ScoreRow if item.type in _WHOLE else RatingRow if item.type == ScoreItem.RATING else FieldRow
+            kind = ScoreRow if item.type in _WHOLE else RatingRow if item.type == "rating" else FieldRow
             self.rows[name] = kind(number, item, partial(self._change, name), partial(self._count, name),
                                    partial(self._ask, item))
             self.sheet.add(item.group, self.rows[name])
@@ -489,12 +466,12 @@ class ScoringPanel(RefereePanel):
 
     def _undo(self, entry: HistoryEntry) -> None:
         """Withdraw one of the last marks."""
-        details = self.model.zone_details
-        if details is None or not details.identity:
+        zone = self.model.zone
+        if zone is None or not zone.identity:
             return
         what = tr(UNDO, mark=sheets.mark_text(entry))
         self._answer.say(f"{what} …")
-        self.client.calls.act(self, "withdraw", details.zone, details.identity, {"entry": entry.number},
+        self.client.calls.act(self, "withdraw", zone.zone, zone.identity, {"entry": entry.number},
                               lambda outcome: self._answer.show_outcome(what, outcome))
 
     def _change(self, item: ItemName, value: Value, judge: str = NO_JUDGE) -> None:
@@ -503,7 +480,7 @@ class ScoringPanel(RefereePanel):
         send = self._edits.wish(name, value)
         if send is not None:
             self._send(name, send)
-        self.show_model()
+        self.redraw()
 
     def _count(self, item: ItemName, added: int) -> None:
         """Handle a count of the referee."""
@@ -511,7 +488,7 @@ class ScoringPanel(RefereePanel):
         send = self._edits.wish(name, _whole(before) + added)
         if send is not None:
             self._send_count(name, before, send)
-        self.show_model()
+        self.redraw()
 
     def _send_count(self, name: EditName, before: Value, value: Value, note: str = "") -> None:
         """Send what the referee added to a value. What other referees count at the same time is not lost."""
@@ -529,7 +506,7 @@ class ScoringPanel(RefereePanel):
         mark = {"group": group, "desc": desc, **change, "judge": judge, "note": note}
         self.client.calls.mark(self, *sheet[:2], mark, lambda outcome: self._answered(sheet, name, value, outcome))
 
-    def _ask(self, item: ScoreItem) -> None:
+    def _ask(self, item: SheetItem) -> None:
         """Ask for a value and a note."""
         sheet, name = self._sheet, (item.group, item.desc)
         row = self.rows[name]
@@ -548,9 +525,9 @@ class ScoringPanel(RefereePanel):
 
     def _show_history(self) -> None:
         """Open the history of the current run."""
-        details = self.model.zone_details
-        if details is not None and details.identity:
-            dialog = HistoryDialog(self, self.client, details.zone, details.identity)
+        zone = self.model.zone
+        if zone is not None and zone.identity:
+            dialog = HistoryDialog(self, self.client, zone.zone, zone.identity)
             dialog.place_over(self)
             dialog.show()
 
@@ -564,17 +541,17 @@ class ScoringPanel(RefereePanel):
             self._edits.failed(item)
         else:
             self._answer.clear_answer()
-            is_count, answer = self.rows[item[:2]].is_count, outcome.result.answer
+            is_count, answer = self.rows[item[:2]].is_count, outcome.result
             now = NOT_ATTEMPTED if answer["not_attempted"] else answer["value"]
-            following = self._edits.carried_out(item, outcome.result.clock_s, now if is_count else None)
+            following = self._edits.carried_out(item, outcome.number, now if is_count else None)
             if following is not None and is_count:
                 self._send_count(item, value, following)
             elif following is not None:
                 self._send(item, following)
-        self.show_model()
+        self.redraw()
 
 
-def _scores_html(scores: Sequence[ModuleScore]) -> str:
+def _scores_html(scores: Sequence[ScoreValue]) -> str:
     rows = []
     for group, lines in by_group(scores):
         rows.append(f'<tr><td colspan="2"><b>{html.escape(group)}</b></td></tr>')
@@ -590,6 +567,6 @@ def _whole(value: Value) -> int:
     return value if isinstance(value, int) else 0
 
 
-def _shape(item: ScoreItem) -> ItemShape:
-    return ItemShape(item.group, item.desc, item.type, (
-        item.min, item.max, item.each, *item.choices, *item.choice_points, *item.judges, *item.needs))
+def _shape(item: SheetItem) -> SheetItem:
+    """Return an item without its value."""
+    return item._replace(value=0, not_attempted=False, corrected=False, text="", points="", ratings=())

@@ -42,24 +42,26 @@ class TabletStatusPanel(Panel):
         return tr("The whole box")
 
     def show_model(self) -> None:
-        gui = self.model.gui
-        if gui is None:
+        if self.model.box is None:
             self._values["heard"].setText(tr("Waiting for the core"))
+
+    def show_times(self) -> None:
+        if self.model.box is None:
             return
-        now, beacon = self.model.clock_s, gui.tablet_last_beacon.to_sec()
-        silent = f"  {tr('⚠ silent')}" if beacon and now - beacon > TABLET_SILENT_S else ""
-        called = gui.tablet_call_time.to_sec()
-        placed = gui.tablet_position_time.to_sec()
-        moments = self.client.moments
-        values = {
-            "heard": f"{moments.and_age(beacon, now)}{silent}",
-            "display": tr("Map") if gui.tablet_display_map else tr("Call button"),
-            "call": moments.and_age(called, now),
-            "position": f"x {gui.tablet_position_x:.2f} m, y {gui.tablet_position_y:.2f} m" if placed else tr("none"),
-            "position_time": moments.and_age(placed, now),
-        }
-        utc_s = {"heard": beacon, "call": called, "position_time": placed}
+        tablet, now, moments = self.model.box.tablet, self.model.now(), self.client.moments
+        silent_s = 0.0 if tablet.silent_since is None else now.mono - tablet.silent_since
+        silent = f"  {tr('⚠ silent')}" if silent_s > TABLET_SILENT_S else ""
+        utc_s = {"heard": now.utc - silent_s if tablet.heard else 0.0, "call": tablet.call_utc_s,
+                 "position_time": tablet.position_utc_s}
+        values = {name: moments.and_age(utc, now.utc) for name, utc in utc_s.items()}
+        values["heard"] += silent
+        values["display"] = tr("Map") if tablet.display_map else tr("Call button")
+        values["position"] = (f"x {tablet.position_x:.2f} m, y {tablet.position_y:.2f} m" if tablet.position_utc_s
+                              else tr("none"))
         for name, value in values.items():
             self._values[name].setText(value)
             self._values[name].setToolTip(moments.tip(utc_s[name]) if utc_s.get(name) else "")
             self._values[name].setEnabled(not self.model.is_old)
+
+    def parts(self) -> tuple:
+        return ()

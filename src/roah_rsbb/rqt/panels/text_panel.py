@@ -1,6 +1,6 @@
 """A panel with a growing text: the base of Online Data and Log Display."""
 
-from roah_rsbb.msg import ZoneState
+from roah_rsbb.model.zone import Zone
 from roah_rsbb.ros.tail import added
 from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import QCheckBox, QFontDatabase, QPlainTextEdit, QTextCursor
@@ -36,7 +36,7 @@ class TextPanel(CollapsingPanel):
         self.body.addWidget(self.search)
         self.body.addWidget(self.follow)
 
-    def text_of(self, zone: ZoneState) -> str:
+    def text_of(self, zone: Zone) -> str:
         """Return the text that this panel shows."""
         raise NotImplementedError
 
@@ -44,10 +44,14 @@ class TextPanel(CollapsingPanel):
         last = self._published.rstrip("\n").rpartition("\n")[2]
         return f"{tr(self.TITLE)}: {last}" if self.is_collapsed and last else super().where()
 
+    def parts(self) -> tuple:
+        zone = self.model.zone
+        return () if zone is None else (zone.event.id, self.text_of(zone))
+
     def show_model(self) -> None:
         zone = self.model.zone
-        source = () if zone is None else (zone.zone, zone.code, zone.team, zone.round, zone.run)
-        published = "" if zone is None else self.client.moments.lines(self.text_of(zone), self.model.clock_s)
+        source = () if zone is None else (zone.zone, zone.event.id)
+        published = "" if zone is None else self.client.moments.lines(self.text_of(zone), self.model.now().utc)
         more = added(self._published, published) if source == self._source else None
         self._source, self._published = source, published
         if more is None:

@@ -6,7 +6,7 @@ Each asks for a text that the core needs, and cannot be confirmed without it.
 from functools import partial
 from typing import Callable, List
 
-from roah_rsbb.msg import ScoreItem
+from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt.qt import QComboBox, QHBoxLayout, QLineEdit, QPushButton, QWidget
 from roah_rsbb.rqt.widgets.score_dialogs import Entered, NoteDialog, ScoreDialog
 from roah_rsbb.wording import judging
@@ -19,14 +19,13 @@ class SettleDialog(ScoreDialog):
     """Asks for the value of an item on which judges differ: that of a judge with one press, or another one."""
 
     def __init__(
-        self, parent: QWidget, item: ScoreItem, judged: judging.Judged, then: Callable[[Entered], None]
+        self, parent: QWidget, item: SheetItem, judged: judging.Judged, then: Callable[[Entered], None]
     ) -> None:
         self._judged = judged
         self._is_chosen = False
         self.given: List[QPushButton] = []
         # A rating is settled by one number for all judges.
-        one = ScoreItem(type=item.type, group=item.group, desc=item.desc, min=item.min, max=item.max,
-                        choices=item.choices, choice_points=item.choice_points)
+        one = item._replace(judges=(), ratings=())
         super().__init__(parent, tr(judging.SETTLE), one, item.text or item.value, item.not_attempted, then)
         self.setWindowTitle(f"{tr(judging.SETTLE)}: {item.group}: {item.desc}")
         self.yes.setText(tr(judging.SETTLE))

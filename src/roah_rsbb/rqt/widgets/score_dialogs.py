@@ -2,7 +2,7 @@
 
 from typing import Callable, Hashable, NamedTuple, Optional, Union
 
-from roah_rsbb.msg import ScoreItem
+from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt.qt import (
     QCheckBox,
     QComboBox,
@@ -77,7 +77,7 @@ class ScoreDialog(NoteDialog):
     """Asks for the value of an item; calls `then(given)`."""
 
     def __init__(
-        self, parent: QWidget, title: str, item: ScoreItem, value: Hashable, not_attempted: bool,
+        self, parent: QWidget, title: str, item: SheetItem, value: Hashable, not_attempted: bool,
         then: Callable[[Entered], None],
     ) -> None:
         """`value`: a number or a text; ignored if the item was not attempted."""
@@ -103,18 +103,18 @@ class ScoreDialog(NoteDialog):
         """Make the field of the item's type."""
         item = self._item
         value = 0 if self._was_not_attempted else self._value
-        if item.type == ScoreItem.BOOL:
+        if item.type == "bool":
             self.tick = QCheckBox(tr("Yes"), checked=bool(value))
             return self.tick
-        if item.type in (ScoreItem.UINT, ScoreItem.INT):
-            least = 0 if item.type == ScoreItem.UINT else int(item.min or -MAX_VALUE)
+        if item.type in ("uint", "int"):
+            least = 0 if item.type == "uint" else int(item.min or -MAX_VALUE)
             self.number = QSpinBox(minimum=least, maximum=int(item.max or MAX_VALUE), value=value)
             return self.number
-        if item.type == ScoreItem.CHOICE:
+        if item.type == "choice":
             self.field = ChoiceField(item, lambda text: None)
             self.field.show_text(str(value))
             return self.field
-        self.field = NumberField(item, lambda text: None, may_be_empty=item.type == ScoreItem.RATING)
+        self.field = NumberField(item, lambda text: None, may_be_empty=item.type == "rating")
         if not item.judges:
             self.field.show_text(str(value))
             return self.field

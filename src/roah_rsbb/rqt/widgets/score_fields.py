@@ -2,7 +2,7 @@
 
 from typing import Callable, Dict, Sequence, Tuple
 
-from roah_rsbb.msg import ScoreItem
+from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt.qt import (
     QAbstractSpinBox,
     QComboBox,
@@ -35,7 +35,7 @@ class NumberField(QDoubleSpinBox):
     changes a number.
     """
 
-    def __init__(self, item: ScoreItem, entered: Callable[[str], None], may_be_empty: bool = False) -> None:
+    def __init__(self, item: SheetItem, entered: Callable[[str], None], may_be_empty: bool = False) -> None:
         super().__init__()
         self._may_be_empty = may_be_empty
         self.setLocale(QLocale.c())
@@ -45,7 +45,7 @@ class NumberField(QDoubleSpinBox):
         self.setRange(least - 1.0 if may_be_empty else least, most)
         if may_be_empty:
             self.setSpecialValueText(NOTHING)
-        self.setSingleStep(0.5 if item.type == ScoreItem.RATING else 0.1)
+        self.setSingleStep(0.5 if item.type == "rating" else 0.1)
         self.setKeyboardTracking(False)
         self.setAlignment(Qt.AlignRight)
         self.setFocusPolicy(Qt.StrongFocus)
@@ -91,7 +91,7 @@ class NumberField(QDoubleSpinBox):
 class ChoiceField(QComboBox):
     """One of several choices, or none. `entered(text)`: the referee chose it."""
 
-    def __init__(self, item: ScoreItem, entered: Callable[[str], None]) -> None:
+    def __init__(self, item: SheetItem, entered: Callable[[str], None]) -> None:
         super().__init__()
         self.addItem(NOTHING, "")
         for name, points in zip(item.choices, item.choice_points):
@@ -115,7 +115,7 @@ class ChoiceField(QComboBox):
 class RatingFields(QWidget):
     """A number for each judge. `entered(judge, text)`: the referee entered it."""
 
-    def __init__(self, item: ScoreItem, entered: Callable[[str, str], None]) -> None:
+    def __init__(self, item: SheetItem, entered: Callable[[str, str], None]) -> None:
         super().__init__()
         line = QHBoxLayout(self)
         line.setContentsMargins(0, 0, 0, 0)

@@ -203,6 +203,7 @@ class StopStrip(QWidget):
         grid.setColumnStretch(1, 1)
         self.stop.raise_()  # in a window that was forced to be too small
         model.updated.connect(self.refresh)
+        model.ticked.connect(self.refresh)
         stops.changed.connect(self.refresh)
         QGuiApplication.instance().focusWindowChanged.connect(self.refresh)
         failures.listeners.append(self._on_failure)
@@ -212,6 +213,7 @@ class StopStrip(QWidget):
     def end(self) -> None:
         """Stop following."""
         self._model.updated.disconnect(self.refresh)
+        self._model.ticked.disconnect(self.refresh)
         self._stops.changed.disconnect(self.refresh)
         QGuiApplication.instance().focusWindowChanged.disconnect(self.refresh)
         failures.listeners.remove(self._on_failure)
@@ -288,7 +290,7 @@ class StopStrip(QWidget):
             return text_of(sent[0])[0], basic.RUNNING
         if self._model.is_replay:
             return tr(NO_COMMANDS), basic.OFF
-        if self._model.gui is not None and self._model.is_old:
+        if self._model.document is not None and self._model.is_old:
             return self._model.why_old(tr("The core is silent. STOP is sent until it answers")), basic.OLD
         if self.stop.zone:
             return tr(STOPS_OTHER, zone=self.stop.zone, shown=self._model.zone_name), basic.OFF
@@ -300,11 +302,10 @@ class StopStrip(QWidget):
 
     def _others(self) -> Tuple[str, basic.Tone]:
         """Return further STOPs, then the other zones that need the referee: those first that wait for them."""
-        gui = self._model.gui
         further = list(map(text_of, self._stops.sent()[1:]))
         found: List[Tuple[int, str]] = []
-        for zone in () if gui is None else gui.zones:
-            what = todo(zone, self._model.details_of(zone.zone))
+        for zone in filter(None, map(self._model.zone_of, self._model.zone_names)):
+            what = todo(zone)
             if zone.zone != self._model.zone_name and what.urgency >= Urgency.LOOK:
                 mark = "☛" if what.urgency is Urgency.DO else "⚠"
                 found.append((-what.urgency, f"{mark} {zone.zone}: {what.text}"))

@@ -80,12 +80,14 @@ class StopWindow(QWidget):
         self._grid.addWidget(self.heading, 0, 0, 1, COLUMNS - 1)
         self._grid.addWidget(self._x, 0, COLUMNS - 1, Qt.AlignRight)
         model.updated.connect(self.refresh)
+        model.ticked.connect(self.refresh)
         stops.changed.connect(self.refresh)
         QGuiApplication.instance().applicationStateChanged.connect(self.refresh)
 
     def end(self) -> None:
         """Close it for good."""
         self._model.updated.disconnect(self.refresh)
+        self._model.ticked.disconnect(self.refresh)
         self._stops.changed.disconnect(self.refresh)
         QGuiApplication.instance().applicationStateChanged.disconnect(self.refresh)
         self._hide()
@@ -174,7 +176,7 @@ class StopWindow(QWidget):
 
     def _build(self, running: List[str], stopped: Set[str]) -> None:
         """Show a button for each zone that runs, or whose STOP is shown."""
-        zones = [zone.zone for zone in self._model.gui.zones]
+        zones = self._model.zone_names
         if zones != self._zones:
             self._keep_places(zones)
         shown = [zone for zone in zones if zone in running or zone in stopped]

@@ -6,11 +6,11 @@ the one that the referee saw.
 
 from typing import Callable, List, NamedTuple, Optional, Sequence
 
+from roah_rsbb.model.results import HistoryEntry
 from roah_rsbb.rqt.qt import QFontMetricsF, QHBoxLayout, QPushButton, QSizePolicy, Qt, QTimer, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.sheets import HistoryEntry
 
 PLACES = 5
 UNDO = tr_later("Undo: {mark}")

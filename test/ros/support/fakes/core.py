@@ -291,10 +291,12 @@ class FakeCore:
         self.zones = {name: FakeZone(self, name) for name in zones}
         self._documents, self._written = Documents(self.box, box_uuid, "127.255.255.255"), Written(Document)
         self._robots_speak()
-        self._look()
-        calls = BoxCalls(self.box, self._serve).named()
+        self.look()
+        self._calls: Dict[str, Call] = {}
+        for name, call in BoxCalls(self.box, self._serve).named().items():
+            self.add_call(name, call)
         self._door: Optional[Door] = None
-        _in_loop(lambda: self._open({name: partial(self._call, call) for name, call in calls.items()}))
+        _in_loop(self._open)
 
     def _new_box(self, zones: tuple) -> Box:
         benchmarks = {code: Benchmark(code, name, desc, s, s, self._items, judges=self._judges)
@@ -403,8 +405,12 @@ class FakeCore:
         """The box's clock, UTC seconds."""
         return self._now().utc
 
-    def _open(self, calls: Dict[str, Call]) -> None:
-        self._door = Door(LOOP, TOKEN, calls, self._now, self._written)
+    def add_call(self, name: str, call: Call) -> None:
+        """Answer another call."""
+        self._calls[name] = partial(self._call, call)
+
+    def _open(self) -> None:
+        self._door = Door(LOOP, TOKEN, self._calls, self._now, self._written)
         url = f"ws://127.0.0.1:{self._door.open('127.0.0.1')}/door"
         write_place(file_of(rosgraph.get_master_uri()), url, TOKEN)
         rospy.set_param(PARAM, {"url": url, "token": TOKEN})
@@ -417,11 +423,17 @@ class FakeCore:
             return
         LOOP.call_later(TICK_S, self._tick)
         if not self.silent:
-            self._look()
+            self.look()
             door.publish()
             door.sign()
 
-    def _look(self) -> None:
+    @property
+    def number(self) -> int:
+        """Of the document."""
+        return self._written.number
+
+    def look(self) -> None:
+        """Let the document be what the box is now. A core that is not silent publishes it soon."""
         with self._lock:
             self.event(self.box.tick)
             now = self._now()
@@ -435,7 +447,7 @@ class FakeCore:
             answer = waited(found) if isinstance(found, (InThread, Waiting)) else found
             if "refused" in answer:
                 raise Refused(decoded(answer["refused"]))
-            self._look()
+            self.look()
             return answer["answer"]
 
         return InThread(make)
