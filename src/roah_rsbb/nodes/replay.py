@@ -150,7 +150,7 @@ class ReplayNode:
     def run(self) -> int:
         """Run until shut down; returns the exit status."""
         self._last_s = self._ros.loop.time()
-        self._door.open()
+        self._ros.loop.call_soon(self._door.open)  # it serves in the loop that is running
         self._tick()
         self._ros.run()
         self._door.close()

@@ -42,6 +42,7 @@ class BoxDoor:
         self._door = Door(loop, self._token, {name: self._current(call) for name, call in calls.items()}, now,
                           self._written, check)
         self.document = self._documents.last
+        self._is_current = True
 
     def open(self) -> None:
         """Let clients in, and publish where it is. Logs what prevents it, with the remedy: the original interface
@@ -91,9 +92,15 @@ class BoxDoor:
         return self.document
 
     def _look(self) -> Document:
+        """Make the document anew. If that fails, which is an error of this program, clients see that it is old."""
         now = self._now()
-        self.document = self._documents.look(now, self._log_files(), self._unsaved())
-        self._written.update(self.document, now)
+        try:
+            self.document = self._documents.look(now, self._log_files(), self._unsaved())
+            self._written.update(self.document, now)
+            self._is_current = True
+        except Exception as error:
+            self._is_current = False
+            rospy.logerr_throttle_identical(60.0, f"internal error, please report it: {error}", exc_info=True)
         return self.document
 
     def _current(self, call: Call) -> Call:
@@ -109,4 +116,5 @@ class BoxDoor:
     def _sign(self) -> None:
         self._loop.call_later(SIGN_S, self._sign)
         self.publish()
-        self._door.sign()
+        if self._is_current:
+            self._door.sign()

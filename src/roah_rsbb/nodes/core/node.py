@@ -240,7 +240,7 @@ class CoreNode:
                           self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
         threading.Thread(target=self._core.check_earlier, name="check of the journal", daemon=True).start()
         self._publish_module_runs()
-        self._door.open()
+        self._ros.loop.call_soon(self._door.open)  # it serves in the loop that is running
         self._publish_tick()
         # Exclude the present objects from garbage collection: a full collection of them stops the box for about 15 ms.
         gc.freeze()
