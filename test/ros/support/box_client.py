@@ -12,7 +12,7 @@ from roah_rsbb.client.client import Client
 from roah_rsbb.document.place import NotFound, Place
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.document import Document
-from roah_rsbb.model.zone import RobotInRun, Zone
+from roah_rsbb.model.zone import AllRobots, RobotInRun, Zone
 from roah_rsbb.msg import CoreToGui, CoreToPublic, Score, ZoneState
 from roah_rsbb.ros import refusals
 from roah_rsbb.ros.place import PARAM
@@ -40,21 +40,20 @@ class NoAnswer(AssertionError):
 
 
 class SeenZone:
-    """A zone of the document (`model.zone.Zone`), with the fields of the robot in its run."""
+    """A zone of the document (`model.zone.Zone`), with the fields of the robot, or the robots, in its run."""
 
     def __init__(self, zone: Zone) -> None:
         self._zone = zone
 
     def __getattr__(self, name: str) -> Any:
-        if hasattr(self._zone, name):
-            return getattr(self._zone, name)
-        return getattr(self._zone.robot or NO_ROBOT, name)
+        parts = (self._zone, self._zone.robot or NO_ROBOT, self._zone.all_robots or NO_ROBOTS)
+        return next(getattr(part, name) for part in parts if hasattr(part, name))
 
     def __repr__(self) -> str:
         return repr(self._zone)
 
 
-NO_ROBOT = RobotInRun("", 0, "")
+NO_ROBOT, NO_ROBOTS = RobotInRun("", 0, ""), AllRobots(0, 0, 0, 0, ())
 
 
 class BoxClient:

@@ -35,7 +35,7 @@ class AllRobotsCase(BoxCase):
         self.box.wait_text(zone, f"Robots preparing: {preparing} / executing: {executing} / stopped: {stopped}")
         counts = (preparing, executing, stopped)
         self.box.wait_details(
-            zone, lambda d: (d.robots_preparing, d.robots_executing, d.robots_stopped) == counts,
+            zone, lambda d: (d.preparing, d.executing, d.stopped) == counts,
             "the details count the same",
         )
 
@@ -55,7 +55,7 @@ class TestOneFails(AllRobotsCase):
         ports = self.connected(zone, robots)
         self.assertEqual(len(set(ports)), 3)
         details = box.zone_details(zone)
-        self.assertEqual((details.robot, details.port, len(details.robots)), ("3 robots", ports[0], 3))
+        self.assertEqual((details.robot_name, details.port, len(details.robots)), ("3 robots", ports[0], 3))
         box.start(zone)
         for robot in robots:
             robot.wait_did("prepare HSUF")

@@ -5,7 +5,6 @@ from support.box_client import Refusal
 from support.fakes.modules import ModulesCase
 
 from helpers.forms import answer_in, form
-from roah_rsbb.model import shown
 from roah_rsbb.model.fields import entered
 from roah_rsbb.model.modules import OutcomeKind, RequestKind, ScoreValue
 from roah_rsbb.protocol import BoxState, RobotState
@@ -71,7 +70,7 @@ class TestOnTheWire(ModulesCase):
 class TestReferee(ModulesCase):
     def form(self):
         """What the referee is asked for in zone Hands."""
-        return entered(shown.of(self.box.zone_details("Hands"), "operation").fields)
+        return entered(self.box.zone_details("Hands").fields("operation"))
 
     def test_manual_operations(self) -> None:
         self.fbm = self.modules("STB")

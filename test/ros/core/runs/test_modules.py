@@ -5,7 +5,6 @@ import math
 import rospy
 from support.fakes.modules import ModulesCase
 
-from roah_rsbb.model import shown
 from roah_rsbb.model.modules import Progress, Request, RequestKind
 from roah_rsbb.msg import ModulesState
 from roah_rsbb.protocol import RobotState
@@ -20,8 +19,7 @@ class TestModulesThatComeAndGo(ModulesCase):
         self.box.connect("Gone")
         off = "Benchmarking module not connected: no node drives HGMF"
         self.box.wait_details(
-            "Gone", lambda d: d.robot_state == "STOP" and len(d.off("start")) == 1 and off in shown.off(d,
-            "start")[0],
+            "Gone", lambda d: d.robot_state == "STOP" and len(d.off("start")) == 1 and off in d.off("start")[0],
             "the robot is heard, and start is off for the module only",
         )
         self.assertIn("no node drives HGMF", self.box.refusal("start", "Gone"))
