@@ -127,6 +127,7 @@ class Client(Generic[D]):
         self._place: Optional[Place] = None
         self._links: Dict[str, _Link] = {}  # by the way: _MAIN, _STOP
         self._asked_whole = False
+        self._search: Optional[asyncio.Future[Place]] = None  # the last one for STOP
         self._tasks: Set[asyncio.Task[Any]] = set()
         self._loop = loop if loop is not None else asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run_loop, name="client", daemon=True) if loop is None else None
@@ -242,8 +243,11 @@ class Client(Generic[D]):
     async def _ask_stop(self, request: str) -> Answer:
         while True:
             if _STOP not in self._links and self._place is not None:
-                with contextlib.suppress(Exception):  # then the other way is taken
+                try:
                     await self._open_stop(self._place)
+                except Exception:
+                    with contextlib.suppress(Exception):  # then the other way is taken
+                        await self._open_stop(await asyncio.wait_for(asyncio.shield(self._elsewhere()), STOP_S))
             for way in (_STOP, _MAIN):
                 with contextlib.suppress(asyncio.TimeoutError):
                     answer = await asyncio.wait_for(self._ask(way, request), STOP_S)
@@ -289,6 +293,13 @@ class Client(Generic[D]):
             self._links[way].close()
         self._links[way] = link
         return link
+
+    def _elsewhere(self) -> "asyncio.Future[Place]":
+        """Find the door for STOP while the connection to where it was last found hangs; one search at a time."""
+        if self._search is None or self._search.done():
+            self._search = self._loop.run_in_executor(None, self._find)
+            self._search.add_done_callback(lambda ended: ended.cancelled() or ended.exception())
+        return self._search
 
     async def _open_stop(self, place: Place) -> None:
         self._spawn(self._read(_STOP, await self._open(_STOP, place, _STOP, STOP_S), place))
