@@ -271,7 +271,8 @@ class Client(Generic[D]):
         try:
             place = self._place = await self._loop.run_in_executor(None, self._find)
             box = f"the box at {place.url}"
-            return await self._read(_MAIN, await self._open(_MAIN, place, self._face, CONNECT_S), place)
+            link = self._links[_MAIN] = await self._open(place, self._face, CONNECT_S)
+            return await self._read(_MAIN, link, place)
         except NotFound as error:
             return str(error)
         except Exception as error:
@@ -283,16 +284,12 @@ class Client(Generic[D]):
                 link.close()
             self._links = {}
 
-    async def _open(self, way: str, place: Place, face: str, within_s: float) -> _Link:
+    async def _open(self, place: Place, face: str, within_s: float) -> _Link:
         request = httpclient.HTTPRequest(
             f"{place.url}?{urllib.parse.urlencode({'face': face})}", headers={"Authorization": f"Bearer {place.token}"},
             connect_timeout=within_s, request_timeout=within_s)
-        link = _Link(await websocket.websocket_connect(
+        return _Link(await websocket.websocket_connect(
             request, compression_options={}, max_message_size=MAX_MESSAGE_BYTES))
-        if way in self._links:
-            self._links[way].close()
-        self._links[way] = link
-        return link
 
     def _elsewhere(self) -> "asyncio.Future[Place]":
         """Find the door for STOP while the connection to where it was last found hangs; one search at a time."""
@@ -302,7 +299,16 @@ class Client(Generic[D]):
         return self._search
 
     async def _open_stop(self, place: Place) -> None:
-        self._spawn(self._read(_STOP, await self._open(_STOP, place, _STOP, STOP_S), place))
+        link = await self._open(place, _STOP, STOP_S)
+        if _STOP in self._links:  # another one was quicker, and a call may be on its way there
+            link.close()
+        else:
+            self._links[_STOP] = link
+            self._spawn(self._read(_STOP, link, place))
+
+    async def _prepare_stop(self, place: Place) -> None:
+        with contextlib.suppress(Exception):  # STOP itself tries again
+            await self._open_stop(place)
 
     async def _read(self, way: str, link: _Link, place: Place) -> str:
         """Take the messages of a connection until its end; returns why it ended, with the remedy."""
@@ -319,7 +325,7 @@ class Client(Generic[D]):
                 elif way == _MAIN:
                     self._take(link, message, is_first)
                     if is_first:
-                        self._spawn(self._open_stop(place))
+                        self._spawn(self._prepare_stop(place))
                     is_first = False
         except asyncio.TimeoutError:
             return f"the box at {place.url} is silent: check that it runs, and the network"

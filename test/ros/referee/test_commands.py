@@ -62,7 +62,8 @@ class WithCore(unittest.TestCase):
         self.core.close()
 
     def called(self, *words: str, **options: Any) -> "subprocess.CompletedProcess[str]":
-        """Call the referee in this process."""
+        """Call the referee in this process, when the core has published what the test changed in it."""
+        self.core.publish()
         return called(*words, **options)
 
     def start(self, *words: str, typed: str = "") -> Referee:
@@ -84,6 +85,7 @@ class TestCommands(WithCore):
 
     def test_status_as_json(self) -> None:
         self.core.box_warnings = ["Another box"]
+        self.core.publish()
         box = json.loads(referee("status", "--json").stdout)
         self.assertEqual([zone["zone"] for zone in box["zones"]], ["Home A", "Home B"])
         self.assertEqual(box["warnings"], ["Another box"])
@@ -318,7 +320,7 @@ class TestNoCore(unittest.TestCase):
     def test_a_core_that_has_ended(self) -> None:
         FakeCore().close()
         done = called("status")
-        self.assert_reported("no core: no connection to the box at ws://127.0.0.1:", done)
+        self.assert_reported("no connection to the box at ws://127.0.0.1:", done)
         self.assert_reported("roslaunch roah_rsbb roah_rsbb.launch", done)
 
     def test_a_core_that_hangs(self) -> None:
