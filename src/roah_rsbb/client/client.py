@@ -127,6 +127,7 @@ class Client(Generic[D]):
         self._place: Optional[Place] = None
         self._links: Dict[str, _Link] = {}  # by the way: _MAIN, _STOP
         self._asked_whole = False
+        self._search: Optional[asyncio.Future[Place]] = None  # the last one for STOP
         self._tasks: Set[asyncio.Task[Any]] = set()
         self._loop = loop if loop is not None else asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run_loop, name="client", daemon=True) if loop is None else None
@@ -256,8 +257,11 @@ class Client(Generic[D]):
     async def _ask_stop(self, request: str) -> Answer:
         while True:
             if _STOP not in self._links and self._place is not None:
-                with contextlib.suppress(Exception):  # then the other way is taken
+                try:
                     await self._open_stop(self._place)
+                except Exception:
+                    with contextlib.suppress(Exception):  # then the other way is taken
+                        await self._open_stop(await asyncio.wait_for(asyncio.shield(self._elsewhere()), STOP_S))
             for way in (_STOP, _MAIN):
                 with contextlib.suppress(asyncio.TimeoutError):
                     answer = await asyncio.wait_for(self._ask(way, request), STOP_S)
@@ -281,7 +285,8 @@ class Client(Generic[D]):
         try:
             place = self._place = await self._loop.run_in_executor(None, self._find)
             box = f"the box at {place.url}"
-            return await self._read(_MAIN, await self._open(_MAIN, place, self._face, CONNECT_S), place)
+            link = self._links[_MAIN] = await self._open(place, self._face, CONNECT_S)
+            return await self._read(_MAIN, link, place)
         except NotFound as error:
             return str(error)
         except Exception as error:
@@ -293,19 +298,31 @@ class Client(Generic[D]):
                 link.close()
             self._links = {}
 
-    async def _open(self, way: str, place: Place, face: str, within_s: float) -> _Link:
+    async def _open(self, place: Place, face: str, within_s: float) -> _Link:
         request = httpclient.HTTPRequest(
             f"{place.url}?{urllib.parse.urlencode({'face': face})}", headers={"Authorization": f"Bearer {place.token}"},
             connect_timeout=within_s, request_timeout=within_s)
-        link = _Link(await websocket.websocket_connect(
+        return _Link(await websocket.websocket_connect(
             request, compression_options={}, max_message_size=MAX_MESSAGE_BYTES))
-        if way in self._links:
-            self._links[way].close()
-        self._links[way] = link
-        return link
+
+    def _elsewhere(self) -> "asyncio.Future[Place]":
+        """Find the door for STOP while the connection to where it was last found hangs; one search at a time."""
+        if self._search is None or self._search.done():
+            self._search = self._loop.run_in_executor(None, self._find)
+            self._search.add_done_callback(lambda ended: ended.cancelled() or ended.exception())
+        return self._search
 
     async def _open_stop(self, place: Place) -> None:
-        self._spawn(self._read(_STOP, await self._open(_STOP, place, _STOP, STOP_S), place))
+        link = await self._open(place, _STOP, STOP_S)
+        if _STOP in self._links:  # another one was quicker, and a call may be on its way there
+            link.close()
+        else:
+            self._links[_STOP] = link
+            self._spawn(self._read(_STOP, link, place))
+
+    async def _prepare_stop(self, place: Place) -> None:
+        with contextlib.suppress(Exception):  # STOP itself tries again
+            await self._open_stop(place)
 
     async def _read(self, way: str, link: _Link, place: Place) -> str:
         """Take the messages of a connection until its end; returns why it ended, with the remedy."""
@@ -322,7 +339,7 @@ class Client(Generic[D]):
                 elif way == _MAIN:
                     self._take(link, message, is_first)
                     if is_first:
-                        self._spawn(self._open_stop(place))
+                        self._spawn(self._prepare_stop(place))
                     is_first = False
         except asyncio.TimeoutError:
             return f"the box at {place.url} is silent: check that it runs, and the network"

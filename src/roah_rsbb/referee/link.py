@@ -28,6 +28,7 @@ CORE_S, ANSWER_S = 6.0, 6.0
 AGAIN_S = 0.2
 # Of the person at the terminal; also the face of the connection.
 ROLE = "referee"
+RUNS = "check that it runs"  # in the words of the client
 SILENT = "the core is silent: it hangs or has died (restart it), or its computer cannot be reached"
 
 
@@ -47,8 +48,7 @@ class Link(Client[Document]):
         last = max(deadline, self.here_s() + CORE_S)
         while self.document is None or self.is_old:
             if self.here_s() >= (deadline if self.news > 1 and self.why else last):
-                why = self.trouble
-                raise NoCore(why if START in why or why is SILENT else f"no core: {why}, or {START}")
+                raise NoCore(self.trouble)
             self.next(AGAIN_S)
 
     @property
@@ -60,7 +60,8 @@ class Link(Client[Document]):
     @property
     def trouble(self) -> str:
         """Why the box does not answer, with the remedy."""
-        return (self.why if self.news else "") or SILENT
+        why = (self.why if self.news else "") or SILENT
+        return f"{why}; if it does not run, {START}" if RUNS in why else why
 
     @staticmethod
     def here_s() -> float:
@@ -91,7 +92,7 @@ class Link(Client[Document]):
         `given`: the values of its fields; `run`: the identity of the run that is meant, empty: whichever is there;
         `referee`: who does it.
         """
-        self._ask("act", action=action, zone=zone, run=run, given=given or {}, by=referee)
+        self._request("act", action=action, zone=zone, run=run, given=given or {}, by=referee)
 
     def stop_run(self, zone: str, identity: str) -> None:
         """Stop the run of that identity; raises as `act` does."""
@@ -115,18 +116,18 @@ class Link(Client[Document]):
 
     def reload(self, digest: str, referee: str) -> Dict[str, Any]:
         """Check the configuration files, or apply what was listed with this digest. Raises as `act` does."""
-        found: Dict[str, Any] = self._ask("reload", digest=digest, by=referee)
+        found: Dict[str, Any] = self._request("reload", digest=digest, by=referee)
         return found
 
     def run_sheet(self, zone: str, identity: str) -> RunSheet:
         """Return a run's score sheet; an empty identity: of the connected run. Raises as `act` does."""
-        return read(RunSheet, self._ask("sheet", zone=zone, run=identity))
+        return read(RunSheet, self._request("sheet", zone=zone, run=identity))
 
     def judging(self, zone: str, identity: str) -> JudgedRun:
         """Return what the head referee may see of a run; raises as `act` does."""
-        return read(JudgedRun, self._ask("judges", zone=zone, run=identity))
+        return read(JudgedRun, self._request("judges", zone=zone, run=identity))
 
-    def _ask(self, name: str, **arguments: Any) -> Any:
+    def _request(self, name: str, **arguments: Any) -> Any:
         return self._answered(self.call(name, None, ANSWER_S, node=self.node, **arguments))
 
     def _answered(self, call: "Future[Answer]") -> Any:

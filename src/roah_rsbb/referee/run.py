@@ -75,7 +75,7 @@ class RunScript:
         self._is_ours = False  # the core confirmed our connect
         self._unanswered = False  # a connect was sent, but the core did not answer it
         self._event = self._zone().event
-        self._uuid = link.box.box.uuid  # of the core that has our run
+        self._uuid = self._follower.box.box.uuid  # of the core that has our run
         self._scores: List[Tuple[SheetItem, Entered]] = []
         self._unmarked = ""  # why a score could not be set
 
@@ -145,14 +145,14 @@ class RunScript:
             raise _Failed(Exit.REFUSED, "the run did not begin: see the core's log")
         if not is_done and not self._unanswered:
             raise _Failed(Exit.REFUSED, f"another referee was quicker: zone '{zone.zone}' is {zone.phase}")
-        self._run, self._is_ours, self._uuid = zone.identity, is_done, self._link.box.box.uuid
+        self._run, self._is_ours, self._uuid = zone.identity, is_done, self._follower.box.box.uuid
 
     def _start(self) -> bool:
         """Start the run and set the scores; False: a restart of the core lost the run before it was started."""
         self._attempt("start", CONNECTED)
         zone = self._zone()
         if zone.identity != self._run:
-            if zone.phase == IDLE and self._link.box.box.uuid != self._uuid:
+            if zone.phase == IDLE and self._follower.box.box.uuid != self._uuid:
                 self._note("the core was restarted: connecting again")
                 self._run, self._is_ours = "", False
                 return False
@@ -206,9 +206,9 @@ class RunScript:
         if self._zone().event == self._event:
             return
         event = self._zone().event
-        if self._link.box.box.uuid == self._uuid:
+        if self._follower.box.box.uuid == self._uuid:
             raise _Failed(Exit.REFUSED, f"another referee moved the zone to {event.code}/{event.round}/{event.run}")
-        self._uuid = self._link.box.box.uuid
+        self._uuid = self._follower.box.box.uuid
         self._go_to(EventWanted(self._event.code, self._event.round, self._event.run, self._event.team))
 
     def _give(self, command: str) -> None:
@@ -252,7 +252,7 @@ class RunScript:
         zone = self._zone()
         if zone.identity == self._run:
             return f"the run did not complete: it is {zone.phase} again"
-        if zone.phase == IDLE and self._link.box.box.uuid != self._uuid:
+        if zone.phase == IDLE and self._follower.box.box.uuid != self._uuid:
             return "the run did not complete: it was lost when the core was restarted"
         return "the run did not complete: another referee disconnected it"
 
@@ -261,7 +261,7 @@ class RunScript:
     def _leave(self, status: Exit, text: str, wait_s: float = GIVE_UP_S) -> ScriptOutcome:
         """Disconnect our run, unless the plan keeps it. If the core is down, wait for it. A run whose robots do not
         stop stays connected: after the disconnect the box would not repeat STOP."""
-        zone = self._link.box.zones.get(self._plan.zone)
+        zone = self._follower.box.zones.get(self._plan.zone)
         if not self._run or zone is None or zone.identity != self._run:
             return ScriptOutcome(status, text)
         if self._plan.keep:
@@ -292,8 +292,8 @@ class RunScript:
                 self._link.act("disconnect", self._plan.zone, run=self._run)
             except Refused as refused:
                 with contextlib.suppress(NoCore):
-                    self._link.settle()
-                zone = self._link.box.zones.get(self._plan.zone)
+                    self._settle()
+                zone = self._follower.box.zones.get(self._plan.zone)
                 is_left = zone is None or zone.identity != self._run
                 return "" if is_left else f"; left connected: {refused}"
             except NoCore as gone:
@@ -321,7 +321,7 @@ class RunScript:
         """Return the zone if its robots do not report STOP in time after the end of our run. Raises `NoCore`."""
         deadline = self._link.here_s() + NOT_DELIVERED_S
         while True:
-            zone = self._link.box.zones.get(self._plan.zone)
+            zone = self._follower.box.zones.get(self._plan.zone)
             if zone is None or zone.identity != self._run or not leaving(zone):
                 return None
             left = deadline - self._link.here_s()
@@ -357,7 +357,7 @@ class RunScript:
     # -- shared -------------------------------------------------------------------------------------
 
     def _zone(self) -> Zone:
-        zone = self._link.box.zones.get(self._plan.zone)
+        zone = self._follower.box.zones.get(self._plan.zone)
         if zone is None:
             raise _Failed(Exit.NOT_COMPLETED, f"zone '{self._plan.zone}' is no longer in the schedule")
         return zone
@@ -374,8 +374,9 @@ class RunScript:
             self._step(until - self._link.here_s())
 
     def _until_heard(self, deadline: float) -> None:
-        """Wait until the core publishes again, but not beyond `deadline` (monotonic seconds)."""
-        while self._link.silence_s > STEP_S and self._link.here_s() < deadline:
+        """Wait until the core is heard again, but not beyond `deadline` (monotonic seconds)."""
+        began = self._link.here_s()
+        while self._link.here_s() - self._link.silence_s <= began and self._link.here_s() < deadline:
             self._step(STEP_S)
 
     def _settle(self) -> None:

@@ -5,6 +5,7 @@ network.
 """
 
 import os
+import socket
 import urllib.parse
 import xmlrpc.client
 from http.client import HTTPException
@@ -56,8 +57,8 @@ class Places:
         try:
             code, _, value = xmlrpc.client.ServerProxy(self.master_uri, _Impatient()).getParam("/roah_rsbb", PARAM)
         except (OSError, HTTPException, xmlrpc.client.Error, ExpatError, ValueError, TypeError) as error:
-            return (f"ROS master at {self.master_uri} cannot be reached ({error}): {START}, or set ROS_MASTER_URI to "
-                    "the box's computer")
+            why = "does not answer" if isinstance(error, socket.timeout) else f"cannot be reached ({error})"
+            return f"ROS master at {self.master_uri} {why}: {START}, or set ROS_MASTER_URI to the box's computer"
         if code == 1 and isinstance(value, dict) and {"url", "token"} <= value.keys():
             self._of_master = Place(str(value["url"]), str(value["token"]))
         else:

@@ -266,6 +266,20 @@ def test_stop_is_sent_as_soon_as_there_is_a_box(world):
     assert len(world.box.done) >= 1
 
 
+def test_stop_looks_for_another_door_while_the_first_one_hangs(world, monkeypatch):
+    monkeypatch.setattr(client_file, "STOP_S", 0.5)
+    monkeypatch.setattr(client_file, "CONNECT_S", 60.0)
+    with socket.socket() as listening:
+        listening.bind((HOST, 0))
+        listening.listen()
+        places = [Place(f"ws://{HOST}:{listening.getsockname()[1]}/door", TOKEN)]
+        world.find = lambda: places.pop() if places else world.box.place
+        client = world.client()
+        world.until(lambda: client._place is not None)
+        assert world.answer(client.stop("Home", "run 1", timeout_s=60.0)).is_answered
+        assert client.document is None and stops(world)
+
+
 # -- what breaks --------------------------------------------------------------------------------------
 
 

@@ -1,98 +1,101 @@
 """A box as the terminal's referee sees it, and a link to a core that a test plays, in simulated time."""
 
-from typing import Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional, Sequence
 
+from helpers.forms import shown_form
 from roah_rsbb.model.actions import ACTIONS, Row
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import BoxState, Document, RobotSeen
+from roah_rsbb.model.fields import Field
 from roah_rsbb.model.referee import Refused
-from roah_rsbb.referee.exits import NoCore
-from roah_rsbb.referee.state import (
+from roah_rsbb.model.shown import Shown
+from roah_rsbb.model.zone import (
     CONNECTED,
     ENDED,
     IDLE,
     RUNNING,
-    BoxSnapshot,
-    EventSnapshot,
-    RobotSnapshot,
-    RunTimes,
+    Count,
+    Event,
+    RobotInRun,
+    RunClock,
     SheetItem,
-    ZoneSnapshot,
+    Zone,
 )
+from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.words import Entered
 
 UTC0 = 1447000000.0  # 2015-11-08 16:26:40Z
+MONO0 = 1000.0
+NOW = Now(MONO0, UTC0)
 TICK_S = 0.1
 LONG_S = 300.0  # simulated; no test plans anything after that
+SILENT_S = 1.2
 ITEMS = (
-    SheetItem(1, "Achievements", "Detects the door", "bool", 0),
-    SheetItem(2, "Achievements", "Moved furniture", "uint", 0),
-    SheetItem(3, "Penalized", "Bumps into the furniture", "uint", 0),
+    SheetItem("Achievements", "Detects the door", "bool"),
+    SheetItem("Achievements", "Moved furniture", "uint"),
+    SheetItem("Penalized", "Bumps into the furniture", "uint"),
 )
 EVENTS = tuple(
-    EventSnapshot(code, f"Name of {code}", f"What {code} is", "TestingTeam", 1, run, UTC0 + 600 * run, 600.0)
+    Event(f"e{run}", code, f"Name of {code}", f"What {code} is", "TestingTeam", 1, run, UTC0 + 600 * run)
     for run, code in enumerate(("HGTKMH", "HWV", "HGTKMH", "HCFGAC"), 1)
 )
+ROBOT = RobotInRun("mbot", 6667, "PREPARE", "PREPARING", skew=0.0123, heard=True)
+RUN_CLOCK = RunClock(600.0, Count(87.7, MONO0), goal_limit=60.0, goal=2, goal_elapsed=Count(15.0, MONO0))
 
 
-RUN_TIMES = RunTimes(
-    ("Run: time left 8:33", "Goal: time left 0:45", "Used: 1:27 of 10:00"), "", 600.0, 87.7, True, 2, 60.0, 15.0, True,
-    0.0,
-)
+def off_as(off: Dict[str, Sequence[str]]) -> Dict[str, Shown]:
+    """The actions of a zone with the reasons why they are off."""
+    return {name: Shown(tuple(reasons)) for name, reasons in off.items()}
 
 
-def zone(**fields) -> ZoneSnapshot:
-    """A zone without a run."""
-    default = ZoneSnapshot(
-        zone="Home A", event=EVENTS[0], phase=IDLE, identity="", end_reason="", timer_s=600.0,
-        state=("Robot ready",), robot="", port=0, box_state="", robot_state="", skew_s=None,
-        last_message_utc_s=None, messages_saved=0, manual_operation="", warnings=(),
-        off={command: [] for command in ACTIONS}, score=(), log_file="", log="", online_data="",
-        times=RunTimes(("Time limit of the run 10:00",), "", 600.0, 0.0, False, 0, 60.0, 0.0, False, 0.0),
-    )
+def zone(**fields: Any) -> Zone:
+    """A zone without a run. `off`: the reasons why actions are off, instead of `actions`."""
+    off = fields.pop("off", dict.fromkeys(ACTIONS, ()))
+    default = Zone("Home A", EVENTS[0], state=("Robot ready",), actions=off_as(off), timeout=600.0,
+                   clock=RunClock(600.0))
     return default._replace(**fields)
 
 
-def running_zone(**fields) -> ZoneSnapshot:
+def running_zone(**fields: Any) -> Zone:
     """A zone with a run that was started."""
-    return zone(**{
-        "phase": RUNNING, "identity": "HGTKMH-6667-1", "robot": "mbot", "port": 6667,
-        "box_state": "PREPARE", "robot_state": "PREPARING", "skew_s": 0.0123,
-        "last_message_utc_s": UTC0 - 0.5, "score": ITEMS, "log_file": "/logs/run.bag",
-        "timer_s": 512.3, "times": RUN_TIMES, **fields,
-    })
+    return zone(**{"phase": RUNNING, "identity": "HGTKMH-6667-1", "robot": ROBOT, "items": ITEMS,
+                   "log_file": "/logs/run.bag", "clock": RUN_CLOCK, **fields})
 
 
-def robot(name: str = "mbot", team: str = "TestingTeam", skew_s: float = 0.0123) -> RobotSnapshot:
+def asked(of: Zone, number: int, text: str, *fields: Field) -> Zone:
+    """A zone in which a manual operation is asked for; number 0: it is over."""
+    shown = shown_form(number, fields, text) if number else Shown((), False)
+    return of._replace(operation=number, manual_operation=text, actions={**of.actions, "operation": shown})
+
+
+def robot(name: str = "mbot", team: str = "TestingTeam", skew: float = 0.0123,
+          silent_since: Optional[float] = None) -> RobotSeen:
     """An active robot."""
-    return RobotSnapshot(team, name, skew_s, UTC0 - 0.5, 0.5)
+    return RobotSeen(team, name, skew, silent_since)
 
 
-def box(*zones: ZoneSnapshot, **fields) -> BoxSnapshot:
-    """A box with these zones, or one zone without a run."""
-    default = BoxSnapshot(UTC0, "OK", "127.255.255.255", "6666", "uuid-1", (), (robot(),), zones or (zone(),))
-    return default._replace(**fields)
+def box(*zones: Zone, robots: Sequence[RobotSeen] = (robot(),), **fields: Any) -> Document:
+    """A box with these zones, or one zone without a run. `fields`: of its state."""
+    named = {one.zone: one for one in zones or (zone(),)}
+    state = BoxState("uuid-1", "127.255.255.255", 6666, zones=tuple(named))._replace(**fields)
+    return Document(state, {f"{one.robot} of team {one.team}": one for one in robots}, named, {}, {}, {})
 
 
-# Fields of a zone that come on /core/details; the others come on /core/to_gui.
-DETAILS = ("phase", "identity", "end_reason", "robot", "port", "box_state", "robot_state", "skew_s", "off", "log_file")
-
-
-NO_RUN = {"phase": IDLE, "identity": "", "robot": "", "port": 0, "score": (), "end_reason": ""}
+NO_RUN = {"phase": IDLE, "identity": "", "robot": None, "items": (), "end_reason": ""}
 
 
 class FakeLink:
-    """A link to a core of one zone. Time advances by `next` only; `at` plans what happens when.
+    """A link to a core of one zone. Time advances by `next` only; `at` plans what happens when. `box` is the newest
+    document that has arrived."""
 
-    `true_box` is what the core has. `box` is what has arrived of it: `details_late_s` gives the delay of each
-    CoreDetails in turn.
-    """
+    why = ""
 
     def __init__(self) -> None:
         self.time = 0.0
         self.heard = 0.0
         self.silent = False
-        self.dead = False  # silent, and no service answers
+        self.dead = False  # silent, and no call is answered
         self.extra_off: Dict[str, List[str]] = {}
-        self.details_late_s: Callable[[], float] = lambda: 0.0
         self.true_box = box(self._with_off(zone()))
         self.box = self.true_box
         self.commands: List[str] = []
@@ -102,8 +105,6 @@ class FakeLink:
         self.given: List[tuple] = []  # answers to manual operations and entries for switches, as they came
         self._plans: List[tuple] = []
         self._connects = 0
-        self._details_on_the_way: List[tuple] = []  # when it arrives, when it was published, the box then
-        self._details: tuple = (0.0, self.true_box)  # when it was published, the box then
 
     # -- what a test plays ---------------------------------------------------------------------------
 
@@ -111,10 +112,19 @@ class FakeLink:
         """Plan an event."""
         self._plans.append((seconds, what))
 
-    def change(self, **fields) -> None:
+    def change(self, **fields: Any) -> None:
         """Change the zone."""
-        new = self._with_off(self.zone._replace(**fields))
-        self.true_box = self.true_box._replace(zones=(new,), clock_utc_s=UTC0 + self.time)
+        self._set(self.zone._replace(**fields))
+
+    def ask(self, number: int, text: str = "", *fields: Field) -> None:
+        """A manual operation is asked for, or over."""
+        self._set(asked(self.zone, number, text, *fields))
+
+    def _set(self, new: Zone) -> None:
+        new = self._with_off(new)
+        self.true_box = self.true_box._replace(zones={new.zone: new})
+        if not self.time:
+            self.box = self.true_box  # the link was open before
 
     def end(self, reason: str) -> None:
         """End the run."""
@@ -124,11 +134,11 @@ class FakeLink:
         """The core's process is gone."""
         self.silent = self.dead = True
 
-    def restart(self, **fields) -> None:
+    def restart(self, **fields: Any) -> None:
         """The core is started again; without `fields` its zone has no run any more."""
         self.silent = self.dead = False
         self.index = 0
-        self.true_box = self.true_box._replace(box_uuid=self.true_box.box_uuid + "'")
+        self.true_box = self.true_box._replace(box=self.true_box.box._replace(uuid=self.true_box.box.uuid + "'"))
         self.change(**(fields or {**NO_RUN, "event": EVENTS[0]}))
 
     def block(self, command: str, *reasons: str) -> None:
@@ -137,31 +147,39 @@ class FakeLink:
         self.change()
 
     @property
-    def zone(self) -> ZoneSnapshot:
+    def zone(self) -> Zone:
         """The zone as the core has it now."""
-        return self.true_box.zones[0]
+        return self.true_box.zones["Home A"]
 
     def connect(self) -> None:
         """Somebody connects a robot; each run has another identity."""
         self._connects += 1
-        self.change(phase=CONNECTED, identity=f"run {self._connects}", robot="mbot", port=6667, score=ITEMS,
-                    end_reason="")
+        self.change(phase=CONNECTED, identity=f"run {self._connects}", robot=ROBOT, items=ITEMS, end_reason="")
 
     # -- what a Link does ----------------------------------------------------------------------------
 
-    def now(self) -> float:
+    def here_s(self) -> float:
         """Simulated seconds."""
         return self.time
 
+    def now(self) -> Now:
+        """The box's clocks."""
+        return NOW.later(self.time)
+
     @property
     def silence_s(self) -> float:
-        """For how long nothing was published."""
+        """For how long nothing was heard."""
         return self.time - self.heard
 
-    def next(self, limit_s: float) -> Optional[BoxSnapshot]:
-        """The next tick, or None after `limit_s` of silence."""
+    @property
+    def is_old(self) -> bool:
+        """Whether that is too long."""
+        return self.silence_s > SILENT_S
+
+    def next(self, limit_s: float) -> None:
+        """Wait for news, or for so long."""
         deadline = self.time + limit_s
-        while self.time < deadline:
+        while self.time < deadline and self._is_known():
             self.time = min(self.time + TICK_S, deadline)
             assert self.time < LONG_S, "nothing ends this run"
             while True:
@@ -172,34 +190,18 @@ class FakeLink:
                 due[0][1]()
             if not self.silent:
                 self.heard = self.time
-                self._publish()
-                return self.box
-        return None
+        self._hear()
 
-    def _publish(self) -> None:
-        """Details arrive in their order, each after its delay."""
-        arrives = self.time + self.details_late_s()
-        if self._details_on_the_way:
-            arrives = max(arrives, self._details_on_the_way[-1][0])
-        self._details_on_the_way.append((arrives, self.time, self.true_box))
-        while self._details_on_the_way and self._details_on_the_way[0][0] <= self.time:
-            self._details = self._details_on_the_way.pop(0)[1:]
-        zones = self.true_box.zones
-        if zones and self._details[1].zones:
-            old = self._details[1].zones[0]
-            zones = (zones[0]._replace(**{name: getattr(old, name) for name in DETAILS}),)
-        self.box = self.true_box._replace(zones=zones, box_uuid=self._details[1].box_uuid)
+    def _is_known(self) -> bool:
+        return self.silent or self.box is self.true_box
 
-    def settle(self) -> BoxSnapshot:
-        """As the real one: by the core's clock."""
-        if self.dead:
-            raise NoCore("gone")
-        clock = self.time
-        while True:
-            if self.next(2.0) is None:
-                raise NoCore("silent")
-            if self._details[0] > clock:
-                return self.box
+    def _hear(self) -> None:
+        if not self.silent:
+            self.box = self.true_box
+
+    def settle(self) -> None:
+        """What was answered is in the document."""
+        self._hear()
 
     def act(self, action: str, name: str, given: Optional[dict] = None, run: str = "") -> None:
         """Do an action as the core would: in this run, if one is named, and with this robot."""
@@ -211,8 +213,8 @@ class FakeLink:
             raise Refused([f"run {run} is not connected"])
         if action == "disconnect" and self.zone.phase == RUNNING:
             raise Refused([f"run {run} is running: stop it first"])
-        if self.zone.off[action]:
-            raise Refused(self.zone.off[action])
+        if self.zone.off(action):
+            raise Refused([*self.zone.off(action)])
         {
             "connect": self.connect,
             "start": lambda: self.change(phase=RUNNING),
@@ -222,7 +224,7 @@ class FakeLink:
             "previous": lambda: self._move(-1),
         }[action]()
         if given:
-            self.change(**given)
+            self.change(robot=ROBOT._replace(robot=given["robot"]))
 
     def stop_run(self, name: str, identity: str) -> None:
         """As the core: only the run of that identity."""
@@ -245,18 +247,18 @@ class FakeLink:
         answer = (self.answers.get("mark") or [None]).pop(0)
         if answer is not None:
             raise answer
-        now = next(i for i in self.zone.score if i.item == item.item)
+        now = next(i for i in self.zone.items if i.desc == item.desc)
         value = now.value + int(entered.added) if entered.added else entered.value
-        self.scores[item.item] = value
-        self.change(score=tuple(i._replace(value=value) if i.item == item.item else i for i in self.zone.score))
+        self.scores[item.desc] = value
+        self.change(items=tuple(i._replace(value=value) if i.desc == item.desc else i for i in self.zone.items))
 
     def _enter(self, action: str, given: dict) -> None:
         """What a benchmarking module asked for. As in the core, the number of an operation must be right."""
         self._give(action, *given.values())
         if action == "operation":
-            if self.zone.operation is None or self.zone.operation.number != given["operation"]:
+            if not self.zone.operation or self.zone.operation != given["operation"]:
                 raise Refused(["that manual operation is over"])
-            self.change(operation=None)
+            self.ask(0)
         elif action == "confirm_switches":
             self.change(switches=None)
 
@@ -270,9 +272,9 @@ class FakeLink:
         self.index += by
         self.change(event=EVENTS[self.index])
 
-    def _with_off(self, fresh: ZoneSnapshot) -> ZoneSnapshot:
+    def _with_off(self, fresh: Zone) -> Zone:
         index = EVENTS.index(fresh.event)
-        idle, extra = fresh.phase == IDLE, self.extra_off
+        idle = fresh.phase == IDLE
         own = {
             "connect": [] if idle else ["Already connected"],
             "start": [] if fresh.phase in (CONNECTED, ENDED) else ["Not now"],
@@ -281,5 +283,5 @@ class FakeLink:
             "previous": [] if idle and index > 0 else ["first event"],
             "next": [] if idle and index < len(EVENTS) - 1 else ["last event"],
         }
-        own = {command: own.get(command, ["Not in this test"]) for command in ACTIONS}
-        return fresh._replace(off={command: own[command] + extra.get(command, []) for command in ACTIONS})
+        off = off_as({name: [*own.get(name, ["Not in this test"]), *self.extra_off.get(name, [])] for name in ACTIONS})
+        return fresh._replace(actions={**off, "operation": fresh.actions["operation"]})

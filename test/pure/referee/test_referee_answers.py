@@ -9,15 +9,20 @@ from helpers.referee_box import FakeLink
 from roah_rsbb.model.fields import Choice, form_of
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.zone import Switches
 from roah_rsbb.referee.answers import MAX_IN_A_ROW, Automatic, GivenUp, Operations, Typed
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.run import RunScript, ScriptPlan
-from roah_rsbb.referee.state import ManualOperation, SwitchesSnapshot
 
-PLACE = ManualOperation(1, "Place it")
-AGAIN = ManualOperation(2, "No pose", fields=form_of(form("try again", "skip")))
-WHOM = ManualOperation(1, "Whom?", fields=form_of(form(asks_text=True)))
-TO_CONFIRM = SwitchesSnapshot((1,), 0, True)
+PLACE = (1, "Place it")
+AGAIN = (2, "No pose", *form_of(form("try again", "skip")))
+WHOM = (1, "Whom?", *form_of(form(asks_text=True)))
+TO_CONFIRM = Switches((1,), 0, True)
+
+
+def numbered(operation, number):
+    """An operation with another number."""
+    return (number, *operation[1:])
 
 
 class Table:
@@ -37,8 +42,10 @@ class Table:
         typed, self.typed = self.typed, []
         return typed
 
-    def asks(self, operation=None, switches=None):
-        self.link.change(operation=operation, switches=switches)
+    def asks(self, operation=(0,), switches=None):
+        """`operation`: its number, text and fields."""
+        self.link.ask(*operation)
+        self.link.change(switches=switches)
         self.looks()
 
     def looks(self, times=1):
@@ -57,7 +64,7 @@ def test_an_answer_that_is_none_of_the_choices_is_the_text_of_the_form():
     table = Table(Typed)
     fields = form_of(form("Annie", "Tom", asks_text=True))
     for number, (typed, given) in enumerate((("tom", "Tom"), ("a man", "a man"), ("", "")), 1):
-        table.asks(ManualOperation(number, "Whom?", fields=fields))
+        table.asks((number, "Whom?", *fields))
         table.types(typed)
         assert table.link.given[-1] == ("operation", number, given)
     assert "type Annie / Tom, or another answer (Enter: Annie)" in table.notes
@@ -70,7 +77,7 @@ def test_each_operation_is_completed_once_with_its_usual_answer():
     table = Table(Automatic)
     table.asks(PLACE)
     table.asks(PLACE)  # an old message once more
-    table.asks(None)
+    table.asks()
     table.asks(AGAIN)
     assert table.link.given == [("operation", 1), ("operation", 2)]
     assert table.notes == ["completed without a human referee: Place it", "completed without a human referee: No pose"]
@@ -96,27 +103,27 @@ def test_what_does_not_work_is_tried_again(error):
 
 def test_what_only_a_human_can_measure_is_given_up():
     with pytest.raises(GivenUp, match="Look at the cup.*: Did the robot hold it.*, Pose of the cup"):
-        Table(Automatic).asks(ManualOperation(1, ODD_ASKED, fields=ODD))
+        Table(Automatic).asks((1, ODD_ASKED, *ODD))
 
 
 def test_the_same_thing_again_is_waited_for_and_not_for_ever():
     table = Table(Automatic)
-    table.asks(AGAIN._replace(number=1))
+    table.asks(numbered(AGAIN, 1))
     for number in range(2, MAX_IN_A_ROW + 1):
-        table.asks(AGAIN._replace(number=number))
+        table.asks(numbered(AGAIN, number))
         assert len(table.link.given) == number - 1, "not at once"
         while len(table.link.given) < number:
             table.looks()
     with pytest.raises(GivenUp, match="asked 10 times in a row: No pose"):
-        table.asks(AGAIN._replace(number=99))
+        table.asks(numbered(AGAIN, 99))
         table.looks(12)
 
 
 def test_something_else_in_between_is_patience():
     table = Table(Automatic)
     for number in range(1, 40, 2):
-        table.asks(AGAIN._replace(number=number))
-        table.asks(PLACE._replace(number=number + 1))
+        table.asks(numbered(AGAIN, number))
+        table.asks(numbered(PLACE, number + 1))
     assert len(table.link.given) == 40
 
 
@@ -167,8 +174,8 @@ def test_an_invalid_answer_is_reported_and_asked_again():
 @pytest.mark.parametrize(("operation", "prompt", "line", "answer"), [
     (WHOM, "type text (Enter: none)", "don't know", "don't know"),
     (WHOM, "type text (Enter: none)", "", ""),
-    (AGAIN._replace(number=1), "type try again / skip (Enter: try again)", "", ""),
-    (ManualOperation(1, "How high?", fields=(MEASURED,)), "type 0 to 2.5 m", "1,5", 1.5),
+    (numbered(AGAIN, 1), "type try again / skip (Enter: try again)", "", ""),
+    ((1, "How high?", MEASURED), "type 0 to 2.5 m", "1,5", 1.5),
 ])
 def test_an_answer_may_be_typed(operation, prompt, line, answer):
     table = Table(Typed)
@@ -180,7 +187,7 @@ def test_an_answer_may_be_typed(operation, prompt, line, answer):
 
 def test_the_form_of_a_module_that_nobody_knows_is_filled_in():
     table = Table(Typed)
-    table.asks(ManualOperation(7, ODD_ASKED, fields=ODD))
+    table.asks((7, ODD_ASKED, *ODD))
     assert table.notes == [
         "type a value for each, in this order or as NAME=VALUE: held: Did the robot hold it? (yes / no); "
         "drops: How often did it fall? (0 to 9); place: Where is it now? (table / floor); "
@@ -199,7 +206,7 @@ def test_the_form_of_a_module_that_nobody_knows_is_filled_in():
 def test_the_beginning_of_several_choices_is_none_of_them():
     table = Table(Typed)
     place = Choice("place", say("Place"), choices=("the floor", "the chair"))
-    table.asks(ManualOperation(1, "Where?", fields=(place,)))
+    table.asks((1, "Where?", place))
     table.types("the", "the c")
     assert table.notes[1] == "not done: 'the' is the beginning of several choices: 'the floor', 'the chair'"
 
@@ -223,10 +230,10 @@ def test_switches_are_entered_and_confirmed():
 def test_a_script_may_answer_ahead():
     table = Table(Typed, ahead=True)
     table.typed = ["", "skip", ""]
-    for operation in (PLACE, AGAIN, PLACE._replace(number=3)):
+    for operation in (PLACE, AGAIN, numbered(PLACE, 3)):
         table.asks(operation)
         table.looks(3)
-        table.asks(None)
+        table.asks()
     assert table.link.given == [("operation", 1), ("operation", 2, "skip"), ("operation", 3)]
 
 
@@ -236,7 +243,7 @@ def test_another_referee_may_be_quicker():
     table.link.answers["operation"] = [Refused(["that manual operation is over"])]
     table.types("")
     assert table.notes[1] == "not done: that manual operation is over"
-    table.asks(None)
+    table.asks()
     table.asks(AGAIN)
     table.types("")
     assert table.link.given == [("operation", 2, "")]
@@ -254,8 +261,8 @@ def _run(link, operations):
 
 def test_a_run_with_manual_operations():
     link = FakeLink()
-    link.at(3, lambda: link.change(operation=PLACE))
-    link.at(5, lambda: link.change(operation=AGAIN))
+    link.at(3, lambda: link.ask(*PLACE))
+    link.at(5, lambda: link.ask(*AGAIN))
     link.at(7, lambda: link.end("completed"))
     outcome, notes = _run(link, Operations.AUTOMATIC)
     assert outcome.status is Exit.OK
@@ -265,7 +272,7 @@ def test_a_run_with_manual_operations():
 
 def test_a_run_leaves_them_to_others():
     link = FakeLink()
-    link.at(3, lambda: link.change(operation=PLACE))
+    link.at(3, lambda: link.ask(*PLACE))
     link.at(5, lambda: link.end("completed"))
     assert _run(link, Operations.OTHERS) == (_run_outcome(link), [])
     assert link.given == []
@@ -273,7 +280,7 @@ def test_a_run_leaves_them_to_others():
 
 def _run_outcome(link):
     again = FakeLink()
-    again.at(3, lambda: again.change(operation=PLACE))
+    again.at(3, lambda: again.ask(*PLACE))
     again.at(5, lambda: again.end("completed"))
     return RunScript(again, ScriptPlan("Home A", 20.0), lambda change: None).run()
 
@@ -281,7 +288,7 @@ def _run_outcome(link):
 def test_a_run_that_needs_a_human_is_left():
     link = FakeLink()
     for number in range(1, 20):
-        link.at(2 * number, lambda n=number: link.change(operation=AGAIN._replace(number=n)))
+        link.at(2 * number, lambda n=number: link.ask(*numbered(AGAIN, n)))
     outcome, _ = _run(link, Operations.AUTOMATIC)
     assert outcome.status is Exit.NOT_COMPLETED
     assert "asked 10 times in a row: No pose" in outcome.text

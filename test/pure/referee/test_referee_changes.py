@@ -2,33 +2,36 @@
 
 import pytest
 
-from helpers.forms import ODD
-from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
+from helpers.forms import form
+from helpers.referee_box import EVENTS, ITEMS, ROBOT, UTC0, asked, box, robot, running_zone, zone
+from roah_rsbb.model.fields import form_of
+from roah_rsbb.model.records import ScoreValue
+from roah_rsbb.model.zone import RunClock, Switches
 from roah_rsbb.referee.changes import changes, news
-from roah_rsbb.referee.state import ManualOperation, ModuleScoreLine, SwitchesSnapshot
 
 
 def _facts(old, new, **options):
-    return [(change.kind, change.zone, change.facts) for change in changes(old, new, **options)]
+    return [(change.kind, change.zone, change.facts) for change in changes(old, new, UTC0, **options)]
 
 
 def test_nothing_happened():
-    assert changes(box(running_zone()), box(running_zone())) == []
+    assert _facts(box(running_zone()), box(running_zone())) == []
 
 
 def test_a_change_of_time_and_skew_alone_is_not_reported():
     old = box(running_zone())
-    new = box(running_zone(timer_s=511.0, skew_s=0.02, messages_saved=4, last_message_utc_s=UTC0), clock_utc_s=UTC0 + 1)
-    assert changes(old, new) == []
+    new = box(running_zone(clock=RunClock(), robot=ROBOT._replace(skew=0.02, messages_saved=4, silent_since=1.0)))
+    assert _facts(old, new) == []
 
 
 def test_a_change_has_the_boxs_time():
-    new = box(running_zone(robot_state="EXECUTING"), clock_utc_s=UTC0 + 5)
-    assert [change.utc_s for change in changes(box(running_zone()), new)] == [UTC0 + 5]
+    new = box(running_zone(robot=ROBOT._replace(robot_state="EXECUTING")))
+    assert [change.utc_s for change in changes(box(running_zone()), new, UTC0 + 5)] == [UTC0 + 5]
 
 
 def test_the_states_are_reported_with_what_changed():
-    (kind, name, facts), = _facts(box(running_zone()), box(running_zone(robot_state="EXECUTING", box_state="GOAL_TX")))
+    (kind, name, facts), = _facts(box(running_zone()), box(running_zone(
+        robot=ROBOT._replace(robot_state="EXECUTING", box_state="GOAL_TX"))))
     assert (kind, name) == ("state", "Home A")
     assert facts["changed"] == ["box_state", "robot_state"]
     assert (facts["phase"], facts["robot_state"]) == ("running", "EXECUTING")
@@ -44,7 +47,7 @@ def test_lines_are_reported_once_and_in_order():
 
 def test_lines_continue_where_the_beginning_was_cut_off():
     lines = [f"12:00:{second:02d}Z a line long enough to be found again\n" for second in range(20)]
-    found = changes(box(running_zone(log="".join(lines[:15]))), box(running_zone(log="".join(lines[5:18]))))
+    found = changes(box(running_zone(log="".join(lines[:15]))), box(running_zone(log="".join(lines[5:18]))), UTC0)
     assert [change.facts["text"] + "\n" for change in found] == lines[15:18]
 
 
@@ -55,8 +58,7 @@ def test_the_next_runs_log_starts_empty():
 
 def test_a_score_is_reported_once_although_the_core_logs_it_too():
     old, new = running_zone(), running_zone(
-        score=(ITEMS[0]._replace(value=1), *ITEMS[1:]), log="Score: Achievements: Detects the door 0 -> 1\nother\n")
-    # The topic of the log may be ahead of the one of the sheet.
+        items=(ITEMS[0]._replace(value=1), *ITEMS[1:]), log="Score: Achievements: Detects the door 0 -> 1\nother\n")
     assert _facts(box(old), box(old._replace(log=new.log))) == [("log", "Home A", {"text": "other"})]
     assert _facts(box(old), box(new)) == [
         ("log", "Home A", {"text": "other"}),
@@ -67,7 +69,7 @@ def test_a_score_is_reported_once_although_the_core_logs_it_too():
 
 
 def test_what_was_not_attempted_is_reported_although_the_value_stays():
-    marked = running_zone(score=(ITEMS[0]._replace(not_attempted=True), *ITEMS[1:]))
+    marked = running_zone(items=(ITEMS[0]._replace(not_attempted=True), *ITEMS[1:]))
     for old, new, reported in ((running_zone(), marked, (False, True)), (marked, running_zone(), (True, False))):
         ((kind, _, facts),) = _facts(box(old), box(new))
         assert (kind, facts["old"], facts["value"]) == ("score", 0, 0)
@@ -75,8 +77,8 @@ def test_what_was_not_attempted_is_reported_although_the_value_stays():
 
 
 def test_another_runs_sheet_is_not_a_change_of_scores():
-    old = running_zone(score=(ITEMS[0]._replace(value=1), *ITEMS[1:]))
-    assert "score" not in [kind for kind, _, _ in _facts(box(old), box(running_zone(port=6668)))]
+    old = running_zone(items=(ITEMS[0]._replace(value=1), *ITEMS[1:]))
+    assert "score" not in [kind for kind, _, _ in _facts(box(old), box(running_zone(identity="HGTKMH-6667-2")))]
 
 
 def test_the_zone_moves_to_another_event():
@@ -94,36 +96,37 @@ def test_a_line_on_an_item_that_stays_as_it_is(line: str):
 
 
 def test_manual_operations_come_and_go():
-    asked = running_zone(operation=ManualOperation(3, "Place the mug", ("done", "skip"), False, ODD))
+    fields = form_of(form("done", "skip"))
+    first = asked(running_zone(), 3, "Place the mug", *fields)
     facts = {"operation": 3, "text": "Place the mug", "choices": ["done", "skip"], "asks_text": False,
-             "fields": list(ODD)}
-    assert _facts(box(running_zone()), box(asked)) == [("manual_operation", "Home A", facts)]
+             "fields": list(fields)}
+    assert _facts(box(running_zone()), box(first)) == [("manual_operation", "Home A", facts)]
     over = {"operation": 0, "text": "", "choices": [], "asks_text": False, "fields": []}
-    assert _facts(box(asked), box(running_zone())) == [("manual_operation", "Home A", over)]
-    again = running_zone(operation=asked.operation._replace(number=4))
-    assert _facts(box(asked), box(again)) == [("manual_operation", "Home A", {**facts, "operation": 4})]
+    assert _facts(box(first), box(running_zone())) == [("manual_operation", "Home A", over)]
+    again = asked(running_zone(), 4, "Place the mug", *fields)
+    assert _facts(box(first), box(again)) == [("manual_operation", "Home A", {**facts, "operation": 4})]
 
 
 def test_what_the_module_says_and_scores():
-    time = ModuleScoreLine("goal 1", "time", None, "s", "Time")
-    old = running_zone(module_score=(time,), module_status="Goal 1 of 2")
-    new = running_zone(module_score=(time._replace(value=1.5), time), module_status="Goal 2 of 2")
+    time = ScoreValue("goal 1", "time", "null", "s", "Time")
+    old = running_zone(module_scores=(time,), module_status="Goal 1 of 2")
+    new = running_zone(module_scores=(time._replace(value="1.5"), time), module_status="Goal 2 of 2")
     assert _facts(box(old), box(new)) == [
-        ("module_score", "Home A", {**time._replace(value=1.5)._asdict(), "old": None}),
+        ("module_score", "Home A", {**time._asdict(), "value": 1.5, "old": None}),
         ("module_status", "Home A", {"text": "Goal 2 of 2"}),
     ]
     assert _facts(box(new), box(running_zone())) == []
 
 
 def test_switches_are_entered():
-    old, new = (running_zone(switches=SwitchesSnapshot((1,), damaged, False)) for damaged in (0, 1))
+    old, new = (running_zone(switches=Switches((1,), damaged, False)) for damaged in (0, 1))
     entered = ("switches", "Home A", {"on": (1,), "damaged": 1, "to_confirm": False})
     assert _facts(box(old), box(new)) == _facts(box(running_zone()), box(new)) == [entered]
     assert _facts(box(old), box(running_zone())) == []
 
 
 def test_robots_come_and_go():
-    old, new = box(robots=(robot("a"),)), box(robots=(robot("b", skew_s=0.5),))
+    old, new = box(robots=(robot("a"),)), box(robots=(robot("b", skew=0.5),))
     assert _facts(old, new) == [
         ("robot", "", {"what": "came", "team": "TestingTeam", "robot": "b", "skew_s": 0.5}),
         ("robot", "", {"what": "gone", "team": "TestingTeam", "robot": "a", "skew_s": 0.0123}),
@@ -145,7 +148,7 @@ def test_a_warning_with_other_numbers_is_the_same_one(old, new):
 
 
 def test_a_restart_of_the_core_is_reported():
-    assert _facts(box(), box(box_uuid="uuid-2")) == [("core", "", {"what": "restarted", "box_uuid": "uuid-2"})]
+    assert _facts(box(), box(uuid="uuid-2")) == [("core", "", {"what": "restarted", "box_uuid": "uuid-2"})]
 
 
 def test_one_zone_is_followed_with_its_own_teams_robots_and_the_whole_box():

@@ -3,18 +3,18 @@
 import pytest
 
 from helpers.referee_box import ITEMS, UTC0
+from roah_rsbb.model.results import HistoryEntry, RunEnd, RunLine, RunSheet
 from roah_rsbb.referee import view
-from roah_rsbb.referee.sheets import LAST, RunEnd, RunLine, Sheet, pick_run, run_lines, sheet_lines
+from roah_rsbb.referee.sheets import LAST, pick_run, run_lines, sheet_lines
 from roah_rsbb.referee.words import BadWord
-from roah_rsbb.wording.sheets import HistoryEntry
 from roah_rsbb.wording.times import Moments
 
 UTC = view.Style(moments=Moments(in_utc=True))
 
 
 def _run(number=1, **fields):
-    run = RunLine(f"HWV-{6666 + number}-1447.5", "Home A", "HWV", "TestingTeam", 1, number, UTC0, UTC0 + 600 * number,
-                  "stopped", "Good 3", False, None, "")
+    run = RunLine(f"HWV-{6666 + number}-1447.5", 1, "Home A", "HWV", "TestingTeam", 1, number, UTC0,
+                  closed_utc_s=UTC0 + 600 * number, end_reason="stopped", score="Good 3")
     return run._replace(**fields)
 
 
@@ -55,15 +55,16 @@ def test_a_sheet_has_history_and_ends():
     entry = HistoryEntry(1, UTC0, "Anna", "Achievements", "Detects the door", "bool", 0, False, 1, False, "late")
     withdrawn = entry._replace(number=2, old=1, value=0, not_attempted=True, note="", correction=True,
                                withdrawn_utc_s=UTC0 + 60, withdrawn_by="Ben", withdrawn_note="it did")
-    sheet = Sheet(_run(1, corrected=True), ("mbot",), 12.0, (ITEMS[0]._replace(value=1), ITEMS[2]), (1,),
-                  (entry, withdrawn), (RunEnd(1, UTC0, "Anna", "stopped", "Stopped by the referee", "fire", "Ben"),
-                                       RunEnd(2, UTC0, "", "timeout", "Time is up", "")))
+    items = (ITEMS[0]._replace(value=1, corrected=True), ITEMS[2])
+    sheet = RunSheet(_run(1, corrected=True), ("mbot",), 12.0, items, (entry, withdrawn), (
+        RunEnd(1, UTC0, "Anna", "stopped", "Stopped by the referee", "fire", "Ben"),
+        RunEnd(2, UTC0, "", "timeout", "Time is up", "")))
     assert sheet_lines(sheet, UTC)[1:] == [
         "    time 0:12.0",
         "    Achievements",
         "       1    yes  Detects the door  (corrected)",
         "    Penalized",
-        "       3      0  Bumps into the furniture",
+        "       2      0  Bumps into the furniture",
         "History",
         "       1  16:26:40Z Anna: Achievements: Detects the door: no → yes (late)",
         "       2  16:26:40Z Anna: Achievements: Detects the door: yes → not attempted; correction; "

@@ -5,8 +5,8 @@ import threading
 import pytest
 
 from helpers.referee_box import box, running_zone, zone
-from roah_rsbb.model.referee import Refused
-from roah_rsbb.referee.exits import Exit, NoCore
+from roah_rsbb.client.client import Answer
+from roah_rsbb.referee.exits import Exit
 from roah_rsbb.referee.stopping import Stopping, TypedStops, ZoneStop
 from roah_rsbb.referee.words import BadWord, is_all, stop_wanted
 
@@ -15,78 +15,86 @@ LIMIT_S = 30.0  # for what comes, however busy the machine is
 
 
 class StopCore:
-    """A core of some zones. Each link to it is independent, as real ones are."""
+    """A core of some zones, and the link to it."""
+
+    node, trouble = "/referee_1", "no core: start it"
 
     def __init__(self, *zones):
-        self.zones = {one.zone: one for one in zones}
+        self.document = box(*zones)  # None: nothing is known of the box yet
+        self.hidden = None  # what will be known then
         self.sent = []  # zones, as the calls arrived
         self.gates = {one.zone: threading.Event() for one in zones}  # cleared: the call for this zone hangs
         for gate in self.gates.values():
             gate.set()
-        self.opens = threading.Event()  # cleared: nothing is published
-        self.opens.set()
         self.refuses = {}
-        self.fails = 0  # so many calls fail
+        self.news = 0
+        self._changed = threading.Condition()
 
-    def stop(self, name):
-        self.sent.append(name)
-        if name not in self.zones:
-            raise Refused([f"no zone {name}"])
+    def hide(self):
+        """Nothing is known of the box any more."""
+        self.document, self.hidden = None, self.document
+
+    def show(self):
+        """It is known again."""
+        if self.hidden is not None:
+            self.document, self.hidden = self.hidden, None
+            self.wake()
+
+    @property
+    def box(self):
+        return self.document or self.hidden
+
+    def change(self, name, **fields):
+        """Change a zone."""
+        changed = self.box._replace(zones={**self.box.zones, name: self.box.zones[name]._replace(**fields)})
+        if self.document is None:
+            self.hidden = changed
+        else:
+            self.document = changed
+        self.wake()
+
+    def obey(self, name):
+        """Stop the run in a zone; returns the reasons why not."""
+        if name not in self.box.zones:
+            return (f"no zone {name}",)
         self.gates[name].wait(LIMIT_S)
-        if self.fails:
-            self.fails -= 1
-            raise NoCore("the core hangs, restart it")
         if name in self.refuses:
-            raise Refused([self.refuses[name]])
-        if self.zones[name].phase == "idle":
-            raise Refused(["No run is connected"])
-        if self.zones[name].phase == "running":
-            self.zones[name] = self.zones[name]._replace(**ENDED)
+            return (self.refuses[name],)
+        if self.box.zones[name].phase == "idle":
+            return ("No run is connected",)
+        if self.box.zones[name].phase == "running":
+            self.change(name, **ENDED)
+        return ()
 
-    def link(self):
-        return StopLink(self)
+    # -- the link ------------------------------------------------------------------------------------
 
+    def stop(self, name, run, done, timeout_s, node):
+        assert (run, node) == ("", self.node)
+        self.sent.append(name)
+        threading.Thread(target=lambda: done(Answer(1, None, self.obey(name))), daemon=True).start()
 
-class StopLink:
-    """A link to it."""
+    def wake(self):
+        with self._changed:
+            self.news += 1
+            self._changed.notify_all()
 
-    def __init__(self, core):
-        self._core = core
-
-    def open(self):
-        if not self._core.opens.wait(0.05):
-            raise NoCore("no core: start it")
-        return self._box()
-
-    def close(self):
-        pass
-
-    def next(self, limit_s):
-        threading.Event().wait(0.005)
-        return self._box()
-
-    def _box(self):
-        return box(*self._core.zones.values())
+    def wait_news(self, since, timeout_s):
+        with self._changed:
+            self._changed.wait_for(lambda: self.news != since, timeout_s)
+            return self.news
 
     @staticmethod
-    def shows_after(clock):
-        return True
-
-    def try_to_stop(self, name):
-        self._core.stop(name)
-
-    @staticmethod
-    def try_clock():
-        return 1
+    def is_confirmed(number):
+        return number == 1
 
 
 def _running(name, **fields):
-    return running_zone(zone=name, not_stopped=(), **fields)
+    return running_zone(zone=name, **fields)
 
 
 def _stop(core, word, own_zone=""):
     lines = []
-    stopping = Stopping(core.link, word, lines.append, own_zone)
+    stopping = Stopping(core, word, lines.append, own_zone)
     stopping.run()
     return stopping, [(line.zone, line.way) for line in lines]
 
@@ -151,9 +159,10 @@ def test_robots_that_move_are_named_until_they_stop():
 
 
 def test_a_run_that_is_left_before_its_robot_has_stopped_is_not_forgotten():
-    one, link = _followed(answered_s=100.1, clock=1), StopLink(None)
-    one.take(link, box(_running("A", **ENDED)._replace(not_stopped=("r1",))))
-    one.take(link, box(zone(zone="A")))
+    one, core = _followed(answered_s=100.1, number=1), StopCore(_running("A", **ENDED, not_stopped=("r1",)))
+    one.look(core)
+    core.document = box(zone(zone="A"))
+    one.look(core)
     assert one.refused == ("the run was left before r1 answered STOP: stop by hand",)
 
 
@@ -165,14 +174,14 @@ def test_a_run_is_stopped(word, own_zone):
     core = StopCore(_running("Home A"), zone(zone="Kitchen"))
     stopping, lines = _stop(core, word, own_zone)
     assert lines[-1] == ("Home A", "stopped")
-    assert core.zones["Home A"].phase == "ended"
+    assert core.box.zones["Home A"].phase == "ended"
     assert (stopping.status(), stopping.is_all) == (Exit.OK, False)
 
 
 def test_all_runs_are_stopped_and_one_that_hangs_delays_no_other():
-    core = StopCore(_running("A"), _running("B"), zone(zone="C"), zone(zone="D", phase="connected"),
-                    _running("E", **ENDED)._replace(not_stopped=("gone",)))
-    core.zones["D"].off["stop"].append("The run is not started")
+    core = StopCore(_running("A"), _running("B"), zone(zone="C"),
+                    zone(zone="D", phase="connected", off={"stop": ["The run is not started"]}),
+                    _running("E", **ENDED, not_stopped=("gone",)))
     core.gates["A"].clear()
     seen = []
 
@@ -181,7 +190,7 @@ def test_all_runs_are_stopped_and_one_that_hangs_delays_no_other():
         if line == line._replace(zone="B", way="stopped"):
             core.gates["A"].set()
 
-    stopping = Stopping(core.link, "all", report)
+    stopping = Stopping(core, "all", report)
     stopping.run()
     assert [line for line in seen if line[1] == "stopped"] == [("B", "stopped"), ("A", "stopped")]
     assert {name for name, _ in seen} == {"A", "B"}, "the others have nothing to stop"
@@ -189,23 +198,16 @@ def test_all_runs_are_stopped_and_one_that_hangs_delays_no_other():
     assert stopping.status() is Exit.OK
 
 
-def test_it_is_tried_again_until_the_core_answers():
-    core = StopCore(_running("A"))
-    core.fails = 3
-    assert _stop(core, "A")[1][-1] == ("A", "stopped")
-    assert len(core.sent) == 4
-
-
 def test_it_is_sent_although_nothing_is_published():
     core = StopCore(_running("A"))
-    core.opens.clear()
+    core.hide()
     lines = []
 
     def report(line):
         lines.append((line.zone, line.way, line.trouble))
-        core.opens.set()
+        core.show()
 
-    Stopping(core.link, "A", report).run()
+    Stopping(core, "A", report).run()
     assert lines[0] == ("A", "lost_robot", "no core: start it"), "the box has it, but nobody knows of the robot"
     assert lines[-1] == ("A", "stopped", "")
     assert core.sent == ["A"], "at once; its answer counts when the zone is known"
@@ -234,16 +236,16 @@ def test_typed_stops_wait_for_no_other():
     core = StopCore(_running("Home A"), _running("Home B"))
     core.gates["Home A"].clear()
     seen, notes = threading.Event(), []
-    stops = TypedStops(core.link, lambda line: seen.set() if line.zone == "Home B" and line.way == "stopped" else None,
+    stops = TypedStops(core, lambda line: seen.set() if line.zone == "Home B" and line.way == "stopped" else None,
                        notes.append, "Home A")
     assert not stops.take("no") and not stops.of_own_zone
     assert stops.take("stop home b") and not stops.of_own_zone
     assert stops.take("stop") and stops.of_own_zone
     assert seen.wait(LIMIT_S)
-    assert core.zones["Home A"].phase == "running"
+    assert core.box.zones["Home A"].phase == "running"
     core.gates["Home A"].set()
     stops.wait()
-    assert core.zones["Home A"].phase == "ended"
+    assert core.box.zones["Home A"].phase == "ended"
     assert stops.take("stop nowhere")
     stops.wait()
     (note,) = notes
@@ -251,23 +253,21 @@ def test_typed_stops_wait_for_no_other():
 
 
 def test_a_run_that_its_program_stopped_first_is_shown_as_stopped():
-    """A program stops its own run as soon as a STOP is typed, perhaps before the STOP has found the zones."""
+    """A program stops its own run as soon as a STOP is typed, perhaps before the STOP has looked at the zones."""
     core = StopCore(_running("Home A"), _running("B"))
-    before = core.link().open()
-    core.stop("Home A")
-    lines, notes = [], []
-    stops = TypedStops(core.link, lines.append, notes.append, "Home A", lambda: before)
-    stops.take("stop all")
-    stops.wait()
+    lines = []
+    stopping = Stopping(core, "all", lines.append, "Home A", core.document)
+    core.obey("Home A")
+    stopping.run()
     assert {line.zone for line in lines if line.way == "stopped"} == {"Home A", "B"}
-    assert not notes
+    assert not [one for one in stopping.result() if one.refused]
 
 
 @pytest.mark.parametrize("line, is_own", [("stop", True), ("stop all", True), ("stop home", True), ("stop B", False)])
 def test_whether_the_programs_own_run_was_stopped(line, is_own):
     core = StopCore(_running("Home A"), _running("B"))
-    stops = TypedStops(core.link, lambda line: None, lambda text: None, "Home A")
+    stops = TypedStops(core, lambda line: None, lambda text: None, "Home A")
     stops.take(line)
     stops.wait()
     assert stops.of_own_zone is is_own
-    assert (core.zones["Home A"].phase == "ended") is is_own
+    assert (core.box.zones["Home A"].phase == "ended") is is_own

@@ -1,31 +1,33 @@
 """The terminal's output."""
 
+import json
 import re
 
 import pytest
 
 from helpers.forms import ODD, form
-from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
+from helpers.referee_box import EVENTS, ITEMS, MONO0, NOW, ROBOT, RUN_CLOCK, UTC0, asked, box, robot, running_zone, zone
 from helpers.time_zones import local_time
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import Number, form_of
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints
+from roah_rsbb.model.schedule import ScheduledEvent
+from roah_rsbb.model.zone import AllRobots, SheetItem, Switches
 from roah_rsbb.referee import view
 from roah_rsbb.referee.args import parser
 from roah_rsbb.referee.changes import Change, changes
-from roah_rsbb.referee.state import AllRobotsSnapshot, ManualOperation, ModuleScoreLine, SheetItem, SwitchesSnapshot
-from roah_rsbb.wording import schedule
 from roah_rsbb.wording.times import Moments
 
 UTC, COLOUR = (view.Style(in_colour, Moments(in_utc=True)) for in_colour in (False, True))
 
 
 def _status(*zones, **fields):
-    return "\n".join(view.status(box(*zones, **fields), UTC))
+    return "\n".join(view.status(box(*zones, **fields), NOW, UTC))
 
 
 def _lines(old, new):
-    return [view.change_line(change, UTC) for change in changes(old, new)]
+    return [view.change_line(change, UTC) for change in changes(old, new, UTC0)]
 
 
 def test_all_zones_at_a_glance():
@@ -46,27 +48,27 @@ def test_what_is_allowed_now_can_be_typed():
 
 
 def test_active_robots_with_skew_and_age():
-    far = robot("late", skew_s=-0.15)._replace(age_s=12.0)
+    far = robot("late", skew=-0.15, silent_since=MONO0 - 12.0)
     assert "    TestingTeam late: skew -0.150 s, heard 12 s ago" in _status(robots=(far,))
     assert "Active robots: none" in _status(robots=())
 
 
 def test_warnings_of_the_box_and_of_a_zone():
-    text = _status(running_zone(state=("Running", "WARNING: silent")), warnings=("Another box",))
+    text = _status(running_zone(state=("Running",), warnings=("silent",)), warnings=("Another box",))
     assert "WARNING: Another box" in text
     assert "    WARNING: silent" in text
 
 
 def test_a_robot_of_which_little_is_known():
-    text = _status(running_zone(robot_state="", skew_s=None, last_message_utc_s=None))
+    text = _status(running_zone(robot=ROBOT._replace(robot_state="", skew=None, heard=False)))
     assert "robot mbot: no state yet, skew not known, never heard on its private channel" in text
 
 
 def test_all_robots_at_once_are_listed_in_the_zones_report():
-    robots = AllRobotsSnapshot(1, 0, 1, ("a of team T: preparing", "b\n of team T: ready"))
-    of_all = running_zone(robot="2 robots", all_robots=robots)
+    robots = AllRobots(6667, 1, 0, 1, ("a of team T: preparing", "b\n of team T: ready"))
+    of_all = running_zone(robot=None, all_robots=robots)
     assert "2 robots" not in _status(of_all)  # its state counts them
-    report = view.zone_report(of_all, UTC0, UTC)
+    report = view.zone_report(of_all, NOW, UTC)
     assert [line.strip() for line in report if "of team" in line] == [
         "robot a of team T: preparing", "robot b\\n of team T: ready"
     ]
@@ -77,7 +79,7 @@ def test_the_end_of_a_run_says_why():
 
 
 def test_a_pause_comes_before_the_times():
-    paused = running_zone(times=running_zone().times._replace(pause="PAUSED: place the \x1b mug"))
+    paused = running_zone(clock=RUN_CLOCK._replace(paused="place the \x1b mug"))
     assert "Home A: RUNNING\n    PAUSED: place the \\x1b mug\n    Run: time left 8:33" in _status(paused)
 
 
@@ -85,40 +87,37 @@ def test_times_are_local_unless_utc_is_asked_for():
     with local_time("Brest-02:30"):
         old, new = box(running_zone()), box(running_zone(log="16:26:38Z PREPARE: x\n", online_data="23:59:59Z y\n"))
         local = view.Style()
-        assert view.status(new, local)[0] == "RSBB at 127.255.255.255:6666, 18:56:40 Brest: OK"
-        assert "    HGTKMH, team TestingTeam, round 1, run 1, scheduled 19:06" in view.status(new, local)
-        assert view.zone_report(new.zones[0], UTC0, local)[-1] == "    02:29:59 y"
-        shown = [view.change_line(change, local) for change in changes(old, new)]
+        assert view.status(new, NOW, local)[0] == "RSBB at 127.255.255.255:6666, 18:56:40 Brest: OK"
+        assert "    HGTKMH, team TestingTeam, round 1, run 1, scheduled 19:06" in view.status(new, NOW, local)
+        assert view.zone_report(new.zones["Home A"], NOW, local)[-1] == "    02:29:59 y"
+        shown = [view.change_line(change, local) for change in changes(old, new, UTC0)]
         assert shown == ["18:56:38 Home A: PREPARE: x", "02:29:59 Home A: online data: y"]
         assert view.change_line(Change(UTC0, "core", "", {"what": "back"}), local) == "18:56:40 core is back"
         assert view.schedule_lines([_event(1)], local)[1].startswith("Home A  1    2015-11-08 18:56  ~19:08  +12 min")
 
 
 def test_what_the_referee_has_to_do():
-    asked = ManualOperation(1, "Place the mug")
-    assert "TO DO by the referee: Place the mug" in _status(running_zone(operation=asked))
-    asked = asked._replace(fields=form_of(form("again", "skip")))
-    assert "TO DO by the referee: Place the mug (again / skip)" in _status(running_zone(operation=asked))
-    asked = asked._replace(fields=(Number("n", say("How often?")),))
-    assert "TO DO by the referee: Place the mug (from 0)" in _status(running_zone(operation=asked))
-    asked = asked._replace(fields=ODD)
-    assert ("TO DO by the referee: Place the mug (held: Did the robot hold it? (yes / no); drops: How often did it "
-            "fall? (0 to 9); place: Where is it now? (table / floor); pose: Pose of the cup (x y direction, in m and "
-            "degrees))") in _status(running_zone(operation=asked))
+    for fields, answers in (
+        ((), ""), (form_of(form("again", "skip")), " (again / skip)"), ((Number("n", say("How often?")),), " (from 0)"),
+        (ODD, " (held: Did the robot hold it? (yes / no); drops: How often did it fall? (0 to 9); place: Where is it "
+              "now? (table / floor); pose: Pose of the cup (x y direction, in m and degrees))"),
+    ):
+        text = _status(asked(running_zone(), 1, "Place the mug", *fields))
+        assert f"TO DO by the referee: Place the mug{answers}\n" in text
     assert "switches that are on: 1, 3; damaged: 2\n" in _status(
-        running_zone(switches=SwitchesSnapshot((1, 3), 2, False)))
+        running_zone(switches=Switches((1, 3), 2, False)))
     assert "switches that are on: none; damaged: 0; TO DO by the referee: enter" in _status(
-        running_zone(switches=SwitchesSnapshot((), 0, True)))
+        running_zone(switches=Switches((), 0, True)))
 
 
 SCORES = (
-    ModuleScoreLine("goal 1", "time", 1.25, "s", "Time"), ModuleScoreLine("", "reached", 1, "", "Goals reached"),
-    ModuleScoreLine("goal 1", "error", None, "m", "Distance error"),
+    ScoreValue("goal 1", "time", "1.25", "s", "Time"), ScoreValue("", "reached", "1", "", "Goals reached"),
+    ScoreValue("goal 1", "error", "null", "m", "Distance error"),
 )
 
 
 def test_what_a_module_scored_is_behind_the_score_sheet():
-    shown = "\n".join(view.score_sheet(running_zone(score=(), module_score=SCORES), UTC))
+    shown = "\n".join(view.score_sheet(running_zone(items=(), module_scores=SCORES), UTC))
     assert shown.endswith("""    no scoring items for the referee
 Score of the benchmarking module
     Whole run
@@ -132,26 +131,25 @@ Score of the benchmarking module
     (None, 1.25, True), (1.25, 2.5, False), (False, True, True), ("", "a", True), (1.25, None, False),
 ])
 def test_a_score_that_changes_all_the_time_is_reported_once(old, new, reported):
-    zones = [running_zone(module_score=(SCORES[0]._replace(value=value),)) for value in (old, new)]
+    zones = [running_zone(module_scores=(SCORES[0]._replace(value=json.dumps(value)),)) for value in (old, new)]
     lines = _lines(*map(box, zones))
     assert [line.partition(" Home A: ")[2] for line in lines] == (
         ["module's score: goal 1: Time: " + {1.25: "1.25 s", True: "yes s", "a": "a s"}[new] if reported else ""])
 
 
 def test_what_happens_by_hand():
-    operation = ManualOperation(1, "Place the mug", fields=form_of(form("ok")))
-    asked = running_zone(operation=operation, module_status="Goal 1")
-    lines = _lines(box(running_zone()), box(asked))
+    busy = asked(running_zone(module_status="Goal 1"), 1, "Place the mug", *form_of(form("ok")))
+    lines = _lines(box(running_zone()), box(busy))
     assert lines[0].endswith("Home A: TO DO by the referee: Place the mug (ok)")
     assert lines[1].endswith("Home A: module: Goal 1")
-    assert _lines(box(asked), box(running_zone()))[0].endswith("Home A: manual operation over")
-    lines = _lines(box(running_zone()), box(running_zone(switches=SwitchesSnapshot((2,), 0, True))))
+    assert _lines(box(busy), box(running_zone()))[0].endswith("Home A: manual operation over")
+    lines = _lines(box(running_zone()), box(running_zone(switches=Switches((2,), 0, True))))
     assert "switches that are on: 2" in lines[0]
 
 
 def test_a_zone_in_full_has_every_reason_scores_and_online_data():
     full = running_zone(off={"connect": ["one", "two"]}, online_data="a\nb\n")
-    text = "\n".join(view.zone_report(full, UTC0, UTC))
+    text = "\n".join(view.zone_report(full, NOW, UTC))
     assert "no connect: one" in text
     assert "no connect: two" in text
     assert "log: /logs/run.bag" in text
@@ -161,7 +159,7 @@ def test_a_zone_in_full_has_every_reason_scores_and_online_data():
 
 def test_the_score_sheet_has_numbers_values_and_groups():
     scores = (ITEMS[0]._replace(value=1), ITEMS[1]._replace(value=12), ITEMS[2])
-    assert view.score_sheet(running_zone(score=scores), UTC) == [
+    assert view.score_sheet(running_zone(items=scores), UTC) == [
         "Score sheet: HGTKMH, team TestingTeam, round 1, run 1",
         "    Achievements",
         "       1    yes  Detects the door",
@@ -173,11 +171,12 @@ def test_the_score_sheet_has_numbers_values_and_groups():
 
 def test_the_score_sheet_shows_points_and_ratings():
     scores = (
-        SheetItem(1, "Table", "Opens", "choice", 1, text="alone", points="50"),
-        SheetItem(2, "Jury", "Poster", "rating", 7, text="7.5", points="15", judges=("Anna", "Ben"),
+        SheetItem("Table", "Opens", "choice", 1, text="alone", points="50"),
+        SheetItem("Jury", "Poster", "rating", 7, text="7.5", points="15", judges=("Anna", "Ben"),
                   ratings=("7.5", "")),
     )
-    assert view.score_sheet(running_zone(score=scores, points="65 points: Table 50 · Jury 15"), UTC)[1:] == [
+    points = SheetPoints("65", (GroupPoints("Table", "50"), GroupPoints("Jury", "15")))
+    assert view.score_sheet(running_zone(items=scores, points=points), UTC)[1:] == [
         "    Table",
         "       1  alone      50  Opens",
         "    Jury",
@@ -188,20 +187,20 @@ def test_the_score_sheet_shows_points_and_ratings():
 
 def test_not_attempted_is_not_shown_as_0():
     marked = ITEMS[1]._replace(not_attempted=True)
-    sheet = view.score_sheet(running_zone(score=(ITEMS[0], marked)), UTC)
+    sheet = view.score_sheet(running_zone(items=(ITEMS[0], marked)), UTC)
     assert sheet[2:] == ["       1     no  Detects the door", "       2  not attempted  Moved furniture"]
-    assert _lines(box(running_zone(score=(marked,))), box(running_zone(score=(ITEMS[1]._replace(value=2),)))) == [
+    assert _lines(box(running_zone(items=(marked,))), box(running_zone(items=(ITEMS[1]._replace(value=2),)))) == [
         "16:26:40Z Home A: score: Achievements: Moved furniture: not attempted → 2"
     ]
 
 
 def test_values_that_were_set_are_highlighted():
-    sheet = view.score_sheet(running_zone(score=(ITEMS[0]._replace(value=1), ITEMS[1])), COLOUR)
+    sheet = view.score_sheet(running_zone(items=(ITEMS[0]._replace(value=1), ITEMS[1])), COLOUR)
     assert ["\x1b" in line for line in sheet] == [False, False, True, False]
 
 
 def test_a_benchmark_without_items_says_so():
-    assert "no scoring items" in view.score_sheet(running_zone(score=()), UTC)[-1]
+    assert "no scoring items" in view.score_sheet(running_zone(items=()), UTC)[-1]
 
 
 def test_changes_are_one_line_each_with_the_time():
@@ -212,7 +211,7 @@ def test_changes_are_one_line_each_with_the_time():
     assert _lines(box(zone()), box(zone(event=EVENTS[1]))) == [
         "16:26:40Z Home A: now at HWV, team TestingTeam, round 1, run 2",
     ]
-    score = running_zone(score=(ITEMS[0]._replace(value=1), *ITEMS[1:]))
+    score = running_zone(items=(ITEMS[0]._replace(value=1), *ITEMS[1:]))
     assert _lines(box(running_zone()), box(score)) == [
         "16:26:40Z Home A: score: Achievements: Detects the door: no → yes",
     ]
@@ -226,7 +225,7 @@ def test_lines_of_the_core_keep_their_own_time():
 
 
 def test_a_state_that_the_core_logs_itself_is_not_reported_twice():
-    assert _lines(box(running_zone()), box(running_zone(box_state="WAITING_RESULT"))) == [""]
+    assert _lines(box(running_zone()), box(running_zone(robot=ROBOT._replace(box_state="WAITING_RESULT")))) == [""]
 
 
 @pytest.mark.parametrize("facts, text", [
@@ -251,27 +250,27 @@ def test_warnings_say_so_and_say_when_they_are_over():
 
 def test_colour_only_adds_to_the_words():
     old, new = box(zone(), robots=()), box(running_zone(warnings=("w",)), warnings=("x",))
-    coloured = "\n".join(view.status(new, COLOUR))
+    coloured = "\n".join(view.status(new, NOW, COLOUR))
     assert "\x1b[" in coloured
-    assert re.sub(r"\x1b\[[\d;]*m", "", coloured) == "\n".join(view.status(new, UTC))
-    for change in changes(old, new):
+    assert re.sub(r"\x1b\[[\d;]*m", "", coloured) == "\n".join(view.status(new, NOW, UTC))
+    for change in changes(old, new, UTC0):
         line = view.change_line(change, COLOUR)
         assert re.sub(r"\x1b\[[\d;]*m", "", line) == view.change_line(change, UTC)
 
 
 def test_what_robots_say_cannot_command_the_terminal():
     evil = "\x1b[2Jgone\r\u202e"
-    loud = running_zone(
-        robot=evil, robot_state=evil, operation=ManualOperation(1, evil, (evil,), False), state=(evil,),
-        online_data=evil, log=evil, log_file=evil,
+    loud = asked(running_zone(
+        robot=ROBOT._replace(robot=evil, robot_state=evil), state=(evil,), online_data=evil, log=evil, log_file=evil,
         event=EVENTS[0]._replace(team=evil, name=evil, code=evil), warnings=(evil,), zone=evil,
-        score=(ITEMS[0]._replace(item=evil, group=evil),), off={"connect": [evil]},
-        module_score=(ModuleScoreLine(evil, evil, evil, evil, evil),), module_status=evil,
-    )
-    quiet = loud._replace(online_data="", log="", phase="connected", operation=None, warnings=(), robot_state="",
-                          module_score=(), module_status="", score=(loud.score[0]._replace(value=1),), event=EVENTS[0])
+        items=(ITEMS[0]._replace(desc=evil, group=evil),), off={"connect": [evil]},
+        module_scores=(ScoreValue(evil, evil, evil, evil, evil),), module_status=evil,
+    ), 1, evil, *form_of(form(evil)))
+    quiet = asked(loud, 0, "")._replace(
+        online_data="", log="", phase="connected", warnings=(), robot=ROBOT, module_scores=(), module_status="",
+        items=(loud.items[0]._replace(value=1),), event=EVENTS[0])
     new = box(loud, robots=(robot(evil, evil),), status=evil, host=evil, warnings=(evil,))
-    shown = view.status(new, UTC) + view.zone_report(loud, UTC0, UTC) + _lines(box(quiet), new)
+    shown = view.status(new, NOW, UTC) + view.zone_report(loud, NOW, UTC) + _lines(box(quiet), new)
     assert [line for line in shown if not line.isprintable()] == []
     assert "\\x1b[2Jgone" in "".join(shown)
 
@@ -280,8 +279,8 @@ def test_what_robots_say_cannot_command_the_terminal():
 
 
 def _event(number, **fields):
-    event = schedule.Event(number, "Home A", "HWV", "Welcoming", "Beta", 1, number, UTC0, UTC0 + 720.0, "later", False,
-                           "", "", "", None, "")
+    event = ScheduledEvent(f"e{number}", number, "Home A", "HWV", "Welcoming", "Beta", 1, number, UTC0, UTC0 + 720.0,
+                           "later", False)
     return event._replace(**fields)
 
 

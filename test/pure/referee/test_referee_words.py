@@ -4,7 +4,7 @@ import pytest
 
 from helpers.referee_box import EVENTS, ITEMS
 from roah_rsbb.model.referee import Refused
-from roah_rsbb.referee.state import SheetItem
+from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.referee.words import BadWord, Entered, event_wanted, pick_item, pick_zone, score_wanted, value_of
 
 ZONES = ["Testing TestingTeam", "Testing Other", "Home A", "Home AB"]
@@ -52,7 +52,7 @@ def test_an_unknown_zone_lists_all_once(word):
     ("1", 1), ("3", 3), ("door", 1), ("MOVED", 2), ("bumps", 3), ("Moved furniture", 2),
 ])
 def test_an_item_is_found_by_number_or_part_of_its_text(word, number):
-    assert pick_item(word, ITEMS).number == number
+    assert pick_item(word, ITEMS) == number
 
 
 def test_an_ambiguous_item_lists_those_that_fit_only():
@@ -67,13 +67,13 @@ def test_an_ambiguous_item_lists_those_that_fit_only():
 def test_an_unknown_item_lists_all(word):
     with pytest.raises(BadWord) as bad:
         pick_item(word, ITEMS)
-    assert all(item.item in str(bad.value) for item in ITEMS)
+    assert all(item.desc in str(bad.value) for item in ITEMS)
 
 
 def test_the_same_text_in_two_groups_is_ambiguous():
-    twice = (ITEMS[0], ITEMS[0]._replace(number=2, group="Penalized"))
+    twice = (ITEMS[0], ITEMS[0]._replace(group="Penalized"))
     with pytest.raises(BadWord, match="in 2 scoring items"):
-        pick_item(ITEMS[0].item, twice)
+        pick_item(ITEMS[0].desc, twice)
 
 
 def test_a_benchmark_without_items_says_so():
@@ -137,9 +137,9 @@ def test_half_a_score_is_an_error(text):
         score_wanted(text)
 
 
-HELP = SheetItem(1, "G", "help", "choice", 0, choices=("with help", "alone", "without"))
-POSTER = SheetItem(2, "G", "poster", "rating", 0, judges=("Anna", "Ben"), ratings=("", ""))
-WATER = SheetItem(3, "G", "water", "decimal", 2, text="2.5")
+HELP = SheetItem("G", "help", "choice", 0, choices=("with help", "alone", "without"))
+POSTER = SheetItem("G", "poster", "rating", 0, judges=("Anna", "Ben"), ratings=("", ""))
+WATER = SheetItem("G", "water", "decimal", 2, text="2.5")
 
 
 @pytest.mark.parametrize("text, item, entered", [
@@ -147,7 +147,7 @@ WATER = SheetItem(3, "G", "water", "decimal", 2, text="2.5")
     ("with help", HELP, Entered(text="with help")), ("Anna:7.5", POSTER, Entered(text="7.5", judge="Anna")),
     ("b: 8", POSTER, Entered(text="8", judge="Ben")), ("1.25", WATER, Entered(text="1.25")),
     ("+0.50", WATER, Entered(added="0.5")), ("-3", WATER, Entered(added="-3")),
-    ("-3", SheetItem(4, "G", "steps", "int", 1), Entered(added="-3")),
+    ("-3", SheetItem("G", "steps", "int", 1), Entered(added="-3")),
 ])
 def test_values_of_every_type(text, item, entered):
     assert value_of(text, item) == entered
@@ -157,7 +157,7 @@ def test_values_of_every_type(text, item, entered):
     ("with", HELP, "'with' is not a choice of 'help': choose one of 'with help', 'alone', 'without'"),
     ("", HELP, "is not a choice"), ("7", POSTER, "such as 'Anna:5'; the judges are 'Anna', 'Ben'"),
     ("Chris:7", POSTER, "give the judge and a number"), ("much", WATER, "give a number such as 2.5"),
-    ("1.5", SheetItem(4, "G", "steps", "int", 1), "a whole number"),
+    ("1.5", SheetItem("G", "steps", "int", 1), "a whole number"),
 ])
 def test_a_wrong_value_of_every_type_names_the_right_ones(text, item, hint):
     with pytest.raises(BadWord, match=hint):

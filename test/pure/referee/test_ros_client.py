@@ -1,18 +1,17 @@
-"""The connection of the terminal's referee to ROS, with a master and nodes that do what real ones seldom do."""
+"""Calls of services without rospy, with a master and nodes that do what real ones seldom do."""
 
 import contextlib
 import io
 import socket
 import struct
 import threading
-import time
 from typing import Any, Callable, Dict, Iterator
 from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
 from roah_rsbb.referee import ros_client
-from roah_rsbb.referee.ros_client import Client, Late, RosError, ServiceError
+from roah_rsbb.referee.ros_client import Late, RosError, ServiceError
 
 CALLER = "/referee_1"
 # For answers that come, however busy the machine is; and for those that never come.
@@ -69,20 +68,9 @@ class Node:
         self.port = 0  # of the node's topics and services
         self.asked: list = []
 
-    def getSystemState(self, caller: str) -> Any:
-        return 1, "state", [[["/a/topic", ["/node"]], ["/other", ["/node"]]], [], []]
-
-    def lookupNode(self, caller: str, name: str) -> Any:
-        return 1, "", self.uri
-
     def lookupService(self, caller: str, name: str) -> Any:
         self.asked.append((caller, name))
         return (1, "", f"rosrpc://127.0.0.1:{self.port}") if name != "/missing" else (-1, "no <such> service", "")
-
-    def requestTopic(self, caller: str, topic: str, protocols: Any) -> Any:
-        assert protocols == [["TCPROS"]]
-        self.asked.append((caller, topic))
-        return 1, "ready", ["TCPROS", "127.0.0.1", self.port]
 
 
 @pytest.fixture(name="node")
@@ -96,9 +84,9 @@ def _node() -> Iterator[Node]:
         master.shutdown()
 
 
-@pytest.fixture(name="client")
-def _client(node: Node) -> Client:
-    return Client(node.uri, CALLER, {"/renamed": "/a/topic", "/other": "/nothing"})
+def call(node: Node, service: str = "/web/pair", text: str = "Home A", limit_s: float = LIMIT_S) -> Any:
+    """Call a service of the node."""
+    return ros_client.call(node.uri, CALLER, service, Greet, text, limit_s=limit_s)
 
 
 def read_header(connection: socket.socket) -> Dict[str, str]:
@@ -128,7 +116,7 @@ def block(message: Any) -> bytes:
     return struct.pack("<I", len(buffer.getvalue())) + buffer.getvalue()
 
 
-def test_a_service_is_called(node: Node, client: Client) -> None:
+def test_a_service_is_called(node: Node) -> None:
     heard = []
 
     def talk(connection: socket.socket) -> None:
@@ -140,12 +128,12 @@ def test_a_service_is_called(node: Node, client: Client) -> None:
             connection.sendall(bytes([byte]))
 
     with server(talk) as node.port:
-        assert client.call("/core/stop", Greet, "Home & <A> ä", limit_s=LIMIT_S).text == "done"
-    assert heard == [{"callerid": CALLER, "service": "/core/stop", "md5sum": Greet._md5sum}, "Home & <A> ä"]
-    assert node.asked == [(CALLER, "/core/stop")]
+        assert call(node, text="Home & <A> ä").text == "done"
+    assert heard == [{"callerid": CALLER, "service": "/web/pair", "md5sum": Greet._md5sum}, "Home & <A> ä"]
+    assert node.asked == [(CALLER, "/web/pair")]
 
 
-def test_an_error_of_a_service_is_its_text(node: Node, client: Client) -> None:
+def test_an_error_of_a_service_is_its_text(node: Node) -> None:
     def talk(connection: socket.socket) -> None:
         read_header(connection)
         connection.sendall(header(callerid="/node"))
@@ -153,7 +141,7 @@ def test_an_error_of_a_service_is_its_text(node: Node, client: Client) -> None:
         connection.sendall(b"\0" + struct.pack("<I", 9) + "nö, wait".encode())
 
     with server(talk) as node.port, pytest.raises(ServiceError, match="^nö, wait$"):
-        client.call("/core/stop", Greet, "Home A", limit_s=LIMIT_S)
+        call(node)
 
 
 def mute(_connection: socket.socket) -> None:
@@ -166,12 +154,9 @@ def mute(_connection: socket.socket) -> None:
     (lambda connection: connection.sendall(header(error="another md5sum")), RosError, "^another md5sum$"),
     (lambda connection: connection.sendall(b"SSH-2.0-OpenSSH_9.2"), RosError, "does not speak TCPROS"),
 ])
-def test_whatever_does_not_serve_is_reported(node: Node, client: Client, talk: Any, error: type, reason: str) -> None:
-    limit_s = SHORT_S if error is Late else LIMIT_S
-    for call in (lambda: client.call("/core/stop", Greet, "Home A", limit_s=limit_s),
-                 lambda: client.follow("/a/topic", Text, limit_s)):
-        with server(talk) as node.port, pytest.raises(error, match=reason):
-            call()
+def test_whatever_does_not_serve_is_reported(node: Node, talk: Any, error: type, reason: str) -> None:
+    with server(talk) as node.port, pytest.raises(error, match=reason):
+        call(node, limit_s=SHORT_S if error is Late else LIMIT_S)
 
 
 @pytest.mark.parametrize("talk, error, reason", [
@@ -183,65 +168,19 @@ def test_whatever_does_not_serve_is_reported(node: Node, client: Client, talk: A
 ])
 def test_what_is_not_a_master_is_reported(talk: Any, error: type, reason: str) -> None:
     with server(talk) as port, pytest.raises(error, match=reason):
-        Client(f"http://127.0.0.1:{port}", CALLER).published(SHORT_S if error is Late else LIMIT_S)
+        ros_client.call(f"http://127.0.0.1:{port}", CALLER, "/web/pair", Greet, "",
+                        limit_s=SHORT_S if error is Late else LIMIT_S)
 
 
 @pytest.mark.parametrize("uri", ["", "127.0.0.1:11311", "http://127.0.0.1", "http://127.0.0.1:port", "http://[::1"])
 def test_a_wrong_address_is_reported(uri: str) -> None:
     with pytest.raises(RosError):
-        Client(uri, CALLER).published()
+        ros_client.call(uri, CALLER, "/web/pair", Greet, "", limit_s=LIMIT_S)
 
 
-def test_the_reason_of_the_master_is_reported(client: Client) -> None:
+def test_the_reason_of_the_master_is_reported(node: Node) -> None:
     with pytest.raises(RosError, match="^no <such> service$"):
-        client.call("/missing", Greet, "Home A", limit_s=LIMIT_S)
-
-
-def test_the_newest_message_of_a_topic_is_taken(node: Node, client: Client) -> None:
-    sent = []
-    may_end, is_read = threading.Event(), threading.Event()
-
-    def talk(connection: socket.socket) -> None:
-        sent.append(read_header(connection))
-        connection.sendall(header(callerid="/node") + block(Text("one")) + block(Text("two"))[:7])
-        may_end.wait(LIMIT_S)
-        connection.sendall(block(Text("two"))[7:])
-        is_read.wait(LIMIT_S)
-        connection.close()
-
-    with server(talk) as node.port:
-        subscription = client.follow("/renamed", Text, LIMIT_S)
-        assert next_of(subscription).text == "one"
-        assert subscription.take() is None
-        may_end.set()
-        assert next_of(subscription).text == "two"
-        is_read.set()
-        with pytest.raises(RosError, match="closed"):
-            next_of(subscription)
-        subscription.close()
-    assert sent == [{"callerid": CALLER, "topic": "/a/topic", "md5sum": Text._md5sum, "type": Text._type,
-                     "tcp_nodelay": "1"}]
-
-
-def next_of(subscription: ros_client.Subscription) -> Any:
-    """Wait for the next message."""
-    until = time.monotonic() + LIMIT_S
-    while time.monotonic() < until:
-        message = subscription.take()
-        if message is not None:
-            return message
-        ros_client.wait([subscription], until - time.monotonic())
-    raise AssertionError("no message")
-
-
-def test_topics_have_the_names_that_they_were_given(client: Client) -> None:
-    assert client.published(LIMIT_S) == {"/a/topic": ["/node"], "/renamed": ["/node"]}
-    with pytest.raises(RosError, match="nobody publishes it"):
-        client.follow("/other", Text, LIMIT_S)
-
-
-def test_remapped_names() -> None:
-    assert ros_client.remapped(["/a:=/b", "c:=d", "__name:=e", "word"]) == {"/a": "/b", "/c": "/d"}
+        call(node, "/missing")
 
 
 def test_a_caller_has_a_name_that_ros_allows() -> None:

@@ -13,13 +13,13 @@ import signal
 import socket
 import subprocess
 import tempfile
-import time
 import unittest
 import unittest.mock
-from typing import Any
+from typing import Any, Iterator
 
 import rosgraph
-from support.fakes.core import EVENTS, NODE, Asked, FakeCore
+import rospy
+from support.fakes.core import EVENTS, TOKEN, Asked, FakeCore
 from support.forking import start
 from support.programs import own
 from support.referee_program import Referee, called, referee
@@ -27,9 +27,10 @@ from support.waiting import LIMIT_S, wait_until
 
 from helpers.forms import ODD, ODD_ASKED
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.msg import ModuleScore
+from roah_rsbb.document.place import write_place
+from roah_rsbb.model.records import ScoreValue
 from roah_rsbb.referee import link
-from roah_rsbb.referee.link import Link
+from roah_rsbb.ros import place
 
 # The time limit for what never answers.
 SOON_S = 0.5
@@ -84,6 +85,7 @@ class TestCommands(WithCore):
 
     def test_status_as_json(self) -> None:
         self.core.box_warnings = ["Another box"]
+        self.core.publish()
         box = json.loads(referee("status", "--json").stdout)
         self.assertEqual([zone["zone"] for zone in box["zones"]], ["Home A", "Home B"])
         self.assertEqual(box["warnings"], ["Another box"])
@@ -288,12 +290,16 @@ class TestNoCore(unittest.TestCase):
     """Whatever does not answer is reported. The time of a process is limited."""
 
     def setUp(self) -> None:
-        NODE.leave()
+        self.file = place.file_of(rosgraph.get_master_uri())
+        with contextlib.suppress(FileNotFoundError):
+            os.remove(self.file)
+        with contextlib.suppress(KeyError):
+            rospy.delete_param(place.PARAM)
 
     def assert_reported(self, hint: str, done: "subprocess.CompletedProcess[str]") -> None:
         self.assertEqual(done.returncode, 3)
         self.assertIn(hint, done.stderr)
-        self.assertEqual(done.stderr.count("\n"), 1)
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
 
     def test_no_master(self) -> None:
         self.assert_reported("set ROS_MASTER_URI", referee("status", ROS_MASTER_URI="http://127.0.0.1:9"))
@@ -301,25 +307,26 @@ class TestNoCore(unittest.TestCase):
     def test_without_a_master_uri_it_is_the_default_of_ros(self) -> None:
         with unittest.mock.patch.dict(os.environ):
             del os.environ["ROS_MASTER_URI"]
-            self.assertEqual(Link()._ros.master_uri.rstrip("/"), rosgraph.get_master_uri(argv=[]).rstrip("/"))
+            self.assertEqual(place.Places().master_uri.rstrip("/"), rosgraph.get_master_uri(argv=[]).rstrip("/"))
 
     def test_a_master_that_hangs(self) -> None:
-        with socket.socket() as mute:
-            mute.bind(("127.0.0.1", 0))
-            mute.listen(5)
-            master = f"http://127.0.0.1:{mute.getsockname()[1]}"
-            with unittest.mock.patch.object(link, "MASTER_S", SOON_S):
-                self.assert_reported("does not answer", called("status", ROS_MASTER_URI=master))
+        with self.mute() as port, unittest.mock.patch.object(place, "ANSWER_S", SOON_S):
+            self.assert_reported("does not answer", called("status", ROS_MASTER_URI=f"http://127.0.0.1:{port}"))
 
     def test_no_core(self) -> None:
         self.assert_reported("roslaunch roah_rsbb roah_rsbb.launch", called("status"))
         self.assert_reported("no core", called("run", "Home A", "--wait", "0.5"))
 
-    def test_a_core_that_hangs_behind_its_last_message(self) -> None:
-        core = FakeCore(silent=True)
-        self.addCleanup(core.close)
-        core.publish(clock=time.time() - 60)
-        self.assert_reported("silent", called("status"))
+    def test_a_core_that_has_ended(self) -> None:
+        FakeCore().close()
+        done = called("status")
+        self.assert_reported("no connection to the box at ws://127.0.0.1:", done)
+        self.assert_reported("roslaunch roah_rsbb roah_rsbb.launch", done)
+
+    def test_a_core_that_hangs(self) -> None:
+        with self.mute() as port, unittest.mock.patch.object(link, "CORE_S", SOON_S):
+            write_place(self.file, f"ws://127.0.0.1:{port}/door", TOKEN)
+            self.assert_reported("the core is silent", called("status"))
 
     def test_a_core_that_does_not_answer_a_command(self) -> None:
         core = FakeCore()
@@ -328,6 +335,14 @@ class TestNoCore(unittest.TestCase):
         done = referee("connect", "Home A")  # it ends although its call still waits
         self.assertEqual(done.returncode, 3)
         self.assertIn("did not answer", done.stderr)
+
+    @contextlib.contextmanager
+    def mute(self) -> Iterator[int]:
+        """A server that accepts connections, and says nothing. Yields its port."""
+        with socket.socket() as listening:
+            listening.bind(("127.0.0.1", 0))
+            listening.listen(5)
+            yield listening.getsockname()[1]
 
 
 class TestWatch(WithCore):
@@ -339,7 +354,6 @@ class TestWatch(WithCore):
         self.assertRegex(connected, r"^\d\d:\d\d:\d\dZ Home A: CONNECTED to mbot on UDP port 6667")
         self.zone.online_data += "12:00:00Z visitor: postman\n"
         watch.wait_printed("\n12:00:00Z Home A: online data: visitor: postman")
-        # This came in the message that has the sheet, too: the phase comes in another one.
         self.zone.mark(Mark(*DOOR, 1), "Anna")
         watch.wait_printed(f"Home A: score: {DOOR[0]}: {DOOR[1]}: no → yes")
         self.core.zones["Home B"].command("connect")
@@ -414,7 +428,7 @@ class TestRun(WithCore):
         self.wait_call("operation", "Home A", 1, "")
         self.zone.asked = Asked(2, "No pose", ("try again", "skip"))
         self.wait_call("operation", "Home A", 2, "skip")
-        self.zone.module_scores = [ModuleScore("goal 1", "time", "1.25", "s", "Time")]
+        self.zone.module_scores = [ScoreValue("goal 1", "time", "1.25", "s", "Time")]
         self.zone.end("completed")
         self.assertEqual(run.wait_ended(), 0)
         for text in ("TO DO by the referee: Place the mug", "press Enter when it is done",

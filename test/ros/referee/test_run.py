@@ -1,43 +1,10 @@
 """Whole runs by `referee run`: the real core, robots over real sockets, the referee as a separate program."""
 
-import collections
-import random
 import signal
-import time
 
-import rospy
 from support.box_case import BoxCase
 from support.referee_program import Referee, referee
 from support.waiting import wait_until
-
-from roah_rsbb.msg import CoreDetails
-
-LATE_TOPIC = "/late/details"
-
-
-class LateDetails:
-    """Publishes each of the core's details again, in their order, 0 to `most_s` seconds later."""
-
-    def __init__(self, most_s: float) -> None:
-        self._most_s = most_s
-        self._random = random.Random(24)
-        self._waiting = collections.deque()
-        self._publisher = rospy.Publisher(LATE_TOPIC, CoreDetails, queue_size=10, latch=True)
-        self._subscriber = rospy.Subscriber("/core/details", CoreDetails, self._take)
-        self._timer = rospy.Timer(rospy.Duration(0.02), self._publish)
-
-    def close(self) -> None:
-        """End the delay."""
-        self._timer.shutdown()
-        self._subscriber.unregister()
-        self._publisher.unregister()
-
-    def _take(self, message: CoreDetails) -> None:
-        self._waiting.append((time.monotonic() + self._random.uniform(0.0, self._most_s), message))
-
-    def _publish(self, _event: object) -> None:
-        while self._waiting and self._waiting[0][0] <= time.monotonic():
-            self._publisher.publish(self._waiting.popleft()[1])
 
 
 class TestRun(BoxCase):
@@ -69,19 +36,6 @@ class TestRun(BoxCase):
         self.assertEqual([(i["number"], i["value"]) for i in result["score"] if i["value"]], [(1, 1), (10, 2)])
         self.assertEqual(self.read_log(result["log_file"]).values("/visitor"), ["postman"])
         self.box.wait_details(self.ZONE, lambda d: d.phase == "idle", "it is disconnected")
-
-    def test_details_that_arrive_late(self) -> None:
-        """The next run of the zone succeeds, too: none leaves anything behind."""
-        late = LateDetails(most_s=2.0)
-        self.addCleanup(late.close)
-        robot = self.robot("Beta")
-        for number in (1, 2, 3):
-            run = self.start(f"/core/details:={LATE_TOPIC}")
-            robot.wait_did("execute HWV", times=number)
-            robot.let("execute")
-            result = run.event("result")
-            self.assertEqual((run.wait_ended(), result["text"]), (0, "the run is completed"), run.text)
-            self.box.wait_details(self.ZONE, lambda d: d.phase == "idle", "it is disconnected")
 
     def test_the_core_reports_no_score_twice(self) -> None:
         self.robot("Beta")

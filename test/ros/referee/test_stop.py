@@ -7,18 +7,24 @@ import json
 import os
 import pty
 import signal
+import socket
 import struct
 import termios
 import threading
 import unittest
 
-from support.fakes.core import NODE, Asked, FakeCore
+import rosgraph
+from support.fakes.core import TOKEN, Asked, FakeCore
 from support.forking import start
 from support.programs import own, run
 from support.referee_program import Referee, called, referee
 from support.waiting import LIMIT_S, happened, wait_until
 
+from roah_rsbb.document.place import read_place, write_place
+from roah_rsbb.ros.place import file_of
+
 COLUMNS = 40
+NO_MASTER = "http://127.0.0.1:9"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8", "LANGUAGE": "de"}
 NOT_DELIVERED = "STOP Home A: NOT DELIVERED. Stop the robot by hand. Trying again …"
 NO_ANSWER = "STOP Home A: NO ANSWER FROM THE ROBOT. Stop it by hand. Trying again …"
@@ -214,6 +220,25 @@ class TestStopCommand(StopCase):
         stop.wait_shown(STOPPED)
         self.assertEqual(stop.wait_ended(), 0)
 
+    def test_without_a_master_the_file_of_the_door_is_enough(self) -> None:
+        self.running()
+        found = read_place(file_of(rosgraph.get_master_uri()))
+        write_place(file_of(NO_MASTER), found.url, found.token)
+        self.addCleanup(os.remove, file_of(NO_MASTER))
+        done = referee("stop", "Home A", ROS_MASTER_URI=NO_MASTER)
+        self.assertEqual((done.returncode, self.zone.phase), (0, "ended"), done.stderr)
+
+    def test_a_door_that_hangs_delays_it_until_another_one_is_found(self) -> None:
+        """The box has moved to another computer, and the one that hangs is still known here."""
+        self.running()
+        with socket.socket() as mute:
+            mute.bind(("127.0.0.1", 0))
+            mute.listen(5)
+            write_place(file_of(rosgraph.get_master_uri()), f"ws://127.0.0.1:{mute.getsockname()[1]}/door", TOKEN)
+            stop = self.terminal("stop", "Home A")
+            stop.wait_shown(STOPPED)
+        self.assertEqual(stop.wait_ended(), 0)
+
     def test_a_robot_that_does_not_stop_is_named_until_it_does(self) -> None:
         self.running()
         self.core.deaf = True
@@ -395,7 +420,3 @@ class TestStopAtAPrompt(StopCase):
         self.assertEqual(run.wait_ended(), 130)
         self.assertEqual(self.zone.phase, "ended")
 
-
-def tearDownModule() -> None:
-    """The node is gone."""
-    NODE.leave()

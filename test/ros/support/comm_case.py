@@ -17,11 +17,11 @@ from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.referee.ros_client import Client, Subscription
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Override
 from support.box_case import NetworkCase
 from support.connections import wait_sends
+from support.listener import Listener
 from support.raw_box import RawBox
 from support.robots import RSBB_PORT
 from support.waiting import LIMIT_S, happened, wait_until
@@ -126,16 +126,16 @@ class CommCase(NetworkCase):
         finally:
             listener.close()
 
-    def listener(self, name: str, kind: type) -> Subscription:
+    def listener(self, name: str, kind: type) -> Listener:
         """A connection to a topic from now on.
 
         It has all that was sent before the topic ended. rospy drops what it has not read yet when it notices the end.
         """
-        listener = Client(rosgraph.get_master_uri(), "/late_listener").follow(f"/roah_rsbb/{name}", kind, LIMIT_S)
+        listener = Listener(f"/roah_rsbb/{name}", kind)
         self.addCleanup(listener.close)
         return listener
 
-    def next_of(self, listener: Subscription) -> Any:
+    def next_of(self, listener: Listener) -> Any:
         """Wait for a new message, and return the newest."""
         while True:
             message = listener.take()

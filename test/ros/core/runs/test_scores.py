@@ -159,7 +159,9 @@ class TestScores(BoxCase):
         identity = self.box.wait_details(ZONE, lambda d: d.identity, "the sheet has a name")
         link = terminal.Link()
         self.addCleanup(link.close)
-        (item,) = [item for item in link.open(LIMIT_S).zone(ZONE).score if item.item == BUMPS[1]]
+        link.start()
+        link.open(LIMIT_S)
+        (item,) = [item for item in link.box.zones[ZONE].items if item.desc == BUMPS[1]]
         killed, failed = threading.Event(), []
 
         def referee() -> None:
