@@ -1685,6 +1685,11 @@
         <translation>In Zone {zone} ist der Roboter verbunden. Sein Zustand: {state}. Letzte Nachricht vor {seconds} s</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
+        <source>less than 2</source>
+        <translation>weniger als 2</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/times.py"/>
         <source>just now</source>
         <translation>gerade eben</translation>
@@ -1859,6 +1864,11 @@
         <source>&amp;Panels</source>
         <translation>&amp;Fenster</translation>
     </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
+        <source>no answer: {why} ({error})</source>
+        <translation>keine Antwort: {why} ({error})</translation>
+    </message>
     <message numerus="yes">
         <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
         <source>{what}: not sent, because {n} commands are still waiting for an answer</source>
@@ -1876,11 +1886,6 @@
         <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
         <source>is the core running? Check the state when it is back.</source>
         <translation>Läuft der Core? Prüfen Sie den Zustand, sobald er wieder da ist.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
-        <source>no answer: {why} ({error})</source>
-        <translation>keine Antwort: {why} ({error})</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
@@ -3323,6 +3328,26 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/bmbox/framework/module.py"/>
         <source>Pose</source>
         <translation>Pose</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/calls.py"/>
+        <source>not saved: {why}. It counts, and is saved as soon as the disk can be written: do not enter it again. Free or repair the disk of log_dir</source>
+        <translation>nicht gespeichert: {why}. Die Eingabe zählt und wird gespeichert, sobald der Datenträger beschrieben werden kann: Geben Sie sie nicht noch einmal ein. Schaffen Sie Platz auf dem Datenträger von log_dir, oder reparieren Sie ihn</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/calls.py"/>
+        <source>not saved: internal error. It counts until the box ends. Report the error in the core&apos;s log</source>
+        <translation>nicht gespeichert: interner Fehler. Die Eingabe zählt, bis die Box endet. Melden Sie den Fehler aus dem Log des Cores</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/calls.py"/>
+        <source>{name} is not a text of at most {most} characters</source>
+        <translation>{name} ist kein Text von höchstens {most} Zeichen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/calls.py"/>
+        <source>The values of the fields are not a JSON object, such as {example}</source>
+        <translation>Die Werte der Felder sind kein JSON-Objekt wie {example}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/copies/folder.py"/>
@@ -5078,21 +5103,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/model/referee.py"/>
         <source>the note has {number} characters: at most {most} are kept, shorten it</source>
         <translation>die Notiz hat {number} Zeichen: Höchstens {most} werden behalten, kürzen Sie sie</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/nodes/core/services.py"/>
-        <source>not saved: {why}. It counts, and is saved as soon as the disk can be written: do not enter it again. Free or repair the disk of log_dir</source>
-        <translation>nicht gespeichert: {why}. Die Eingabe zählt und wird gespeichert, sobald der Datenträger beschrieben werden kann: Geben Sie sie nicht noch einmal ein. Schaffen Sie Platz auf dem Datenträger von log_dir, oder reparieren Sie ihn</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/nodes/core/services.py"/>
-        <source>not saved: internal error. It counts until the box ends. Report the error in the core&apos;s log</source>
-        <translation>nicht gespeichert: interner Fehler. Die Eingabe zählt, bis die Box endet. Melden Sie den Fehler aus dem Log des Cores</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/nodes/core/services.py"/>
-        <source>The values of the fields are not a JSON object, such as {example}</source>
-        <translation>Die Werte der Felder sind kein JSON-Objekt wie {example}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/standby/box_end.py"/>

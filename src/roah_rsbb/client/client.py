@@ -128,6 +128,8 @@ class Client(Generic[D]):
         self._links: Dict[str, _Link] = {}  # by the way: _MAIN, _STOP
         self._asked_whole = False
         self._search: Optional[asyncio.Future[Place]] = None  # the last one for STOP
+        # Loops look at it: `wait_for` loses a cancellation that comes together with a result.
+        self._is_closed = False
         self._tasks: Set[asyncio.Task[Any]] = set()
         self._loop = loop if loop is not None else asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run_loop, name="client", daemon=True) if loop is None else None
@@ -140,6 +142,7 @@ class Client(Generic[D]):
 
     def close(self) -> None:
         """End the connection; calls that wait get no answer. In the thread of the loop, if that was given."""
+        self._is_closed = True
         if self._thread is None:
             self._end()
         elif self._thread.is_alive():
@@ -248,14 +251,15 @@ class Client(Generic[D]):
         return await self._links[way].ask(request) if way in self._links else UNANSWERED
 
     async def _ask_again(self, way: str, request: str) -> Answer:
-        while True:
+        while not self._is_closed:
             answer = await self._ask(way, request)
             if answer.is_answered:
                 return answer
             await asyncio.sleep(FIRST_S)
+        return UNANSWERED
 
     async def _ask_stop(self, request: str) -> Answer:
-        while True:
+        while not self._is_closed:
             if _STOP not in self._links and self._place is not None:
                 try:
                     await self._open_stop(self._place)
@@ -268,11 +272,12 @@ class Client(Generic[D]):
                     if answer.is_answered:
                         return answer
             await asyncio.sleep(FIRST_S)
+        return UNANSWERED
 
     async def _run(self) -> None:
         """Connect again and again."""
         delay_s = 0.0
-        while True:
+        while not self._is_closed:
             await asyncio.sleep(delay_s)
             began_mono = time.monotonic()
             self.why = await self._attempt()
@@ -328,7 +333,7 @@ class Client(Generic[D]):
         """Take the messages of a connection until its end; returns why it ended, with the remedy."""
         try:
             is_first = way == _MAIN
-            while True:
+            while not self._is_closed:
                 text = await asyncio.wait_for(link.socket.read_message(), SILENT_S)
                 if text is None:
                     reason = link.socket.close_reason or "without a reason"
@@ -341,6 +346,7 @@ class Client(Generic[D]):
                     if is_first:
                         self._spawn(self._prepare_stop(place))
                     is_first = False
+            return "the connection was ended here"
         except asyncio.TimeoutError:
             return f"the box at {place.url} is silent: check that it runs, and the network"
         except (ValueError, KeyError, TypeError) as error:

@@ -1,25 +1,27 @@
 """How well a robot is heard."""
 
+from roah_rsbb.model.zone import LATELY_S
 from roah_rsbb.rqt.model.link_quality import SILENT, WINDOW_S, LinkQuality, text
 
 TICK_S = 0.1
 
 
 class Watch:
-    """A core that publishes ten times a second, and one robot."""
+    """A panel that looks ten times a second, and one robot."""
 
     def __init__(self):
         self.links = LinkQuality()
-        self.clock_s = 1000.0
-        self.heard_s = 1000.0
+        self.mono = 1000.0
+        self.heard = 1000.0
 
     def pass_time(self, seconds, every_s=1.0):
         """The robot is heard each `every_s`; None: not at all."""
         for _ in range(round(seconds / TICK_S)):
-            self.clock_s += TICK_S
-            if every_s is not None and self.clock_s - self.heard_s >= every_s - 1e-6:
-                self.heard_s = self.clock_s
-            self.links.observe(self.clock_s, {"mbot": self.heard_s})
+            self.mono += TICK_S
+            if every_s is not None and self.mono - self.heard >= every_s - 1e-6:
+                self.heard = self.mono
+            is_silent = self.mono - self.heard > LATELY_S
+            self.links.observe(self.mono, {"mbot": self.heard if is_silent else None})
 
     def longest(self):
         return round(self.links.longest_silence_s("mbot"), 1)
@@ -55,8 +57,8 @@ def test_a_silence_that_lasts_counts_at_once():
 def test_times_while_the_core_was_silent_are_unknown():
     watch = Watch()
     watch.pass_time(5.0)
-    watch.clock_s += 60.0
-    watch.heard_s = watch.clock_s
+    watch.mono += 60.0
+    watch.heard = watch.mono
     watch.pass_time(3.0)
     assert watch.longest() <= 1.1
 
@@ -64,6 +66,6 @@ def test_times_while_the_core_was_silent_are_unknown():
 def test_a_robot_that_left_is_forgotten():
     watch = Watch()
     watch.pass_time(3.0)
-    watch.links.observe(watch.clock_s + TICK_S, {})
+    watch.links.observe(watch.mono + TICK_S, {})
     assert watch.links.longest_silence_s("mbot") is None
     assert text(None) == ""

@@ -14,7 +14,9 @@ from support.programs import Program
 from support.robots import BOX, BROADCAST, CONFIG, RSBB_PORT
 from support.waiting import happened, wait_until
 
-from roah_rsbb.msg import CoreToGui
+from roah_rsbb.client.client import Client
+from roah_rsbb.model.document import Document
+from roah_rsbb.ros.place import Places
 from roah_rsbb.srv import String
 
 INSIDE = str(pathlib.Path(__file__).resolve().parents[1] / "support" / "inside")
@@ -28,9 +30,10 @@ COMPLETE = "ManualOperationPanel/0"
 class TestClicks(unittest.TestCase):
     def setUp(self) -> None:
         self.window: Dict[str, Any] = {}
-        self.scores: Dict[str, int] = {}
+        self.box = Client(Document, Places().find, happened)
+        self.box.start()
+        self.addCleanup(self.box.close)
         self.addCleanup(rospy.Subscriber("/test/window", StringMsg, self._on_window).unregister)
-        self.addCleanup(rospy.Subscriber("/core/to_gui", CoreToGui, self._on_gui).unregister)
         os.environ["PYTHONPATH"] = os.pathsep.join([INSIDE, os.environ["PYTHONPATH"]])
         self.launch = Program(
             "roslaunch", PACKAGE, "roah_rsbb_dummy.launch", "gui:=window", f"rsbb_host:={BROADCAST}",
@@ -45,11 +48,10 @@ class TestClicks(unittest.TestCase):
         self.window = json.loads(message.data)
         happened()
 
-    def _on_gui(self, message: CoreToGui) -> None:
-        zone = next((z for z in message.zones if z.zone == ZONE), None)
-        groups = [] if zone is None else zone.scoring
-        self.scores = {desc: value for g in groups for desc, value in zip(g.descriptions, g.current_values)}
-        happened()
+    def scores(self) -> Dict[str, int]:
+        """What the core has of the zone's sheet."""
+        document = self.box.document
+        return {} if document is None else {item.desc: item.value for item in document.zones[ZONE].items}
 
     def wait_window(self, what: str, condition: Callable[[Dict[str, Any]], bool], limit_s: float = 30.0) -> None:
         """Wait until the window shows this."""
@@ -89,7 +91,7 @@ class TestClicks(unittest.TestCase):
             self.wait_window("the event is shown", lambda w, e=event: e in w["event"])
         self.to_phase("connect", "CONNECTED")
         self.click(f"ScoringPanel/{DOOR}")
-        wait_until(lambda: self.scores.get(DOOR) == 1, lambda: f"the core has the score, in {self.scores}")
+        wait_until(lambda: self.scores().get(DOOR) == 1, lambda: f"the core has the score, in {self.scores()}")
         self.click("BenchmarkControlPanel/start")
         self.wait_completed()
         self.to_phase("disconnect", "NOT CONNECTED")

@@ -8,7 +8,7 @@ from support.gui_testing import Qt, QTest, click, wait_until
 from support.panel_case import PanelCase
 
 from helpers.forms import ODD, ODD_ASKED
-from roah_rsbb.msg import ModuleScore
+from roah_rsbb.model.records import ScoreValue
 from roah_rsbb.rqt.panels import manual_operation
 from roah_rsbb.rqt.panels.manual_operation import ManualOperationPanel
 from roah_rsbb.rqt.panels.omf_switches import NO_SWITCHES, OmfSwitchesPanel
@@ -168,20 +168,20 @@ class TestOmfSwitches(PanelCase):
         wait_until(lambda: "there is no switch 10" in self.panel._answer.text(), "the reason is shown")
 
 
-class TestModuleScore(PanelCase):
+class TestScoreValue(PanelCase):
     PANEL = ScoringPanel
 
     def test_the_modules_score_is_shown_as_it_grows(self) -> None:
         scores = self.panel.module_scores
         self.assertFalse(scores.isVisible())
         self.zone.command("connect")
-        self.zone.module_scores = [ModuleScore("", "reached", "1", "", "Waypoints <reached>"),
-                                   ModuleScore("waypoint 1", "distance_error", "0.12345", "m", "")]
+        self.zone.module_scores = [ScoreValue("", "reached", "1", "", "Waypoints <reached>"),
+                                   ScoreValue("waypoint 1", "distance_error", "0.12345", "m", "")]
         wait_until(scores.isVisible, "there is a score")
         text = scores.text.text()
         for part in ("Waypoints &lt;reached&gt;", "distance error", "0.123 m", "waypoint 1"):
             self.assertIn(part, text)
-        self.zone.module_scores = [ModuleScore("", "reached", "2", "", "")]
+        self.zone.module_scores = [ScoreValue("", "reached", "2", "", "")]
         wait_until(lambda: "0.123" not in scores.text.text(), "it changes")
         self.zone.module_scores = []
         wait_until(lambda: not scores.isVisible(), "it goes with the run")

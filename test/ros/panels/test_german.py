@@ -14,7 +14,8 @@ from support.window_case import WindowCase, is_closed
 
 from helpers import catalogues
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.msg import PublicBoard, PublicDetails, ScoreItem
+from roah_rsbb.model.zone import SheetItem
+from roah_rsbb.msg import PublicBoard, PublicDetails
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.rqt.public.display import BOARD_TOPIC, TOPIC, PublicDisplay
 from roah_rsbb.rqt.qt import (
@@ -146,7 +147,7 @@ class TestNumbers(unittest.TestCase):
         QLocale.setDefault(QLocale("de_DE"))
         self.addCleanup(QLocale.setDefault, before)
         entered: List[str] = []
-        field = NumberField(ScoreItem(type=ScoreItem.RATING, min="0", max="10"), entered.append, may_be_empty=True)
+        field = NumberField(SheetItem("", "", "rating", min="0", max="10"), entered.append, may_be_empty=True)
         self.addCleanup(field.close)
         show(field, 200, 50)
         for typed, number in (("8.5", "8.5"), ("7,25", "7.25"), ("9", "9")):
@@ -250,4 +251,4 @@ class TestGerman(WindowCase):
         wait_until(lambda: any(schedule.rows.keys()), "the events are shown")
         schedule.shows.setCurrentIndex(schedule.shows.findText("noch offen"))
         self.assertEqual(schedule.shows.chosen, "to come")
-        self.assertIn(("Home A", 1), schedule.rows.keys())
+        self.assertIn("z0e1", schedule.rows.keys())

@@ -9,7 +9,8 @@ from support.window_case import WindowCase, in_sight
 
 from roah_rsbb.bmbox.hnf import HNF
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.msg import ModuleScore, RunClock
+from roah_rsbb.model.records import ScoreValue
+from roah_rsbb.model.zone import RunClock
 from roah_rsbb.rqt.panels.history import HistoryDialog
 from roah_rsbb.rqt.qt import QLabel, QPoint, QRect, QScrollArea, QStyle, Qt, QTabBar
 from roah_rsbb.rqt.widgets import basic
@@ -31,8 +32,8 @@ elif os.environ.get("ROAH_TEST_ALL") != "yes":
 # The scores of a run of HNF with five waypoints.
 EACH = (("time", "s"), ("timed_out", ""), ("distance_error", "m"), ("orientation_error", "rad"))
 MODULE_SCORES = [
-    *(ModuleScore("", name, "12.3456", value.unit, value.desc) for name, value in HNF.SCORES.items()),
-    *(ModuleScore(f"waypoint {number}", name, "0.1234", unit, HNF.EACH[name].desc)
+    *(ScoreValue("", name, "12.3456", value.unit, value.desc) for name, value in HNF.SCORES.items()),
+    *(ScoreValue(f"waypoint {number}", name, "0.1234", unit, HNF.EACH[name].desc)
       for number in range(1, 6) for name, unit in EACH),
 ]
 

@@ -1,18 +1,28 @@
 """Results, histories, notes and reasons, clicked on and typed, with a fake core: real messages, real services."""
 
-import copy
 import unittest
 from types import SimpleNamespace
 from typing import Callable, List
 
-import rospy
 from support.fakes.core import NOT_ATTEMPTED
-from support.gui_testing import QApplication, QMessageBox, Qt, QTest, answer, click, limit, question, wait_until
+from support.gui_testing import (
+    QApplication,
+    QMessageBox,
+    Qt,
+    QTest,
+    QWidget,
+    answer,
+    click,
+    limit,
+    question,
+    wait_until,
+)
 from support.panel_case import BUMPS, DOOR, PanelCase
 
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.document.written import write
 from roah_rsbb.model.referee import RunName
-from roah_rsbb.msg import RunSheet, RunSummary, Unsaved, UnsavedParts
+from roah_rsbb.model.results import RunLine, RunSheet, UnsavedParts
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels import benchmark_control, scoring
 from roah_rsbb.rqt.panels.history import HistoryDialog, RunSheets
@@ -35,13 +45,16 @@ def opened(kind: type):
 class TestRunSheets(unittest.TestCase):
     def test_an_answer_that_was_overtaken_is_ignored(self) -> None:
         done: List[Callable[[CallOutcome], None]] = []
-        sheets = RunSheets(self, SimpleNamespace(service=lambda *call: done.append(call[-1])), lambda: None)
-        runs = [RunSummary(identity="a run", revision=revision) for revision in (1, 2)]
+        owner = QWidget()
+        self.addCleanup(owner.close)
+        sheets = RunSheets(owner, SimpleNamespace(call=lambda _owner, _name, then, **run: done.append(then)),
+                           lambda: None)
+        runs = [RunLine("a run", revision, "Home A", "HGTKMH", "Team", 1, 1, 0.0) for revision in (1, 2)]
         for run in runs:
             self.assertIsNone(sheets.sheet(run))
         for number in (1, 0):
-            done[number](CallOutcome("", SimpleNamespace(sheet=RunSheet(summary=runs[number]))))
-            self.assertIs(sheets.sheet(runs[1]).summary, runs[1])
+            done[number](CallOutcome("", write(RunSheet(runs[number], (), 0.0, (), (), ()))))
+            self.assertEqual(sheets.sheet(runs[1]).run, runs[1])
 
 
 class WordsCase(PanelCase):
@@ -143,16 +156,14 @@ class TestScoringWithWords(WordsCase):
         dialog.close()
 
     def test_an_entry_that_is_not_saved_is_marked(self) -> None:
-        publisher = rospy.Publisher("/core/unsaved", Unsaved, queue_size=1, latch=True)
-        self.addCleanup(publisher.unregister)
         self.zone.mark(Mark(*BUMPS, 1), "Ben")
         self.zone.mark(Mark(*BUMPS, 2), "Cleo")
         click(self.panel.history)
         dialog = opened(HistoryDialog)
         rows = dialog.history.rows
-        publisher.publish(Unsaved("", [UnsavedParts(self.zone.identity, "Home A", [2], [], False)]))
+        self.core.unsaved = (UnsavedParts(self.zone.identity, "Home A", (2,)),)
         wait_until(lambda: [row[-1] for row in rows.texts()] == ["⚠ not saved yet", ""], "only the newer one is marked")
-        publisher.publish(Unsaved("", []))
+        self.core.unsaved = ()
         wait_until(lambda: [row[-1] for row in rows.texts()] == ["", ""], "it is saved")
         dialog.close()
 
@@ -181,9 +192,9 @@ class TestStopReason(WordsCase):
         self.zone.command("stop")
         wait_until(line.isEnabled, "a reason may be typed")
         known = line._sheets.sheet
-        wait_until(lambda: known(line._summary) is not None and known(line._summary).stops, "the sheet is known")
-        before = copy.deepcopy(known(line._summary))
-        before.summary.revision += 1
+        wait_until(lambda: known(line._summary) is not None and known(line._summary).ends, "the sheet is known")
+        before = known(line._summary)
+        before = before._replace(run=before.run._replace(revision=before.run.revision + 1))
         limit(self, line._sheets, "sheet", lambda summary: before)
         QTest.keyClicks(line, "fire alarm")
         QTest.keyClick(line, Qt.Key_Return)

@@ -165,23 +165,42 @@ class TestBehind(WindowCase):
                 show_model = panel.show_model
                 panel.show_model = lambda name=name, show=show_model: drawn.append(name) or show()
         self.core.box_warnings = ["ANOTHER RSBB"]
-        wait_until(lambda: self.client.model.details.warnings == ["ANOTHER RSBB"], "the warning is heard")
-        self.wait_heard()
+        wait_until(lambda: self.client.model.box.warnings == ("ANOTHER RSBB",), "the warning is heard")
         self.hush()
         self.assertEqual(drawn, [])
         status = self.panel("CoreStatusPanel")
         self.window.docks["CoreStatusPanel"].raise_()
         self.assertIn("ANOTHER RSBB", status.notices.toPlainText())
-        self.core.silent = False
         drawn.clear()
-        self.wait_heard()
+        self.core.silent = False
+        self.core.box_warnings = []
+        wait_until(lambda: status.notices.toPlainText() == "OK", "the end of the warning is shown")
         self.assertEqual(set(drawn), {"CoreStatusPanel"})
+
+    def test_a_panel_is_drawn_again_only_when_what_it_shows_has_changed(self) -> None:
+        drawn, panels = [], [self.panel(name) for name in ("OverviewPanel", "LogDisplayPanel", "ScoringPanel")]
+        self.run_zone()
+        for panel in panels:
+            name, show_model = panel.objectName(), panel.show_model
+            panel.show_model = lambda name=name, show=show_model: drawn.append(name) or show()
+        other = self.core.zones["Home B"]
+        other.log = "a line\n"
+        wait_until(lambda: self.client.model.zone_of("Home B").log == other.log, "it is heard")
+        self.assertEqual(set(drawn), {"OverviewPanel"})
+        drawn.clear()
+        self.core.tablet_heard = False
+        wait_until(lambda: not self.client.model.box.tablet.heard, "it is heard")
+        self.wait_heard()
+        drawn.clear()
+        self.zone.log = "another line\n"
+        wait_until(lambda: "another line" in self.panel("LogDisplayPanel").view.toPlainText(), "it is shown")
+        self.assertEqual(set(drawn), {"OverviewPanel", "LogDisplayPanel", "ScoringPanel"})
 
     def test_the_keys_of_scoring_score_the_run_of_this_moment(self) -> None:
         self.run_zone()
         self.window.docks["ResultsPanel"].raise_()
         self.zone.command("stop", "disconnect", "connect")
-        wait_until(lambda: self.client.model.zone_details.identity == self.zone.identity, "the next run is heard")
+        wait_until(lambda: self.client.model.identity_of("Home A") == self.zone.identity, "the next run is heard")
         press_key("6")
         wait_until(lambda: self.zone.scores.get(BUMPS) == 1, "it is counted")
 

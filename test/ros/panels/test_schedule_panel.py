@@ -114,10 +114,10 @@ class TestSchedule(PanelCase):
         self.click_row("Home A", 2)
         self.choose()
         box = question()
-        first = self.client.model.schedule
+        first = self.client.model.document.schedule
         self.zone.command("disconnect", "next", "connect", "start", "stop")  # another run would be left
         wait_until(lambda: self.of_zone("Home A")[1][SHEET] == "not signed off", "the next run is over")
-        self.assertIsNot(self.client.model.schedule, first)
+        self.assertIsNot(self.client.model.document.schedule, first)
         self.answer(box, QMessageBox.AcceptRole)
         self.assertIn("Not done", self.panel._answer.text())
         self.choose()

@@ -10,10 +10,9 @@ from support.own_core import OwnCoreCase
 from support.real_input import click_at
 from support.robots import CONFIG
 
+from roah_rsbb.client import client
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.ros import known_services
 from roah_rsbb.rqt.app.window import Window
-from roah_rsbb.rqt.model import calls, stops
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.model.zone_parameter import NAME
 from roah_rsbb.rqt.qt import QSettings
@@ -65,7 +64,6 @@ class TestCore(OwnCoreCase):
         self.shown("the robot has stopped")
 
     def test_a_stop_in_the_gap_reaches_the_restarted_core(self) -> None:
-        limit(self, stops, "AGAIN_S", 0.1)
         self.core.kill()
         self.press()
         self.start()
@@ -81,21 +79,19 @@ class TestCore(OwnCoreCase):
         self.box.start(self.zone)
         self.a_robot.wait_did("execute HGTKMH", 2)
         sent = self.client.stops.sent()[0]
-        self.client.stops._try(sent, 0.0)  # it arrives late
-        wait_until(lambda: not self.client.calls._threads[calls.STOP], "the core has answered")
+        self.client.stops._try(sent)  # it arrives late
+        wait_until(lambda: not sent.calls, "the core has answered")
         wait_until(lambda: not self.client.stops.sent(), "nothing is left to say")
         self.box.wait_current()
         self.assertEqual(self.box.details.zones[0].phase, "running")
 
     def test_a_core_that_hangs_gets_it_when_it_continues(self) -> None:
-        limit(self, known_services, "STEP_S", 0.5)
-        limit(self, stops, "AGAIN_S", 0.1)
+        limit(self, client, "STOP_S", 0.1)  # it is sent again and again
         self.core.stop()
         self.addCleanup(self.core.proceed)
         self.press()
-        threads = self.client.calls._threads
-        wait_until(lambda: threads[calls.STOP] > 1, "it is sent again")
+        sent = self.client.stops.sent()[0]
         self.core.proceed()
         self.stops()
-        wait_until(lambda: not threads[calls.STOP], "no call is left")
+        wait_until(lambda: not sent.calls, "no call is left")
         sync()

@@ -8,6 +8,7 @@ from unittest import mock
 
 from support.fakes.core import Asked
 from support.gui_testing import (
+    LONG_S,
     SCREEN,
     QApplication,
     QMessageBox,
@@ -25,8 +26,7 @@ from support.real_input import Fingers, click_at, click_on, give_focus_away, hel
 from support.window_case import WindowCase, in_sight
 
 from helpers import catalogues
-from roah_rsbb.ros import known_services
-from roah_rsbb.ros.known_services import KnownService
+from roah_rsbb.client import client
 from roah_rsbb.rqt.model import calls, stops
 from roah_rsbb.rqt.panels.results import ResultsPanel
 from roah_rsbb.rqt.qt import (
@@ -187,11 +187,9 @@ class MatrixCase(StripCase):
 
     def _silent(self) -> Iterator[str]:
         self.start()
-        self.hush()
-        with mock.patch("roah_rsbb.rqt.model.model.SILENT_S", 0.0):
+        with mock.patch.object(client, "OLD_S", 0.0):
             self.client.model._tick()
             yield "Home A"
-        self.core.silent = False
 
     STATES: Tuple[Callable[["MatrixCase"], Iterator[str]], ...] = (
         _run, _no_run, _operation, _timeout, _sheet, _list, _menu, _question, _dialog, _silent)
@@ -477,7 +475,7 @@ class TestWay(StripCase):
         self.start("Home B")
         self.core.zones["Home B"].not_stopped = ["mbot"]
         self.core.zones["Home B"].command("stop")
-        wait_until(lambda: self.client.model.details_of("Home B").phase == "ended", "the run has ended")
+        wait_until(lambda: self.client.model.zone_of("Home B").phase == "ended", "the run has ended")
         self.assertEqual(self.client.stops.sent(), [], "it is not late yet")
         limit(self, stop, "NOT_DELIVERED_S", 0.0)
         self.shown("STOP Home B: NO ANSWER FROM THE ROBOT")
@@ -508,59 +506,34 @@ class TestWay(StripCase):
     def test_it_is_sent_until_the_box_answers(self) -> None:
         self.start()
         self.core.answer_gate.clear()
-        self.core.silent = True
+        limit(self, client, "STOP_S", 0.01)
         click_at(self.place())
         self.shown("sent")
         limit(self, stop, "NOT_DELIVERED_S", 0.0)
         self.shown("NOT DELIVERED. Stop the robot by hand")
-        limit(self, stops, "AGAIN_S", 0.0)
         wait_until(lambda: self.stops_of("Home A") > 5, "it is sent again and again")
-        self.core.silent = False
         self.core.answer_gate.set()
         self.shown("the robot has stopped")
 
     def test_calls_that_hang_end_and_no_press_is_ignored(self) -> None:
         self.start()
         self.core.answer_gate.clear()
-        self.core.silent = True
-        for _ in range(100):
-            self.stop.pressed.emit()
-        wait_until(lambda: self.stops_of("Home A") == 100, lambda: f"each is sent: {self.stops_of('Home A')}")
-        limit(self, known_services, "STEP_S", 0.1)
+        limit(self, calls, "TIMEOUT_S", 0.1)
         self.stop.pressed.emit()
-        wait_until(lambda: self.client.calls._threads[calls.STOP] == 100, "a call that is not answered ends")
+        wait_until(lambda: self.stops_of("Home A") > 2, "a call that is not answered ends, and it is sent again")
+        limit(self, calls, "TIMEOUT_S", LONG_S)
+        before = self.stops_of("Home A")
+        for _ in range(30):
+            self.stop.pressed.emit()
+        wait_until(lambda: self.stops_of("Home A") >= before + 30, lambda: f"each is sent: {self.stops_of('Home A')}")
         self.shown("sent")
-        limit(self, stops, "AGAIN_S", 0.0)
-        wait_until(lambda: self.stops_of("Home A") > 102, "it is sent again")
-        limit(self, known_services, "STEP_S", 60.0)
-        self.core.silent = False
         self.core.answer_gate.set()
         self.shown("the robot has stopped")
 
     def test_a_master_that_is_gone_keeps_no_stop(self) -> None:
         self.start()
-        for known in (KnownService._addresses, KnownService._last):  # it is the first call of this client
-            known.clear()
-        self.fall_silent()
-        self.core.silent = False
-        wait_until(lambda: not self.client.model.is_old, "the core is heard again")
-        wait_until(lambda: KnownService._addresses, "where STOP goes is known")
-        self.wait_answered()
-        with mock.patch("rosgraph.get_master_uri", return_value="http://127.0.0.1:1"):
+        with mock.patch("xmlrpc.client.ServerProxy", side_effect=OSError):
             self.press_stop()
-
-    def test_a_run_that_is_not_known_yet_is_stopped_too(self) -> None:
-        self.start()
-        self.core.answer_gate.clear()
-        with mock.patch.object(self.client.model, "details_of", return_value=None):
-            click_at(self.place())
-        self.shown("sent")
-        self.wait_heard()
-        self.assertFalse(self.client.stops.sent()[0].box_has_it)
-        limit(self, stops, "AGAIN_S", 0.0)
-        wait_until(lambda: self.stops_of("Home A") > 1, "it is sent again")
-        self.core.answer_gate.set()
-        self.shown("the robot has stopped")
 
     def test_a_run_that_continues_raises_no_alarm(self) -> None:
         self.start()

@@ -40,6 +40,7 @@ from roah_rsbb.model.modules import form_of_one
 from roah_rsbb.model.reason import decoded
 from roah_rsbb.model.records import EndReason, ScoreValue
 from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.model.scoring import JudgesRule, ScoreKind, ScoringItem
 from roah_rsbb.model.zone import LATELY_S, AllRobots, RunClock, Switches, Zone
 from roah_rsbb.protocol import BoxState, RobotState
@@ -275,6 +276,7 @@ class FakeCore:
         self.silent = silent
         self.box_warnings: List[str] = []
         self.superseded_by = ""
+        self.unsaved: Tuple[UnsavedParts, ...] = ()
         self.heard_ago_s = 0.4
         self.robots = [("TestingTeam", "mbot", 0.0123), ("AnotherTeam", "amigo", -0.0871)]  # as they are published
         self.tablet_heard = True
@@ -468,7 +470,7 @@ class FakeCore:
         schedule = {key: event._replace(begins_utc_s=event.scheduled_utc_s + LATE_S)
                     if event.state in ("next", "later") else event for key, event in document.schedule.items()}
         return document._replace(
-            box=document.box._replace(tablet=tablet, superseded_by=self.superseded_by),
+            box=document.box._replace(tablet=tablet, superseded_by=self.superseded_by, unsaved=self.unsaved),
             robots=robots, schedule=schedule,
             zones={name: self.zones[name].put_into(zone) for name, zone in document.zones.items()})
 
