@@ -361,16 +361,18 @@ class Client(Generic[D]):
         if is_first:
             self._clock, self._asked_whole = BoxClock(), False  # it may be another computer
         heard = _Heard(time.monotonic(), message["mono"], message["utc"], message["rate"])
-        self._clock.sample(heard.here_mono, heard.mono)
-        self._heard = heard
         try:
             self._followed.take(message)
+            is_gap = False
         except Gap:
+            is_gap = True
+        self._clock.sample(heard.here_mono, heard.mono)
+        self._heard = heard  # not of a box whose document cannot be read
+        if is_gap:
             if not self._asked_whole:
                 link.send('{"whole":true}')
             self._asked_whole = True
-            return
-        if "number" in message:
+        elif "number" in message:
             self._asked_whole, self.why = False, ""
             self._publish()
 

@@ -25,6 +25,10 @@ class Box(Protocol):
     """The box that devices are shown: a `client.Client`."""
 
     @property
+    def why(self) -> str:
+        """Why there is no connection to it; empty: there is one."""
+
+    @property
     def document(self) -> Optional[BoxDocument]:
         """The document; None: none has come yet."""
 
@@ -41,6 +45,7 @@ class NoBox:
 
     document = None
     is_old = True
+    why = "there is none"
 
     @staticmethod
     def now() -> Now:
@@ -59,8 +64,8 @@ class Desk(Numbered):
         self._put(NO_STOP, zone_documents.stop_page([], False))
 
     def is_heard(self, mono: float) -> bool:
-        """Whether the box is heard."""
-        return self._box.document is not None and not self._box.is_old
+        """Whether the box is heard. Without a connection no command would reach it, even if it was heard just now."""
+        return self._box.document is not None and not self._box.is_old and not self._box.why
 
     def clock(self, mono: float) -> Optional[float]:
         """Return the box's clock in UTC seconds, or None before it was heard."""

@@ -356,7 +356,7 @@ def test_a_box_of_another_version_is_reported(world, message):
     world.find = lambda: Place(f"ws://{HOST}:{port}/door", TOKEN)
     client = world.client()
     world.until(lambda: "is of another version than this program" in client.why)
-    assert client.document is None
+    assert client.document is None and client.is_old
     server.stop()
 
 

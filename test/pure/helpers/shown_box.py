@@ -24,6 +24,7 @@ class ShownBox:
 
     def __init__(self, *zones):
         self.is_old = False
+        self.why = ""
         self.mono = MONO
         self.document = None
         self.show(*zones)

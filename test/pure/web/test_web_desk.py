@@ -159,6 +159,8 @@ def test_a_box_is_heard_while_its_document_is_current(desk):
     assert desk.is_heard(0.0) and desk.clock(0.0) == NOW and desk.zones() == ["Home"]
     desk.box.is_old = True
     assert not desk.is_heard(0.0)
+    desk.box.is_old, desk.box.why = False, "the connection was lost just now"
+    assert not desk.is_heard(0.0)
     unknown = Desk(desk._store, NoBox())
     assert not unknown.look() and not unknown.is_heard(0.0) and unknown.clock(0.0) is None and unknown.zones() == []
     assert unknown.team_facts("Alpha", "en") is None

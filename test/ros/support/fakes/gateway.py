@@ -127,6 +127,7 @@ class FakeGateway:
         self.given: List[Tuple[str, str, Dict[str, Any]]] = []  # commands: name, zone, fields
         self.answers = True  # whether commands have an effect and an answer
         self.is_silent = False  # the core is
+        self.why = ""
         self.document: Optional[Document] = None
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run, name="gateway", daemon=True)
