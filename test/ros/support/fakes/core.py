@@ -422,7 +422,7 @@ class FakeCore:
         """Publish now what the test changed."""
         door = self._door
         if door is not None:
-            self._look()
+            self.look()
             _in_loop(door.publish)
 
     def _tick(self) -> None:
