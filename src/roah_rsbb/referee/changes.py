@@ -151,7 +151,7 @@ class Follower:
         found: List[Change] = []
         if self._link.is_old != self._silent:
             self._silent = not self._silent
-            facts = {"what": "silent", "why": self._link.why} if self._silent else {"what": "back"}
+            facts = {"what": "silent", "why": self._link.trouble} if self._silent else {"what": "back"}
             found.append(Change(time.time(), "core", "", facts))
         if new is not self.box:
             found += changes(self.box, new, self._link.now().utc, self._zone)

@@ -24,7 +24,7 @@ from roah_rsbb.ros.place import START, Places
 
 # Time limits: for the document, for the answer to a call. A busy computer may take seconds.
 CORE_S, ANSWER_S = 6.0, 6.0
-# A missing core is looked for again, and a mark that was not answered is sent again, after this time.
+# How often an attempt to connect is looked at.
 AGAIN_S = 0.2
 # Of the person at the terminal; also the face of the connection.
 ROLE = "referee"
@@ -101,18 +101,11 @@ class Link(Client[Document]):
     def mark(
         self, zone: str, identity: str, item: SheetItem, entered: Optional[Entered], note: str = "", referee: str = ""
     ) -> None:
-        """Mark an item in the run of that identity; None: the robot did not try. Raises as `act` does. The core applies
-        the mark once, so it is sent again while the core does not answer, for example while it restarts."""
+        """Mark an item in the run of that identity; `entered` is None if the robot did not try. The core applies the
+        mark once, so it is sent again while the core does not answer, as while it restarts. Raises as `act` does."""
         value = {"not_attempted": True} if entered is None else entered._asdict()
         mark = {"group": item.group, "desc": item.desc, **value, "note": note, "role": ROLE, "id": str(uuid.uuid4())}
-        deadline = self.here_s() + ANSWER_S
-        while True:
-            try:
-                return self.act(MARK, zone, mark, identity, referee)
-            except NoCore:
-                if self.here_s() + AGAIN_S > deadline:
-                    raise
-                self.next(AGAIN_S)
+        self._request("act", again=True, action=MARK, zone=zone, run=identity, given=mark, by=referee)
 
     def reload(self, digest: str, referee: str) -> Dict[str, Any]:
         """Check the configuration files, or apply what was listed with this digest. Raises as `act` does."""

@@ -37,7 +37,7 @@ def options_of(words: List[str]) -> argparse.Namespace:
 def carry_out(options: argparse.Namespace) -> int:
     """Carry out the command and return the exit status."""
     try:
-        # Imported late: the messages take most of the time to start, and help or a wrong option need none.
+        # Imported late: help or a wrong option need none of it.
         from roah_rsbb.referee import commands
         from roah_rsbb.referee.output import Output
 
@@ -58,7 +58,7 @@ def _open_streams() -> None:
 def main() -> None:
     """Entry point of `rosrun roah_rsbb referee`."""
     _open_streams()
-    # genpy imports numpy for arrays that our messages do not have. That takes longer than a whole command.
+    # genpy (`pairing.py`) imports numpy for arrays that our messages do not have. That takes longer than a command.
     sys.modules.setdefault("numpy", None)  # type: ignore[arg-type]
     options = options_of(sys.argv[1:])
     signal.signal(signal.SIGTERM, _interrupt)

@@ -243,6 +243,11 @@ def test_the_core_disappears_and_returns(what, word):
     assert word in view.change_line(Change(UTC0, "core", "", {"what": what}), UTC)
 
 
+def test_why_the_core_is_silent():
+    silent = Change(UTC0, "core", "", {"what": "silent", "why": "restart it\x1b"})
+    assert view.change_line(silent, UTC).endswith("waiting for the core (restart it\\x1b)")
+
+
 def test_warnings_say_so_and_say_when_they_are_over():
     old, new = box(warnings=("first",)), box(warnings=("second",))
     assert _lines(old, new) == ["16:26:40Z WARNING: second", "16:26:40Z over: first"]

@@ -62,8 +62,8 @@ class WithCore(unittest.TestCase):
         self.core.close()
 
     def called(self, *words: str, **options: Any) -> "subprocess.CompletedProcess[str]":
-        """Call the referee in this process, when the core has published what the test changed in it."""
-        self.core.publish()
+        """Call the referee in this process, when the core knows what the test changed in it."""
+        self.core.look()
         return called(*words, **options)
 
     def start(self, *words: str, typed: str = "") -> Referee:
@@ -85,7 +85,7 @@ class TestCommands(WithCore):
 
     def test_status_as_json(self) -> None:
         self.core.box_warnings = ["Another box"]
-        self.core.publish()
+        self.core.look()
         box = json.loads(referee("status", "--json").stdout)
         self.assertEqual([zone["zone"] for zone in box["zones"]], ["Home A", "Home B"])
         self.assertEqual(box["warnings"], ["Another box"])

@@ -101,7 +101,7 @@ class StopCase(unittest.TestCase):
         """Start runs."""
         for name in names or ("Home A",):
             self.core.zones[name].command("connect", "start")
-        self.core.publish()
+        self.core.look()
 
     def terminal(self, *words: str, **environment: str) -> Terminal:
         """A terminal that is closed with the test."""
@@ -146,7 +146,7 @@ class TestStopCommand(StopCase):
         self.assertEqual((again.returncode, again.stdout), (0, "no run is in progress\n"))
         self.zone.command("disconnect")
         self.zone.command("connect")
-        self.core.publish()
+        self.core.look()
         self.assertEqual(called("stop", "alle").stdout, "no run is in progress\n")
         self.assertEqual(self.zone.phase, "connected", "it is not left")
 
@@ -168,14 +168,14 @@ class TestStopCommand(StopCase):
             self.assertEqual(done.returncode, status)
             self.assertIn(why, done.stderr)
         self.zone.command("connect")
-        self.core.publish()
+        self.core.look()
         done = called("stop", "Home A")
         self.assertEqual((done.returncode, done.stderr.count("The run is not started")), (1, 1))
         self.assertEqual(self.zone.phase, "connected")
 
     def test_a_run_without_a_robot(self) -> None:
         self.zone.command("open_sheet", "start")
-        self.core.publish()
+        self.core.look()
         self.assertIn("STOP Home A: the clock is stopped. The run has no robot\n", called("stop", "Home A").stdout)
 
     def test_closed_and_full_streams_lose_no_stop(self) -> None:
