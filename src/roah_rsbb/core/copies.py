@@ -7,7 +7,7 @@ lost"). They are known by the journal's tickets, which only rise.
 from typing import Dict, List, NamedTuple, Optional
 
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import Reason, say
+from roah_rsbb.model.reason import say
 from roah_rsbb.rulebook.benchmarks import Config, Durable
 
 # The place of the copy on a second computer.
@@ -32,11 +32,6 @@ BEING_WRITTEN = say("the copy is being written. If this lasts, its disk or its c
 BEHIND = say("The copy of the journal ({place}) is {time} s behind: {why}")
 BEHIND_BY = say("The copy of the journal ({place}) is {time} s, {size} kB behind: {why}")
 NO_PORT = "{place}: 'durable: two' needs a standby: start the box with standby_port:=8083, or delete this line"
-
-
-def is_unconfirmed(reason: str) -> bool:
-    """Whether a reason is the answer to an entry that counts, but that the standby may not have."""
-    return isinstance(reason, Reason) and reason.template in (UNCONFIRMED, UNCONFIRMED_OLD)
 
 
 def unconfirmed(why: str) -> str:

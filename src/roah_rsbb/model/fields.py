@@ -313,12 +313,6 @@ def _read(field: Field, given: Mapping[str, Any]) -> Any:
     return field.read(value) if is_given else field.nothing
 
 
-def given_text(given: Mapping[str, Any]) -> str:
-    """Return the values of fields as JSON, for a call. Its length is limited, so only half a character is escaped."""
-    text = json.dumps(given, ensure_ascii=False)
-    return text if is_encodable(text) else json.dumps(given)
-
-
 def is_encodable(text: str) -> bool:
     """Whether a message can hold a text. JSON can have half of a character."""
     try:

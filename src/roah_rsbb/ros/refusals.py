@@ -9,21 +9,13 @@ import json
 import re
 from typing import List, Optional, Sequence
 
-from roah_rsbb.model.reason import decoded, encoded, is_made
-
 # rospy passes on the server's text as the repr of its bytes, after words of its own.
 _ERROR = re.compile(r"responded with an error: (.*)$", re.DOTALL)
 _PREFIXES = ("error processing request: ", "service cannot process request: ")
 
 
-# The header of a connection whose caller wants reasons as values, to translate them; and its value.
-HEADER, VALUES = "roah_rsbb_reasons", "values"
-
-
-def error_text(reasons: Sequence[str], with_values: bool = False) -> str:
-    """The error text of a service call that is refused for these reasons. `with_values`: for a caller with `HEADER`."""
-    if with_values and any(map(is_made, reasons)):
-        return json.dumps(encoded(reasons), ensure_ascii=False)
+def error_text(reasons: Sequence[str]) -> str:
+    """The error text of a service call that is refused for these reasons."""
     if len(reasons) == 1 and _list_in(reasons[0]) is None:
         return reasons[0]
     return json.dumps(list(reasons), ensure_ascii=False)
@@ -80,5 +72,5 @@ def _list_in(text: str) -> Optional[List[str]]:
         found = json.loads(text)
     except ValueError:
         return None
-    is_list = isinstance(found, list) and all(isinstance(item, (str, list)) for item in found)
-    return [*decoded(found)] if is_list else None
+    is_list = isinstance(found, list) and all(isinstance(item, str) for item in found)
+    return found if is_list else None

@@ -25,8 +25,3 @@ def actions_shown(off=None, hidden=(), fields=None, asked=None):
         tuple((off or {}).get(name, ())), name not in hidden and action.row is not Row.MODULE, (fields or {}).get(name),
     ) for name, action in ACTIONS.items()}
     return {**known, **({"operation": asked} if asked else {})}
-
-
-def actions_text(off=None, hidden=(), fields=None, asked=None):
-    """The actions of a zone as ZoneDetails has them; see `actions_shown`."""
-    return shown.written(actions_shown(off, hidden, fields, asked).items())

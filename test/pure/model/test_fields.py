@@ -18,7 +18,6 @@ from roah_rsbb.model.fields import (
     field_of,
     form_of,
     form_text,
-    given_text,
     read,
 )
 from roah_rsbb.model.reason import say
@@ -88,11 +87,6 @@ def test_a_number_that_is_given_keeps_to_its_bounds_also_if_it_may_be_left_out()
     assert (read([field], {}), read([field], {"a": 5})) == ({"a": 0}, {"a": 5})
     with pytest.raises(BadValue, match="from 5 to 10"):
         read([field], {"a": 0})
-
-
-def test_a_call_has_the_characters_that_were_typed():
-    assert given_text({"reason": "\U0001f525" * 3}) == '{"reason": "\U0001f525\U0001f525\U0001f525"}'
-    assert given_text({"reason": "\ud800"}) == '{"reason": "\\ud800"}'
 
 
 def test_an_unknown_field_names_those_that_there_are():

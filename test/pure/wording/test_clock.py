@@ -1,25 +1,30 @@
 """The times of a run: one label never stands for two times."""
 
-from types import SimpleNamespace
-
 import pytest
 
-from roah_rsbb.wording.clock import Clock, Figure, Hurry, clock_of, lines
+from roah_rsbb.model.zone import Count, RunClock
+from roah_rsbb.wording import clock as wording
+from roah_rsbb.wording.clock import Clock, Figure, Hurry, lines
+
+MONO = 500.0
+COUNTED = {"elapsed": "counting", "goal_elapsed": "goal_counting", "setup_elapsed": "setup_counting"}
 
 
-class Seconds(float):
-    def to_sec(self):
-        return float(self)
+def message(phase, counting=False, **fields):
+    """The phase and the times of a run at `MONO`. `counting`: those of the run and of the phase count."""
+    counts = {name: fields.pop(flag, counting and flag == "counting") for name, flag in COUNTED.items()}
+    counts["phase_elapsed"] = counting
+    for name, is_counting in counts.items():
+        fields[name] = Count(fields.get(name, 0.0), MONO if is_counting else None)
+    after_stop = fields.pop("after_stop", None)
+    return phase, RunClock(**{"limit": 600.0, **fields}, after_stop_until=None if after_stop is None else
+                           MONO + after_stop)
 
 
-def message(phase, **fields):
-    known = {"phase": phase, "limit": 600.0, "elapsed": 0.0, "counting": False, "paused": "",
-             "goal_limit": 0.0, "goal": 0, "goal_elapsed": 0.0, "goal_counting": False, "after_stop": 0.0,
-             "setup_limit": 0.0, "setup_elapsed": 0.0, "setup_counting": False, "phases": 0, "phase_number": 0,
-             "phase_name": "", "phase_limit": 0.0, "phase_elapsed": 0.0, **fields}
-    return SimpleNamespace(**{
-        name: Seconds(value) if isinstance(value, float) else value for name, value in known.items()
-    })
+def clock_of(found, passed_s):
+    """The times in words, `passed_s` seconds later."""
+    phase, clock = found
+    return wording.clock_of(clock, phase, MONO + passed_s)
 
 
 def test_before_the_start_the_limits_are_shown():

@@ -1,42 +1,30 @@
 """The schedule in words: states, delays, filters, and what is missing."""
 
-import types
-
 import pytest
 
 from helpers.time_zones import local_time
+from roah_rsbb.model.schedule import ScheduledEvent
 from roah_rsbb.wording import schedule, times
-from roah_rsbb.wording.schedule import Event, EventFilter, Show
+from roah_rsbb.wording.schedule import EventFilter, Show
 
 DAY0 = 1_800_000_000.0 - 1_800_000_000.0 % 86400
 
 
-class Stamp(float):
-    """A time of ROS."""
-
-    def to_sec(self):
-        return float(self)
-
-
-def line(zone="A", state="later", identity="", signed=0.0, **fields):
-    """A ScheduleEvent."""
-    values = {
-        "code": "HNF", "benchmark": "Navigation", "team": "Beta", "round": 1, "run": 1, "schedule": Stamp(DAY0),
-        "begins": Stamp(DAY0), "current": state in ("next", "running", "connected", "ended"), "end_reason": "",
-        "score": "", "signed_by": "", "counts": "", **fields,
-    }
-    return types.SimpleNamespace(zone=zone, state=state, identity=identity, signed=Stamp(signed), **values)
+def line(zone="A", state="later", identity="", **fields):
+    """An event of the schedule."""
+    return ScheduledEvent(**{
+        "id": "", "number": 1, "zone": zone, "code": "HNF", "benchmark": "Navigation", "team": "Beta", "round": 1,
+        "run": 1, "scheduled_utc_s": DAY0, "begins_utc_s": DAY0, "state": state, "identity": identity,
+        "current": state in ("next", "running", "connected", "ended"), **fields})
 
 
 def events(*lines):
-    return schedule.events_of(types.SimpleNamespace(events=lines))
+    """The events, numbered in their zones."""
+    zones = [one.zone for one in lines]
+    return [one._replace(number=zones[:place + 1].count(one.zone)) for place, one in enumerate(lines)]
 
 
-def one(*args, **fields):
-    return events(line(*args, **fields))[0]
-
-
-SIGNED = line(state="done", identity="r1", end_reason="completed", signed=DAY0 + 9, signed_by="Anna")
+SIGNED = line(state="done", identity="r1", end_reason="completed", signed_utc_s=DAY0 + 9, signed_by="Anna")
 UNSIGNED = line(state="done", identity="r2", end_reason="timeout")
 
 
@@ -44,12 +32,6 @@ UNSIGNED = line(state="done", identity="r2", end_reason="timeout")
 def madrid():
     with local_time("Europe/Madrid"):
         yield
-
-
-def test_events_are_numbered_in_their_zones():
-    assert [(e.zone, e.number) for e in events(line("A"), line("B"), line("A"), line("B"))] == [
-        ("A", 1), ("B", 1), ("A", 2), ("B", 2)]
-    assert events() == []
 
 
 @pytest.mark.parametrize("seconds, text", [
@@ -61,8 +43,8 @@ def test_delays(seconds, text):
 
 
 def test_an_early_event_is_not_late():
-    assert one(begins=Stamp(DAY0 - 100)).late_s == 0.0
-    assert one(begins=Stamp(DAY0 + 100)).late_s == 100.0
+    assert line(begins_utc_s=DAY0 - 100).late_s == 0.0
+    assert line(begins_utc_s=DAY0 + 100).late_s == 100.0
 
 
 @pytest.mark.parametrize("event, state, sheet", [
@@ -90,7 +72,7 @@ def shown(filter_, *lines, **options):
 
 
 def test_filters_by_zone_team_and_day(madrid):
-    lines = (line(team="Alpha"), line(), line(schedule=Stamp(DAY0 + 86400)))
+    lines = (line(team="Alpha"), line(), line(scheduled_utc_s=DAY0 + 86400))
     assert shown(EventFilter(), *lines) == [1, 2, 3]
     assert shown(EventFilter(zone="B"), *lines) == []
     assert shown(EventFilter(zone="A", team="Alpha"), *lines) == [1]
@@ -100,7 +82,7 @@ def test_filters_by_zone_team_and_day(madrid):
 
 
 def test_the_day_of_an_event_around_midnight_is_the_venues_day(madrid):
-    late = one(schedule=Stamp(DAY0 + 23.5 * 3600))
+    late = line(scheduled_utc_s=DAY0 + 23.5 * 3600)
     days = [times.formatted(DAY0 + shift, "%Y-%m-%d", in_utc=True) for shift in (0, 86400)]
     assert schedule.day_of(late, in_utc=True) == days[0]
     assert schedule.day_of(late) == days[1], "23:30 UTC is the next day in Madrid"
@@ -120,7 +102,7 @@ def test_what_is_left_unsigned_is_the_current_run_of_the_same_zone():
     assert schedule.left_unsigned(every, "A") == every[1]
     assert schedule.left_unsigned(every, "B") is None
     assert schedule.left_unsigned([], "A") is None
-    signed = events(line(state="next", identity="r", signed=DAY0))
+    signed = events(line(state="next", identity="r", signed_utc_s=DAY0))
     assert schedule.left_unsigned(signed, "A") is None
 
 
@@ -137,4 +119,3 @@ def test_why_an_event_cannot_be_chosen():
 
 def test_a_clock_that_is_far_off():
     assert times.formatted(1e18, "%H:%M", in_utc=False) == "?"
-    assert isinstance(one(schedule=Stamp(1e18)), Event)

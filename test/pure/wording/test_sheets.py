@@ -1,6 +1,5 @@
 """The wording of runs and score sheets."""
 
-from types import SimpleNamespace
 
 import pytest
 
@@ -110,16 +109,6 @@ def test_an_entry_in_one_line():
 def test_who_made_an_entry(who, role, device, text):
     assert sheets.author(who, role, device) == text
     assert sheets.node_of(text) == sheets.node_of(who)
-
-
-def test_an_entry_of_a_message():
-    message = SimpleNamespace(
-        number=7, time=_Time(3600.0), who="Anna", group="Penalized", desc="Bumps", old=1, old_not_attempted=False,
-        value=2, not_attempted=False, note="", correction=False, withdrawn=_Time(0.0), withdrawn_by="",
-        withdrawn_note="", withdrawal_corrects=False, old_text="", text="", judge="")
-    assert sheets.history_entry(message, "uint") == ENTRY
-    message.withdrawn = _Time(3661.0)
-    assert sheets.history_entry(message, "bool") == ENTRY._replace(type="bool", withdrawn_utc_s=3661.0)
 
 
 @pytest.mark.parametrize("reason, by, stopped_by, text", [
