@@ -140,8 +140,8 @@ def test_the_table_of_the_box_has_all_objects_of_its_constructor():
 
 def test_the_table_of_topics_has_all_that_the_core_publishes():
     text = (PACKAGE / "nodes" / "core" / "node.py").read_text(encoding="utf-8")
-    topics = re.findall(r'rospy\.Publisher\("(/\w[\w/]*)"', text)
-    assert len(topics) > 10
+    topics = re.findall(r'(?:rospy\.Publisher|LatchedTopic)\("(/\w[\w/]*)"', text)
+    assert len(topics) > 6
     assert sorted(row[0] for row in table_of("What the core publishes")) == sorted(topics)
 
 

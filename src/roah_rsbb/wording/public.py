@@ -221,8 +221,8 @@ def _result(result: Any, utc_s: float) -> ListLine:
     ]
     sums = [sheets.sums_text([group]) for group in groups if group.values]
     if result.points.total:
-        groups = [(group.name, group.points) for group in result.points.groups]
-        sums = [sheets.points_text(result.points.total, groups)]
+        points = [(group.name, group.points) for group in result.points.groups]
+        sums = [sheets.points_text(result.points.total, points)]
     lines = [module_scores.readable(score) for score in result.module_scores]
     return ListLine(
         _when(result.disconnected, utc_s), team_text(event.team), event.benchmark,

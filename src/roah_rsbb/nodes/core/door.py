@@ -93,7 +93,7 @@ class BoxDoor:
         return self.document
 
     def _look(self) -> Document:
-        """Make the document anew. If that fails, which is an error of this program, clients see that it is old."""
+        """Make the document again. If that fails, which is an error of this program, clients see that it is old."""
         now = self._now()
         try:
             self.document = self._documents.look(now, self._log_files(), self._unsaved())
