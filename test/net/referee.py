@@ -5,12 +5,11 @@ import re
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import rosbag
-from support.box_client import NoAnswer, Refusal
+from support.box_client import NoAnswer, Refusal, SeenZone
 from support.run_logs import RunLog
 from support.waiting import wait_until
 
 from box import SPEECH, Box
-from roah_rsbb.msg import ZoneDetails
 from roah_rsbb.srv import Zone, ZoneUInt8
 
 # Seconds, on a machine that does much else, with an outage in between.
@@ -115,7 +114,7 @@ class Referee:
     def _shown(self) -> Dict[Tuple[str, str], int]:
         return {(group, desc): value for group, desc, _, value in self._box.scores(self._code)}
 
-    def _something(self, details: ZoneDetails, done: int) -> bool:
+    def _something(self, details: SeenZone, done: int) -> bool:
         return details.phase == "ended" or details.operation > done or self._box.zone(self._code).omf_complete
 
     def _insist(self, command: str, done: Any) -> None:

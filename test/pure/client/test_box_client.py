@@ -207,6 +207,32 @@ def test_a_call_whose_connection_breaks_is_not_answered(world):
     assert world.answer(client.call("act")).answer == {"count": 1}
 
 
+def test_what_may_be_done_again_is_sent_until_it_is_answered(world):
+    client = world.connected()
+    future = client.call("save", timeout_s=60.0, again=True)
+    world.until(lambda: world.box.done)
+    old = world.box
+    world.restart()
+    old.disk.set()
+    world.box.disk.set()
+    assert world.answer(future).is_answered
+    assert len(world.box.done) == 1
+
+
+def test_a_client_ends_although_a_message_comes_in_that_moment(world, monkeypatch):
+    client, wait_for = world.connected(), asyncio.wait_for
+
+    async def losing(awaited, timeout_s):
+        try:
+            return await wait_for(awaited, timeout_s)
+        except asyncio.CancelledError:  # as Python 3.11 does
+            return '{"mono":1.0,"utc":1.0,"rate":1.0}'
+
+    monkeypatch.setattr(asyncio, "wait_for", losing)
+    client.close()
+    assert not client._thread.is_alive()
+
+
 def test_a_call_that_takes_too_long_is_not_answered(world):
     client = world.connected()
     assert world.answer(client.call("save", timeout_s=0.0)) == UNANSWERED

@@ -40,9 +40,9 @@ def _names(end: str) -> list:
 
 
 def _listeners() -> set:
-    """The nodes that listen to the core, without the unique part of anonymous names."""
+    """The nodes that listen to the devices, as all clients do, without the unique part of anonymous names."""
     listening = dict(rosgraph.Master("/t").getSystemState()[1])
-    return {name.rsplit("_", 2)[0] for name in listening.get("/core/to_gui", ())}
+    return {name.rsplit("_", 2)[0] for name in listening.get("/devices/state", ())}
 
 
 class TestPrograms(unittest.TestCase):
@@ -102,7 +102,7 @@ class TestPrograms(unittest.TestCase):
 
     def open_and_end(self, names: List[str]) -> None:
         programs = [self.start(own(name)) for name in names]
-        wait_until(lambda: _listeners() >= {f"/{name}" for name in names}, f"{names} listen to the core")
+        wait_until(lambda: _listeners() >= {f"/{name}" for name in names}, f"{names} have a client")
         for program in programs:
             program.signal(signal.SIGINT)
         for name, program in zip(names, programs):
@@ -115,7 +115,7 @@ class TestPrograms(unittest.TestCase):
             kept.parent.mkdir()
             kept.write_text("[LogDisplayPanel]\nfollow=false\n", encoding="utf-8")
             program = self.start(own("roah_rsbb_log_display"), XDG_CONFIG_HOME=folder)
-            wait_until(lambda: "/roah_rsbb_log_display" in _listeners(), "it listens to the core")
+            wait_until(lambda: "/roah_rsbb_log_display" in _listeners(), "it has a client")
             program.signal(signal.SIGINT)
             self.assertEqual(program.wait_ended(), 0)
             self.assertIn("follow=false", kept.read_text(encoding="utf-8"))
@@ -142,15 +142,15 @@ class TestEnds(unittest.TestCase):
         wait_until(lambda: rosgraph.is_master_online(self.uri), "the master answers")
 
     def listeners(self) -> List[str]:
-        """The nodes at that master that listen to the core."""
-        return dict(rosgraph.Master("/t", self.uri).getSystemState()[1]).get("/core/to_gui", [])
+        """The nodes at that master that listen to the devices, as all clients do."""
+        return dict(rosgraph.Master("/t", self.uri).getSystemState()[1]).get("/devices/state", [])
 
     def open(self, *programs: Tuple[str, ...]) -> List[Program]:
         opened = []
         for program, *arguments in programs:
             opened.append(Program(own(program), *arguments, ROS_MASTER_URI=self.uri))
             self.addCleanup(opened[-1].close)
-        wait_until(lambda: len(self.listeners()) == len(opened), lambda: f"{programs} listen to the core")
+        wait_until(lambda: len(self.listeners()) == len(opened), lambda: f"{programs} have a client")
         return opened
 
     def assert_ends(self, program: Program) -> None:

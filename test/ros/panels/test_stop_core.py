@@ -27,7 +27,7 @@ class TestCore(OwnCoreCase):
         self.addCleanup(folder.cleanup)
         self.log_dir = pathlib.Path(folder.name) / "logs"
         self.start()
-        self.zone = self.box.details.zones[0].zone
+        self.zone = self.box.document.box.zones[0]
         rospy.set_param(NAME, self.zone)
         self.window = Window(QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
         self.addCleanup(self.window.close)
@@ -47,7 +47,7 @@ class TestCore(OwnCoreCase):
         self.box.start(self.zone)
         self.a_robot.wait_state(RobotState.EXECUTING)
         wait_until(lambda: self.strip.stop.is_on() and self.client.model.identity_of(self.zone)
-                   == self.box.details.zones[0].identity, "STOP is live")
+                   == self.box.document.zones[self.zone].identity, "STOP is live")
 
     def press(self) -> None:
         click_at(self.strip.stop.mapToGlobal(self.strip.stop.rect().center()))
@@ -83,7 +83,7 @@ class TestCore(OwnCoreCase):
         wait_until(lambda: not sent.calls, "the core has answered")
         wait_until(lambda: not self.client.stops.sent(), "nothing is left to say")
         self.box.wait_current()
-        self.assertEqual(self.box.details.zones[0].phase, "running")
+        self.assertEqual(self.box.document.zones[self.zone].phase, "running")
 
     def test_a_core_that_hangs_gets_it_when_it_continues(self) -> None:
         limit(self, client, "STOP_S", 0.1)  # it is sent again and again

@@ -18,14 +18,10 @@ from support.connections import kill, process_of
 from support.gateway import GATEWAY, URL, kill_gateway, wait_served
 from support.waiting import wait_until
 
-from roah_rsbb.msg import RunSheet
-from roah_rsbb.srv import (
-    GetJudging,
-    GetJudgingResponse,
-    GetRunSheet,
-    PairDevice,
-    RevokeDevice,
-)
+from roah_rsbb.document.written import read
+from roah_rsbb.model.judging import JudgedRun
+from roah_rsbb.model.results import RunSheet
+from roah_rsbb.srv import PairDevice, RevokeDevice
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"
@@ -141,7 +137,11 @@ class TestRefereePage(NeedsBrowser, BoxCase):
 
     def sheet(self, identity: str = "") -> RunSheet:
         """The score sheet of a run."""
-        return rospy.ServiceProxy("/core/run_sheet", GetRunSheet)(ZONE, identity).sheet
+        return self.sheet_of(ZONE, identity)
+
+    def sheet_of(self, zone: str, identity: str) -> RunSheet:
+        """The score sheet of a run in a zone."""
+        return read(RunSheet, self.box.ask("sheet", zone=zone, run=identity))
 
     def values(self) -> Dict[str, int]:
         """The values of the scoring items."""
@@ -228,13 +228,14 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.tap(page, ".correction button[data-command=undo]")
         self.shows(page, ENTERS, "yes")
         self.assertEqual([one.value for one in self.sheet(identity).items if one.desc == DEVICE], [3])
-        self.assertTrue(self.sheet(identity).summary.corrected)
+        self.assertTrue(self.sheet(identity).run.corrected)
         self.shot("correction", page)
         self.tap(page, command("correct"))
         self.tap(page, ".unsigned summary")
         self.publish(page, 300, "provisional · objections until")
-        state = rospy.ServiceProxy("/core/judges", GetJudging)(ZONE, identity, "").state
-        self.assertEqual((state.objections_until - state.published).to_sec(), 300.0)
+        self.box.wait_current()
+        state = self.box.document.judging[identity]
+        self.assertEqual(state.objections_until_utc_s - state.published_utc_s, 300.0)
         self.publish(page, 0, "the time for objections is over")
         asks = page.note(f"{TEXT}.includes('Press again: Sign off')")
         self.tap(page, command("sign_off"))
@@ -543,9 +544,9 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.shows(page, "Presentation", rating)
         return page
 
-    def judging(self, identity: str, judge: str = "") -> GetJudgingResponse:
+    def judging(self, identity: str, judge: str = "") -> JudgedRun:
         """What the core shows of the judges."""
-        return rospy.ServiceProxy("/core/judges", GetJudging)(HALL, identity, judge)
+        return read(JudgedRun, self.box.ask("judges", zone=HALL, run=identity, judge=judge))
 
     def test_two_judges_who_differ(self) -> None:
         identity = self.judged()
@@ -588,7 +589,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.kill_core()
         head.wait(f"!{TEXT}.includes('NO LINK') && {TEXT}.includes('Settled by Hugo')", "it stays settled")
         head.screenshot(SHOTS / "web_judges_settled.png")
-        sheet = rospy.ServiceProxy("/core/run_sheet", GetRunSheet)(HALL, identity).sheet
+        sheet = self.sheet_of(HALL, identity)
         self.assertEqual([(one.value, one.text) for one in sheet.items], [(3, ""), (1, ""), (7, "7.5")])
         self.assertIn("the video shows three", [entry.note for entry in sheet.history])
         with self.assertRaisesRegex(Refusal, "publish the result as provisional first"):
@@ -627,7 +628,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         head.wait(f"!{TEXT}.includes('Ann:') && {TEXT}.includes('missing: 1 of 2')", "Ann's place is free")
         self.give_reason(head, run + "[data-form=waive]", "nobody else is here")
         head.wait(f"{TEXT}.includes('not waited for: nobody else is here')", "nobody is waited for")
-        self.assertEqual([list(one.judges) for one in self.judging(identity).judged], [["Ben"]] * 3)
+        self.assertEqual([[given.judge for given in one.given] for one in self.judging(identity).judged], [["Ben"]] * 3)
         self.tap(head, run + "details:nth-of-type(2) > summary")
         self.press_twice(head, "publish", "Press again")
         head.wait(f"{TEXT}.includes('provisional · objections until')", "it is published")
@@ -650,7 +651,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         head.wait(f"{TEXT}.includes('the time for objections is over')", "the limit is over")
         self.press_twice(head, "sign_off", "Press again")
         head.wait(f"document.querySelector({json.dumps(run.strip())}) === null", "the result is final")
-        signed = rospy.ServiceProxy("/core/run_sheet", GetRunSheet)(HALL, identity).sheet.summary.signed_by
+        signed = self.sheet_of(HALL, identity).run.signed_by
         self.assertIn("Hugo, Linux", signed)
 
     def test_an_organiser_chooses_the_zone(self) -> None:

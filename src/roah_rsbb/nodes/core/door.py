@@ -16,7 +16,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.ros.place import PARAM, file_of
-from roah_rsbb.web.serving import ServeError
+from roah_rsbb.web.serving import ANY_HOST, ServeError
 
 # Seconds. Shortest time between what clients are sent of events: many robots change something in each.
 GAP_S = 0.05
@@ -49,9 +49,10 @@ class BoxDoor:
         remains."""
         path = file_of(rosgraph.get_master_uri())
         try:
-            port = self._door.open(rosgraph.network.get_bind_address())
+            host = rosgraph.network.get_bind_address()
+            port = self._door.open(host)
             if rospy.resolve_name(PARAM) == PARAM:  # the file is that of the only box at this master
-                write_place(path, f"ws://127.0.0.1:{port}/door", self._token)
+                write_place(path, f"ws://{'127.0.0.1' if host == ANY_HOST else host}:{port}/door", self._token)
         except (ServeError, OSError) as error:
             rospy.logerr("No panel can follow this box: %s", error)
             return

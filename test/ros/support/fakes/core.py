@@ -418,6 +418,13 @@ class FakeCore:
         rospy.set_param(PARAM, {"url": url, "token": TOKEN})
         self._tick()
 
+    def publish(self) -> None:
+        """Publish now what the test changed."""
+        door = self._door
+        if door is not None:
+            self.look()
+            _in_loop(door.publish)
+
     def _tick(self) -> None:
         """Publish as the core does, and give signs of life, unless it is silent."""
         door = self._door
