@@ -1,13 +1,12 @@
 """The terminal referee's link to the box: a client of its door (docs/door.md), whose answers are waited for.
 
-A box or a master that does not answer must not stop the referee: everything has a time limit, and the error names what
-does not answer, with the remedy.
+A box or a master that does not answer must not stop the referee: all has a time limit, and errors name the remedy.
 """
 
 import time
 import uuid
 from concurrent.futures import Future
-from typing import Any, Dict, Optional
+from typing import Any, Dict, Optional, cast
 
 from roah_rsbb.client.client import OLD_S, Answer, Client
 from roah_rsbb.document.written import read
@@ -24,11 +23,8 @@ from roah_rsbb.ros.place import START, Places
 
 # Time limits: for the document, for the answer to a call. A busy computer may take seconds.
 CORE_S, ANSWER_S = 6.0, 6.0
-# How often an attempt to connect is looked at.
-AGAIN_S = 0.2
-# Of the person at the terminal; also the face of the connection.
-ROLE = "referee"
-RUNS = "check that it runs"  # in the words of the client
+AGAIN_S = 0.2  # how often an attempt to connect is looked at
+ROLE = "referee"  # of the person at the terminal; also the face of the connection
 SILENT = "the core is silent: it hangs or has died (restart it), or its computer cannot be reached"
 
 
@@ -61,7 +57,7 @@ class Link(Client[Document]):
     def trouble(self) -> str:
         """Why the box does not answer, with the remedy."""
         why = (self.why if self.news else "") or SILENT
-        return f"{why}; if it does not run, {START}" if RUNS in why else why
+        return f"{why}; if it does not run, {START}" if "check that it runs" in why else why
 
     @staticmethod
     def here_s() -> float:
@@ -76,31 +72,23 @@ class Link(Client[Document]):
     def settle(self) -> None:
         """Wait until the document shows the effect of every call so far; raises `NoCore`."""
         number = 0 if self._last is None else self._last.result().number
-        deadline = self.here_s() + CORE_S
-        while not self.is_confirmed(number):
-            if self.here_s() >= deadline:
-                raise NoCore(self.trouble)
-            self.next(deadline - self.here_s())
+        try:
+            self.wait(lambda _: self.is_confirmed(number), CORE_S)
+        except TimeoutError:
+            raise NoCore(self.trouble) from None
 
-    # -- calls --------------------------------------------------------------------------------------
-
-    def act(
-        self, action: str, zone: str, given: Optional[Dict[str, Any]] = None, run: str = "", referee: str = "",
-    ) -> None:
-        """Do one of `model.actions.EVERY`; raises `Refused` with the core's reasons, or `NoCore`.
-
-        `given`: the values of its fields; `run`: the identity of the run that is meant, empty: whichever is there;
-        `referee`: who does it.
-        """
+    def act(self, action: str, zone: str, given: Optional[Dict[str, Any]] = None, run: str = "",
+            referee: str = "") -> None:
+        """Do one of `model.actions.EVERY`; raises `Refused` with the core's reasons, or `NoCore`. `given`: the values
+        of its fields; `run`: identity of the run that is meant, empty: whichever is there; `referee`: who does it."""
         self._request("act", action=action, zone=zone, run=run, given=given or {}, by=referee)
 
     def stop_run(self, zone: str, identity: str) -> None:
         """Stop the run of that identity; raises as `act` does."""
         self._answered(self.stop(zone, identity, None, ANSWER_S, node=self.node))
 
-    def mark(
-        self, zone: str, identity: str, item: SheetItem, entered: Optional[Entered], note: str = "", referee: str = ""
-    ) -> None:
+    def mark(self, zone: str, identity: str, item: SheetItem, entered: Optional[Entered], note: str = "",
+             referee: str = "") -> None:
         """Mark an item in the run of that identity; `entered` is None if the robot did not try. The core applies the
         mark once, so it is sent again while the core does not answer, as while it restarts. Raises as `act` does."""
         value = {"not_attempted": True} if entered is None else entered._asdict()
@@ -109,8 +97,7 @@ class Link(Client[Document]):
 
     def reload(self, digest: str, referee: str) -> Dict[str, Any]:
         """Check the configuration files, or apply what was listed with this digest. Raises as `act` does."""
-        found: Dict[str, Any] = self._request("reload", digest=digest, by=referee)
-        return found
+        return cast(Dict[str, Any], self._request("reload", digest=digest, by=referee))
 
     def run_sheet(self, zone: str, identity: str) -> RunSheet:
         """Return a run's score sheet; an empty identity: of the connected run. Raises as `act` does."""

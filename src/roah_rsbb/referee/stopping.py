@@ -206,7 +206,7 @@ class Stopping:
 
     def _names(self, box: Document) -> Sequence[str]:
         """Return the zones to stop. Where all are stopped, the core decides which of them have a run in progress."""
-        names = list(box.zones)
+        names = list(box.box.zones)
         self.is_all = is_all(self._word, names)
         if self.is_all:
             return names
