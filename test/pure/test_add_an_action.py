@@ -1,81 +1,22 @@
 """The walk "Add an action" of docs/architecture.md, on a copy of the sources: a new action touches no face."""
 
-import json
-import os
-import pathlib
-import re
-import shutil
-import subprocess
-import sys
-import textwrap
-from typing import Iterator, NamedTuple
-
 import pytest
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-WALK = re.search(r"^## Add an action$.*?^## ", PAGE, re.MULTILINE | re.DOTALL).group(0)
-BLOCK = re.compile(
-    r"^ *<!-- in (?P<file>\S+), (?P<how>before|instead of): (?P<anchor>.*?) -->\n *```text\n(?P<code>.*?)^ *```$",
-    re.MULTILINE | re.DOTALL)
-
-
-class Step(NamedTuple):
-    """A change of a file."""
-
-    file: str
-    how: str
-    anchor: str
-    code: str
-
-
-def steps() -> Iterator[Step]:
-    """The changes of the walk, in their order."""
-    for found in BLOCK.finditer(WALK):
-        code = "\n".join(line[3:] for line in found["code"].splitlines())  # without the indentation of the list
-        yield Step(found["file"], found["how"], found["anchor"].replace("\\n", "\n"), code)
-
-
-def applied(text: str, step: Step) -> str:
-    """The text of a file after a step."""
-    assert text.count(step.anchor) == 1, f"{step.file} contains this {text.count(step.anchor)} times: {step.anchor}"
-    return text.replace(step.anchor, step.code if step.how == "instead of" else f"{step.code}\n{step.anchor}")
+from helpers.walks import BUILT, ROOT, changed_copy, run, steps
 
 
 @pytest.fixture(scope="module", name="tree")
 def _tree(tmp_path_factory):
     """A copy of the sources with the new action."""
-    made = tmp_path_factory.mktemp("tree")
-    shutil.copytree(ROOT / "src" / "roah_rsbb", made / "roah_rsbb", ignore=shutil.ignore_patterns("__pycache__"))
-    for step in steps():
-        path = made / "roah_rsbb" / step.file
-        path.write_text(applied(path.read_text("utf-8"), step), "utf-8")
-    return made
+    return changed_copy(tmp_path_factory.mktemp("tree"), "Add an action")
 
 
-def run(tree, program):
-    """What a program prints as JSON with the copy."""
-    others = (path for path in sys.path if path and "src" not in path.split("/"))
-    paths = [str(tree), str(ROOT / "test" / "pure"), *others]
-    done = subprocess.run([sys.executable, "-c", LINK + textwrap.dedent(program)], stdout=subprocess.PIPE, text=True,
-                          check=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(paths),
-                                           "QT_QPA_PLATFORM": "offscreen"})
-    return json.loads(done.stdout)
-
-
-# The generated modules of the messages, where the package is built.
-BUILT = ROOT / "build" / "devel" / "lib" / "python3" / "dist-packages" / "roah_rsbb"
-LINK = f"""
-import json
-import roah_rsbb
-roah_rsbb.__path__.append({str(BUILT)!r})
-"""
 needs_ros = pytest.mark.skipif(not (BUILT / "msg").exists(), reason="the package is not built")
 pytestmark = pytest.mark.long
 
 
 def test_the_walk_changes_no_face():
-    files = {step.file for step in steps()}
+    files = {step.file for step in steps("Add an action")}
     assert {file.split("/")[0] for file in files} == {"model", "core"}
 
 

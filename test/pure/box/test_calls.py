@@ -100,7 +100,7 @@ def test_what_a_referee_writes_down_is_on_the_disks_when_the_answer_comes(box):
     assert box.happened == [event, "on disk", "on the standby"]
 
 
-def test_what_is_no_result_waits_for_no_disk(box):
+def test_a_command_waits_for_no_disk(box):
     box.waits, box.disk_trouble = True, "the disk is full"
     assert box.call("act", action="start", zone="Home") == {"answer": None}
     assert box.call("stop", zone="Home", run="") == {"answer": None}

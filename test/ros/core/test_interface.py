@@ -119,8 +119,8 @@ class TestTopics(BoxCase):
         self.assertGreater(intervals[len(intervals) // 2], 0.05)
         self.assertLess(intervals[len(intervals) // 4], 0.2)
         self.assertGreater(len(clocks), 2 * len(publics))
-
-    def test_who_subscribes_anew_is_sent_nothing_old(self) -> None:
+    def test_who_subscribes_again_is_sent_nothing_old(self) -> None:
+        """While nobody subscribes, nothing is made: a latched message of before would be old."""
         """While nobody subscribes, nothing is made: a latched message of before would be old."""
         self.box.close()
         master = rosgraph.Master("/test_core_interface")

@@ -1,7 +1,9 @@
 """The door of the box in the core node: what it offers, and where clients find it (docs/door.md)."""
 
 import asyncio
-from typing import Callable, Mapping, Sequence
+import contextlib
+import os
+from typing import Callable, Mapping, Optional, Sequence
 
 import rosgraph
 import rospy
@@ -37,12 +39,13 @@ class BoxDoor:
         self._documents = Documents(box, uuid, host)
         self._written = Written(Document)
         self._token = new_token()
-        self._soon: asyncio.TimerHandle | None = None
+        self._soon: Optional[asyncio.TimerHandle] = None
         self._sent_mono = float("-inf")
         self._door = Door(loop, self._token, {name: self._current(call) for name, call in calls.items()}, now,
                           self._written, check)
         self.document = self._documents.last
         self._is_current = True
+        self._path = ""  # of the file that says where the door is
 
     def open(self) -> None:
         """Let clients in, and publish where it is. Logs what prevents it, with the remedy: the original interface
@@ -52,6 +55,7 @@ class BoxDoor:
             host = rosgraph.network.get_bind_address()
             port = self._door.open(host)
             if rospy.resolve_name(PARAM) == PARAM:  # the file is that of the only box at this master
+                self._path = path
                 write_place(path, f"ws://{'127.0.0.1' if host == ANY_HOST else host}:{port}/door", self._token)
         except (ServeError, OSError) as error:
             rospy.logerr("No panel can follow this box: %s", error)
@@ -75,8 +79,11 @@ class BoxDoor:
         self._written.rate = rate
 
     def close(self) -> None:
-        """End all connections."""
+        """End all connections. The file goes, so that nobody looks for a box that is over."""
         self._door.close()
+        if self._path:
+            with contextlib.suppress(OSError):
+                os.unlink(self._path)
 
     def changed(self) -> None:
         """Note that an event changed something: clients are sent it soon."""
