@@ -116,7 +116,7 @@ class RunForModule(NamedTuple):
     round: int
     number: int  # of the run in its round
     running: bool  # whether the attempt is in progress
-    end_reason: str = ""  # why the attempt ended, as in ZoneDetails
+    end_reason: str = ""  # why the attempt ended, as in `model.zone.Zone`
     elapsed_s: float = 0.0  # counted seconds of the attempt, when it ended
     goal_timeout: float = 0.0  # seconds, from the benchmarks file; 0: no limit
     total_timeout: float = 0.0  # seconds, from the benchmarks file; 0: no limit

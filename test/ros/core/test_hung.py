@@ -22,11 +22,12 @@ from support.programs import Program
 from support.waiting import LIMIT_S, wait_until
 
 from helpers.forms import answer_in, form
+from roah_rsbb.document.written import read
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.file import FILE_NAME, holder_of
 from roah_rsbb.model.modules import RequestKind
+from roah_rsbb.model.results import RunSheet
 from roah_rsbb.signs_of_life import SIGN
-from roah_rsbb.srv import GetRunSheet, StopRun
 
 HOME, ARENA = "Home", "Arena"
 ITEM = ("Penalized Behaviors", "Bumps into the furniture")
@@ -127,9 +128,9 @@ class TestHungCore(OwnCoreCase):
         self.box.act("mark", HOME, self.identity, "Anna", group=ITEM[0], desc=ITEM[1], value=value)
         self.marked.append(value)
 
-    def sheet(self):
+    def sheet(self) -> RunSheet:
         """The sheet of the run."""
-        return self.box.call("run_sheet", GetRunSheet, HOME, self.identity).sheet
+        return read(RunSheet, self.box.ask("sheet", zone=HOME, run=self.identity))
 
     def assert_marks(self) -> None:
         """All that was acknowledged is on the sheet."""
@@ -159,8 +160,8 @@ class TestHungCore(OwnCoreCase):
         self.hang("mark in flight", self.mark)
         self.mark()
         self.operate()
-        if not self.hang("STOP in flight", lambda: box.call("stop_run", StopRun, HOME, self.identity)):
-            box.call("stop_run", StopRun, HOME, self.identity)
+        if not self.hang("STOP in flight", lambda: box.ask("stop", zone=HOME, run=self.identity)):
+            box.ask("stop", zone=HOME, run=self.identity)
         box.wait_details(HOME, lambda d: (d.phase, d.end_reason) == ("ended", "stopped"), "it is stopped")
         alpha.wait_did("stop")
         self.hang("ended")
@@ -170,14 +171,14 @@ class TestHungCore(OwnCoreCase):
             with contextlib.suppress(Refusal):  # it was carried out, but not acknowledged
                 box.command("disconnect", HOME)
         box.wait_phase(HOME, "idle")
-        wait_until(lambda: self.sheet().summary.closed.to_sec(), "the run is over")
+        wait_until(lambda: self.sheet().run.closed_utc_s, "the run is over")
         self.mark()
         if not self.hang("sign-off in flight", lambda: box.act("sign_off", HOME, self.identity, "Anna")):
             with contextlib.suppress(Refusal):
                 box.act("sign_off", HOME, self.identity, "Anna")
-        self.assertTrue(self.sheet().summary.signed_by)
+        self.assertTrue(self.sheet().run.signed_by)
         self.hang("next event")
-        self.assertTrue(self.sheet().summary.signed_by, "an acknowledged sign-off stays")
+        self.assertTrue(self.sheet().run.signed_by, "an acknowledged sign-off stays")
         self.assertGreater(box.connect(HOME), port)
         self.assertEqual(set(self.took_s), set(self.phases))
 

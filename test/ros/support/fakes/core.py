@@ -175,7 +175,7 @@ class FakeZone:
 
     @property
     def phase(self) -> str:
-        """As in ZoneDetails."""
+        """As in `Zone`."""
         run = self.run
         return "idle" if run is None else run.phase.value
 
@@ -205,7 +205,7 @@ class FakeZone:
         self._core.event(self._core.box.act, Target(self.name, identity), "mark", who, mark_with(mark))
 
     def end(self, reason: str) -> None:
-        """The run ends by itself; `reason` as in ZoneDetails."""
+        """The run ends by itself; `reason` as in `Zone`."""
         self._core.event(lambda now: self.run._end(now, EndReason[reason.upper()]))
 
     def pause(self, why: str) -> None:
