@@ -119,15 +119,19 @@ class TestTopics(BoxCase):
         self.assertGreater(intervals[len(intervals) // 2], 0.05)
         self.assertLess(intervals[len(intervals) // 4], 0.2)
         self.assertGreater(len(clocks), 2 * len(publics))
+
+
+class TestLatched(unittest.TestCase):
+    """No client of another case listens."""
+
     def test_who_subscribes_again_is_sent_nothing_old(self) -> None:
         """While nobody subscribes, nothing is made: a latched message of before would be old."""
-        """While nobody subscribes, nothing is made: a latched message of before would be old."""
-        self.box.close()
         master = rosgraph.Master("/test_core_interface")
-        wait_until(lambda: "/core/to_gui" not in dict(master.getSystemState()[1]), "nobody subscribes")
-        asked = time.time()
-        first = rospy.wait_for_message("/core/to_gui", CoreToGui, LIMIT_S)
-        self.assertGreaterEqual(first.clock.to_sec(), asked)
+        for _ in range(2):
+            wait_until(lambda: "/core/to_gui" not in dict(master.getSystemState()[1]), "nobody subscribes")
+            asked = time.time()
+            first = rospy.wait_for_message("/core/to_gui", CoreToGui, LIMIT_S)
+            self.assertGreaterEqual(first.clock.to_sec(), asked)
 
 
 class TestSchedule(BoxCase):

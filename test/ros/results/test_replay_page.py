@@ -94,16 +94,16 @@ class TestReplayPage(NeedsBrowser):
         self.assertEqual((state["Phase"], state["Box's state"], state["Robot's state"]),
                          (phase, view.robot.box_state, view.robot.robot_state))
         minutes, seconds = state["Time used"].split(" ")[0].split(":")
-        self.assertAlmostEqual(60 * int(minutes) + float(seconds), view.clock.elapsed, delta=0.11)
+        self.assertAlmostEqual(60 * int(minutes) + float(seconds), view.clock.spent(look.now.mono), delta=0.11)
         self.assertEqual("paused" in state["Time used"], bool(view.clock.paused))
         self.assertEqual(scores, [
-            [sheets.item_value(i.kind, i.value, i.not_attempted, i.text), i.points] for i in view.sheet.items])
+            [sheets.item_value(i.type, i.value, i.not_attempted, i.text), i.points] for i in view.items])
 
     def test_each_moment_is_that_of_the_box(self) -> None:
         for number, (identity, looks) in enumerate(sorted(self.competition.looks.items())):
             page, opened = self.open(number, "360x740", dark=bool(number)), float(identity.split("-")[2])
             for look in looks[::4]:
-                self.seek(page, (look.utc - opened) * 1000)
+                self.seek(page, (look.now.utc - opened) * 1000)
                 self.assert_same(page.get(STATE), page.get(SCORES), look)
             self.assertEqual(page.get("[document.documentElement.scrollWidth, innerWidth]"), [360, 360])
             self.assertEqual((page.get(FAINT), page.get(UNNAMED)), ([], []))

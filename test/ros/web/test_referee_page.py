@@ -211,7 +211,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         for name in ("connect", "start", "mark"):
             self.assertFalse(page.get(f"sent.{name}.drawn"), f"{name} is sent before the page is drawn")
         self.assertEqual(page.get("[sent.stop.said, sent.stop.sounds]"), [False, 0], "STOP is sent before all else")
-        self.assertIn("Anna, Linux", self.sheet().stops[-1].who)
+        self.assertIn("Anna, Linux", self.sheet().ends[-1].who)
         history = self.sheet().history
         self.assertEqual({entry.who for entry in history}, {f"Anna, Linux ({GATEWAY})"})
         self.shot("ended", page)
@@ -240,10 +240,10 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         asks = page.note(f"{TEXT}.includes('Press again: Sign off')")
         self.tap(page, command("sign_off"))
         page.wait(asks, "it asks")
-        self.assertFalse(self.sheet(identity).summary.signed.to_sec())
+        self.assertFalse(self.sheet(identity).run.signed_utc_s)
         self.press_twice(page, "sign_off", "Press again")
-        wait_until(lambda: self.sheet(identity).summary.signed.to_sec(), "the sheet is signed off")
-        self.assertIn("Anna, Linux", self.sheet(identity).summary.signed_by)
+        wait_until(lambda: self.sheet(identity).run.signed_utc_s, "the sheet is signed off")
+        self.assertIn("Anna, Linux", self.sheet(identity).run.signed_by)
         network = ("WebSocket", "Failed to load resource")  # while a gateway is killed
         self.assertEqual([error for error in self.browser.errors if not any(mark in error for mark in network)], [])
 
@@ -295,7 +295,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.phase("ended")
         self.assertNotEqual(process_of(GATEWAY), killed)
         page.wait(f"!document.body.matches('.old') && {TEXT}.includes('stopped')", "the page is current again")
-        self.assertIn("Anna, Linux", self.sheet().stops[-1].who)
+        self.assertIn("Anna, Linux", self.sheet().ends[-1].who)
 
     def test_stop_is_possible_with_a_gateway_that_does_not_know_the_run_yet(self) -> None:
         page = self.running()
@@ -461,7 +461,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page.wait_address("/referee")
         self.shows(page, DEVICE, "2")
         page.wait("marks.waiting.length === 0", "the mark is confirmed")
-        self.assertEqual([(one.value, one.desc) for one in self.sheet(identity).history], [(1, DEVICE), (2, DEVICE)])
+        self.assertEqual([(one.value, one.item) for one in self.sheet(identity).history], [(1, DEVICE), (2, DEVICE)])
 
     def test_nothing_acknowledged_is_lost_with_the_core_or_the_browser(self) -> None:
         browser = Browser(find())
