@@ -55,7 +55,7 @@ def test_every_parameter_is_named(name, where):
     assert f"`{name}`" in PAGE, where
 
 
-@pytest.mark.parametrize("command", ["connect", "stop_run", "act", "omf_switches/button"])
+@pytest.mark.parametrize("command", ["connect", "stop", "set_score", "omf_switches/button"])
 def test_services_of_the_core_are_named(command):
     assert f"`/core/{command}`" in PAGE
 
