@@ -23,6 +23,7 @@ import comm_nodes  # noqa: E402
 import copying  # noqa: E402
 import flood  # noqa: E402
 import floods  # noqa: E402
+import followers  # noqa: E402
 import gateway  # noqa: E402
 import hostile  # noqa: E402
 import hung  # noqa: E402
@@ -42,8 +43,10 @@ from fleet import REGULAR_S, Fleet  # noqa: E402
 from processes import Box, wait  # noqa: E402
 from table import Results, quantile  # noqa: E402
 
+from roah_rsbb.client.client import Client  # noqa: E402
+from roah_rsbb.model.document import Document  # noqa: E402
 from roah_rsbb.ros import connections  # noqa: E402
-from roah_rsbb.ros.known_services import KnownService  # noqa: E402
+from roah_rsbb.ros.place import Places  # noqa: E402
 from roah_rsbb.srv import Zone  # noqa: E402
 
 ZONES_OF_MESSAGES = (1, 20, 100)
@@ -222,7 +225,11 @@ class Bench:
         rounds, zones = self.extent.flood_rounds, 2 * floods.STOPPED
         with Box(zones) as box, Fleet(zones, box.port) as fleet:
             reaction.connect(box, fleet, zones)
-            stopped, stop = floods.Stopped(box, fleet), KnownService("/core/stop", Zone)
+            stopped, stop = floods.Stopped(box, fleet), rospy.ServiceProxy("/core/stop", Zone)
+            client = Client(Document, Places().find)
+            client.start()
+            client.wait(lambda document: True, 30.0)
+            door = urlparse(Places().find().url).port
             master = rosgraph.Master(rospy.get_name())
             ports = {name: urlparse(uri).port for name, uri in (
                 ("calls", master.lookupService("/core/set_score")), ("stop", master.lookupService("/core/stop")),
@@ -234,12 +241,18 @@ class Bench:
             def by_service(zone: int) -> None:
                 stop(f"zone {zone}")
 
-            measure("datagrams to the public port", by_service, "datagrams", BOX_HOST, box.port)
+            def by_panel(zone: int) -> None:
+                client.stop(f"zone {zone}", "").result()
+
+            measure("datagrams to the public port", by_panel, "datagrams", BOX_HOST, box.port)
+            measure("datagrams to the public port, by service", by_service, "datagrams", BOX_HOST, box.port)
             private = [fleet.robots[zone].port for zone in stopped.flooded]
-            measure("datagrams to ten private ports", by_service, "datagrams", BOX_HOST, *private)
-            measure(f"{flood.CALLS} calls at once", by_service, "calls", BOX_HOST, ports["calls"],
-                    *(f"zone {zone}" for zone in stopped.flooded))
-            measure("connections to the core", by_service, "connections", BOX_HOST, *ports.values())
+            measure("datagrams to ten private ports", by_panel, "datagrams", BOX_HOST, *private)
+            for name, call in (("", by_panel), (", by service", by_service)):
+                measure(f"{flood.CALLS} calls at once{name}", call, "calls", BOX_HOST, ports["calls"],
+                        *(f"zone {zone}" for zone in stopped.flooded))
+                measure(f"connections to the core{name}", call, "connections", BOX_HOST, *ports.values(), door)
+            client.close()
             served = gateway.Gateway()
             try:
                 send = pages.commander(served)
@@ -251,6 +264,27 @@ class Bench:
                 measure("datagrams to the public port, by phone", by_phone, "datagrams", BOX_HOST, box.port)
             finally:
                 served.close()
+
+    # -- the door -----------------------------------------------------------------------------------
+
+    def door(self) -> None:
+        """The core with clients of its door."""
+        extent = self.extent
+        for zones in (1, 40, 100):
+            with box_in_runs(zones, idle=lambda box: self._followed(box, "no run")) as (box, fleet):
+                fleet.keep_sending(load.ORIGINAL_PERIOD_S)
+                self._followed(box, "in runs")
+        with Box(1) as box:
+            self.results.add_spread("call to the change at another client", "ms",
+                                    followers.changes(box, extent.starts), {0.5: 10})
+
+    def _followed(self, box: Box, what: str) -> None:
+        for count in followers.FOLLOWERS:
+            cpu, rate = followers.cost(box, count, self.extent.seconds)
+            name = f"door, {box.zones} zones, {what}, {count} clients"
+            self.results.add(f"{name}: CPU", "% of a core", cpu, 1 if box.zones == 1 and what == "no run" else None)
+            if count:
+                self.results.add(f"{name}: to each", "kB/s", rate / 1e3, 2 if what == "no run" else None)
 
     # -- panels -------------------------------------------------------------------------------------
 
@@ -459,8 +493,8 @@ def profile(robots: int, seconds: float) -> None:
 
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
-    "one", "resume", "hung", "takeover", "copying", "many", "hundred", "hostile", "floods", "messages", "window", "web",
-    "browser", "day", "journal", "comm")}
+    "one", "door", "resume", "hung", "takeover", "copying", "many", "hundred", "hostile", "floods", "messages",
+    "window", "web", "browser", "day", "journal", "comm")}
 
 
 def main() -> int:

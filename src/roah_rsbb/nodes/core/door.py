@@ -20,8 +20,9 @@ from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.ros.place import PARAM, file_of
 from roah_rsbb.web.serving import ANY_HOST, ServeError
 
-# Seconds. Shortest time between what clients are sent of events: many robots change something in each.
-GAP_S = 0.05
+# Seconds. Shortest time between what clients are sent: of events, because many robots change something in each; and of
+# calls, whose effect a referee waits for.
+GAP_S, CALLS_GAP_S = 0.05, 0.005
 SIGN_S = 0.5
 
 
@@ -87,8 +88,14 @@ class BoxDoor:
 
     def changed(self) -> None:
         """Note that an event changed something: clients are sent it soon."""
-        if self._soon is None:
-            self._soon = self._loop.call_at(max(self._loop.time(), self._sent_mono + GAP_S), self.publish)
+        self._publish_within(GAP_S)
+
+    def _publish_within(self, gap_s: float) -> None:
+        due = max(self._loop.time(), self._sent_mono + gap_s)
+        if self._soon is None or due < self._soon.when():
+            if self._soon is not None:
+                self._soon.cancel()
+            self._soon = self._loop.call_at(due, self.publish)
 
     def publish(self) -> Document:
         """Send clients what has changed; returns the document."""
@@ -118,6 +125,7 @@ class BoxDoor:
                 return call(arguments, caller)
             finally:
                 self._look()
+                self._publish_within(CALLS_GAP_S)
 
         return carried_out
 
