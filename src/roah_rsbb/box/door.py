@@ -19,13 +19,13 @@ import logging
 import socket
 from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Set, Union
 
-from tornado import iostream, web, websocket
+from tornado import iostream, web
 
 from roah_rsbb.document.calls import Answered, Call, Caller, InThread, Later, Waiting, carried_out, waited
 from roah_rsbb.document.document import Follower, Written
 from roah_rsbb.model.clock import Now
 from roah_rsbb.web.limits import Places
-from roah_rsbb.web.serving import BoundedServer, bind, frame
+from roah_rsbb.web.serving import BoundedServer, BoundedSocket, bind, frame
 
 PATH = "/door"
 STOP = "stop"  # the call, and the face of the connections for it
@@ -209,7 +209,7 @@ def _read_on(read_on: "asyncio.Future[None]") -> None:
         read_on.set_result(None)
 
 
-class _Client(websocket.WebSocketHandler):
+class _Client(BoundedSocket):
     """The connection of a client."""
 
     def initialize(self, door: Door) -> None:
@@ -219,7 +219,8 @@ class _Client(websocket.WebSocketHandler):
         self._busy_since: Optional[float] = None
         self._was_sent = False  # something since the last sign of life
         offered = self.request.headers.get("Sec-WebSocket-Extensions", "")
-        self._deflates = "permessage-deflate" in offered and "server_max_window_bits" not in offered
+        names = (one.split(";")[0].strip() for one in offered.split(","))
+        self._deflates = "permessage-deflate" in names and "server_max_window_bits" not in offered
 
     def prepare(self) -> None:
         """Refuse whoever does not have the token, and pages of browsers: these go to the web gateway."""

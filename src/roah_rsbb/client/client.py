@@ -28,6 +28,8 @@ Done = Callable[["Answer"], object]
 TIMEOUT_S = 5.0
 # Signs of life come twice a second: without one for so long, what is shown is old, and later the connection is lost.
 OLD_S, SILENT_S = 1.2, 5.0
+# The first message is the whole document, which takes long on a slow link.
+WHOLE_S = 30.0
 CONNECT_S = 5.0
 # Between attempts to connect. After a connection that lived for so long, the first is at once.
 FIRST_S, LAST_S, LIVED_S = 0.2, 2.0, 1.0
@@ -167,8 +169,13 @@ class Client(Generic[D]):
 
     @property
     def silence_s(self) -> float:
-        """For how many seconds the box has not been heard."""
-        return time.monotonic() - self.heard_mono
+        """How long ago, in seconds, the box sent the last message that has arrived: on a slow link, before it was
+        heard; inf: never."""
+        heard = self._heard
+        if heard is None:
+            return float("inf")
+        late_s = self._clock.now(heard.here_mono) - heard.mono if heard.rate == 1.0 else 0.0
+        return time.monotonic() - heard.here_mono + late_s
 
     @property
     def is_old(self) -> bool:
@@ -334,7 +341,7 @@ class Client(Generic[D]):
         try:
             is_first = way == _MAIN
             while not self._is_closed:
-                text = await asyncio.wait_for(link.socket.read_message(), SILENT_S)
+                text = await asyncio.wait_for(link.socket.read_message(), WHOLE_S if is_first else SILENT_S)
                 if text is None:
                     reason = link.socket.close_reason or "without a reason"
                     return f"the box at {place.url} has closed the connection ({reason}): check that it runs"
@@ -358,14 +365,15 @@ class Client(Generic[D]):
 
     def _take(self, link: _Link, message: Dict[str, Any], is_first: bool) -> None:
         """Take a message with the clocks, and perhaps what has changed."""
-        if is_first:
-            self._clock, self._asked_whole = BoxClock(), False  # it may be another computer
         heard = _Heard(time.monotonic(), message["mono"], message["utc"], message["rate"])
+        if is_first or self._heard is None or self._heard.rate != heard.rate:
+            self._clock = BoxClock()  # it may be another computer, or a replay that went slower
         try:
             self._followed.take(message)
             is_gap = False
         except Gap:
             is_gap = True
+        self._asked_whole = self._asked_whole and not is_first
         self._clock.sample(heard.here_mono, heard.mono)
         self._heard = heard  # not of a box whose document cannot be read
         if is_gap:

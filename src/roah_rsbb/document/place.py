@@ -38,5 +38,5 @@ def read_place(path: str) -> Place:
         return Place(str(found["url"]), str(found["token"]))
     except OSError as error:
         raise NotFound(f"{path}: {error.strerror}: start the box on this computer as the same user") from None
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         raise NotFound(f"{path} is damaged: start the box again, which writes it") from None

@@ -4,6 +4,7 @@ The file is only for programs of the same user, and needs no master. The paramet
 network.
 """
 
+import contextlib
 import os
 import socket
 import urllib.parse
@@ -22,9 +23,23 @@ START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"
 
 
 def file_of(master_uri: str) -> str:
-    """Return the path of the file in which the box of a ROS master on this computer says where its door is."""
+    """Return the path of the file in which the box of a ROS master on this computer says where its door is; empty: the
+    master is on another computer, whose box is another one. Looks the master's name up, which may take seconds."""
+    master = urllib.parse.urlsplit(master_uri)
+    if not _is_here(master.hostname or ""):
+        return ""
     home = os.environ.get("ROS_HOME") or os.path.join(os.path.expanduser("~"), ".ros")
-    return os.path.join(home, f"roah_rsbb_door_{urllib.parse.urlsplit(master_uri).port or 80}.json")
+    return os.path.join(home, f"roah_rsbb_door_{master.port or 80}.json")
+
+
+def _is_here(host: str) -> bool:
+    """Whether an address is one of this computer: only those can be bound."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as trial:
+        try:
+            trial.bind((host, 0))
+        except (OSError, UnicodeError):
+            return False
+    return host != ""
 
 
 class Places:
@@ -38,10 +53,11 @@ class Places:
 
     def find(self) -> Place:
         """Return where to try next; a place that was tried last only if there is no other. Raises `NotFound`."""
-        try:
-            of_file: Optional[Place] = read_place(file_of(self.master_uri))
-        except NotFound:
-            of_file = None
+        of_file: Optional[Place] = None
+        path = file_of(self.master_uri)
+        if path:
+            with contextlib.suppress(NotFound):
+                of_file = read_place(path)
         if of_file is not None and of_file != self._tried:
             self._tried = of_file
             return of_file

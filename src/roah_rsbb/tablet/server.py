@@ -14,7 +14,7 @@ from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages, Refusal, refusal_text
 from roah_rsbb.web.guarded import Guarded
 from roah_rsbb.web.limits import Rates
-from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind
+from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, BoundedSocket, bind
 
 # No venue has more tablets.
 MAX_PAGES = 32
@@ -139,7 +139,7 @@ class TabletServer:
             self.publish()
 
 
-class PageSocket(Guarded, websocket.WebSocketHandler):
+class PageSocket(Guarded, BoundedSocket):
     """The connection of one browser. Only our own page may open it: tornado compares Origin and Host."""
 
     def initialize(self, server: TabletServer) -> None:

@@ -13,7 +13,7 @@ from roah_rsbb.web.displays.listed import display_of
 from roah_rsbb.web.documents import DATA, DISPLAY, TEXTS
 from roah_rsbb.web.guarded import Guarded
 from roah_rsbb.web.numbered import Key, Made
-from roah_rsbb.web.serving import frame
+from roah_rsbb.web.serving import BoundedSocket, frame
 from roah_rsbb.web.viewer import Viewer
 
 # A reader that has not taken a message for so long is gone, or does not read.
@@ -22,7 +22,7 @@ STUCK_S = 20.0
 SEND_BUFFER_BYTES = 64 * 1024
 
 
-class Reader(Guarded, websocket.WebSocketHandler):
+class Reader(Guarded, BoundedSocket):
     """The connection of a reader. Its kinds say who may open it, and what is sent."""
 
     session_id = ""  # of a paired device

@@ -3,6 +3,7 @@
 The gateway and the tablet's page use it.
 """
 
+import asyncio
 import errno
 import functools
 import os
@@ -11,7 +12,7 @@ import struct
 import zlib
 from typing import Any, Dict, List, Optional
 
-from tornado import httpserver, iostream, netutil, web
+from tornado import httpserver, iostream, netutil, web, websocket
 
 from roah_rsbb.web.limits import Connections
 
@@ -26,6 +27,7 @@ FRAMES = 16
 # Longer messages are compressed for readers that understand it.
 DEFLATED_BYTES = 1024
 _TEXT_AND_FINAL, _DEFLATED = 0x81, 0x40
+_PING = 0x9
 
 
 class ServeError(OSError):
@@ -63,6 +65,29 @@ class BoundedServer(httpserver.HTTPServer):
     def know(self, stream: Optional[iostream.IOStream], address: str) -> None:
         """Note that a connection is that of a paired device. Connections from its address have reserved places."""
         self._waiting.know(stream, address)
+
+
+class _BoundedProtocol(websocket.WebSocketProtocol13):
+    """Takes one frame in each turn of the loop. Tornado would take all that have arrived in one turn: a stream of pings
+    or fragments would stop everything else. And it would keep all answers to pings until they are read."""
+
+    async def _receive_frame(self) -> None:
+        await super()._receive_frame()
+        await asyncio.sleep(0)
+
+    def _handle_message(self, opcode: int, data: bytes) -> Any:
+        if opcode == _PING and self.stream.writing():
+            return None  # the answer to a later one will do (RFC 6455, 5.5.3)
+        return super()._handle_message(opcode, data)
+
+
+class BoundedSocket(websocket.WebSocketHandler):
+    """A WebSocket that takes no more time or memory than others, whatever arrives."""
+
+    def get_websocket_protocol(self) -> Optional[websocket.WebSocketProtocol]:
+        """Return what reads the connection."""
+        found = super().get_websocket_protocol()
+        return None if found is None else _BoundedProtocol(self, False, found.params)
 
 
 def bind(host: str, port: int, what: str, name: str) -> List[socket.socket]:

@@ -1,12 +1,13 @@
 """The door of the box on real loopback sockets: the document, calls, STOP first, and its defences."""
 
+import contextlib
 import json
 import socket
 import stat
 import zlib
 
 import pytest
-from tornado import httpclient
+from tornado import httpclient, websocket
 
 from helpers.running_loop import running
 from helpers.toy_box import HOST, TOKEN, Bare, ToyBox
@@ -302,6 +303,50 @@ def test_a_client_that_reads_no_answers_is_ended(box):
         stuck.send(box.now(), text)
     assert clients(box) == []
     slow.close()
+
+
+# Empty frames that are no messages, masked with zeros (RFC 6455, 5.2).
+PING, PONG, FRAGMENT = (bytes([first, 0x80, 0, 0, 0, 0]) for first in (0x89, 0x8A, 0x00))
+FIRST_FRAGMENT = bytes([0x01, 0x80, 0, 0, 0, 0])
+
+
+@pytest.mark.parametrize("flood", [PING, PONG, FRAGMENT], ids=["pings", "pongs", "fragments"])
+def test_a_flood_of_frames_that_are_no_messages_is_read_one_in_a_turn(box, monkeypatch, flood):
+    client = silent(box, "?face=stop")
+    box.running.until(lambda: clients(box))
+    loop, turn, read_in, receive = box.running.loop, [0], [], websocket.WebSocketProtocol13._receive_frame
+
+    def next_turn():
+        turn[0] += 1
+        loop.call_soon(next_turn)
+
+    async def counted(self):
+        await receive(self)
+        read_in.append(turn[0])
+
+    monkeypatch.setattr(websocket.WebSocketProtocol13, "_receive_frame", counted)
+    next_turn()
+    client.sendall(FIRST_FRAGMENT + flood * 2000)
+    box.running.until(lambda: len(read_in) > 1500)
+    assert len(set(read_in)) == len(read_in)
+    client.close()
+
+
+def test_no_answers_to_pings_pile_up(box):
+    client = silent(box, "?face=stop")
+    box.running.until(lambda: clients(box))
+    (stuck,) = clients(box)
+    client.setblocking(False)
+    longest = bytes([0x89, 0x80 + 125, 0, 0, 0, 0]) + b"x" * 125
+    while not stuck.ws_connection.stream.writing():
+        with contextlib.suppress(BlockingIOError):
+            client.send(longest * 100)
+        box.running.turn()
+    waiting = len(stuck.ws_connection.stream._write_buffer)
+    for _ in range(100):
+        stuck.ws_connection._handle_message(0x9, b"x" * 125)
+    assert len(stuck.ws_connection.stream._write_buffer) <= waiting
+    client.close()
 
 
 def test_clients_that_go_free_their_places(box):

@@ -431,3 +431,40 @@ def test_one_too_many_waits_before_it_tries_again(world, monkeypatch):
 
 def test_a_newer_box_may_say_more():
     assert client_file.answer_of({"id": 1, "number": 5, "answer": 7, "weather": "fine"}) == Answer(5, 7)
+
+
+def message(mono, rate=1.0, **more):
+    return {"mono": mono, "utc": mono + 1000.0, "rate": rate, **more}
+
+
+@pytest.fixture
+def followed(monkeypatch):
+    """A client that takes messages at moments of the test's clock."""
+    made = Client(Toy, lambda: None, loop=object())
+    clock = [100.0]
+    monkeypatch.setattr(client_file.time, "monotonic", lambda: clock[0])
+
+    def take(at, sent, rate=1.0):
+        clock[0] = at
+        made._take(None, message(sent, rate), made._heard is None)
+
+    made.take = take
+    return made
+
+
+def test_what_comes_late_is_old_when_it_comes(followed):
+    followed.take(100.0, 5000.0)
+    followed.take(100.5, 5000.5)
+    assert not followed.is_old
+    followed.take(103.0, 5001.0)  # on a link that has become slow
+    assert followed.silence_s == pytest.approx(2.0, abs=0.01) and followed.is_old
+    followed.take(104.0, 5003.9)
+    assert not followed.is_old
+
+
+def test_a_replay_that_stood_is_not_late(followed):
+    followed.take(100.0, 5000.0)
+    followed.take(101.0, 5001.0, rate=0.0)
+    followed.take(150.0, 5001.0, rate=0.0)
+    followed.take(150.5, 5001.5, rate=1.0)
+    assert not followed.is_old

@@ -3,6 +3,10 @@
 import asyncio
 import contextlib
 import os
+import threading
+import time
+import xmlrpc.client
+from http.client import HTTPException
 from typing import Callable, Mapping, Optional, Sequence
 
 import rosgraph
@@ -24,6 +28,7 @@ from roah_rsbb.web.serving import ANY_HOST, ServeError
 # calls, whose effect a referee waits for.
 GAP_S, CALLS_GAP_S = 0.05, 0.005
 SIGN_S = 0.5
+RETRY_S = 1.0
 
 
 class BoxDoor:
@@ -51,19 +56,22 @@ class BoxDoor:
     def open(self) -> None:
         """Let clients in, and publish where it is. Logs what prevents it, with the remedy: the original interface
         remains."""
-        path = file_of(rosgraph.get_master_uri())
+        host = rosgraph.network.get_bind_address()
         try:
-            host = rosgraph.network.get_bind_address()
             port = self._door.open(host)
-            if rospy.resolve_name(PARAM) == PARAM:  # the file is that of the only box at this master
-                self._path = path
-                write_place(path, f"ws://{'127.0.0.1' if host == ANY_HOST else host}:{port}/door", self._token)
-        except (ServeError, OSError) as error:
+        except ServeError as error:
             rospy.logerr("No panel can follow this box: %s", error)
             return
-        rospy.set_param(PARAM, {
-            "url": f"ws://{rosgraph.network.get_host_name()}:{port}/door", "token": self._token})
         self._sign()
+        local, remote = "127.0.0.1" if host == ANY_HOST else host, rosgraph.network.get_host_name()
+        _publish(lambda: rospy.set_param(PARAM, {"url": _url(remote, port), "token": self._token}))
+        if rospy.resolve_name(PARAM) == PARAM:  # the file is that of the only box at this master
+            _publish(lambda: self._write_place(_url(local, port)))
+
+    def _write_place(self, url: str) -> None:
+        self._path = file_of(rosgraph.get_master_uri())
+        if self._path:
+            write_place(self._path, url, self._token)
 
     @property
     def is_followed(self) -> bool:
@@ -134,3 +142,21 @@ class BoxDoor:
         self.publish()
         if self._is_current:
             self._door.sign()
+
+
+def _url(host: str, port: int) -> str:
+    return f"ws://{host}:{port}/door"
+
+
+def _publish(where: Callable[[], object]) -> None:
+    """Publish where the door is, until it succeeds. In a thread, because a disk or a master may hang."""
+    def run() -> None:
+        while not rospy.is_shutdown():
+            try:
+                where()
+                return
+            except (OSError, rospy.ROSException, xmlrpc.client.Error, HTTPException) as error:
+                rospy.logerr_throttle_identical(60.0, f"Some panels cannot find this box, which tries again: {error}")
+                time.sleep(RETRY_S)
+
+    threading.Thread(target=run, name="door", daemon=True).start()
