@@ -3341,6 +3341,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/calls.py"/>
+        <source>The call has {name}, which is unknown: the values of the fields of an action go into given</source>
+        <translation>Der Aufruf hat {name}, was unbekannt ist: Die Werte der Felder einer Aktion gehören in given</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/calls.py"/>
         <source>{name} is not a text of at most {most} characters</source>
         <translation>{name} ist kein Text von höchstens {most} Zeichen</translation>
     </message>

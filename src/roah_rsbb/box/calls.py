@@ -24,9 +24,11 @@ NOT_SAVED = say("not saved: {why}. It counts, and is saved as soon as the disk c
                 "Free or repair the disk of log_dir")
 NOT_RECORDED = say("not saved: internal error. It counts until the box ends. Report the error in the core's log")
 NO_OBJECT = say("The values of the fields are not a JSON object, such as {example}")(example='{"robot": "r1"}')
+UNKNOWN = say("The call has {name}, which is unknown: the values of the fields of an action go into given")
 NO_TEXT = say("{name} is not a text of at most {most} characters")
 # The longest valid note has 500 characters. Processing a huge text would delay all zones.
 MAX_TEXT = 5000
+ARGUMENTS_OF_ACT = {"action", "zone", "run", "event", "given", "by", "node"}
 
 
 class Disks(NamedTuple):
@@ -98,6 +100,8 @@ class BoxCalls:
     # -- through the door -----------------------------------------------------------------------------
 
     def _act(self, found: Mapping[str, Any], caller: Caller) -> Any:
+        for name in sorted(found.keys() - ARGUMENTS_OF_ACT):
+            raise Refused([UNKNOWN(name=repr(name[:40]))])
         given = found.get("given", {})
         if not isinstance(given, dict):
             raise Refused([NO_OBJECT])

@@ -223,7 +223,10 @@ class Client(Generic[D]):
     def call(self, name: str, done: Optional[Done] = None, timeout_s: float = TIMEOUT_S, again: bool = False,
              **arguments: Any) -> "concurrent.futures.Future[Answer]":
         """Make a call. `done` is called in the loop's thread with the answer, for which it waits that long. `again`:
-        try until the time is over; only for what the box does once, such as a mark with an id."""
+        try until the time is over; only for what the box does once, such as a mark with an id. Raises ValueError for an
+        argument `id`: that of a mark is one of the values `given`."""
+        if "id" in arguments:
+            raise ValueError("id is the door's own: the id of a mark goes into given")
         request = json.dumps({**arguments, "call": name})
         ask = self._ask_again if again else self._ask
         return self._begin(lambda: ask(_MAIN, request), done, timeout_s)

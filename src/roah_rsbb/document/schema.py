@@ -1,12 +1,14 @@
-"""The JSON Schema (draft 7) of a document, from its types and their docstrings."""
+"""The JSON Schema (draft 7) of a document, from its types and their docstrings. As a program, that of the box."""
 
 import collections.abc
 import enum
 import inspect
+import json
 from typing import Any, Dict, Tuple, get_type_hints
 
+from roah_rsbb.model.document import Document
 from roah_rsbb.model.fields import Field
-from roah_rsbb.model.reason import Reason
+from roah_rsbb.model.reason import Reason, Said
 from roah_rsbb.model.saved import REQUIRED, defaults, not_none
 
 _PLAIN = {bool: "boolean", int: "integer", float: "number", str: "string"}
@@ -29,6 +31,8 @@ def _of(hint: Any, definitions: Dict[str, Any]) -> Dict[str, Any]:
         return {"type": _PLAIN[hint]}
     if hint is Any:
         return {}
+    if hint in (Reason, Said):
+        return _REASON
     if not_none(hint) is not hint:
         return {"anyOf": [_of(not_none(hint), definitions), {"type": "null"}]}
     origin = getattr(hint, "__origin__", None)
@@ -47,8 +51,6 @@ def _of(hint: Any, definitions: Dict[str, Any]) -> Dict[str, Any]:
 
 
 def _definition(cls: Any, definitions: Dict[str, Any]) -> Dict[str, Any]:
-    if cls is Reason:
-        return _REASON
     about = {"description": inspect.getdoc(cls) or ""}
     if issubclass(cls, enum.Enum):
         return {**about, "enum": [member.value for member in cls]}
@@ -58,3 +60,7 @@ def _definition(cls: Any, definitions: Dict[str, Any]) -> Dict[str, Any]:
     return {
         **about, "type": "object", "properties": {name: _of(hints[name], definitions) for name, _ in defaults(cls)},
         "required": [name for name, default in defaults(cls) if default is REQUIRED]}
+
+
+if __name__ == "__main__":
+    print(json.dumps(schema(Document), indent=1))

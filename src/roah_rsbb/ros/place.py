@@ -79,7 +79,8 @@ class Places:
             self._of_master = Place(str(value["url"]), str(value["token"]))
         else:
             self._of_master = None
-        return f"no core at the ROS master {self.master_uri}: {START}"
+        return (f"no core at the ROS master {self.master_uri}: {START}; or, if a box runs, start the launch again "
+                "after its runs, because the master has forgotten it")
 
 
 class _Impatient(xmlrpc.client.Transport):

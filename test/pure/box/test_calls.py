@@ -91,6 +91,13 @@ def test_malformed_arguments_are_refused_with_what_is_expected(box, broken):
     assert "not a" in json.dumps(answer["refused"]) and box.happened == []
 
 
+def test_a_value_outside_of_given_is_refused_but_stop_is_carried_out(box):
+    (why,) = box.call("act", action="mark", zone="Home", run="", desc="bumps", value="1")["refused"]
+    assert "the values of the fields of an action go into given" in str(why) and "'desc'" in str(why)
+    assert box.happened == []
+    assert box.call("stop", zone="Home", run="", desc="bumps") == {"answer": None}
+
+
 def test_what_a_referee_writes_down_is_on_the_disks_when_the_answer_comes(box):
     event = ("act", NOW, Target(*RUN), "sign_off", "", {})
     assert box.call("act", action="sign_off", zone="Home", run=RUN.identity) == {"answer": None}

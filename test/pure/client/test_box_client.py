@@ -429,6 +429,11 @@ def test_one_too_many_waits_before_it_tries_again(world, monkeypatch):
     world.until(lambda: second.document is not None)
 
 
+def test_an_id_that_would_be_that_of_the_message_is_an_error(world):
+    with pytest.raises(ValueError, match="the id of a mark goes into given"):
+        world.client().call("act", action="mark", id="7")
+
+
 def test_a_newer_box_may_say_more():
     assert client_file.answer_of({"id": 1, "number": 5, "answer": 7, "weather": "fine"}) == Answer(5, 7)
 
