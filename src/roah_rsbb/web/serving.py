@@ -87,7 +87,9 @@ class BoundedSocket(websocket.WebSocketHandler):
     def get_websocket_protocol(self) -> Optional[websocket.WebSocketProtocol]:
         """Return what reads the connection."""
         found = super().get_websocket_protocol()
-        return None if found is None else _BoundedProtocol(self, False, found.params)
+        if found is not None:
+            found.__class__ = _BoundedProtocol  # its constructor differs between tornado 5 and 6
+        return found
 
 
 def bind(host: str, port: int, what: str, name: str) -> List[socket.socket]:
