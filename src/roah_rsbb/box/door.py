@@ -16,10 +16,9 @@ import concurrent.futures
 import hmac
 import json
 import logging
-import socket
 from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Set, Union
 
-from tornado import iostream, web
+from tornado import web
 
 from roah_rsbb.document.calls import Answered, Call, Caller, InThread, Later, Waiting, carried_out, waited
 from roah_rsbb.document.document import Follower, Written
@@ -32,8 +31,6 @@ STOP = "stop"  # the call, and the face of the connections for it
 REFEREE = "referee"  # the face with reserved places
 MAX_CLIENTS, MAX_REFEREES = 80, 20  # together 100; as many more connections for STOP
 MAX_MESSAGE_BYTES = 64 * 1024
-# A client that has not taken a message for so long is gone, or does not read.
-STUCK_S = 20.0
 _PING_S = 20.0
 # Of a client that does not read them.
 MAX_ANSWERS = 100
@@ -41,8 +38,6 @@ MAX_ANSWERS = 100
 MAX_LOGGED = 100
 # Calls that wait for the disks at the same time.
 MAX_THREADS = 64
-# The system would otherwise hold megabytes for a client that does not read.
-SEND_BUFFER_BYTES = 64 * 1024
 
 _log = logging.getLogger(__name__)
 
@@ -216,7 +211,6 @@ class _Client(BoundedSocket):
         self._door = door
         self._follower: Optional[Follower] = None
         self._answers: Deque[str] = collections.deque()
-        self._busy_since: Optional[float] = None
         self._was_sent = False  # something since the last sign of life
         offered = self.request.headers.get("Sec-WebSocket-Extensions", "")
         names = (one.split(";")[0].strip() for one in offered.split(","))
@@ -238,11 +232,7 @@ class _Client(BoundedSocket):
 
     def open(self, *_args: str, **_kwargs: str) -> None:
         """Give the client a place, and send the document."""
-        stream = self._stream()
-        if stream is not None and stream.socket is not None:
-            stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER_BYTES)
-        self.set_nodelay(True)
-        self._door.server.keep(stream)
+        self.begin(self._door.server.keep)
         self._follower = None if self.caller.face == STOP else Follower()
         self._door.add(self, self.caller.face, self.caller.address)
         self.send(self._door.now())
@@ -253,22 +243,23 @@ class _Client(BoundedSocket):
 
     def on_close(self) -> None:
         """Free the place."""
+        self.on_lost()
+
+    def on_lost(self) -> None:
+        """Free the place."""
         self._door.remove(self)
 
-    def end(self) -> None:
-        """Close the connection at once: `close` would wait behind what is not taken."""
-        self._door.remove(self)
-        stream = self._stream()
-        if stream is not None:
-            stream.close()
+    def on_sent(self) -> None:
+        """Send what has changed meanwhile."""
+        self.send(self._door.now())
 
     def sign(self, now: Now) -> None:
         """Send a sign of life. End a client that takes nothing."""
-        if self._busy_since is None:
+        if self.busy_since is None:
             if not self._was_sent:
                 self.send(now, self._door.written.message(now))
             self._was_sent = False
-        elif self._door.loop.time() - self._busy_since > STUCK_S:
+        elif self.is_stuck(self._door.loop.time()):
             self.end()
 
     def send_whole(self) -> None:
@@ -281,37 +272,13 @@ class _Client(BoundedSocket):
         """Send what has changed and then a text, as soon as the message before is sent."""
         if text:
             self._answers.append(text)
-        if self._busy_since is None:
+        if self.busy_since is None:
             change = self._follower.next(self._door.written, now) if self._follower is not None else None
             texts = [*([change] if change is not None else []), *self._answers]
             self._answers.clear()
             if texts:
-                self._write(b"".join(frame(one, self._deflates) for one in texts))
+                self._door.check()
+                self._was_sent = True
+                self.write_frames(b"".join(frame(one, self._deflates) for one in texts), self._door.loop.time())
         elif len(self._answers) > MAX_ANSWERS:
             self.end()
-
-    def _stream(self) -> Optional[iostream.IOStream]:
-        return getattr(self.ws_connection, "stream", None)
-
-    def _write(self, frames: bytes) -> None:
-        connection = self.ws_connection
-        if connection is None or connection.client_terminated or connection.server_terminated:
-            self._door.remove(self)
-            return
-        self._door.check()
-        self._was_sent = True
-        try:
-            sent = connection.stream.write(frames)
-        except iostream.StreamClosedError:
-            self._door.remove(self)
-            return
-        if not sent.done():
-            self._busy_since = self._door.loop.time()
-            sent.add_done_callback(self._on_sent)
-
-    def _on_sent(self, sent: "asyncio.Future[None]") -> None:
-        self._busy_since = None
-        if sent.cancelled() or sent.exception() is not None:
-            self._door.remove(self)
-        else:
-            self.send(self._door.now())

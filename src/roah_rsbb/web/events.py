@@ -3,11 +3,9 @@
 All but sending is in `Viewer`: this is the connection.
 """
 
-import asyncio
-import socket
 from typing import Any, List, Optional
 
-from tornado import iostream, web, websocket
+from tornado import web
 
 from roah_rsbb.web.displays.listed import display_of
 from roah_rsbb.web.documents import DATA, DISPLAY, TEXTS
@@ -15,11 +13,6 @@ from roah_rsbb.web.guarded import Guarded
 from roah_rsbb.web.numbered import Key, Made
 from roah_rsbb.web.serving import BoundedSocket, frame
 from roah_rsbb.web.viewer import Viewer
-
-# A reader that has not taken a message for so long is gone, or does not read.
-STUCK_S = 20.0
-# The system would otherwise hold megabytes for a reader that does not read.
-SEND_BUFFER_BYTES = 64 * 1024
 
 
 class Reader(Guarded, BoundedSocket):
@@ -31,7 +24,6 @@ class Reader(Guarded, BoundedSocket):
     def initialize(self, server: Any) -> None:
         self._server = server
         self._viewer: Optional[Viewer] = None
-        self._busy_since: Optional[float] = None
 
     @property
     def places(self) -> Any:
@@ -45,15 +37,10 @@ class Reader(Guarded, BoundedSocket):
 
     def start(self, viewer: Viewer) -> None:
         """Give the reader a place, and send the first message."""
-        server = self._server
         self._viewer = viewer
-        stream = getattr(self.ws_connection, "stream", None)
-        if stream is not None and stream.socket is not None:
-            stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER_BYTES)
-        self.set_nodelay(True)
-        server.keep(stream)
+        self.begin(self._server.keep)
         self.places.add(self, self.request.remote_ip or "")
-        self.send_next(server.now())
+        self.on_sent()
 
     def on_message(self, message: object) -> None:
         """Readers have nothing to say."""
@@ -61,54 +48,30 @@ class Reader(Guarded, BoundedSocket):
 
     def on_close(self) -> None:
         """Free the place."""
+        self.on_lost()
+
+    def on_lost(self) -> None:
+        """Free the place."""
         self.places.remove(self)
+
+    def on_sent(self) -> None:
+        """Send the next message."""
+        self.send_next(self._server.now())
 
     def beat(self, now: float, made: Made) -> None:
         """Send the clock, unless a message is still on its way. End a reader that takes nothing."""
-        if self._busy_since is None:
+        if self.busy_since is None:
             self._viewer.beat()
             self.send_next(now, made)
-        elif now - self._busy_since > STUCK_S:
-            self.places.remove(self)
-            stream = getattr(self.ws_connection, "stream", None)
-            if stream is not None:
-                stream.close()  # `close` would wait behind what is not taken
+        elif self.is_stuck(now):
+            self.end()
 
     def send_next(self, now: float, made: Optional[Made] = None) -> None:
         """Send the next message as soon as the one before is sent. `made`: what others were sent at this moment."""
-        while self._busy_since is None and self._viewer is not None:
+        while self.busy_since is None and self._viewer is not None:
             text = self._viewer.next(now, made)
-            if text is None:
+            if text is None or not self.write_frames(frame(text), now):
                 return
-            try:
-                sent = self._write(frame(text))
-            except (websocket.WebSocketClosedError, iostream.StreamClosedError):
-                self.places.remove(self)
-                return
-            if not sent.done():
-                self._busy_since = now
-                sent.add_done_callback(self._on_sent)
-            elif not self._is_sent(sent):
-                return
-
-    def _write(self, message: bytes) -> "asyncio.Future[None]":
-        """Write a frame. Tornado's `write_message` would make it again for each reader, and start a task."""
-        connection = self.ws_connection
-        if connection is None or connection.client_terminated or connection.server_terminated:
-            raise websocket.WebSocketClosedError
-        return connection.stream.write(message)
-
-    def _on_sent(self, sent: "asyncio.Future[None]") -> None:
-        self._busy_since = None
-        if self._is_sent(sent):
-            self.send_next(self._server.now())
-
-    def _is_sent(self, sent: "asyncio.Future[None]") -> bool:
-        """Whether a message was sent; otherwise, the connection is closed."""
-        if sent.cancelled() or sent.exception() is not None:
-            self.places.remove(self)
-            return False
-        return True
 
 
 class EventsHandler(Reader):

@@ -10,7 +10,7 @@ import os
 import socket
 import struct
 import zlib
-from typing import Any, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional
 
 from tornado import httpserver, iostream, netutil, web, websocket
 
@@ -28,6 +28,10 @@ FRAMES = 16
 DEFLATED_BYTES = 1024
 _TEXT_AND_FINAL, _DEFLATED = 0x81, 0x40
 _PING = 0x9
+# A reader that has not taken a message for so long is gone, or does not read.
+STUCK_S = 20.0
+# The system would otherwise hold megabytes for a reader that does not read.
+SEND_BUFFER_BYTES = 64 * 1024
 
 
 class ServeError(OSError):
@@ -82,7 +86,71 @@ class _BoundedProtocol(websocket.WebSocketProtocol13):
 
 
 class BoundedSocket(websocket.WebSocketHandler):
-    """A WebSocket that takes no more time or memory than others, whatever arrives."""
+    """A WebSocket that takes no more time or memory than others, whatever arrives, and whether or not it is read.
+
+    A kind that sends much calls `begin` when it is open, `write_frames` only while it is not busy, and has `on_sent`,
+    called when what was written is taken, and `on_lost`, called when the connection is closed instead.
+    """
+
+    busy_since: Optional[float] = None  # loop's time at which something was written that is not taken yet; None: all is
+
+    def on_sent(self) -> None:
+        """Write what is next."""
+
+    def on_lost(self) -> None:
+        """Free the place."""
+
+    def begin(self, keep: Callable[[Optional[iostream.IOStream]], None]) -> None:
+        """Limit what the system holds for it. `keep`: see `BoundedServer.keep`."""
+        stream = self._stream()
+        if stream is not None and stream.socket is not None:
+            stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER_BYTES)
+        self.set_nodelay(True)
+        keep(stream)
+
+    def write_frames(self, frames: bytes, now: float) -> bool:
+        """Write frames of `frame`; returns whether that was possible. Tornado's `write_message` would make them again
+        for each reader, and start a task."""
+        connection = self.ws_connection
+        if connection is None or connection.client_terminated or connection.server_terminated:
+            self.on_lost()
+            return False
+        try:
+            sent = connection.stream.write(frames)
+        except iostream.StreamClosedError:
+            self.on_lost()
+            return False
+        if not sent.done():
+            self.busy_since = now
+            sent.add_done_callback(self._on_sent)
+            return True
+        return self._is_sent(sent)
+
+    def is_stuck(self, now: float) -> bool:
+        """Whether it takes nothing any more: it is gone, or does not read."""
+        return self.busy_since is not None and now - self.busy_since > STUCK_S
+
+    def end(self) -> None:
+        """Close the connection at once: `close` would wait behind what is not taken."""
+        self.on_lost()
+        stream = self._stream()
+        if stream is not None:
+            stream.close()
+
+    def _stream(self) -> Optional[iostream.IOStream]:
+        return getattr(self.ws_connection, "stream", None)
+
+    def _on_sent(self, sent: "asyncio.Future[None]") -> None:
+        self.busy_since = None
+        if self._is_sent(sent):
+            self.on_sent()
+
+    def _is_sent(self, sent: "asyncio.Future[None]") -> bool:
+        """Whether it was sent; otherwise, the connection is closed."""
+        if sent.cancelled() or sent.exception() is not None:
+            self.on_lost()
+            return False
+        return True
 
     def get_websocket_protocol(self) -> Optional[websocket.WebSocketProtocol]:
         """Return what reads the connection."""

@@ -16,6 +16,7 @@ from roah_rsbb.box import door
 from roah_rsbb.document.calls import Caller, Waiting
 from roah_rsbb.document.place import NotFound, Place, new_token, read_place, write_place
 from roah_rsbb.model.reason import encode
+from roah_rsbb.web import serving
 from roah_rsbb.web.serving import DEFLATED_BYTES, ServeError, frame
 
 __all__ = ["running"]
@@ -276,7 +277,7 @@ def test_a_slow_client_delays_nobody_and_has_no_backlog(box, monkeypatch):
     box.running.until(lambda: len(clients(box)) == 2)
     stuck = clients(box)[0]
     number = 0
-    while stuck._busy_since is None:
+    while stuck.busy_since is None:
         number += 1
         box.change(log=f"{number} " * 50000)
     waiting = len(stuck.ws_connection.stream._write_buffer)
@@ -288,7 +289,7 @@ def test_a_slow_client_delays_nobody_and_has_no_backlog(box, monkeypatch):
     assert len(stuck.ws_connection.stream._write_buffer) <= waiting
     box.door.sign()
     assert stuck in clients(box)
-    monkeypatch.setattr(door, "STUCK_S", -1.0)
+    monkeypatch.setattr(serving, "STUCK_S", -1.0)
     box.door.sign()
     assert stuck not in clients(box) and len(clients(box)) == 1
     slow.close()

@@ -398,7 +398,7 @@ def test_a_slow_client_gets_the_newest(world):
     assert entered.wait(60)
     connection = next(one for one in world.box.door._all() if one._follower is not None)
     number = 0
-    while connection._busy_since is None:
+    while connection.busy_since is None:
         number += 1
         world.box.change(log=f"{number} " * 50000)
     for _ in range(20):

@@ -2,7 +2,6 @@
 
 import contextlib
 import itertools
-import json
 import random
 
 from hypothesis import given
@@ -14,6 +13,7 @@ from helpers.competition import TEAMS, UTC0, competition, event
 from helpers.examples import examples
 from helpers.linked_world import FakeLink, World, assert_legal
 from helpers.random_events import ZONES, apply_event, random_competition, random_events
+from roah_rsbb.client.in_memory import InMemory
 from roah_rsbb.core import effects
 from roah_rsbb.core.link.timeline import Timeline, Verdict
 from roah_rsbb.core.scoring.sheet import Mark
@@ -23,7 +23,7 @@ from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.explained import explanations
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.core.views.schedule import ScheduleView, schedule
-from roah_rsbb.document.document import Followed, Follower, Written
+from roah_rsbb.document.document import Written
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.model.referee import Refused, RunName
@@ -85,7 +85,8 @@ class _Kept:
     def __init__(self, driver, random):
         self._driver, self._random = driver, random
         self._documents, self._schedule = Documents(driver.box, "uuid", "10.0.0.255"), ScheduleView(driver.box)
-        self._written, self._follower, self._client = Written(Document), Follower(), Followed(Document)
+        self._written = Written(Document)
+        self._client = InMemory(Document, self._written, {}, lambda: driver.now)
         self._revision, self._public = None, ()
 
     def check(self):
@@ -117,11 +118,9 @@ class _Kept:
         assert without_skews(kept) == without_skews(fresh)
         self._written.update(kept, now)
         if self._random.random() < 0.5:
-            message = self._follower.next(self._written, now)
-            if message is not None:
-                self._client.take(json.loads(message))
-            assert self._client.document == kept
-            assert [str(z) for z in self._client.document.zones.values()] == [str(z) for z in kept.zones.values()]
+            document = self._client.document  # it is sent what has changed since it was asked last
+            assert document == kept
+            assert [str(z) for z in document.zones.values()] == [str(z) for z in kept.zones.values()]
 
 
 @examples(100)

@@ -226,7 +226,7 @@ def test_a_message_is_made_once_for_all_its_readers(served, monkeypatch):
     events.frame.cache_clear()
     served.change()
     assert (len(made), events.frame.cache_info().misses) == (1, 1)
-    assert all(viewer._busy_since is None for viewer in served.server.viewers), "all was sent at once, without tasks"
+    assert all(viewer.busy_since is None for viewer in served.server.viewers), "all was sent at once, without tasks"
     assert all(set(served.read(reader, "change")["documents"]) == {"state"} for reader in readers)
     made.clear()  # a second may have passed
     served.server._timer.cancel()
@@ -265,10 +265,10 @@ def test_a_reader_that_takes_nothing_is_ended(served, monkeypatch):
     slow = served.silent_viewer()
     served.running.until(lambda: len(served.server.viewers) == 1)
     stuck = next(iter(served.server.viewers))
-    while stuck._busy_since is None:
+    while stuck.busy_since is None:
         served.change(size=200)
         served.running.turn()
-    monkeypatch.setattr(events, "STUCK_S", -1.0)
+    monkeypatch.setattr(serving, "STUCK_S", -1.0)
     served.running.until(lambda: len(served.server.viewers) == 0 and stuck.ws_connection is None)
     slow.close()
 
