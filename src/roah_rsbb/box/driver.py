@@ -48,7 +48,6 @@ class Outputs(NamedTuple):
 
     ring_timeout: Callable[[], None]  # a run timed out
     publish_module_runs: Callable[[], None]  # for the benchmarking modules
-    results_changed: Callable[[], None]
     set_device: Callable[[effects.SetDevice], None]
     log: Callable[[Level, str], None]  # a line for the program's log
     report_bug: Callable[[str], None]  # within `except`: an internal error, which stops nothing
@@ -100,7 +99,7 @@ class CoreDriver:
             effects.RunOpened: self._run_opened,
             effects.SheetOpened: lambda e: None,  # the journal records it
             effects.RunResumed: self._run_resumed,
-            effects.RecordChanged: lambda e: outputs.results_changed(),
+            effects.RecordChanged: lambda e: None,  # the journal records it
             effects.Recorded: lambda e: None,  # the journal records it
             effects.RunLogged: lambda e: self._run_logs.logged(e, self._moment.utc),
             effects.RunClosed: lambda e: self._run_logs.closed(e),

@@ -6,6 +6,7 @@ Times in `_utc_s` are UTC seconds since 1970. Moments are on the box's monotonic
 from typing import Dict, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.judging import Judging
+from roah_rsbb.model.public import Public, PublicResult, PublicRun
 from roah_rsbb.model.reason import Said
 from roah_rsbb.model.results import RunLine, UnsavedParts
 from roah_rsbb.model.schedule import ScheduledEvent
@@ -64,6 +65,9 @@ class Document(NamedTuple):
     schedule: Dict[str, ScheduledEvent]  # by their ids; see `events`
     results: Dict[str, RunLine]  # by their identities; see `runs`
     judging: Dict[str, Judging]  # of the runs that are not signed off, by their identities
+    public: Public = Public()
+    public_runs: Dict[str, PublicRun] = {}  # by their zones
+    public_results: Dict[str, PublicResult] = {}  # by the identities of the runs
 
     def events(self) -> Tuple[ScheduledEvent, ...]:
         """Return the events of all zones by their scheduled times."""
@@ -76,3 +80,12 @@ class Document(NamedTuple):
         order = {zone: place for place, zone in enumerate(self.box.zones)}
         return tuple(sorted(self.results.values(), key=lambda run: (
             run.closed_utc_s is not None, -(run.closed_utc_s or 0.0), order.get(run.zone, len(order)))))
+
+    def runs_shown(self) -> Tuple[PublicRun, ...]:
+        """Return the runs that the public may see, in the order of the zones."""
+        return tuple(self.public_runs[zone] for zone in self.box.zones if zone in self.public_runs)
+
+    def results_shown(self, signed: bool) -> Tuple[PublicResult, ...]:
+        """Return the results that the public may see, the newest first: those that are signed off, or the others."""
+        return tuple(sorted((result for result in self.public_results.values() if result.signed is signed),
+                            key=lambda result: -result.disconnected_utc_s))

@@ -20,22 +20,13 @@ import rospy
 
 from roah_rsbb.arguments import Parser, number
 from roah_rsbb.box.calls import BoxCalls
-from roah_rsbb.core.views.explained import Explanation, explanations
-from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.journal.reader import JournalError, JournalReader
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import Document
 from roah_rsbb.model.referee import Refused
-from roah_rsbb.msg import (
-    CoreToGui,
-    CoreToPublic,
-    PublicBoard,
-    PublicDetails,
-    PublicExplained,
-)
-from roah_rsbb.nodes.core import public_convert
 from roah_rsbb.nodes.core.door import BoxDoor
-from roah_rsbb.nodes.core.public_board import PublicBoardMaker
+from roah_rsbb.nodes.core.original_topics import OriginalTopics
 from roah_rsbb.nodes.core.services import CoreServices
-from roah_rsbb.nodes.core.to_gui import ToGui
 from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuration, read_run
 from roah_rsbb.results.runs import NoSuchRun
 from roah_rsbb.ros import connections
@@ -53,8 +44,6 @@ CORE_EVERY = 20  # ticks between two looks for a core
 FASTEST = 64.0
 ANSWER_S, QUICK_ANSWER_S = 5.0, 0.5  # for a core's answer: before the replay, and while panels are served
 LONGEST_TICK_S = 2 * PERIOD_S
-# The replay begins when somebody listens to one of these: a panel, a terminal or a public display.
-BEGINS_WITH = (CoreToGui, PublicDetails)
 
 _DESCRIPTION = """\
 Publishes what the core published in an earlier run, for training referees and for testing displays. Start panels and
@@ -132,19 +121,10 @@ class ReplayNode:
         self._last_s = 0.0  # of the loop's clock
         self._has_begun = self._said_end = False
         box = shown.box
-        self._to_gui = ToGui(box)
         calls = BoxCalls(box, self._event)
         self._door = BoxDoor(self._ros.loop, box, self._uuid, "", lambda: self._shown.now, dict, tuple, calls.named(),
                              lambda: None)
-        self._public = public_convert.PublicSchedule(box)
-        self._board = PublicBoardMaker(box, self._uuid, {})
-        self._last_explained: Optional[Tuple[Explanation, ...]] = None
-        self._topics = {
-            kind: rospy.Publisher(name, kind, queue_size=1, latch=True) for name, kind in (
-                (GUI_TOPIC, CoreToGui), ("/core/to_public", CoreToPublic), ("/core/public_details", PublicDetails),
-                ("/core/public_board", PublicBoard), ("/core/public_explained", PublicExplained),
-            )
-        }
+        self._topics = OriginalTopics(self._ros, box, self._moment, PREFIX)
         CoreServices(box, LoopServices(self._ros.loop), calls)
 
     def run(self) -> int:
@@ -168,8 +148,8 @@ class ReplayNode:
         now_s = self._ros.loop.time()
         # If this process was stopped for a while, nothing is skipped.
         passed_s, self._last_s = min(now_s - self._last_s, LONGEST_TICK_S), now_s
-        self._has_begun = self._has_begun or self._door.is_followed or any(
-            self._topics[kind].get_num_connections() for kind in BEGINS_WITH)
+        # It begins when somebody listens: a panel, a terminal, or the web pages.
+        self._has_begun = self._has_begun or self._door.is_followed or self._topics.are_wanted
         if not self._has_begun:
             passed_s = 0.0
         self._door.rate = self._speed if self._has_begun and not self._shown.is_over else 0.0
@@ -184,35 +164,18 @@ class ReplayNode:
         if core is not None:
             self._fail(beside_a_core(core))
             return
-        self._publish()
+        self._door.publish()
+        self._topics.publish_to_gui()
+        if self._ticks % PUBLIC_EVERY == 0:
+            self._topics.publish_to_public()
         if self._shown.is_over and not self._said_end:
             self._said_end = True
             rospy.loginfo("The run is over. Its last moment stays: end the replay with Ctrl-C")
         self._ticks += 1
 
-    def _publish(self) -> None:
-        # Panels mark a message as old if its clock did not advance. So it advances a little even if no time passes.
-        box, now = self._shown.box, self._shown.now.later(self._ticks * CLOCK_STEP_S)
-        messages: List[Any] = [self._to_gui.message(now, self._door.publish())]
-        if self._ticks % PUBLIC_EVERY == 0:
-            public = self._public.to_public(now)
-            public.clock = f"{PREFIX}{public.clock}"
-            view = public_view(box, now, PublicResults.NONE)
-            messages += [public, public_convert.public_details(view, now, self._uuid), self._board.take(now, view),
-                         self._explained()]
-        for message in messages:
-            if message is not None:
-                publisher = next(topic for kind, topic in self._topics.items() if isinstance(message, kind))
-                publisher.publish(message)
-
-    def _explained(self) -> Optional[PublicExplained]:
-        """Return the runs explained for spectators if that changed. As with results, it is not known whether spectators
-        saw the robots' texts, so these are left out."""
-        explained = explanations(self._shown.box, PublicResults.NONE, with_texts=False)
-        if explained == self._last_explained:
-            return None
-        self._last_explained = explained
-        return public_convert.public_explained(explained, self._uuid)
+    def _moment(self) -> Tuple[Now, Document]:
+        # Original panels mark a message as old if its clock did not advance: so it does, even if no time passes.
+        return self._shown.now.later(self._ticks * CLOCK_STEP_S), self._door.publish()
 
     def _fail(self, text: str) -> None:
         rospy.logfatal("%s", text)

@@ -19,6 +19,7 @@ from roah_rsbb.core.scoring.counting import (
     sort_key,
 )
 from roah_rsbb.core.scoring.points import text_of
+from roah_rsbb.model.public import PublicRank, PublicStanding
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, joined, page, table, tag
 from roah_rsbb.results.runs import run_state_text, signature_of
@@ -99,6 +100,16 @@ def standings(
     overall = rules.overall if isinstance(rules, StandingRules) else ()
     found = [*(overall_standing(each, records, rules, choice) for each in overall), *found]
     return [s for s in found if s.lines or s.remarks]
+
+
+def public_standings(
+    records: Sequence[RunRecord], rules: Dict[str, Rules], choice: Choice, titles: Mapping[str, str]
+) -> Tuple[PublicStanding, ...]:
+    """Return the standings for the public; see `standings`."""
+    return tuple(
+        PublicStanding(found.title or found.benchmark, tuple(criteria_of(found)), tuple(
+            PublicRank(rank_text(line), line.team, tuple(number_cells(found, line))) for line in found.lines))
+        for found in standings(records, rules, choice, titles) if found.lines)
 
 
 def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], choice: Choice) -> Standing:

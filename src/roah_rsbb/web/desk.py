@@ -5,7 +5,7 @@ has changed.
 """
 
 import functools
-from typing import Any, Callable, Dict, Iterable, List, Optional, Protocol, Set
+from typing import Iterable, List, Optional, Set
 
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document as BoxDocument
@@ -21,55 +21,14 @@ STOP = "page.stop"
 NO_STOP: Key = (STOP,)  # of devices that may stop nothing
 
 
-class Box(Protocol):
-    """The box that devices are shown: a `client.Client`."""
-
-    @property
-    def why(self) -> str:
-        """Why there is no connection to it; empty: there is one."""
-
-    @property
-    def document(self) -> Optional[BoxDocument]:
-        """The document; None: none has come yet."""
-
-    @property
-    def is_old(self) -> bool:
-        """Whether the document may no longer be true."""
-
-    def now(self) -> Now:
-        """Return the box's clocks."""
-
-
-class NoBox:
-    """A box that is never heard."""
-
-    document = None
-    is_old = True
-    why = "there is none"
-
-    @staticmethod
-    def now() -> Now:
-        """Return zeros."""
-        return Now(0.0, 0.0)
-
-
 class Desk(Numbered):
     """The documents for devices. The fixed texts of pages are those of the store."""
 
-    def __init__(self, store: Store, box: Box) -> None:
-        super().__init__(store.session)
-        self._store, self._box = store, box
+    def __init__(self, store: Store) -> None:
+        super().__init__(store.box, store.session)
+        self._store = store
         self._shown: Set[Key] = set()  # pairs of language and zone
-        self._made_of: Dict[Key, Any] = {}
         self._put(NO_STOP, zone_documents.stop_page([], False))
-
-    def is_heard(self, mono: float) -> bool:
-        """Whether the box is heard. Without a connection no command would reach it, even if it was heard just now."""
-        return self._box.document is not None and not self._box.is_old and not self._box.why
-
-    def clock(self, mono: float) -> Optional[float]:
-        """Return the box's clock in UTC seconds, or None before it was heard."""
-        return round(self._box.now().utc, 3) or None
 
     def zones(self) -> List[str]:
         """Return all zones, in the order of the schedule."""
@@ -77,11 +36,11 @@ class Desk(Numbered):
 
     def team_facts(self, team: str, language: str) -> Optional[List[str]]:
         """Return what the box knows of a team's robot; None: it was not heard yet."""
-        document = self._box.document
+        document = self.box.document
         if document is None:
             return None
         with self._store.speaking(language):
-            return team_page.facts(team, document, self._box.now())
+            return team_page.facts(team, document, self.box.now())
 
     def show(self, zones: Iterable[Key]) -> None:
         """Make documents for these pairs of language and zone from now on, and for no others."""
@@ -91,13 +50,13 @@ class Desk(Numbered):
     def look(self) -> bool:
         """Make documents again: the box, or only its clocks, may have changed. Returns whether any has changed. What
         STOP needs is made first. A device of a zone that is gone has nothing to stop."""
-        document, before, zones = self._box.document, self.changes, self._zones()
+        document, before, zones = self.box.document, self.changes, self._zones()
         if document is None:
             return False
         for name in {"", *document.zones, *(key[1] for key in self._made_of if key[0] == STOP)}:
             own = [zone for zone in zones if name in ("", zone.zone)]
             self._renew((STOP, name), own, functools.partial(zone_documents.stop_page, own, name == ""))
-        now = self._box.now()
+        now = self.box.now()
         for language, name in self._shown:
             with self._store.speaking(language):
                 self._renew((ZONES, language), zones, lambda: zone_documents.zones_page(zones))
@@ -111,7 +70,7 @@ class Desk(Numbered):
             self._renew((ZONE, language, name), None, lambda: None)
             self._renew((CLOCK, language, name), None, lambda: None)
             return
-        counts = zone_documents.counts(zone.clock) and not self._box.is_old
+        counts = zone_documents.counts(zone.clock) and not self.box.is_old
         self._renew(
             (ZONE, language, name), (zone, document.box.warnings, document.results, document.judging,
                                      zone_documents.moment(document, now.utc)),
@@ -119,13 +78,8 @@ class Desk(Numbered):
         self._renew((CLOCK, language, name), (zone.clock, zone.phase, now.mono if counts else None),
                     lambda: zone_documents.clock_page(zone, now.mono))
 
-    def _renew(self, key: Key, parts: Any, make: Callable[[], Any]) -> None:
-        """Make a document if the parts of which it is made are others. Equal parts usually are the same objects."""
-        if (key not in self._made_of or self._made_of[key] != parts) and self._make_one(key, make):
-            self._made_of[key] = parts
-
     def _zones(self) -> List[Zone]:
-        document = self._box.document
+        document = self.box.document
         return [] if document is None else [
             document.zones[name] for name in document.box.zones if name in document.zones]
 

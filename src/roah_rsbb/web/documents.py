@@ -1,16 +1,16 @@
-"""The documents for browsers and programs, made from PublicDetails, PublicBoard and PublicExplained (docs/web.md,
-"Data").
+"""The documents for browsers and programs, made from what the public may see of the box (docs/web.md, "Data").
 
-They contain what these messages contain and nothing else. The functions work on anything with the fields of the
-messages. Times are UTC seconds since 1970 of the box's clock.
+They contain nothing else. Times are UTC seconds since 1970 of the box's clock.
 """
 
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, Iterable, List, Optional
 
+from roah_rsbb.model.document import Document
+from roah_rsbb.model.public import PublicEvent, PublicResult, PublicRun
 from roah_rsbb.wording import public
 from roah_rsbb.wording.explained import explained as explained_texts
 from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.replay import NOT_LIVE, is_replay
+from roah_rsbb.wording.replay import NOT_LIVE
 
 Data = Dict[str, Any]
 
@@ -21,122 +21,105 @@ WORDS, DEVICE_WORDS, PAGE_RUNS, PAGE_NEXT, PAGE_RESULTS, PAGE_STANDINGS, PAGE_EX
 )
 FIXED_TEXTS = (WORDS, DEVICE_WORDS)  # these need no message of the core
 DISPLAY = "page.display"  # what the organiser has set for a display: for this one only
-# The time at which a run ends is computed from two clocks. A smaller difference is no change.
-SAME_TIME_S = 0.05
 
 
 # -- data -------------------------------------------------------------------------------------------
 
 
-def state(details, before: Optional[Data] = None) -> Data:
-    """Return the runs of all zones. Times that hardly differ from those in `before` stay the same."""
-    known = {} if before is None else {run["zone"]: run for run in before["runs"]}
+def state(document: Document, ahead_s: float) -> Data:
+    """Return the runs of all zones. `ahead_s`: of the box's UTC to its monotonic clock."""
     return {
-        "box": details.box_uuid,
-        "public_results": details.results,
-        "runs": [_steady(_run(run, details.clock.to_sec()), known.get(run.event.zone)) for run in details.runs],
+        "box": document.box.uuid,
+        "public_results": document.public.results,
+        "runs": [_run(run, ahead_s) for run in document.runs_shown()],
     }
 
 
-def schedule(details) -> Data:
+def schedule(document: Document) -> Data:
     """Return the coming events, the soonest first."""
-    return {"events": [_event(event) for event in details.following]}
+    return {"events": [_event(event) for event in document.public.following]}
 
 
-def results(details, board) -> Data:
+def results(document: Document) -> Data:
     """Return the results that the public may see, the newest first."""
     return {
-        "results": [_result(result) for result in (details.finished if board is None else board.results)],
-        "provisional": [] if board is None else [_result(result) for result in board.provisional],
+        "results": [_result(result) for result in document.results_shown(signed=True)],
+        "provisional": [_result(result) for result in document.results_shown(signed=False)],
     }
 
 
-def standings(board) -> Data:
+def standings(document: Document) -> Data:
     """Return the standing of each benchmark."""
-    return {"standings": [] if board is None else [
+    return {"standings": [
         {
             "benchmark": standing.benchmark, "criteria": list(standing.criteria),
             "ranks": [{"rank": rank.rank, "team": rank.team, "numbers": list(rank.numbers)} for rank in standing.ranks],
         }
-        for standing in board.standings
+        for standing in document.public.standings
     ]}
 
 
-def explained(details, message) -> Data:
+def explained(document: Document) -> Data:
     """Return the runs explained."""
-    return {"runs": [] if message is None else [
+    return {"runs": [
         {
-            "zone": run.zone, "about": dict(zip(run.languages, run.about)), "kind": run.kind, "doing": run.doing,
-            "phases": list(run.phases), "phase": run.phase, "waypoints": bool(run.waypoints), "goals": run.goals,
-            "goals_ended": run.goals_ended,
-            "goals_completed": run.goals_completed if _shows_outcomes(details) else None,
-            "said": [{"robot": one.robot, "kind": one.kind, "text": one.text, "received": _time(one.received.to_sec())}
+            "zone": run.event.zone, "about": run.about, "kind": run.kind, "doing": run.doing,
+            "phases": list(run.phases), "phase": run.phase_number, "waypoints": run.are_waypoints, "goals": run.goals,
+            "goals_ended": run.goals_ended, "goals_completed": run.goals_completed,
+            "said": [{"robot": one.robot, "kind": one.kind, "text": one.text, "received": _time(one.utc_s)}
                      for one in run.said],
         }
-        for run in message.runs
+        for run in document.runs_shown()
     ]}
 
 
-def _shows_outcomes(details) -> bool:
-    return details.results != "none"
-
-
-def _event(event) -> Data:
+def _event(event: PublicEvent) -> Data:
     return {
         "zone": event.zone, "benchmark": event.benchmark, "team": event.team, "round": event.round, "run": event.run,
-        "scheduled": _time(event.scheduled.to_sec()),
+        "scheduled": _time(event.scheduled_utc_s),
     }
 
 
-def _run(run, clock_s: float) -> Data:
+def _run(run: PublicRun, ahead_s: float) -> Data:
     """A run. While its clock runs, only the time from or to which it counts is given: so it changes rarely."""
-    elapsed_s = run.elapsed.to_sec()
+    since, seconds = run.elapsed.since, run.elapsed.seconds
+    counts, has_limit = since is not None, run.limit > 0.0
+    began = ahead_s + (since or 0.0) - seconds  # without pauses
     return {
         **_event(run.event),
         "teams": list(run.teams),
         "phase": run.phase,
         "end_reason": run.end_reason,
         "activity": run.activity,
-        "counting": run.counting,
-        "unlimited": run.unlimited,
-        "ends": _time(run.ends.to_sec()) if run.counting and not run.unlimited else None,
-        "counts_from": _time(clock_s - elapsed_s) if run.counting and run.unlimited else None,
-        "left_s": None if run.counting or run.unlimited else _time(run.left.to_sec()),
-        "elapsed_s": _time(elapsed_s) if run.unlimited and not run.counting else None,
+        "counting": counts,
+        "unlimited": not has_limit,
+        "ends": _time(began + run.limit) if counts and has_limit else None,
+        "counts_from": _time(began) if counts and not has_limit else None,
+        "left_s": _time(run.limit - seconds) if has_limit and not counts else None,
+        "elapsed_s": _time(seconds) if not has_limit and not counts else None,
     }
 
 
-def _steady(run: Data, before: Optional[Data]) -> Data:
-    for name in ("ends", "counts_from") if before is not None else ():
-        new, old = run[name], before[name]
-        if new is not None and old is not None and abs(new - old) < SAME_TIME_S:
-            run[name] = old
-    return run
-
-
-def _result(result) -> Data:
+def _result(result: PublicResult) -> Data:
     return {
         **_event(result.event),
         "end_reason": result.end_reason,
-        "disconnected": _time(result.disconnected.to_sec()),
+        "disconnected": _time(result.disconnected_utc_s),
         "groups": [
             {
-                "name": group.group_name, "not_attempted": not_attempted,
-                "items": [
-                    {"name": name, "kind": "bool" if kind == 0 else "count", "value": value}
-                    for name, kind, value in zip(group.descriptions, bytearray(group.types), group.current_values)
-                ],
+                "name": group.name, "not_attempted": group.not_attempted,
+                "items": [item._asdict() for item in group.items],
             }
-            for group, not_attempted in zip(result.scoring, result.not_attempted)
+            for group in result.groups
         ],
         "module_scores": [
             {"name": score.name, "value": score.value, "unit": score.unit, "description": score.desc}
             for score in result.module_scores
         ],
-        "points": {
+        "points": None if result.points is None else {
             "total": result.points.total,
             "groups": [{"name": group.name, "points": group.points} for group in result.points.groups],
-        } if result.points.total else None,
+        },
     }
 
 
@@ -156,50 +139,44 @@ def page_words(language: str, title: str, utc_s: Optional[float], utc_offset_s: 
     }
 
 
-def page_runs(details, runs: List[Data]) -> Data:
-    """Return the texts of all runs, and the mark of a replay. `runs`: those of `state`, for the times that the page
-    counts itself."""
-    return {"replay": tr(NOT_LIVE) if is_replay(details.box_uuid) else "", "runs": [
-        {
-            **card._replace(big=public.still(card, run, details.clock.to_sec()))._asdict(),
-            **{name: times[name] for name in ("zone", "teams", "ends", "counts_from")},
-        }
-        for card, run, times in zip(public.cards(details), details.runs, runs)
+def page_runs(document: Document, ahead_s: float) -> Data:
+    """Return the texts of all runs with the times that the page counts itself, and the mark of a replay. `ahead_s`: see
+    `state`."""
+    return {"replay": tr(NOT_LIVE) if document.box.is_replay else "", "runs": [
+        {**card._asdict(), **{name: _run(run, ahead_s)[name] for name in ("zone", "teams", "ends", "counts_from")}}
+        for card, run in zip(public.cards(document), document.runs_shown())
     ]}
 
 
-def page_next(details, utc_s: float) -> Data:
+def page_next(document: Document, utc_s: float) -> Data:
     """Return the texts of the coming events."""
-    return {"lines": _lines(public.following(details, utc_s), details.following)}
+    return {"lines": _lines(public.following(document, utc_s), document.public.following)}
 
 
-def page_results(details, board, utc_s: float) -> Data:
+def page_results(document: Document, utc_s: float) -> Data:
     """Return the texts of the results."""
-    signed = details.finished if board is None else board.results
-    provisional = [] if board is None else board.provisional
-    return {
-        "results": _lines(public.result_lines(signed, utc_s), [result.event for result in signed]),
-        "provisional": _lines(public.result_lines(provisional, utc_s), [result.event for result in provisional]),
-    }
+    found = {"results": document.results_shown(signed=True), "provisional": document.results_shown(signed=False)}
+    return {name: _lines(public.result_lines(results, utc_s), [result.event for result in results])
+            for name, results in found.items()}
 
 
-def page_standings(board) -> Data:
+def page_standings(document: Document) -> Data:
     """Return the texts of the standings."""
-    return {"standings": [] if board is None else [
+    return {"standings": [
         {"title": public.standing_title(one.title), "lines": [line._asdict() for line in one.lines]}
-        for one in public.standings(board)
+        for one in public.standings(document)
     ]}
 
 
-def page_explained(details, message, language: str) -> Data:
+def page_explained(document: Document, language: str) -> Data:
     """Return the texts that explain the runs."""
-    return {"runs": [] if message is None else [
-        {"zone": run.zone, **texts._asdict(), "steps": [step._asdict() for step in texts.steps]}
-        for run in message.runs
-        for texts in [explained_texts(run, language, _shows_outcomes(details))]
+    return {"runs": [
+        {"zone": run.event.zone, **texts._asdict(), "steps": [step._asdict() for step in texts.steps]}
+        for run in document.runs_shown()
+        for texts in [explained_texts(run, language)]
     ]}
 
 
-def _lines(lines, events) -> List[Data]:
+def _lines(lines: Iterable[public.ListLine], events: Iterable[PublicEvent]) -> List[Data]:
     """The texts of lines with the zone and the team by which a page chooses them."""
     return [{**line._asdict(), "zone": event.zone, "of_team": event.team} for line, event in zip(lines, events)]

@@ -69,7 +69,7 @@ class Reader(Guarded, BoundedSocket):
     def send_next(self, now: float, made: Optional[Made] = None) -> None:
         """Send the next message as soon as the one before is sent. `made`: what others were sent at this moment."""
         while self.busy_since is None and self._viewer is not None:
-            text = self._viewer.next(now, made)
+            text = self._viewer.next(made)
             if text is None or not self.write_frames(frame(text), now):
                 return
 

@@ -7,9 +7,10 @@ the one before and so notices changes that it missed. A document is always compl
 import json
 import logging
 import uuid
-from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Dict, NamedTuple, Optional, Protocol, Sequence, Set, Tuple
 
-from roah_rsbb.box_clock import BoxClock
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import Document as BoxDocument
 
 # A document's name first, then what distinguishes documents of this name, such as the language of the texts.
 Key = Tuple[str, ...]
@@ -40,48 +41,77 @@ class Document(NamedTuple):
 EMPTY = Document(0, "null")
 
 
+class Box(Protocol):
+    """The box that is shown: a `client.Client`."""
+
+    @property
+    def why(self) -> str:
+        """Why there is no connection to it; empty: there is one."""
+
+    @property
+    def document(self) -> Optional[BoxDocument]:
+        """The document; None: none has come yet."""
+
+    @property
+    def is_old(self) -> bool:
+        """Whether the document may no longer be true."""
+
+    def now(self) -> Now:
+        """Return the box's clocks."""
+
+
+class NoBox:
+    """A box that is never heard."""
+
+    document = None
+    is_old = True
+    why = "there is none"
+
+    @staticmethod
+    def now() -> Now:
+        """Return zeros."""
+        return Now(0.0, 0.0)
+
+
 class Numbered:
-    """Documents by key, made from what the core publishes."""
+    """Documents by key, made from the document of a box."""
 
-    # When the core is no longer heard. A repeated message may be the latched one of a core that hangs.
-    SILENT_S: float
-
-    def __init__(self, session: str = "") -> None:
+    def __init__(self, box: Box, session: str = "") -> None:
+        self.box = box
         self.session = session or uuid.uuid4().hex  # of this process: numbers begin again with each
         self.changes = 0  # of all documents
         self._documents: Dict[Key, Document] = {}
         self._pieces: Dict[Key, str] = {}  # parts of messages
-        self._heard_mono = float("-inf")
-        self._clock = BoxClock()
+        self._made_of: Dict[Key, Any] = {}
 
-    def is_heard(self, mono: float) -> bool:
-        """Whether the core publishes."""
-        return mono - self._heard_mono <= self.SILENT_S
+    @property
+    def is_heard(self) -> bool:
+        """Whether the box is heard. Without a connection no command would reach it, even if it was heard just now."""
+        return self.box.document is not None and not self.box.is_old and not self.box.why
 
-    def clock(self, mono: float) -> Optional[float]:
-        """Return the box's clock in UTC seconds, or None before its first message."""
-        return round(self._clock.now(mono), 3) or None
+    def clock(self) -> Optional[float]:
+        """Return the box's clock in UTC seconds, or None before it was heard."""
+        return round(self.box.now().utc, 3) or None
 
     def document(self, key: Key) -> Document:
         """Return a document; before the core is heard it is empty."""
         return self._documents.get(key, EMPTY)
 
-    def message(self, kind: str, keys: Sequence[Key], mono: float, made: Made) -> str:
+    def message(self, kind: str, keys: Sequence[Key], made: Made) -> str:
         """Return a message with these documents."""
-        return self._once(made, kind, keys, mono, lambda: ",".join(map(self.piece, keys)), "documents")
+        return self._once(made, kind, keys, lambda: ",".join(map(self.piece, keys)), "documents")
 
-    def beat(self, keys: Sequence[Key], mono: float, made: Made) -> str:
+    def beat(self, keys: Sequence[Key], made: Made) -> str:
         """Return the message that repeats the clock, and the numbers of these documents."""
-        return self._once(made, "clock", keys, mono, lambda: ",".join(
+        return self._once(made, "clock", keys, lambda: ",".join(
             f'"{key[0]}":{self.document(key).number}' for key in keys), "numbers")
 
-    def _once(self, made: Made, kind: str, keys: Sequence[Key], mono: float, content: Callable[[], str],
-              name: str) -> str:
+    def _once(self, made: Made, kind: str, keys: Sequence[Key], content: Callable[[], str], name: str) -> str:
         """Return a message, and make it if it is not among those that were made."""
         what = (self, kind, *keys)
         text = made.get(what)
         if text is None:
-            text = made[what] = (f'{{"type":"{kind}","session":"{self.session}",{self._now(mono)},'
+            text = made[what] = (f'{{"type":"{kind}","session":"{self.session}",{self._now()},'
                                  f'"{name}":{{{content()}}}}}')
         return text
 
@@ -93,13 +123,18 @@ class Numbered:
             piece = self._pieces[key] = f'"{key[0]}":{{"number":{document.number},"data":{document.text}}}'
         return piece
 
-    def _now(self, mono: float) -> str:
-        return f'"clock":{json.dumps(self.clock(mono))},"heard":{json.dumps(self.is_heard(mono))}'
+    def _now(self) -> str:
+        return f'"clock":{json.dumps(self.clock())},"heard":{json.dumps(self.is_heard)}'
 
     def _drop(self, key: Key) -> None:
         """Forget a document that nobody reads any more."""
         self._documents.pop(key, None)
         self._pieces.pop(key, None)
+
+    def _renew(self, key: Key, parts: Any, make: Callable[[], Any]) -> None:
+        """Make a document if the parts of which it is made are others. Equal parts usually are the same objects."""
+        if (key not in self._made_of or self._made_of[key] != parts) and self._make_one(key, make):
+            self._made_of[key] = parts
 
     def _make_one(self, key: Key, make: Callable[[], Any]) -> bool:
         """Make a document; returns whether that succeeded. Otherwise it is null until the next update, and no other

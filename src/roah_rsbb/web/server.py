@@ -15,7 +15,7 @@ from typing import Any, Awaitable, Callable, FrozenSet, Iterable, List, Optional
 from tornado import web
 
 from roah_rsbb.web.commands import Command, Outcome
-from roah_rsbb.web.desk import Box, Desk, NoBox
+from roah_rsbb.web.desk import Desk
 from roah_rsbb.web.displays.listed import Display, Displays, Setting
 from roah_rsbb.web.displays.logos import LogoHandler
 from roah_rsbb.web.displays.requests import DisplaysHandler
@@ -54,18 +54,19 @@ _OPEN_TO_READ = {
 
 
 class WebServer:
-    """Serves the documents of a store. Call all methods in the thread of the asyncio loop."""
+    """Serves the documents of a store, and what paired devices are shown of its box. Call all methods in the thread of
+    the asyncio loop."""
 
     def __init__(
         self, loop: asyncio.AbstractEventLoop, store: Store, folder: str, names: FrozenSet[str],
         sessions: Optional[Sessions] = None, command: Optional[Callable[[Command], Awaitable[Outcome]]] = None,
-        box: Optional[Box] = None, context: Optional[ssl.SSLContext] = None,
+        context: Optional[ssl.SSLContext] = None,
         displays: Optional[Displays] = None, team_codes: Optional[TeamCodes] = None, team_pages: str = CODE,
     ) -> None:
         """`folder`: the files of the pages; `names`: of this computer (`limits.own_names`).
 
         `sessions`: the paired devices; None: they are forgotten at the end. `command` carries commands out; None:
-        there is no answer. `box`: what devices are shown; None: it is never heard. Call `follow` when it has changed.
+        there is no answer.
         `context`: the certificate; None: nothing is encrypted.
         `displays`: what organisers have set for them, `team_codes`: of the teams; None: forgotten at the end.
         `team_pages`: who sees what the box knows of a team's robot: `all`, or who has the team's `code`.
@@ -76,7 +77,7 @@ class WebServer:
         self.rates = Rates()
         self.codes = Codes()
         self.sessions = sessions or Sessions(lambda records: None)
-        self.desk = Desk(store, box or NoBox())
+        self.desk = Desk(store)
         self.team_codes = team_codes or TeamCodes(lambda secret: None, {})
         self.team_pages = team_pages
         self.team_guesses = Guesses(TOO_MANY_TEAM_GUESSES)
@@ -87,7 +88,7 @@ class WebServer:
             lambda device: device.close(1013, "too many devices"), MAX_DEVICES)
         self.viewers: Places[Reader] = Places(
             lambda viewer: viewer.close(1013, "too many readers of this address"))
-        self._was_heard = (False, False)
+        self._was_heard = False
         self._beat_due_mono = float("-inf")
         self._timer: Optional[asyncio.TimerHandle] = None
         self._listening: List[socket.socket] = []
@@ -145,9 +146,11 @@ class WebServer:
         self._send_changes((*self.devices, *self.viewers))
 
     def follow(self) -> None:
-        """Send devices what has changed in the box, or only with its clocks."""
+        """Send what has changed in the box, or only with its clocks. Call it when the box has changed."""
         if self.desk.look():
             self._send_changes(self.devices)
+        if self.store.look():
+            self.publish()
 
     def _send_changes(self, readers: Iterable[Reader]) -> None:
         self._to_each(readers, lambda viewer, made: viewer.send_next(self.now(), made))
@@ -243,7 +246,7 @@ class WebServer:
         self._timer = self._loop.call_later(LOOK_S, self._look)
         self.follow()
         now = self.now()
-        is_heard = (self.store.is_heard(now), self.desk.is_heard(now))
+        is_heard = self.store.is_heard
         if now < self._beat_due_mono and is_heard == self._was_heard:
             return
         self._was_heard, self._beat_due_mono = is_heard, now + BEAT_S
@@ -335,15 +338,15 @@ class DataHandler(Guarded):
 
     def get(self, name: str) -> None:
         """Return the document, or 304 if it has not changed. The clock in it is no change."""
-        store, now = self._server.store, self._server.now()
-        number, is_heard = store.document((name, "")).number, store.is_heard(now)
+        store = self._server.store
+        number, is_heard = store.document((name, "")).number, store.is_heard
         self.set_header("Etag", f'W/"{store.session}-{number}-{int(is_heard)}"')
         if self.check_etag_header():
             self.set_status(304)
             self.finish()
             return
         self.set_header("Content-Type", "application/json; charset=utf-8")
-        self.finish(store.answer(name, now))
+        self.finish(store.answer(name))
 
     head = get
 

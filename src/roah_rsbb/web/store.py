@@ -1,86 +1,61 @@
-"""What the gateway knows: the newest public messages, and the documents made from them. No I/O and no clock."""
+"""What everybody is shown of the box: the documents made from what is public. No I/O and no clock."""
 
 import time
-from typing import Any, Callable, ContextManager, Dict, Iterable, List, Optional, Set, Tuple
+from typing import ContextManager, Dict, Iterable, List, Optional, Set, Tuple
 
+from roah_rsbb.model.document import Document
 from roah_rsbb.web import documents
-from roah_rsbb.web.documents import DATA, TEXTS, Data
-from roah_rsbb.web.numbered import Key, Numbered
+from roah_rsbb.web.documents import TEXTS, Data
+from roah_rsbb.web.numbered import Box, Key, Numbered
 from roah_rsbb.wording import device
 from roah_rsbb.wording.language import Translate, in_language
 from roah_rsbb.wording.public import ALL_TEAMS
 
 ENGLISH = "en"
+# UTC slews. While the times of runs differ by less, they are the same.
+SAME_TIME_S = 0.05
+Day = Tuple[int, int, int]
+_NO_DAY = (0, 0, 0)
 
 
 class Store(Numbered):
     """The documents of the gateway."""
 
-    SILENT_S = 1.5  # the core publishes for the public twice a second
-
-    def __init__(self, languages: Dict[str, Translate], title: str = "", session: str = "",
+    def __init__(self, box: Box, languages: Dict[str, Translate], title: str = "", session: str = "",
                  logos: Optional[Dict[str, str]] = None) -> None:
         """`languages`: those besides English, by name such as ``de``. `title`: of the competition.
 
         `logos`: paths of the teams' logos, by team.
         """
-        super().__init__(session)
+        super().__init__(box, session)
         self._languages: Dict[str, Optional[Translate]] = {ENGLISH: None, **languages}
         self._title = title
         self.logos = logos or {}
         self._shown: Set[str] = set()  # languages that somebody has asked for
-        self._details: Optional[Any] = None
-        self._board: Optional[Any] = None
-        self._explained: Optional[Any] = None
-        self._state: Optional[Data] = None
-        self._day: Optional[Tuple[int, int, int]] = None
+        self._ahead_s = 0.0  # of the box's UTC to its monotonic clock
 
-    # -- from the core --------------------------------------------------------------------------------
+    @property
+    def is_heard(self) -> bool:
+        """Whether the box is heard. One that another box has superseded has nothing to say to the public."""
+        document = self.box.document
+        return super().is_heard and document is not None and not document.box.superseded_by
 
-    def on_details(self, mono: float, details) -> None:
-        """Take PublicDetails, which arrived at `mono` (monotonic seconds)."""
-        before = self._details
-        if details == before:
-            return
-        self._details, self._heard_mono = details, mono
-        self._clock.sample(mono, details.clock.to_sec())
-        day = _day(details.clock.to_sec())
-        if before is None or day != self._day:  # texts name days
-            self._day = day
-            self._make(DATA + TEXTS)
-            return
-        self._make((documents.STATE, documents.PAGE_RUNS))
-        if details.following != before.following or _zones(details) != _zones(before):
-            self._make((documents.SCHEDULE, documents.PAGE_NEXT))
-        if self._board is None and details.finished != before.finished:
-            self._make((documents.RESULTS, documents.PAGE_RESULTS))
-
-    def on_board(self, board) -> None:
-        """Take PublicBoard."""
-        self._board = board
-        if self._details is not None:
-            self._make((documents.RESULTS, documents.STANDINGS, documents.PAGE_RESULTS, documents.PAGE_STANDINGS))
-
-    def on_explained(self, explained) -> None:
-        """Take PublicExplained."""
-        self._explained = explained
-        if self._details is not None:
-            self._make((documents.EXPLAINED, documents.PAGE_EXPLAINED))
-
-    def zones(self) -> List[str]:
-        """Return all zones, in alphabetical order."""
-        return [] if self._details is None else sorted(_zones(self._details))
+    def look(self) -> bool:
+        """Make documents again: the box, or only its clocks, may have changed. Returns whether any has changed."""
+        before, document = self.changes, self.box.document
+        if document is None or self.is_heard:
+            self._look(document)
+        return self.changes != before
 
     def teams(self) -> List[str]:
         """Return all teams that are known, in alphabetical order."""
-        details, board = self._details, self._board
-        if details is None:
+        document = self.box.document
+        if document is None:
             return []
-        ended = list(details.finished) if board is None else [*board.results, *board.provisional]
-        ranked = () if board is None else board.standings
-        teams = {team for run in details.runs for team in run.teams}
-        teams.update(event.team for event in [*details.following, *(result.event for result in ended)])
-        teams.update(rank.team for standing in ranked for rank in standing.ranks)
+        teams = {team for run in document.public_runs.values() for team in run.teams}
+        teams.update(event.team for event in document.public.following)
+        teams.update(result.event.team for result in document.public_results.values())
+        teams.update(rank.team for standing in document.public.standings for rank in standing.ranks)
         return sorted(teams - {ALL_TEAMS})
 
     # -- for readers ----------------------------------------------------------------------------------
@@ -103,7 +78,7 @@ class Store(Numbered):
         keys = [(name, language if name in TEXTS else "") for name in names]
         if language not in self._shown and any(name in TEXTS for name, _ in keys):
             self._shown.add(language)
-            self._make_texts(language, documents.FIXED_TEXTS if self._details is None else TEXTS)
+            self._look(self.box.document)
         return keys
 
     def put_display(self, display_id: str, data: Data) -> None:
@@ -118,60 +93,65 @@ class Store(Numbered):
         """Return the names of all languages."""
         return list(self._languages)
 
-    def answer(self, name: str, mono: float) -> str:
+    def answer(self, name: str) -> str:
         """Return a document of data as the answer to a request."""
         document = self.document((name, ""))
-        return (f'{{"session":"{self.session}","number":{document.number},{self._now(mono)},'
+        return (f'{{"session":"{self.session}","number":{document.number},{self._now()},'
                 f'"data":{document.text}}}')
 
     # -- making documents -----------------------------------------------------------------------------
 
-    def _make(self, names: Iterable[str]) -> None:
-        details, board = self._details, self._board
-        if documents.STATE in names:
-            self._state = documents.state(details, self._state)
-            self._put((documents.STATE, ""), self._state)
-        makers: Dict[str, Callable[[], Data]] = {
-            documents.SCHEDULE: lambda: documents.schedule(details),
-            documents.RESULTS: lambda: documents.results(details, board),
-            documents.STANDINGS: lambda: documents.standings(board),
-            documents.EXPLAINED: lambda: documents.explained(details, self._explained),
-        }
-        for name in names:
-            if name in makers:
-                self._make_one((name, ""), makers[name])
+    def _look(self, document: Optional[Document]) -> None:
+        """Make what is made of parts that have changed; without a document, only the fixed texts."""
+        now = self.box.now()
+        day = None if document is None else _day(now.utc)
+        if document is not None:
+            if abs(now.utc - now.mono - self._ahead_s) >= SAME_TIME_S:
+                self._ahead_s = now.utc - now.mono
+            self._make_data(document)
         for language in self._shown:
-            self._make_texts(language, names)
+            with self.speaking(language):
+                self._make_words(language, day, now.utc)
+                if document is not None:
+                    self._make_texts(document, language, day, now.utc)
 
-    def _make_texts(self, language: str, names: Iterable[str]) -> None:
-        details, board = self._details, self._board
-        utc_s = None if details is None else details.clock.to_sec()
-        offset_s = 0 if self._day is None else self._day[2]
-        makers: Dict[str, Callable[[], Data]] = {
-            documents.WORDS: lambda: {
-                **documents.page_words(language, self._title, utc_s, offset_s), "logos": list(self.logos)},
-            documents.DEVICE_WORDS: device.page_words,
-            documents.PAGE_RUNS: lambda: documents.page_runs(details, self._state["runs"]),
-            documents.PAGE_NEXT: lambda: documents.page_next(details, utc_s),
-            documents.PAGE_RESULTS: lambda: documents.page_results(details, board, utc_s),
-            documents.PAGE_STANDINGS: lambda: documents.page_standings(board),
-            documents.PAGE_EXPLAINED: lambda: documents.page_explained(details, self._explained, language),
-        }
-        with self.speaking(language):
-            for name in names:
-                if name in makers:
-                    self._make_one((name, language), makers[name])
+    def _make_data(self, document: Document) -> None:
+        public, ahead_s = document.public, self._ahead_s
+        self._renew((documents.STATE, ""), (_runs_of(document), public.results, ahead_s),
+                    lambda: documents.state(document, ahead_s))
+        self._renew((documents.SCHEDULE, ""), public.following, lambda: documents.schedule(document))
+        self._renew((documents.RESULTS, ""), document.public_results, lambda: documents.results(document))
+        self._renew((documents.STANDINGS, ""), public.standings, lambda: documents.standings(document))
+        self._renew((documents.EXPLAINED, ""), _runs_of(document), lambda: documents.explained(document))
+
+    def _make_words(self, language: str, day: Optional[Day], utc_s: float) -> None:
+        self._renew((documents.WORDS, language), day, lambda: {
+            **documents.page_words(language, self._title, None if day is None else utc_s, (day or _NO_DAY)[2]),
+            "logos": list(self.logos)})
+        self._renew((documents.DEVICE_WORDS, language), None, device.page_words)
+
+    def _make_texts(self, document: Document, language: str, day: Optional[Day], utc_s: float) -> None:
+        public, runs, results, ahead_s = document.public, document.public_runs, document.public_results, self._ahead_s
+        # Whether there are several zones is part of the texts of runs and events.
+        self._renew((documents.PAGE_RUNS, language), (_runs_of(document), public.following, ahead_s),
+                    lambda: documents.page_runs(document, ahead_s))
+        self._renew((documents.PAGE_NEXT, language), (tuple(runs), public.following, day),
+                    lambda: documents.page_next(document, utc_s))
+        self._renew((documents.PAGE_RESULTS, language), (results, day), lambda: documents.page_results(document, utc_s))
+        self._renew((documents.PAGE_STANDINGS, language), public.standings, lambda: documents.page_standings(document))
+        self._renew((documents.PAGE_EXPLAINED, language), _runs_of(document),
+                    lambda: documents.page_explained(document, language))
 
 
-def _zones(details) -> Set[str]:
-    """All zones: whether there are several is part of the texts."""
-    return {run.event.zone for run in details.runs} | {event.zone for event in details.following}
+def _runs_of(document: Document) -> Tuple[object, ...]:
+    """Of what texts of runs are made."""
+    return document.public_runs, document.box.zones, document.box.uuid
 
 
-def _day(utc_s: float) -> Tuple[int, int, int]:
+def _day(utc_s: float) -> Day:
     """The local day, and the offset of local time to UTC in seconds."""
     try:
         local = time.localtime(utc_s)
     except (OverflowError, OSError, ValueError):  # a clock that is far off must not stop the gateway
-        return (0, 0, 0)
+        return _NO_DAY
     return (local.tm_year, local.tm_yday, local.tm_gmtoff)

@@ -22,18 +22,18 @@ class Viewer:
         """The reader is to be sent the clock."""
         self._beat_is_due = True
 
-    def next(self, mono: float, made: Optional[Made] = None) -> Optional[str]:
+    def next(self, made: Optional[Made] = None) -> Optional[str]:
         """Return the next message; None: nothing is to be sent. `made`: what other readers were sent at this moment."""
         made = {} if made is None else made
         numbers = {key: self._store.document(key).number for key in self._keys}
         if self._sent is None:
             self._sent = numbers
-            return self._store.message("snapshot", self._keys, mono, made)
+            return self._store.message("snapshot", self._keys, made)
         if self._sent != numbers:
             changed = [key for key in self._keys if self._sent[key] != numbers[key]]
             self._sent = numbers
-            return self._store.message("change", changed, mono, made)
+            return self._store.message("change", changed, made)
         if self._beat_is_due:
             self._beat_is_due = False
-            return self._store.beat(self._keys, mono, made)
+            return self._store.beat(self._keys, made)
         return None

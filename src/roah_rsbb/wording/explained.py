@@ -1,10 +1,8 @@
-"""The texts that explain a run to spectators, made from PublicExplanation (docs/web.md, "Displays").
+"""The texts that explain a run to spectators (docs/web.md, "Displays")."""
 
-The functions work on anything with the fields of the message; ROS is not imported.
-"""
+from typing import List, NamedTuple, Tuple
 
-from typing import Any, Dict, List, NamedTuple, Tuple
-
+from roah_rsbb.model.public import PublicRun, RobotText
 from roah_rsbb.wording.language import tr, tr_later
 
 DONE, NOW, LATER = "done", "now", "later"
@@ -36,43 +34,42 @@ class ExplainedTexts(NamedTuple):
     said: Tuple[str, ...]  # the newest last
 
 
-def explained(run: Any, language: str, shows_outcomes: bool) -> ExplainedTexts:
-    """Return the texts of a run. `shows_outcomes`: whether the public may see how runs end."""
+def explained(run: PublicRun, language: str) -> ExplainedTexts:
+    """Return the texts of a run."""
     return ExplainedTexts(
-        _about(run, language), tuple(_steps(run)), _now(run), _progress(run, shows_outcomes),
-        tuple(_said(one) for one in run.said))
+        _about(run, language), tuple(_steps(run)), _now(run), _progress(run), tuple(map(_said, run.said)))
 
 
-def _about(run: Any, language: str) -> str:
+def _about(run: PublicRun, language: str) -> str:
     """The text in a language. If that is missing, the English one, or else the first one."""
-    texts: Dict[str, str] = dict(zip(run.languages, run.about))
     for name in (language, language.partition("_")[0], _ENGLISH):
-        if name in texts:
-            return texts[name]
-    return next(iter(texts.values()), "")
+        if name in run.about:
+            return run.about[name]
+    return next(iter(run.about.values()), "")
 
 
-def _steps(run: Any) -> List[ShownStep]:
+def _steps(run: PublicRun) -> List[ShownStep]:
     """The phases of a task or, without them, what happens in every run. Goals repeat, so their
     steps are never done while the run continues."""
     if run.phases:
         is_over = run.doing == "ended"
-        return [ShownStep(name, DONE if is_over or number < run.phase else NOW if number == run.phase else LATER)
+        present = run.phase_number
+        return [ShownStep(name, DONE if is_over or number < present else NOW if number == present else LATER)
                 for number, name in enumerate(run.phases, 1)]
     if run.doing == "by_hand":
         return []
     now = _ORDER[run.doing]
     if run.kind == "functionality":
-        texts = [(1, _REFEREE), (2, _PREPARES), (3, _WAYPOINT if run.waypoints else _GOAL)]
+        texts = [(1, _REFEREE), (2, _PREPARES), (3, _WAYPOINT if run.are_waypoints else _GOAL)]
         return [ShownStep(tr(text), DONE if now == _ORDER["ended"] else NOW if number == now else LATER)
                 for number, text in texts]
     return [ShownStep(tr(text), DONE if number < now else NOW if number == now else LATER)
             for number, text in ((2, _PREPARES), (3, _EXECUTES))]
 
 
-def _now(run: Any) -> str:
+def _now(run: PublicRun) -> str:
     if run.doing == "executing" and run.kind == "functionality":
-        if run.waypoints:
+        if run.are_waypoints:
             return tr("The robot drives to waypoint {number}", number=run.goals)
         return tr("The robot carries out goal {number}", number=run.goals)
     if run.doing == "executing" and run.kind == "all robots":
@@ -84,17 +81,17 @@ def _now(run: Any) -> str:
     }[run.doing]
 
 
-def _progress(run: Any, shows_outcomes: bool) -> str:
+def _progress(run: PublicRun) -> str:
     if not run.goals_ended:
         return ""
-    if not shows_outcomes:
-        return tr("Waypoints done: {number}", number=run.goals_ended) if run.waypoints else tr(
+    if run.goals_completed is None:
+        return tr("Waypoints done: {number}", number=run.goals_ended) if run.are_waypoints else tr(
             "Goals done: {number}", number=run.goals_ended)
-    if run.waypoints:
+    if run.are_waypoints:
         return tr("Waypoints reached: {number} of {all}", number=run.goals_completed, all=run.goals_ended)
     return tr("Goals completed: {number} of {all}", number=run.goals_completed, all=run.goals_ended)
 
 
-def _said(one: Any) -> str:
+def _said(one: RobotText) -> str:
     text = tr(_SAID.get(one.kind, _SAID["notifications"]), words=one.text)
     return f"{one.robot}: {text}" if one.robot else text

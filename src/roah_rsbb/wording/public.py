@@ -1,18 +1,20 @@
-"""The texts of the public display, made from PublicDetails (docs/public_display.md, "For programs").
+"""The texts of the public pages (docs/public_display.md).
 
-The display on a screen and the pages in browsers show the same texts. The functions work on anything with the fields
-of PublicDetails; ROS is not imported. Times of day are local times of the computer that makes the texts: the public
-compares them with the clock on the wall.
+Times of day are local times of the computer that makes the texts: the public compares them with the clock on the wall.
 """
 
 import math
 import time
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Dict, Iterable, NamedTuple, Tuple
 
+from roah_rsbb.model.document import Document
+from roah_rsbb.model.public import PublicEvent, PublicResult, PublicRun, PublicStanding
+from roah_rsbb.model.zone import ENDED, RUNNING
 from roah_rsbb.wording import module_scores, sheets, times
 from roah_rsbb.wording.clock import PAUSED
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.replay import MARK, is_replay
+from roah_rsbb.wording.replay import MARK
+from roah_rsbb.wording.said import tr_said
 
 ALL_TEAMS = "ALL"
 WAITING = tr_later("Waiting for the referee box")
@@ -65,83 +67,30 @@ class StandingTexts(NamedTuple):
     lines: Tuple[ListLine, ...]
 
 
-class PublicContent(NamedTuple):
-    """Everything on the screen."""
-
-    date: str
-    clock: str
-    trouble: str  # why the content may be out of date; empty: it is current
-    cards: Tuple[RunCard, ...]
-    following: Tuple[ListLine, ...]
-    results: Tuple[ListLine, ...]  # signed off
-    provisional: Tuple[ListLine, ...] = ()  # not signed off
-    standings: Tuple[StandingTexts, ...] = ()
-    is_known: bool = True  # False: the core has never been heard
-    is_replay: bool = False
-
-
-NOTHING = PublicContent("", "", "", (), (), (), is_known=False)
-
-
-def content(details: Optional[Any], utc_s: float, is_old: bool, board: Optional[Any] = None) -> PublicContent:
-    """Return what to show at `utc_s`, the box's UTC seconds.
-
-    `details` is None until the core is heard, and `board` (PublicBoard) until results are published.
-
-    While the core is silent (`is_old`), nothing changes: `utc_s` is the time of its last message.
-    """
-    if details is None:
-        return NOTHING
-    clock = _local("%H:%M:%S", utc_s)
-    return PublicContent(
-        date=date(utc_s),
-        clock=clock,
-        trouble=tr(NO_SIGNAL, time=clock) if is_old else "",
-        cards=tuple(
-            card._replace(big=_at(card, run, utc_s, details.clock.to_sec()))
-            for card, run in zip(cards(details), details.runs)
-        ),
-        following=following(details, utc_s),
-        results=result_lines(details.finished if board is None else board.results, utc_s),
-        provisional=() if board is None else result_lines(board.provisional, utc_s),
-        standings=() if board is None else standings(board),
-        is_replay=is_replay(details.box_uuid),
-    )
-
-
-def cards(details: Any) -> Tuple[RunCard, ...]:
-    """Return the texts of all runs. Their largest text has the place `TIME` for the countdown. Those of a replay say
-    so."""
-    many_zones = _has_many_zones(details)
-    found = tuple(_card(run, many_zones) for run in details.runs)
-    if not is_replay(details.box_uuid):
+def cards(document: Document) -> Tuple[RunCard, ...]:
+    """Return the texts of all runs. While the clock of a run counts, its largest text has the place `TIME` for the
+    countdown. Those of a replay say so."""
+    many_zones = _has_many_zones(document)
+    found = tuple(_card(run, many_zones) for run in document.runs_shown())
+    if not document.box.is_replay:
         return found
     return tuple(card._replace(word=f"{tr(MARK)} · {card.word}" if card.word else tr(MARK)) for card in found)
 
 
-def still(card: RunCard, run: Any, clock_s: float) -> str:
-    """Return the largest text of a run. If its clock runs, the text has the place `TIME` for the countdown."""
-    return card.big if run.counting else _at(card, run, clock_s, clock_s)
-
-
-def _at(card: RunCard, run: Any, utc_s: float, clock_s: float) -> str:
-    return card.big.replace(TIME, times.countdown(_shown_s(run, utc_s, clock_s)))
-
-
-def following(details: Any, utc_s: float) -> Tuple[ListLine, ...]:
+def following(document: Document, utc_s: float) -> Tuple[ListLine, ...]:
     """Return the texts of the next events."""
-    many_zones = _has_many_zones(details)
-    return tuple(_following(event, utc_s, many_zones) for event in details.following)
+    many_zones = _has_many_zones(document)
+    return tuple(_following(event, utc_s, many_zones) for event in document.public.following)
 
 
-def result_lines(results: Iterable[Any], utc_s: float) -> Tuple[ListLine, ...]:
+def result_lines(results: Iterable[PublicResult], utc_s: float) -> Tuple[ListLine, ...]:
     """Return the texts of results."""
     return tuple(_result(result, utc_s) for result in results)
 
 
-def standings(board: Any) -> Tuple[StandingTexts, ...]:
+def standings(document: Document) -> Tuple[StandingTexts, ...]:
     """Return the texts of all standings."""
-    return tuple(_standing(standing) for standing in board.standings)
+    return tuple(map(_standing, document.public.standings))
 
 
 def standing_title(title: str) -> str:
@@ -165,45 +114,34 @@ def page_words() -> Dict[str, str]:
     }
 
 
-def _has_many_zones(details: Any) -> bool:
-    return len({event.zone for event in _events(details)}) > 1
+def _has_many_zones(document: Document) -> bool:
+    return len({*document.public_runs, *(event.zone for event in document.public.following)}) > 1
 
 
-def _events(details: Any) -> List[Any]:
-    return [run.event for run in details.runs] + list(details.following)
-
-
-def _shown_s(run: Any, utc_s: float, clock_s: float) -> float:
-    """Return the seconds that are left or, without a limit, counted. `clock_s`: the time of the message."""
-    if run.unlimited:
-        elapsed_s: float = run.elapsed.to_sec()
-        return math.floor(elapsed_s + (max(0.0, utc_s - clock_s) if run.counting else 0.0))
-    left_s: float = run.ends.to_sec() - utc_s if run.counting else run.left.to_sec()
-    return left_s
-
-
-def _card(run: Any, many_zones: bool) -> RunCard:
+def _card(run: PublicRun, many_zones: bool) -> RunCard:
     event = run.event
     parts = ([event.zone] if many_zones else []) + [sheets.turn(event.round, event.run)]
     if event.team == ALL_TEAMS:
         parts.append(", ".join(run.teams))
     if run.activity:
-        parts.append(run.activity)
+        parts.append(tr_said(run.activity))
     big, word = TIME, tr("getting ready")
-    if run.phase == "running":
-        big, word = (f"▶ {TIME}", tr("running")) if run.counting else (f"‖ {TIME}", tr(PAUSED))
-    elif run.phase == "ended":
+    if run.phase == RUNNING:
+        big, word = (f"‖ {TIME}", tr(PAUSED)) if run.is_paused else (f"▶ {TIME}", tr("running"))
+    elif run.phase == ENDED:
         big, word = tr("ended"), _end(run.end_reason)
-    return RunCard(run.phase, team_text(event.team), event.benchmark, " · ".join(parts), big, word,
-                   is_paused=run.phase == "running" and not run.counting)
+    if not run.elapsed.counting:
+        seconds = run.shown_s(0.0)
+        big = big.replace(TIME, times.countdown(seconds if run.limit else math.floor(seconds)))
+    return RunCard(run.phase, team_text(event.team), event.benchmark, " · ".join(parts), big, word, run.is_paused)
 
 
-def _following(event: Any, utc_s: float, many_zones: bool) -> ListLine:
+def _following(event: PublicEvent, utc_s: float, many_zones: bool) -> ListLine:
     zone = event.zone if many_zones else ""
-    return ListLine(_when(event.scheduled, utc_s), team_text(event.team), event.benchmark, zone)
+    return ListLine(local_time(event.scheduled_utc_s, utc_s), team_text(event.team), event.benchmark, zone)
 
 
-def _standing(standing: Any) -> StandingTexts:
+def _standing(standing: PublicStanding) -> StandingTexts:
     return StandingTexts(standing.benchmark, tuple(
         ListLine(rank.rank, rank.team, "", "", tuple(
             f"{criterion}: {number}" if number else criterion
@@ -213,22 +151,16 @@ def _standing(standing: Any) -> StandingTexts:
     ))
 
 
-def _result(result: Any, utc_s: float) -> ListLine:
-    event = result.event
-    groups = [
-        sheets.GroupOfValues(group.group_name, group.current_values, not_attempted)
-        for group, not_attempted in zip(result.scoring, result.not_attempted)
-    ]
+def _result(result: PublicResult, utc_s: float) -> ListLine:
+    groups = [sheets.GroupOfValues(group.name, [item.value for item in group.items], group.not_attempted)
+              for group in result.groups]
     sums = [sheets.sums_text([group]) for group in groups if group.values]
-    if result.points.total:
-        points = [(group.name, group.points) for group in result.points.groups]
-        sums = [sheets.points_text(result.points.total, points)]
+    if result.points is not None:
+        sums = [sheets.points_text(*result.points)]
     lines = [module_scores.readable(score) for score in result.module_scores]
     return ListLine(
-        _when(result.disconnected, utc_s), team_text(event.team), event.benchmark,
-        _end(result.end_reason),
-        (*(f"{line.name} {line.value}" for line in lines), *sums),
-    )
+        local_time(result.disconnected_utc_s, utc_s), team_text(result.event.team), result.event.benchmark,
+        _end(result.end_reason), (*(f"{line.name} {line.value}" for line in lines), *sums))
 
 
 def team_text(team: str) -> str:
@@ -241,10 +173,6 @@ def _end(end_reason: str) -> str:
     if not end_reason:
         return ""
     return f"{'✓' if end_reason == 'completed' else '■'} {sheets.end_reason(end_reason)}"
-
-
-def _when(moment: Any, utc_s: float) -> str:
-    return local_time(moment.to_sec(), utc_s)
 
 
 def local_time(utc_s: float, now_utc_s: float) -> str:

@@ -9,6 +9,8 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
+from roah_rsbb.core.views.document import Documents
+from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.records import Phase
@@ -288,3 +290,8 @@ def ended(driver):
     """Return why the run has ended; None: it has not."""
     run = driver.run_in()
     return run.end_reason if run.phase is Phase.ENDED else None
+
+
+def public_document(driver, results=PublicResults.SCORES, provisional=True, robot_texts=True):
+    """The document of a box whose organisers allow the public this."""
+    return Documents(driver.box, "uuid", "", Publicity(results, provisional, robot_texts)).look(driver.now)

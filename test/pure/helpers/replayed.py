@@ -9,13 +9,12 @@ from helpers.journaled import NO_LISTENING, JournaledDriver
 from helpers.module_player import FakeModules, does_goal
 from helpers.results_of import EVIL
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.views import views
-from roah_rsbb.core.views.explained import Explanation, explanations
-from roah_rsbb.core.views.public import PublicResults
+from roah_rsbb.core.views.document import Documents
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import RequestKind, ScoreValue
+from roah_rsbb.model.public import PublicRun
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
-from roah_rsbb.model.zone import Zone
+from roah_rsbb.model.zone import NOTHING, Zone
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 
@@ -34,13 +33,18 @@ def clock_at(clock, now):
     }
 
 
+def untimed(runs):
+    """Public runs without their clocks."""
+    return tuple(run._replace(elapsed=NOTHING) for run in runs)
+
+
 class Look(NamedTuple):
     """What the box showed at a moment."""
 
     now: Now
     view: Zone
     desc: str
-    explained: Tuple[Explanation, ...]  # without what the robots say
+    explained: Tuple[PublicRun, ...]  # without what the robots say
 
 
 class ReplayedCompetition(JournaledDriver):
@@ -67,10 +71,10 @@ class ReplayedCompetition(JournaledDriver):
     def look(self):
         """Note what the box shows now."""
         self.jump(LOOK_S)
-        explained = explanations(self.box, PublicResults.NONE, with_texts=False)
-        for view in views.ZoneViews(self.box).look(self.now).values():
+        document = Documents(self.box, "", "").look(self.now)
+        for view in document.zones.values():
             if view.identity:
-                look = Look(self.now, view, self.run_in(view.zone).desc, explained)
+                look = Look(self.now, view, self.run_in(view.zone).desc, untimed(document.runs_shown()))
                 self.looks.setdefault(view.identity, []).append(look)
         self.jump(LOOK_S)
 

@@ -1,11 +1,11 @@
 """A box as its client shows it."""
 
 from helpers.commands import actions_shown
-from helpers.public_messages import NOW
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxState, Document
 from roah_rsbb.model.zone import Event, RobotInRun, Zone
 
+NOW = 1_800_000_000.0  # 2027-01-15 08:00:00 UTC
 MONO = 500.0
 EVENT = Event("kx2", "HCFGAC", "Task Benchmark 3", "Catering", "Alpha", 1, 2, NOW)
 
@@ -25,7 +25,7 @@ class ShownBox:
     def __init__(self, *zones):
         self.is_old = False
         self.why = ""
-        self.mono = MONO
+        self.mono, self._slewn_s = MONO, 0.0
         self.document = None
         self.show(*zones)
 
@@ -37,4 +37,8 @@ class ShownBox:
             zones={zone.zone: zone for zone in zones}, **sections)
 
     def now(self):
-        return Now(self.mono, NOW + self.mono - MONO)
+        return Now(0.0, 0.0) if self.document is None else Now(self.mono, NOW + self.mono - MONO + self._slewn_s)
+
+    def utc_slews(self, seconds):
+        """The box's clock of the day is set forward."""
+        self._slewn_s += seconds

@@ -9,11 +9,10 @@ from helpers.commands import COMMANDS
 from helpers.competition import DOOR
 from helpers.journaled import NO_LISTENING, JournaledDriver
 from helpers.jury import Jury, judged
-from helpers.replayed import LOOK_S, ReplayedCompetition, SetClock, clock_at
+from helpers.replayed import LOOK_S, ReplayedCompetition, SetClock, clock_at, untimed
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.views import views
-from roah_rsbb.core.views.explained import explanations
-from roah_rsbb.core.views.public import PublicResults
+from roah_rsbb.core.views.document import Documents
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.referee import Refused
@@ -63,8 +62,9 @@ def test_every_moment_is_that_of_the_box(played):
     assert len(looks) > 50
     for look in looks:
         box.show(look.now.utc)
-        assert_same(views.ZoneViews(box.box).look(box.now)[look.view.zone], box.now, look.view, look.now)
-        assert explanations(box.box, PublicResults.NONE, with_texts=False) == look.explained
+        document = Documents(box.box, "", "").look(box.now)
+        assert_same(document.zones[look.view.zone], box.now, look.view, look.now)
+        assert untimed(document.runs_shown()) == look.explained
 
 
 def test_a_silent_robot_is_reported_when_it_was(played):

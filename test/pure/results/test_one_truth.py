@@ -7,20 +7,20 @@ with that one function.
 
 import dataclasses
 import json
-import pathlib
 import re
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import roah_rsbb
 from helpers.competition import BUMPS, OBJECTS, UTC0, competition, event
 from helpers.examples import examples
 from helpers.journaled import NO_LISTENING, JournaledDriver
 from roah_rsbb.core.scoring.counting import Choice, Why, attempts_of, rulings
-from roah_rsbb.core.views.public import PublicResults, public_view
+from roah_rsbb.core.views.document import Documents
+from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.core.views.schedule import schedule
+from roah_rsbb.core.views.sheets import run_sheet
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.results.checklist import checklist
@@ -30,18 +30,10 @@ from roah_rsbb.results.report.facts import facts_of
 from roah_rsbb.results.run_list import list_lines
 from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
-from roah_rsbb.results.standings import index_page, standings
+from roah_rsbb.results.standings import index_page, public_standings, standings
 from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow
 from roah_rsbb.rulebook.standing_rules import Criterion, OfRuns, Overall, Part, Rules, StandingRules, Term
 from roah_rsbb.wording.counting import counting_text
-
-# The generated messages are in the build folder.
-_BUILT = pathlib.Path(__file__).parents[3] / "build" / "devel" / "lib" / "python3" / "dist-packages" / "roah_rsbb"
-roah_rsbb.__path__.append(str(_BUILT))
-results_convert = pytest.importorskip("roah_rsbb.nodes.core.results_convert")
-schedule_convert = pytest.importorskip("roah_rsbb.nodes.core.schedule_convert")
-public_board = pytest.importorskip("roah_rsbb.nodes.core.public_board")
-roah_rsbb.__path__.remove(str(_BUILT))
 
 CODES, ZONES, TEAMS = ("HGTKMH", "HWV"), ("a", "b"), ("Alpha", "Beta")
 HOUR = 3600.0
@@ -192,25 +184,29 @@ def results_of(truth):
     return found
 
 
+def document_of(driver):
+    """What every face shows; the public may see everything."""
+    return Documents(driver.box, "", "", Publicity(PublicResults.SCORES, True, True, public_standings)).look(driver.now)
+
+
 def check_box(driver, truth):
     """What referees see: the list of runs, each sheet, and the schedule."""
     box, now = driver.box, driver.now
     assert {ruling.record.identity: ruling.why for ruling in box.scores.rulings(now)} == {
         identity: ruling.why for identity, ruling in truth.items() if not unlisted(ruling)}
-    board = results_convert.ResultsBoard(box, "uuid")
-    for summary in board.take(now).runs:
-        assert summary.counts == truth[summary.identity].why.value
-        record = box.scores.record_of(now, RunName(summary.zone, summary.identity))
-        sheet = results_convert.sheet_message(record, box.scores.why(now, summary.identity))
-        assert sheet.summary.counts == summary.counts
+    document = document_of(driver)
+    for identity, line in document.results.items():
+        assert line.counts == truth[identity].why.value
+        record = box.scores.record_of(now, RunName(line.zone, identity))
+        assert run_sheet(record, box.scores.why(now, identity)).run == line
     expected = results_of(truth)
+    events = document.schedule
     for line in schedule(box, now):
-        message = schedule_convert.event_message(line)
-        shown = expected.get(place_of(line.event), [])
-        assert message.identity == (shown[-1].identity if shown else "")
+        event_shown, shown = events[line.event.id], expected.get(place_of(line.event), [])
+        assert event_shown.identity == (shown[-1].identity if shown else "")
         if shown:
-            assert message.counts == truth[message.identity].why.value
-            assert bool(message.signed.to_sec()) is all(record.sign_off for record in shown)
+            assert event_shown.counts == truth[event_shown.identity].why.value
+            assert (event_shown.signed_utc_s is not None) is all(record.sign_off for record in shown)
 
 
 def place_of(planned):
@@ -225,20 +221,15 @@ def unlisted(ruling):
 
 def check_public(driver, truth, choice):
     """What spectators see: results and standings."""
-    box, now = driver.box, driver.now
-    view = public_view(box, now, PublicResults.SCORES, provisional=True)
+    document = document_of(driver)
     shown = [record for found in results_of(truth).values() for record in found if record.closed_utc]
-
-    def keys(runs):
-        return sorted((run.zone, run.event.id, run.event.team, run.disconnected_utc) for run in runs)
-
-    def expected(signed):
-        return sorted((r.zone, r.event, r.team, r.closed_utc) for r in shown if (r.sign_off is not None) is signed)
-
-    assert (keys(view.finished), keys(view.provisional)) == (expected(True), expected(False))
-    maker = public_board.PublicBoardMaker(box, "uuid", {})
+    for signed in (True, False):
+        assert {identity for identity, result in document.public_results.items() if result.signed is signed} == {
+            record.identity for record in shown if (record.sign_off is not None) is signed}
+    assert [result.disconnected_utc_s for result in document.public_results.values()] == [
+        next(r.closed_utc for r in shown if r.identity == identity) for identity in document.public_results]
     ranked = standings([ruling.record for ruling in truth.values()], RANKING, choice._replace(signed_off=True))
-    assert [[rank.team for rank in standing.ranks] for standing in maker.take(now, view).standings] == [
+    assert [[rank.team for rank in standing.ranks] for standing in document.public.standings] == [
         [line.team for line in standing.lines] for standing in ranked if standing.lines]
 
 

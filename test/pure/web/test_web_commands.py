@@ -13,6 +13,7 @@ from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.web.commands import FIELDS, BadCommand, Outcome, command_of, may
 from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.limits import Rates
+from roah_rsbb.web.numbered import NoBox
 from roah_rsbb.web.pairing import SESSION_VALID_S, Grant, Session, Sessions
 from roah_rsbb.web.server import NOT_PAIRED, WebServer
 from roah_rsbb.web.store import Store
@@ -107,7 +108,8 @@ class Served(HttpClients):
         self.commands = []
         self.outcome = Outcome(result={"number": 3})
         self.sessions = Sessions(lambda records: None)
-        self.server = WebServer(running.loop, Store(GERMAN), FOLDER, frozenset(), self.sessions, self.carry_out)
+        store = Store(NoBox(), GERMAN)
+        self.server = WebServer(running.loop, store, FOLDER, frozenset(), self.sessions, self.carry_out)
         self.port = self.server.open(HOST, 0)
         self.origin = f"http://{HOST}:{self.port}"
 

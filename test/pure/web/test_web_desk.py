@@ -5,13 +5,13 @@ import json
 import pytest
 
 from helpers.forms import ODD, ODD_ASKED, shown_form
-from helpers.public_messages import NOW
-from helpers.shown_box import MONO, ShownBox, zone_of
+from helpers.shown_box import MONO, NOW, ShownBox, zone_of
 from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.zone import Count, RunClock
 from roah_rsbb.web import zone_documents
-from roah_rsbb.web.desk import NO_STOP, STOP, Desk, NoBox
+from roah_rsbb.web.desk import NO_STOP, STOP, Desk
+from roah_rsbb.web.numbered import NoBox
 from roah_rsbb.web.store import Store
 
 KEY = ("page.zone", "en", "Home")
@@ -32,8 +32,7 @@ class World(Desk):
     """A desk whose box changes as the test says."""
 
     def __init__(self):
-        self.box = ShownBox(zone_of(clock=RUNNING))
-        super().__init__(Store({"de": lambda text, n: f"auf Deutsch: {text}"}), self.box)
+        super().__init__(Store(ShownBox(zone_of(clock=RUNNING)), {"de": lambda text, n: f"auf Deutsch: {text}"}))
         self.show([("en", "Home")])
 
     def put(self, *zones, **how):
@@ -156,13 +155,13 @@ def test_only_what_devices_show_is_made(desk):
 
 
 def test_a_box_is_heard_while_its_document_is_current(desk):
-    assert desk.is_heard(0.0) and desk.clock(0.0) == NOW and desk.zones() == ["Home"]
+    assert desk.is_heard and desk.clock() == NOW and desk.zones() == ["Home"]
     desk.box.is_old = True
-    assert not desk.is_heard(0.0)
+    assert not desk.is_heard
     desk.box.is_old, desk.box.why = False, "the connection was lost just now"
-    assert not desk.is_heard(0.0)
-    unknown = Desk(desk._store, NoBox())
-    assert not unknown.look() and not unknown.is_heard(0.0) and unknown.clock(0.0) is None and unknown.zones() == []
+    assert not desk.is_heard
+    unknown = Desk(Store(NoBox(), {}))
+    assert not unknown.look() and not unknown.is_heard and unknown.clock() is None and unknown.zones() == []
     assert unknown.team_facts("Alpha", "en") is None
 
 
@@ -192,12 +191,12 @@ def test_a_result_without_judges_can_be_published(desk):
 
 def test_a_message_names_each_document_once(desk):
     keys = desk.keys("en", "Home")
-    message = json.loads(desk.message("snapshot", keys, MONO, {}))
+    message = json.loads(desk.message("snapshot", keys, {}))
     assert set(message["documents"]) == {"page.words", "page.device_words", "page.zones", "page.zone", "page.clock"}
     assert message["documents"]["page.zones"]["data"] == [{
         "zone": "Home", "team": "Alpha", "phase": "RUNNING", "todo": "No message from the robot for 3 s",
         "is_urgent": True}]
-    assert set(json.loads(desk.beat(keys, MONO, {}))["numbers"]) == set(message["documents"])
+    assert set(json.loads(desk.beat(keys, {}))["numbers"]) == set(message["documents"])
     assert message["documents"]["page.device_words"]["data"]["stop"] == "■ STOP"
 
 

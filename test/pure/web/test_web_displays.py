@@ -7,7 +7,7 @@ import pytest
 from tornado import websocket
 
 from helpers.http_clients import HOST, HttpClients
-from helpers.public_messages import NOW, details, event, run
+from helpers.public_box import PublicBox, event, run
 from roah_rsbb.web.displays.listed import (
     FILE,
     MAX_LISTED,
@@ -157,8 +157,7 @@ class Served(HttpClients):
 
     def __init__(self, running):
         self.running = running
-        self.store = Store({"de": lambda text, n: f"auf Deutsch: {text}"})
-        self.store.on_details(running.loop.time(), details([run()], [event()], NOW))
+        self.store = Store(PublicBox([run()], [event()]), {"de": lambda text, n: f"auf Deutsch: {text}"})
         self.kept = []
         self.displays = Displays(self.kept.append, {})
         self.server = WebServer(running.loop, self.store, FOLDER, frozenset({"localhost"}), displays=self.displays)

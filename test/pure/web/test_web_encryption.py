@@ -13,7 +13,7 @@ from cryptography.hazmat.primitives import serialization
 from tornado import httpclient, websocket
 
 from helpers.http_clients import HOST, HttpClients
-from helpers.public_messages import NOW, details, event, run
+from helpers.public_box import PublicBox, event, run
 from roah_rsbb import durable
 from roah_rsbb.rulebook.errors import Place, Report
 from roah_rsbb.tools.competition import certificate as maker
@@ -41,8 +41,7 @@ class Served(HttpClients):
 
     def __init__(self, running, files):
         self.running = running
-        self.store = Store({})
-        self.store.on_details(running.loop.time(), details([run()], [event()], NOW))
+        self.store = Store(PublicBox([run()], [event()]), {})
         self.sessions = Sessions(lambda records: None)
         self.certificate = Certificate(files)
         self.certificate.renew()

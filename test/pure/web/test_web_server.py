@@ -11,7 +11,7 @@ import pytest
 from tornado import httpclient, websocket
 
 from helpers.http_clients import BROKEN_REQUESTS, HOST, HttpClients
-from helpers.public_messages import NOW, board, details, event, result, run
+from helpers.public_box import PublicBox, event, result, run
 from roah_rsbb.web import events, limits, serving
 from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.server import WebServer
@@ -20,6 +20,7 @@ from roah_rsbb.web.viewer import Viewer
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 NAMES = frozenset({"localhost", "box.local"})
+LANGUAGES = {"de": lambda text, n: f"auf Deutsch: {text}"}
 
 
 class Served(HttpClients):
@@ -27,7 +28,8 @@ class Served(HttpClients):
 
     def __init__(self, running):
         self.running = running
-        self.store = Store({})
+        self.box = PublicBox()
+        self.store = Store(self.box, LANGUAGES)
         self.server = WebServer(running.loop, self.store, FOLDER, NAMES)
         self.port = self.server.open(HOST, 0)
         self.steps = 0
@@ -36,8 +38,8 @@ class Served(HttpClients):
         """The core publishes another state."""
         self.steps += 1
         runs = [run(zone=f"Zone {n}", left=90.0 + 10 * self.steps, counting=False) for n in range(size)]
-        self.store.on_details(self.running.loop.time(), details(runs, [event()], NOW + self.steps))
-        self.server.publish()
+        self.box.publish(runs, [event()])
+        self.server.follow()
 
     def viewer(self, query="", **headers):
         request = httpclient.HTTPRequest(f"ws://{HOST}:{self.port}/api/v1/events{query}", headers=headers)
@@ -109,7 +111,8 @@ def test_data_is_answered_again_only_when_it_has_changed(served):
 
 def test_results_appear_when_they_are_public(served):
     assert json.loads(served.get("/api/v1/results").body)["data"]["results"] == []
-    served.store.on_board(board([result()]))
+    served.box.publish(results=[result()])
+    served.server.follow()
     assert json.loads(served.get("/api/v1/results").body)["data"]["results"][0]["team"] == "Alpha"
 
 
@@ -139,24 +142,18 @@ def test_the_clock_comes_without_being_asked(served):
     assert served.read(viewer, "clock")["numbers"] == {"state": 1, "schedule": 1}
 
 
-def test_silence_of_the_box_is_sent(served, monkeypatch):
-    # The box is silent when the test says so, however late this process is.
-    monkeypatch.setattr("roah_rsbb.web.store.Store.SILENT_S", 1e9)
+def test_silence_of_the_box_is_sent(served):
     viewer = served.viewer("?documents=state")
     assert served.read(viewer, "clock")["heard"]
     served.server._beat_due_mono = 1e9  # the next regular one
-    monkeypatch.setattr("roah_rsbb.web.store.Store.SILENT_S", -1.0)
+    served.box.is_old = True
     assert not served.read(viewer)["heard"]
 
 
-def test_texts_are_in_the_language_of_the_browser(running):
-    made = Served(running)
-    made.store = made.server.store = Store({"de": lambda text, n: f"auf Deutsch: {text}"})
-    made.change()
+def test_texts_are_in_the_language_of_the_browser(served):
     for query, headers in (("&language=de-AT", {}), ("", {"Accept-Language": "de-AT,en;q=0.5"})):
-        message = made.read(made.viewer(f"?documents=page.words{query}", **headers))
+        message = served.read(served.viewer(f"?documents=page.words{query}", **headers))
         assert message["documents"]["page.words"]["data"]["next"] == "auf Deutsch: Next"
-    made.server.close()
 
 
 @pytest.mark.parametrize("query", ["?documents=secret", "?documents=", "?documents=state,../x", "?documents=%ff"])
@@ -222,7 +219,7 @@ def test_a_message_is_made_once_for_all_its_readers(served, monkeypatch):
     readers = [served.viewer("?documents=schedule,state") for _ in range(5)]
     assert all(served.read(reader) for reader in readers)
     made, now = [], served.store._now
-    monkeypatch.setattr(served.store, "_now", lambda mono: made.append(mono) or now(mono))
+    monkeypatch.setattr(served.store, "_now", lambda: made.append(1) or now())
     events.frame.cache_clear()
     served.change()
     assert (len(made), events.frame.cache_info().misses) == (1, 1)
@@ -240,7 +237,7 @@ def test_a_frame_of_any_length_is_read(served, monkeypatch, length):
     reader = served.viewer("?documents=state")
     served.read(reader)
     text = "ü" * (length // 2) + "x" * (length % 2)
-    monkeypatch.setattr(Viewer, "next", lambda self, mono, made, texts=[text]: texts.pop() if texts else None)
+    monkeypatch.setattr(Viewer, "next", lambda self, made, texts=[text]: texts.pop() if texts else None)
     served.server.publish()
     assert served.running.do(reader.read_message()) == text
 
@@ -333,7 +330,7 @@ def test_a_thousand_silent_connections(served):
 
 
 def test_a_port_in_use_is_reported_with_its_remedy(served):
-    second = WebServer(served.running.loop, Store({}), FOLDER, NAMES)
+    second = WebServer(served.running.loop, served.store, FOLDER, NAMES)
     with pytest.raises(OSError, match="choose another web_port") as raised:
         second.open(HOST, served.port)
     assert str(served.port) in str(raised.value)
@@ -351,10 +348,10 @@ def test_a_reader_that_fails_misses_a_message_and_the_others_do_not(served, monk
         served.read(viewer, "snapshot")
     real, failing = Viewer.next, next(iter(served.server.viewers))._viewer
 
-    def fails(self, mono, made=None):
+    def fails(self, made=None):
         if self is failing:
             raise TypeError("a text that cannot be rendered")
-        return real(self, mono, made)
+        return real(self, made)
 
     monkeypatch.setattr(Viewer, "next", fails)
     for _ in range(3):

@@ -6,7 +6,8 @@ import pathlib
 import pytest
 
 from helpers import catalogues
-from helpers.public_messages import NOW, board, details, event, explained, explanation, result, run, standing
+from helpers.public_box import PublicBox, event, explanation, result, run, standing
+from helpers.shown_box import NOW
 from helpers.time_zones import local_time
 from roah_rsbb.web.documents import DATA, PAGE_EXPLAINED, TEXTS
 from roah_rsbb.web.store import Store
@@ -15,7 +16,7 @@ from roah_rsbb.wording.catalogues import read, translation
 from roah_rsbb.wording.replay import PREFIX
 
 SCHEMAS = pathlib.Path(__file__).resolve().parents[3] / "resource" / "web" / "schemas"
-MONO = 50.0
+EVENTS = (event(after_s=900.0), event("Hall", "ALL"))
 
 
 @pytest.fixture(autouse=True)
@@ -24,14 +25,26 @@ def _utc():
         yield
 
 
+class World(Store):
+    """A store whose box changes as the test says."""
+
+    def __init__(self):
+        german = translation("de", read(catalogues.FOLDER / "de.ts"))
+        super().__init__(PublicBox(), {"de": german}, title="Open", session="s1")
+
+    def put(self, *runs, following=EVENTS, **sections):
+        """The box publishes this."""
+        self.box.publish(runs, following, **sections)
+        return self.look()
+
+    def pass_time(self, seconds):
+        self.box.mono += seconds
+        return self.look()
+
+
 @pytest.fixture
 def store():
-    german = translation("de", read(catalogues.FOLDER / "de.ts"))
-    return Store({"de": german}, title="Open", session="s1")
-
-
-def full(clock=NOW, **of_run):
-    return details([run(clock=clock, **of_run)], [event(after_s=900.0), event(zone="Hall", team="ALL")], clock)
+    return World()
 
 
 def data(store, name, language=""):
@@ -42,17 +55,16 @@ def number(store, name, language=""):
     return store.document((name, language)).number
 
 
-def sent(viewer, mono=MONO):
-    text = viewer.next(mono)
+def sent(viewer):
+    text = viewer.next()
     return None if text is None else json.loads(text)
 
 
 # -- documents --------------------------------------------------------------------------------------
 
 
-def test_the_documents_say_what_the_messages_say(store):
-    store.on_board(board([result()], [result("Beta", 1)], [standing()]))
-    store.on_details(MONO, full())
+def test_the_documents_say_what_is_public(store):
+    store.put(run(), results=[result(), result("Beta", 1, signed=False)], standings=[standing()])
     (shown,) = data(store, "state")["runs"]
     assert shown == {
         "zone": "Home", "benchmark": "Visitors", "team": "Alpha", "round": 2, "run": 3, "scheduled": NOW + 600.0,
@@ -73,7 +85,7 @@ def test_the_documents_say_what_the_messages_say(store):
     ({"elapsed": 12.5, "counting": False}, {"elapsed_s": 12.5}),
 ])
 def test_the_times_of_a_run(store, of_run, expected):
-    store.on_details(MONO, full(**of_run))
+    store.put(run(**of_run))
     (shown,) = data(store, "state")["runs"]
     names = ("ends", "counts_from", "left_s", "elapsed_s")
     assert {name: shown[name] for name in names} == {**dict.fromkeys(names), **expected}
@@ -81,29 +93,29 @@ def test_the_times_of_a_run(store, of_run, expected):
 
 def test_time_alone_changes_nothing(store):
     store.keys(TEXTS, "en")
-    store.on_details(MONO, full())
+    store.put(run())
     before = {key: store.document(key) for key in store.keys(DATA + TEXTS, "en")}
-    for step in range(1, 10):
-        clock = NOW + step / 2
-        jitter = 0.001 * (step % 3)  # the end is computed from two clocks
-        store.on_details(MONO + step / 2, full(clock, left=90.0 - step / 2 + jitter))
+    for _ in range(10):
+        assert not store.pass_time(0.5)
+    store.box.utc_slews(0.04)
+    assert not store.look()
     assert {key: store.document(key) for key in before} == before
-    store.on_details(MONO + 5.0, full(NOW + 5.0, left=100.0))
+    store.box.utc_slews(0.02)
+    assert store.look() and data(store, "state")["runs"][0]["ends"] == NOW + 90.06
     assert number(store, "state") == number(store, "page.runs", "en") == 2
 
 
 def test_only_what_changed_gets_a_new_number(store):
-    store.on_details(MONO, full())
-    store.on_details(MONO + 1, full(NOW + 1.0, counting=False))
+    store.put(run())
+    store.put(run(counting=False))
     assert [number(store, name) for name in DATA] == [2, 1, 1, 1, 1]
-    store.on_board(board([result()]))
+    store.put(run(counting=False), results=[result()])
     assert [number(store, name) for name in DATA] == [2, 1, 2, 1, 1]
-    store.on_board(board([result()]))
-    assert [number(store, name) for name in DATA] == [2, 1, 2, 1, 1]
+    assert not store.put(run(counting=False), results=[result()])
 
 
 def test_texts_are_made_only_in_languages_that_somebody_reads(store):
-    store.on_details(MONO, full())
+    store.put(run())
     assert store.document(("page.runs", "de")) == store.document(("page.runs", "en"))
     store.keys(["page.runs"], "de")
     assert data(store, "page.runs", "de")["runs"][0]["word"] == "läuft"
@@ -115,37 +127,38 @@ def test_texts_are_made_only_in_languages_that_somebody_reads(store):
 
 def test_a_replay_is_marked_in_the_language_of_the_reader(store):
     store.keys(["page.runs"], "de")
-    store.on_details(MONO, full())
+    store.put(run())
     assert data(store, "page.runs", "de")["replay"] == ""
-    replayed = full(NOW + 1.0)
-    replayed.box_uuid = f"{PREFIX}box"
-    store.on_details(MONO + 1, replayed)
+    document = store.box.document
+    store.box.document = document._replace(box=document.box._replace(uuid=f"{PREFIX}box"))
+    assert store.look()
     assert data(store, "page.runs", "de")["replay"] == "WIEDERGABE: nicht live"
 
 
 def test_a_page_counts_by_itself(store):
     store.keys(TEXTS, "en")
-    store.on_details(MONO, full())
+    store.put(run())
     (shown,) = data(store, "page.runs", "en")["runs"]
     assert (shown["big"], shown["ends"], shown["place"]) == ("▶ {time}", NOW + 90.0, "Home · round 2, run 3")
-    store.on_details(MONO + 1, full(NOW + 1.0, counting=False))
+    store.put(run(counting=False))
     assert data(store, "page.runs", "en")["runs"][0]["big"] == "‖ 1:30"
+    store.put(run(counting=False, elapsed=12.9))
+    assert data(store, "page.runs", "en")["runs"][0]["big"] == "‖ 0:12"
 
 
 def test_the_texts_name_another_day_at_midnight(store):
     store.keys(TEXTS, "en")
-    store.on_details(MONO, full())
+    store.put(run())
     assert data(store, "page.next", "en")["lines"][0]["time"] == "08:15"
     assert data(store, "page.words", "en")["date"] == "Friday, 15 January 2027"
-    store.on_details(MONO + 1, full(NOW + 86400.0))
+    store.pass_time(86400.0)
     assert data(store, "page.next", "en")["lines"][0]["time"] == "Fri 08:15"
     assert data(store, "page.words", "en")["date"] == "Saturday, 16 January 2027"
 
 
 def test_a_run_is_explained_in_the_language_of_the_reader(store):
     store.keys([PAGE_EXPLAINED], "de")
-    store.on_details(MONO, full())
-    store.on_explained(explained(explanation(phases=["Door", "Talk"], phase=2)))
+    store.put(explanation(phases=("Door", "Talk"), phase_number=2))
     (one,) = json.loads(store.document((PAGE_EXPLAINED, "de")).text)["runs"]
     assert (one["zone"], one["about"]) == ("Home", "Besucher klingeln.")
     assert [step["state"] for step in one["steps"]] == ["done", "now"]
@@ -154,8 +167,9 @@ def test_a_run_is_explained_in_the_language_of_the_reader(store):
 
 def test_a_zone_more_changes_the_texts_of_the_others(store):
     store.keys(TEXTS, "en")
-    store.on_details(MONO, details([], [event()]))
-    store.on_details(MONO + 1, details([run(zone="Hall")], [event()], NOW + 1))
+    store.put(following=[event()])
+    assert data(store, "page.next", "en")["lines"][0]["last"] == ""
+    store.put(run("Hall"), following=[event()])
     assert data(store, "page.next", "en")["lines"][0]["last"] == "Home"
 
 
@@ -174,38 +188,47 @@ def test_before_the_core_is_heard_a_page_has_its_words(store):
     assert message["documents"]["page.words"]["data"]["waiting"] == "Warte auf die Referee-Box"
     assert message["documents"]["page.runs"] == {"number": 0, "data": None}
     assert (message["clock"], message["heard"]) == (None, False)
-    store.on_details(MONO, full())
+    store.put(run())
     assert sent(viewer)["documents"]["page.runs"]["data"]["runs"]
 
 
-def test_a_core_that_hangs_is_silent(store):
-    store.on_details(MONO, full())
-    store.on_details(MONO + 5.0, full())  # the latched message of a core that hangs
-    assert store.is_heard(MONO + Store.SILENT_S) and not store.is_heard(MONO + 5.0)
-    assert store.clock(MONO + 1.0) == pytest.approx(NOW + 1.0)
+def test_while_the_box_is_silent_its_last_state_stays(store):
+    store.put(run())
+    assert store.is_heard and store.clock() == NOW
+    store.box.is_old = True
+    assert not store.is_heard and not store.put(run(counting=False))
+    store.box.is_old = False
+    assert store.look() and data(store, "state")["runs"][0]["left_s"] == 90.0
+
+
+def test_a_box_that_was_superseded_is_silent_for_the_public(store):
+    store.put(run())
+    document = store.box.document
+    store.box.document = document._replace(box=document.box._replace(superseded_by="10.0.0.2"), public_runs={})
+    assert not store.look() and not store.is_heard and data(store, "state")["runs"]
 
 
 # -- readers ----------------------------------------------------------------------------------------
 
 
 def test_a_reader_gets_a_snapshot_then_changes(store):
-    store.on_details(MONO, full())
+    store.put(run())
     viewer = Viewer(store, store.keys(DATA, "en"))
     first = sent(viewer)
     assert first["type"] == "snapshot" and set(first["documents"]) == set(DATA)
     assert sent(viewer) is None
-    store.on_details(MONO + 1, full(NOW + 1.0, counting=False))
+    store.put(run(counting=False))
     change = sent(viewer)
     assert change["type"] == "change" and list(change["documents"]) == ["state"]
     assert change["documents"]["state"]["number"] == first["documents"]["state"]["number"] + 1
 
 
 def test_a_slow_reader_gets_the_newest_state_and_notices_the_gap(store):
-    store.on_details(MONO, full())
+    store.put(run())
     viewer = Viewer(store, store.keys(["state"], "en"))
     first = sent(viewer)
     for step in range(1, 1001):
-        store.on_details(MONO + step, full(NOW + step, counting=bool(step % 2), left=100.0 + step))
+        store.put(run(counting=bool(step % 2), left=100.0 + step))
         viewer.beat()
     newest = sent(viewer)
     assert newest["documents"]["state"]["number"] == first["documents"]["state"]["number"] + 1000
@@ -215,11 +238,12 @@ def test_a_slow_reader_gets_the_newest_state_and_notices_the_gap(store):
 
 
 def test_the_clock_repeats_the_numbers(store):
-    store.on_details(MONO, full())
+    store.put(run())
     viewer = Viewer(store, store.keys(["state", "schedule"], "en"))
     sent(viewer)
     viewer.beat()
-    assert sent(viewer, MONO + 1.0) == {
+    store.box.mono += 1.0
+    assert sent(viewer) == {
         "type": "clock", "session": "s1", "clock": NOW + 1.0, "heard": True, "numbers": {"state": 1, "schedule": 1}}
 
 
@@ -244,13 +268,13 @@ def _validator(name):
 def test_what_is_sent_is_what_the_schemas_say(store, of_run):
     viewer = Viewer(store, store.keys(DATA + TEXTS, "de"))
     messages = [sent(viewer)]
-    answers = [{name: json.loads(store.answer(name, MONO)) for name in DATA}]
-    store.on_details(MONO, full(**of_run))
-    store.on_board(board([result()], [result("Beta")], [standing()]))
-    store.on_explained(explained(explanation(), explanation("Lab", "between", "functionality", goals=3, goals_ended=2)))
+    answers = [{name: json.loads(store.answer(name)) for name in DATA}]
+    store.put(explanation(**of_run),
+              explanation("Lab", doing="between", kind="functionality", goals=3, goals_ended=2, goals_completed=1),
+              results=[result(), result("Beta", signed=False)], standings=[standing()])
     viewer.beat()
     messages += [sent(viewer), sent(viewer)]
-    answers.append({name: json.loads(store.answer(name, MONO)) for name in DATA})
+    answers.append({name: json.loads(store.answer(name)) for name in DATA})
     assert [message["type"] for message in messages] == ["snapshot", "change", "clock"]
     for message in messages:
         _validator("events.json").validate(message)
@@ -264,8 +288,8 @@ def test_what_is_sent_is_what_the_schemas_say(store, of_run):
     lambda run: run.pop("ends"), lambda run: run.update(secret=1), lambda run: run.update(phase="unknown"),
 ])
 def test_the_schemas_refuse_anything_else(store, change):
-    store.on_details(MONO, full())
-    answer = json.loads(store.answer("state", MONO))
+    store.put(run())
+    answer = json.loads(store.answer("state"))
     change(answer["data"]["runs"][0])
     assert not _validator("state.json").is_valid(answer)
 

@@ -7,8 +7,8 @@ from urllib.parse import quote
 import pytest
 
 from helpers.http_clients import HOST, HttpClients
-from helpers.public_messages import NOW, board, details, event, result, run, standing
-from helpers.shown_box import MONO, ShownBox, zone_of
+from helpers.public_box import PublicBox, event, result, run, standing
+from helpers.shown_box import MONO, NOW, zone_of
 from roah_rsbb.model.document import RobotSeen
 from roah_rsbb.model.schedule import ScheduledEvent
 from roah_rsbb.model.zone import RobotInRun
@@ -32,7 +32,7 @@ def codes(kept=None):
 
 def box(phase="idle", off=("Robot not active",), robot=None, skew=0.25, silent_since=MONO - 2.0, events=()):
     """A box that hears the robot of a team."""
-    made = ShownBox()
+    made = PublicBox()
     made.show(*(zone_of(name, {"connect": off}, phase=phase, team=team, robot=robot)
                 for name, team in (("Home", TEAM), ("Lab", "Others"))),
               robots={"R1": RobotSeen(TEAM, "R1", skew, silent_since)}, schedule={event.id: event for event in events})
@@ -127,11 +127,10 @@ class Served(HttpClients):
 
     def __init__(self, running):
         self.running = running
-        self.store = Store({"de": lambda text, n: f"auf Deutsch: {text}"})
-        self.store.on_details(running.loop.time(), details([run()], [event(team=TEAM)], NOW))
-        self.store.on_board(board([result("Beta")], [result("Gamma")], [standing()]))
         self.box = box()
-        self.server = WebServer(running.loop, self.store, FOLDER, frozenset({"localhost"}), box=self.box)
+        self.box.publish([run()], [event(team=TEAM)], [result("Beta"), result("Gamma", signed=False)], [standing()])
+        self.store = Store(self.box, {"de": lambda text, n: f"auf Deutsch: {text}"})
+        self.server = WebServer(running.loop, self.store, FOLDER, frozenset({"localhost"}))
         self.port = self.server.open(HOST, 0)
 
     def ask(self, path, body=None, cookie="", **headers):

@@ -7,7 +7,7 @@ import socket
 import pytest
 
 from helpers.http_clients import HOST, HttpClients
-from helpers.public_messages import NOW, details, event, run
+from helpers.public_box import PublicBox, event, run
 from roah_rsbb.web import limits
 from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant, Sessions, TooManyGuesses
 from roah_rsbb.web.server import WebServer
@@ -23,8 +23,7 @@ class Served(HttpClients):
 
     def __init__(self, running):
         self.running = running
-        self.store = Store({"de": lambda text, n: f"auf Deutsch: {text}"})
-        self.store.on_details(running.loop.time(), details([run()], [event()], NOW))
+        self.store = Store(PublicBox([run()], [event()]), {"de": lambda text, n: f"auf Deutsch: {text}"})
         self.saved = []
         self.sessions = Sessions(self.saved.append)
         self.server = WebServer(running.loop, self.store, FOLDER, NAMES, self.sessions)

@@ -89,10 +89,7 @@ class TestTopics(BoxCase):
         types = dict(master.getTopicTypes())
         published, subscribed, _ = ({name: set(nodes) for name, nodes in part} for part in master.getSystemState())
         for name, kind in (("/core/to_gui", "roah_rsbb/CoreToGui"), ("/core/to_public", "roah_rsbb/CoreToPublic"),
-                           ("/timeout", "std_msgs/Empty"),
-                           ("/core/public_details", "roah_rsbb/PublicDetails"),
-                           ("/core/public_board", "roah_rsbb/PublicBoard"),
-                           ("/core/public_explained", "roah_rsbb/PublicExplained")):
+                           ("/timeout", "std_msgs/Empty")):
             with self.subTest(name):
                 self.assertEqual(types[name], kind)
                 self.assertEqual(published[name], {CORE})

@@ -13,7 +13,6 @@ from urllib.parse import urlsplit
 from xmlrpc.server import SimpleXMLRPCServer
 
 import rosgraph
-import rospy
 from support.box_client import Refusal
 from support.own_core import OwnCoreCase
 from support.programs import Program, own, run
@@ -21,7 +20,6 @@ from support.waiting import wait_until
 
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.model.document import Document
-from roah_rsbb.msg import PublicExplained
 from roah_rsbb.nodes.replay import live_core
 from roah_rsbb.wording.replay import PREFIX
 
@@ -67,19 +65,16 @@ class TestReplay(OwnCoreCase):
         self.box.public = None
         documents: List[Document] = []
         self.box.on_document = documents.append
-        explained: List[PublicExplained] = []
-        self.addCleanup(rospy.Subscriber("/core/public_explained", PublicExplained, explained.append).unregister)
         replay = self._leaving(Program(own("replay"), journal, identity))
         replay.wait_printed("The run is over. Its last moment stays")
         wait_until(lambda: documents and documents[-1].box.is_replay and documents[-1].zones["Home"].phase == "idle",
                    "the end of the run is heard")
         wait_until(lambda: self.box.public and self.box.public.clock.startswith(PREFIX), "the public display is marked")
-        wait_until(lambda: explained and not explained[-1].runs, "nothing is explained after the run")
-        marked = [message for message in explained if message.box_uuid.startswith(PREFIX)]
-        doing = [run.doing for message in marked for run in message.runs]
+        replayed = [document for document in documents if document.box.is_replay]
+        doing = [run.doing for document in replayed for run in document.runs_shown()]
         self.assertEqual((doing[0], doing[-1]), ("waiting", "ended"))
         self.assertIn("executing", doing)
-        replayed = [document for document in documents if document.box.is_replay]
+        self.assertEqual(replayed[-1].public_runs, {}, "nothing is explained after the run")
         zones = [document.zones["Home"] for document in replayed]
         phases = [phase for phase, _ in itertools.groupby(zone.phase for zone in zones)]
         self.assertEqual(phases, ["connected", "running", "ended", "idle"])

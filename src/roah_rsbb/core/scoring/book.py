@@ -23,14 +23,12 @@ from roah_rsbb.model.records import (
     PublicationRecord,
     RunRecord,
     ScoreEntry,
-    ScoreValue,
-    SheetPoints,
     SignOff,
     StopRecord,
 )
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm
-from roah_rsbb.rulebook.benchmarks import Benchmark, EventRules, ScheduledEvent
+from roah_rsbb.rulebook.benchmarks import Benchmark, EventRules
 from roah_rsbb.rulebook.standing_rules import StandingRules
 from roah_rsbb.wording import sheets, times
 
@@ -192,19 +190,6 @@ def _marks_of(verdict: Verdict) -> List[Mark]:
     return [mark._replace(value=verdict.value.value, text=verdict.value.text)]
 
 
-class FinishedResult(NamedTuple):
-    """All that the public may see of a run that is over."""
-
-    zone: str
-    event: ScheduledEvent
-    end_reason: str  # name of an `EndReason`, in lower case
-    disconnected_utc: float  # UTC seconds of *disconnect*
-    items: Tuple[ItemRecord, ...]  # the referee's score sheet
-    module_scores: Tuple[ScoreValue, ...]  # the scores of the benchmarking module
-    signed: bool  # the score sheet is signed off
-    points: Optional[SheetPoints] = None  # None: the sheet gives no points
-
-
 def form_of(record: RunRecord) -> SheetForm:
     """Return the items of a run's score sheet, and their rules."""
     return record.form or SheetForm(tuple(
@@ -216,14 +201,13 @@ class FinishedRun:
 
     def __init__(self, record: RunRecord, benchmark: Benchmark) -> None:
         self.record = record
-        self._benchmark = benchmark
+        self.benchmark = benchmark
         form = form_of(record)
         state = BookState(
             SheetState(list(record.history), record.marks), list(record.stops), record.started_utc, record.elapsed_s,
             JudgesState.of(record.judging), PublicationState.of(record.publication),
         )
         self._book = RunBook(form, state, over=True)
-        self.result = self._result()
 
     def mark(self, now: Now, who: str, mark: Mark) -> str:
         """Correct a scoring item. Returns a text for the referee, as all corrections do. Raises `Refused`.
@@ -279,7 +263,6 @@ class FinishedRun:
         if reasons:
             raise Refused(reasons)
         self.record = self.record._replace(sign_off=SignOff(now.utc, who))
-        self.result = self._result()
         return f"Score sheet signed off by {who}"
 
     def _check_open(self) -> None:
@@ -293,17 +276,7 @@ class FinishedRun:
 
     def _changed(self, text: str) -> str:
         self.record = self._book.into(self.record)
-        self.result = self._result()
         return text
-
-    def _result(self) -> FinishedResult:
-        record = self.record
-        event = ScheduledEvent(
-            self._benchmark, record.team, record.round, record.run, record.scheduled, record.event)
-        return FinishedResult(
-            record.zone, event, record.end_reason, record.closed_utc, record.items, record.module_scores,
-            record.sign_off is not None, record.points,
-        )
 
 
 def left_behind(record: RunRecord, utc: float) -> RunRecord:
@@ -320,7 +293,7 @@ class FinishedRuns:
 
     def __init__(self, benchmarks: Dict[str, Benchmark], ranking: StandingRules = NO_RANKING) -> None:
         """`benchmarks`: the configured benchmarks by code; `ranking`: how runs compare."""
-        self._benchmarks = benchmarks
+        self.benchmarks = benchmarks
         self.ranking = ranking
         self._runs: Dict[str, FinishedRun] = {}  # by identity, the oldest first
         self._earlier: List[RunRecord] = []  # see `_decisive`, the oldest first
@@ -328,7 +301,7 @@ class FinishedRuns:
 
     def use(self, benchmarks: Dict[str, Benchmark], ranking: StandingRules) -> None:
         """Use other benchmarks for the runs that follow, and another ranking. The runs that are over keep theirs."""
-        self._benchmarks = benchmarks
+        self.benchmarks = benchmarks
         self.ranking = ranking
 
     def add(self, record: RunRecord) -> None:
@@ -338,7 +311,7 @@ class FinishedRuns:
         """
         if not (record.end_reason or record.history or record.marks or record.judging.sheets):
             return
-        benchmark = self._benchmarks.get(record.benchmark)
+        benchmark = self.benchmarks.get(record.benchmark)
         if benchmark is None:  # the configuration was changed since this record
             benchmark = Benchmark(record.benchmark, record.benchmark, "", 0.0, 0.0, ())
         self._runs.pop(record.identity, None)
@@ -384,4 +357,8 @@ class FinishedRuns:
 
     def event_rules(self) -> Dict[str, EventRules]:
         """Return the rules about time and attempts by the benchmarks' codes."""
-        return {code: benchmark.rules for code, benchmark in self._benchmarks.items()}
+        return {code: benchmark.rules for code, benchmark in self.benchmarks.items()}
+
+    def titles(self) -> Dict[str, str]:
+        """Return what the benchmarks are called, by their codes."""
+        return {code: benchmark.desc or benchmark.name for code, benchmark in self.benchmarks.items()}

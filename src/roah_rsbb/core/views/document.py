@@ -5,6 +5,7 @@ from typing import Dict, Mapping, Optional, Sequence, Tuple, TypeVar
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.core.views import sheets, views
+from roah_rsbb.core.views.public import NOTHING_ALLOWED, Publicity, PublicViews
 from roah_rsbb.core.views.schedule import EventLine, ScheduleView, events_shown
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxState, Document
@@ -18,13 +19,14 @@ V = TypeVar("V")
 class Documents:
     """Makes the document of one box again and again. What is equal to the part before is the same object."""
 
-    def __init__(self, box: Box, uuid: str, host: str) -> None:
-        """`uuid`: identity of this start of the core; `host`: broadcast address in use."""
+    def __init__(self, box: Box, uuid: str, host: str, publicity: Publicity = NOTHING_ALLOWED) -> None:
+        """`uuid`: identity of this start of the core; `host`: broadcast address in use; `publicity`: what the public
+        may see."""
         self._box, self._uuid, self._host = box, uuid, host
-        self._views, self._schedule = views.ZoneViews(box), ScheduleView(box)
+        self._views, self._schedule, self._public = views.ZoneViews(box), ScheduleView(box), PublicViews(box, publicity)
         self.last = Document(BoxState(uuid, host, 0), {}, {}, {}, {}, {})
         self._events: Optional[Sequence[EventLine]] = None  # of which the last schedule was made
-        self._revision: Optional[int] = None  # of the box, to which results and judging belong
+        self._revision: Optional[int] = None  # of the box, to which the sections belong that only events change
         self._lines: Dict[str, Tuple[RunRecord, Why, RunLine]] = {}  # by identity
 
     def look(
@@ -35,19 +37,30 @@ class Documents:
         box, last = self._box, self.last
         revision, events = box.revision, self._schedule.look(now)
         robots = _kept(last.robots, views.robots(box, now, last.robots))
-        document = Document(
-            views.box_state(box, now, self._uuid, self._host, unsaved), robots,
-            _kept(last.zones, self._views.look(now, robots, log_files)),
-            last.schedule if events is self._events else _kept(last.schedule, events_shown(events)),
-            last.results if revision == self._revision else _kept(last.results, self._results(now)),
-            last.judging if revision == self._revision else _kept(last.judging, self._judging(now)),
-        )
+        zones = _kept(last.zones, self._views.look(now, robots, log_files))
+        document = last._replace(
+            box=views.box_state(box, now, self._uuid, self._host, unsaved), robots=robots, zones=zones,
+            schedule=last.schedule if events is self._events else _kept(last.schedule, events_shown(events)))
+        has_changed = revision != self._revision
+        if has_changed or zones is not last.zones:
+            document = document._replace(public_runs=_kept(last.public_runs, self._public.runs(zones)))
+        if has_changed:
+            document = self._after_events(document, now)
         self._revision, self._events = revision, events
         if document.box == last.box:
             document = document._replace(box=last.box)
+        if document.public == last.public:
+            document = document._replace(public=last.public)
         if any(part is not before for part, before in zip(document, last)):
             self.last = document
         return self.last
+
+    def _after_events(self, document: Document, now: Now) -> Document:
+        """Return the document with the sections that only events change."""
+        last = self.last
+        return document._replace(
+            results=_kept(last.results, self._results(now)), judging=_kept(last.judging, self._judging(now)),
+            public=self._public.others(now), public_results=_kept(last.public_results, self._public.results(now)))
 
     def _results(self, now: Now) -> Dict[str, RunLine]:
         scores, before = self._box.scores, self._lines

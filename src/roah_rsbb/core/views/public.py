@@ -1,22 +1,46 @@
-"""What the public may see of the box at one moment, as plain values.
+"""What the public may see of the box: only what the organisers allow. Everything else stays in the core.
 
-It contains only what the organisers allow. Everything else stays in the core.
+Nothing here shows the content of a goal or of a manual operation: other teams could learn from it what their robots
+will meet.
 """
 
 import enum
-from typing import List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.runs.functionality import FunctionalityRun
+from roah_rsbb.core.runs.online_data import MAX_SAID
 from roah_rsbb.core.runs.run import ZoneRun
-from roah_rsbb.core.scoring.book import FinishedResult
+from roah_rsbb.core.scoring.book import FinishedRun
+from roah_rsbb.core.scoring.counting import Choice
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.records import EndReason, Phase
-from roah_rsbb.rulebook.benchmarks import ScheduledEvent
+from roah_rsbb.model.modules import OutcomeKind, RequestKind
+from roah_rsbb.model.public import (
+    Public,
+    PublicEvent,
+    PublicGroup,
+    PublicItem,
+    PublicResult,
+    PublicRun,
+    PublicStanding,
+    RobotText,
+)
+from roah_rsbb.model.records import ItemRecord, Phase, RunRecord, grouped
+from roah_rsbb.model.zone import Zone as ZoneShown
+from roah_rsbb.protocol import BoxState
+from roah_rsbb.rulebook.benchmarks import Benchmark
+from roah_rsbb.rulebook.registry import GoalForm
+from roah_rsbb.rulebook.standing_rules import StandingRules
 
 # No screen has space for more.
 MAX_FOLLOWING = 40
 MAX_FINISHED = 40
+# How the public sees the items of a score sheet. Others do not appear.
+_KINDS = {"bool": "bool", "uint": "count", "int": "count", "decimal": "count"}
+_NOT_SHOWN = frozenset(("choice", "rating"))
+
+Ranked = Callable[[Sequence[RunRecord], StandingRules, Choice, Mapping[str, str]], Tuple[PublicStanding, ...]]
 
 
 class PublicResults(enum.Enum):
@@ -27,86 +51,161 @@ class PublicResults(enum.Enum):
     SCORES = "scores"  # also its scores
 
 
-class PublicRun(NamedTuple):
-    """The run in a zone."""
+class Publicity(NamedTuple):
+    """What the organisers allow the public to see."""
 
-    zone: str
-    event: ScheduledEvent
-    phase: Phase
-    end_reason: Optional[EndReason]  # None: it has not ended, or the public may not see this
-    teams: Tuple[str, ...]  # the teams of all robots in it
-    counting: bool  # its clock is running
-    left: float  # seconds left; may be `NO_LIMIT`
-    elapsed: float = 0.0  # seconds counted
-    activity: str = ""  # the current phase of the task; empty: none
+    results: PublicResults = PublicResults.NONE
+    provisional: bool = False  # also results that are not signed off
+    robot_texts: bool = False  # what robots say
+    ranked: Ranked = lambda records, rules, choice, titles: ()  # makes standings (`results.standings`)
 
 
-class Following(NamedTuple):
-    """An event that has not begun."""
-
-    zone: str
-    event: ScheduledEvent
+NOTHING_ALLOWED = Publicity()
 
 
-class PublicView(NamedTuple):
-    """Everything that the public may see."""
+class PublicViews:
+    """What the public may see of one box. What is costly to make is kept until it changes."""
 
-    results: PublicResults
-    runs: Tuple[PublicRun, ...]  # in the order of the zones
-    following: Tuple[Following, ...]  # the soonest first
-    finished: Tuple[FinishedResult, ...]  # whose score sheet is signed off, the newest first
-    provisional: Tuple[FinishedResult, ...]  # whose score sheet is not, if the organisers show them; the newest first
+    def __init__(self, box: Box, publicity: Publicity) -> None:
+        self._box, self._publicity = box, publicity
+        self._results: Dict[str, Tuple[RunRecord, PublicResult]] = {}  # by identity
+        self._ranked: Tuple[object, ...] = ()  # of what the standings were made
+        self._standings: Tuple[PublicStanding, ...] = ()
 
-    def without_time(self) -> "PublicView":
-        """Return the view without its times. It only changes when something happens."""
-        return self._replace(runs=tuple(run._replace(left=0.0, elapsed=0.0) for run in self.runs))
+    def runs(self, zones: Mapping[str, ZoneShown]) -> Dict[str, PublicRun]:
+        """Return all runs by their zones. `zones`: as the referees see them now."""
+        found = {}
+        for zone in self._box.zones.values():
+            if zone.run is not None:
+                found[zone.name] = _run(zone.name, zone.run, zones[zone.name], self._publicity)
+        return found
+
+    def results(self, now: Now) -> Dict[str, PublicResult]:
+        """Return the newest results by the identities of the runs: those that count, or of an event without any the
+        last one."""
+        if self._publicity.results is PublicResults.NONE:
+            return {}
+        box, before = self._box, self._results
+        shown = {ruling.record.identity for result in box.scores.event_results(now) for ruling in result.runs}
+        runs = [run for run in box.finished.newest_runs() if run.record.identity in shown]
+        signed = [run for run in runs if run.record.sign_off is not None][:MAX_FINISHED]
+        others = [run for run in runs if run.record.sign_off is None][:MAX_FINISHED]
+        self._results = {}
+        for run in signed + (others if self._publicity.provisional else []):
+            record, known = run.record, before.get(run.record.identity)
+            if known is None or known[0] is not record:
+                known = record, _result(run, self._publicity.results is PublicResults.SCORES)
+            self._results[record.identity] = known
+        return {identity: result for identity, (_, result) in self._results.items()}
+
+    def others(self, now: Now) -> Public:
+        """Return what the public may see besides."""
+        return Public(self._publicity.results.value, self._following(), self._ranking(now))
+
+    def _following(self) -> Tuple[PublicEvent, ...]:
+        """Return the coming events. Events whose run is connected or was completed, or whose team withdrew or did not
+        appear, are not among them."""
+        over = self._box.scores.events_over()
+        lines = [(zone.name, event) for zone in self._box.zones.values()
+                 for place, event in enumerate(zone.events[_first(zone):], _first(zone))
+                 if (zone.name, place) not in over]
+        lines.sort(key=lambda line: line[1].scheduled)
+        return tuple(_event(zone, event.benchmark, event.team, event.round, event.run, event.scheduled)
+                     for zone, event in lines[:MAX_FOLLOWING])
+
+    def _ranking(self, now: Now) -> Tuple[PublicStanding, ...]:
+        """Return the standings of the runs that are signed off. Such a run never changes."""
+        if self._publicity.results is not PublicResults.SCORES:
+            return ()
+        finished = self._box.finished
+        ruled = self._box.scores.rulings(now)
+        counting = tuple(r.record.identity for r in ruled if r.counts and r.record.sign_off is not None)
+        made_of = counting, finished.ranking, finished.benchmarks
+        if self._ranked != made_of:
+            self._ranked = made_of
+            self._standings = self._publicity.ranked(
+                [ruling.record for ruling in ruled], finished.ranking,
+                Choice(signed_off=True, events=finished.event_rules()), finished.titles())
+        return self._standings
 
 
-def public_view(box: Box, now: Now, results: PublicResults, provisional: bool = False) -> PublicView:
-    """Return what the public may see now. `provisional`: also results whose score sheet is not signed off."""
-    following = [line for zone in box.zones.values() for line in _following(box, zone)]
-    following.sort(key=lambda line: line.event.scheduled)
-    signed, unsigned = ([], []) if results is PublicResults.NONE else _results(box, now)
-    return PublicView(
-        results,
-        tuple(_run(zone.name, zone.run, now, results) for zone in box.zones.values() if zone.run is not None),
-        tuple(following[:MAX_FOLLOWING]),
-        _allowed(signed, results),
-        _allowed(unsigned if provisional else [], results),
-    )
+def _first(zone: Zone) -> int:
+    """The index of the zone's first event that has not begun."""
+    return zone.index + (zone.run is not None)
 
 
-def _results(box: Box, now: Now) -> Tuple[List[FinishedResult], List[FinishedResult]]:
-    """Return the results that are signed off, and the others: the runs that count, or of an event without any the last
-    one; the newest first."""
-    shown = {ruling.record.identity for result in box.scores.event_results(now) for ruling in result.runs}
-    found = [run.result for run in box.finished.newest_runs() if run.record.identity in shown]
-    return [run for run in found if run.signed], [run for run in found if not run.signed]
+def _event(zone: str, benchmark: Benchmark, team: str, round_number: int, run: int, utc_s: float) -> PublicEvent:
+    return PublicEvent(zone, benchmark.desc or benchmark.name, team, round_number, run, utc_s)
 
 
-def _run(zone: str, run: ZoneRun, now: Now, results: PublicResults) -> PublicRun:
+def _result(run: FinishedRun, with_scores: bool) -> PublicResult:
+    record = run.record
+    result = PublicResult(
+        _event(record.zone, run.benchmark, record.team, record.round, record.run, record.scheduled),
+        record.end_reason, record.closed_utc, record.sign_off is not None)
+    return result if not with_scores else result._replace(
+        groups=tuple(_group(name, items) for name, items in grouped(record.items).items()),
+        module_scores=tuple(score for score in record.module_scores if not score.group),
+        points=record.points)
+
+
+def _group(name: str, items: Sequence[ItemRecord]) -> PublicGroup:
+    return PublicGroup(
+        name,
+        tuple(PublicItem(item.desc, _KINDS.get(item.kind, "count"), max(0, item.value)) for item in items
+              if item.kind not in _NOT_SHOWN),
+        sum(item.not_attempted for item in items))
+
+
+def _run(zone: str, run: ZoneRun, shown: ZoneShown, publicity: Publicity) -> PublicRun:
+    event, benchmark = run.event, run.event.benchmark
+    goals, has_outcomes = _outcomes(run), publicity.results is not PublicResults.NONE
     return PublicRun(
-        zone, run.event, run.phase,
-        end_reason=None if results is PublicResults.NONE else run.end_reason,
-        teams=tuple(dict.fromkeys(member.robot.team for member in run.members())) or (run.event.team,),
-        counting=run.phase is Phase.RUNNING and not run.clock.paused,
-        left=run.clock.left(now),
-        elapsed=run.clock.elapsed(now),
+        _event(zone, benchmark, event.team, event.round, event.run, event.scheduled),
+        teams=tuple(dict.fromkeys(member.robot.team for member in run.members())) or (event.team,),
+        phase=shown.phase,
+        kind=benchmark.kind.value,
+        doing=_doing(run),
+        end_reason=shown.end_reason if has_outcomes else "",
+        limit=shown.clock.limit,
+        elapsed=shown.clock.elapsed,
         activity=run.times.phase_name(),
+        about=dict(benchmark.about),
+        phases=tuple(phase.name for phase in benchmark.rules.phases),
+        phase_number=run.times.state.phase,
+        are_waypoints=benchmark.profile.goal is GoalForm.WAYPOINT,
+        goals=len(goals),
+        goals_ended=sum(outcome is not None for outcome in goals),
+        goals_completed=goals.count(OutcomeKind.DONE) if has_outcomes else None,
+        said=_said(run) if publicity.robot_texts else (),
     )
 
 
-def _following(box: Box, zone: Zone) -> List[Following]:
-    """Return a zone's coming events. Events whose run is connected or was completed, or whose team withdrew or did not
-    appear, are not among them."""
-    over = box.scores.events_over()
-    first = zone.index + (zone.run is not None)
-    return [Following(zone.name, zone.events[place]) for place in range(first, len(zone.events))
-            if (zone.name, place) not in over]
+def _outcomes(run: ZoneRun) -> List[Optional[OutcomeKind]]:
+    """Return how each goal ended; None: it has not ended."""
+    steps = run.steps if isinstance(run, FunctionalityRun) else ()
+    return [None if step.outcome is None else step.outcome.kind
+            for step in steps if step.request.kind is RequestKind.GOAL]
 
 
-def _allowed(runs: List[FinishedResult], results: PublicResults) -> Tuple[FinishedResult, ...]:
-    """Return the newest runs, without scores if the public may not see them."""
-    if results is PublicResults.SCORES:
-        return tuple(runs[:MAX_FINISHED])
-    return tuple(run._replace(items=(), module_scores=(), points=None) for run in runs[:MAX_FINISHED])
+def _doing(run: ZoneRun) -> str:
+    """Return what happens in a run now, as `wording.explained` knows it: `referee`, while the referee prepares the next
+    goal or notes what the robot did; `between`, until the next goal follows; `by_hand`, in a run without a robot."""
+    if run.phase is not Phase.RUNNING:
+        return "ended" if run.phase is Phase.ENDED else "waiting"
+    if isinstance(run, FunctionalityRun):
+        if run.asked is not None:
+            return "referee"
+        if run.of_module.goal is None:
+            return "between"
+    states = [member.message.state for member in run.members() if member.phase is Phase.RUNNING]
+    if not states:
+        return "by_hand"
+    return "executing" if BoxState.WAITING_RESULT in states else "preparing"
+
+
+def _said(run: ZoneRun) -> Tuple[RobotText, ...]:
+    members = run.members()
+    found = [RobotText(str(member.robot) if len(members) > 1 else "", said.kind, said.text, said.utc)
+             for member in members for said in member.state.said]
+    return tuple(sorted(found, key=lambda one: one.utc_s)[-MAX_SAID:])

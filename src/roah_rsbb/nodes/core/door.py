@@ -15,6 +15,7 @@ import rospy
 from roah_rsbb.box.door import Door
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.views.document import Documents
+from roah_rsbb.core.views.public import NOTHING_ALLOWED, Publicity
 from roah_rsbb.document.calls import Call
 from roah_rsbb.document.document import Written
 from roah_rsbb.document.place import new_token, write_place
@@ -37,12 +38,12 @@ class BoxDoor:
     def __init__(
         self, loop: asyncio.AbstractEventLoop, box: Box, uuid: str, host: str, now: Callable[[], Now],
         log_files: Callable[[], Mapping[int, str]], unsaved: Callable[[], Sequence[UnsavedParts]],
-        calls: Mapping[str, Call], check: Callable[[], None],
+        calls: Mapping[str, Call], check: Callable[[], None], publicity: Publicity = NOTHING_ALLOWED,
     ) -> None:
-        """`host`: broadcast address in use; `log_files`, `unsaved`: see `Documents.look`; `calls`, `check`: see
-        `Door`."""
+        """`host`: broadcast address in use; `log_files`, `unsaved`: see `Documents.look`; `calls`, `check`: see `Door`;
+        `publicity`: what the public may see."""
         self._loop, self._now, self._log_files, self._unsaved = loop, now, log_files, unsaved
-        self._documents = Documents(box, uuid, host)
+        self._documents = Documents(box, uuid, host, publicity)
         self._written = Written(Document)
         self._token = new_token()
         self._soon: Optional[asyncio.TimerHandle] = None

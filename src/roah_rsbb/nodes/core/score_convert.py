@@ -4,14 +4,12 @@ ZoneScoreGroup, which original panels read, only knows yes-or-no items and count
 without their decimals, and 0 if they are negative; choices and ratings do not appear.
 """
 
-from typing import Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, Sequence, Tuple
 
 from roah_rsbb.model.modules import ScoreValue
-from roah_rsbb.model.records import ItemRecord, SheetPoints, grouped
 from roah_rsbb.model.scoring import ScoreGroup, ScoreKind, ScoringItem
 from roah_rsbb.model.zone import SheetItem
-from roah_rsbb.msg import GroupPoints, ModuleScore, ZoneScoreGroup
-from roah_rsbb.msg import SheetPoints as SheetPointsMsg
+from roah_rsbb.msg import ModuleScore, ZoneScoreGroup
 
 _KINDS = {kind.word: kind for kind in ScoreKind}
 # How ZoneScoreGroup shows the types that it can show.
@@ -34,14 +32,6 @@ def old_groups(items: Iterable[SheetItem]) -> List[ZoneScoreGroup]:
     return [_old_group(name, group) for name, group in groups.items()]
 
 
-def items_message(items: Iterable[ItemRecord]) -> List[ZoneScoreGroup]:
-    """A score sheet, group by group."""
-    return [
-        _old_group(name, [(_KINDS.get(item.kind, ScoreKind.UINT), item.desc, item.value) for item in group])
-        for name, group in grouped(items).items()
-    ]
-
-
 def _old_group(name: str, items: Sequence[Tuple[ScoreKind, str, int]]) -> ZoneScoreGroup:
     shown = [item for item in items if item[0] in _OLD_TYPES]
     return ZoneScoreGroup(
@@ -50,13 +40,6 @@ def _old_group(name: str, items: Sequence[Tuple[ScoreKind, str, int]]) -> ZoneSc
         descriptions=[desc for _, desc, _ in shown],
         current_values=[max(0, value) for _, _, value in shown],
     )
-
-
-def points_message(points: Optional[SheetPoints]) -> SheetPointsMsg:
-    """The points of a sheet; without a total if it gives none."""
-    if points is None:
-        return SheetPointsMsg()
-    return SheetPointsMsg(points.total, [GroupPoints(*group) for group in points.groups])
 
 
 def group_of(message: ZoneScoreGroup) -> ScoreGroup:

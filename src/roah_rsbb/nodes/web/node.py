@@ -28,11 +28,9 @@ import rospy
 from roah_rsbb.comm import sockets
 from roah_rsbb.durable import close_to_others
 from roah_rsbb.model.document import Document
-from roah_rsbb.msg import PublicBoard, PublicDetails, PublicExplained
 from roah_rsbb.nodes.web.opening import LOOPBACK, hosts_of, retry_until_open
 from roah_rsbb.nodes.web.other import wait_for_other
 from roah_rsbb.ros.command_line import run_node
-from roah_rsbb.ros.feed import Feed
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.ros.place import Places
@@ -47,10 +45,8 @@ from roah_rsbb.web.teams.codes import FILE as CODES_FILE
 from roah_rsbb.web.teams.codes import TeamCodes
 from roah_rsbb.wording import catalogues
 
-DETAILS, BOARD, EXPLAINED = "/core/public_details", "/core/public_board", "/core/public_explained"
-TOPICS = {DETAILS: PublicDetails, BOARD: PublicBoard, EXPLAINED: PublicExplained}
-# The core's computer may have lost its power: the connection then stays half open.
-RENEW_S = 5.0
+# How often it is checked why paired devices cannot act.
+WHY_S = 5.0
 # How often the files of the certificate are checked.
 CERTIFICATE_S = 60.0
 
@@ -83,51 +79,35 @@ class WebPart:
 
         self._ros = ros
         self._reported = ""  # of the certificate
-        self._store = Store(_languages(resource / "languages"), title, logos=read_logos(logos, rospy.logwarn))
         sessions = open_kept(log_dir, SESSIONS_FILE, Sessions, [], rospy.logerr, "pair the devices again")
         team_codes = open_kept(log_dir, CODES_FILE, TeamCodes, {}, rospy.logerr, "the teams have new codes")
         displays = open_kept(log_dir, DISPLAYS_FILE, Displays, {}, rospy.logerr, "set what the displays show again")
         self._certificate = _certificate(*files) if all(files) else None
         self._client: Client[Document] = Client(
             Document, Places(rosgraph.get_master_uri()).find, lambda: self._server.follow(), self._ros.loop, "referee")
+        store = Store(
+            self._client, _languages(resource / "languages"), title, logos=read_logos(logos, rospy.logwarn))
         self._why: Set[str] = set()  # it was not connected; these were logged
-        self._server = WebServer(self._ros.loop, self._store, str(resource / "web"), own_names(names), sessions,
-                                 Calls(self._client, rospy.get_name()).carry_out, self._client,
+        self._server = WebServer(self._ros.loop, store, str(resource / "web"), own_names(names), sessions,
+                                 Calls(self._client, rospy.get_name()).carry_out,
                                  self._certificate and self._certificate.context, displays, team_codes, team_pages)
         self._url = ""  # for paired devices
-        PairingServices(self._ros, self._server, self._store.zones, lambda: self._url)
-        self._feed = Feed(TOPICS, lambda: self._ros.post(self._take))
+        PairingServices(self._ros, self._server, self._server.desk.zones, lambda: self._url)
 
     def start(self) -> None:
         """Serve as soon as that is possible."""
-        self._feed.start()
         self._client.start()
-        self._ros.loop.call_later(RENEW_S, self._renew)
+        self._ros.loop.call_later(WHY_S, self._say_why)
         retry_until_open(self._ros.loop, self._open)
 
     def stop(self) -> None:
         """End."""
         self._server.close()
-        self._feed.stop()
         self._client.close()
 
-    def _take(self) -> None:
-        """Take the newest messages. The board comes first: results and runs change together."""
-        board, explained, details = map(self._feed.take, (BOARD, EXPLAINED, DETAILS))
-        if explained is not None:
-            self._store.on_explained(explained.message)
-        if board is not None:
-            self._store.on_board(board.message)
-        if details is not None:
-            self._store.on_details(details.mono, details.message)
-        if board is not None or explained is not None or details is not None:
-            self._server.publish()
-
-    def _renew(self) -> None:
-        """Subscribe again while the core is silent. Log once why paired devices are shown nothing of the box."""
-        self._ros.loop.call_later(RENEW_S, self._renew)
-        if not self._store.is_heard(self._server.now()):
-            self._feed.renew()
+    def _say_why(self) -> None:
+        """Log once why paired devices are shown nothing of the box."""
+        self._ros.loop.call_later(WHY_S, self._say_why)
         why = self._client.why
         if not why:
             self._why.clear()

@@ -17,7 +17,7 @@ class DisplaysHandler(OfOrganiser):
         self.finish({
             "displays": [_row(row) for row in server.displays.rows()],
             "unlisted": server.displays.unlisted,
-            "zones": server.store.zones(), "languages": server.store.known_languages(), "shows": SHOWS,
+            "zones": sorted(server.desk.zones()), "languages": server.store.known_languages(), "shows": SHOWS,
             "clock": server.utc(),
         })
 

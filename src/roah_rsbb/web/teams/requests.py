@@ -26,10 +26,10 @@ class TeamHandler(FromOwnPage):
             self.finish({"is_allowed": False, "facts": None})
             return
         server = self._server
-        heard = server.desk.is_heard(server.now())
         language = server.store.language(self.get_query_argument(
             "language", self.request.headers.get("Accept-Language", "")))
-        self.finish({"is_allowed": True, "facts": server.desk.team_facts(team, language) if heard else None})
+        desk = server.desk
+        self.finish({"is_allowed": True, "facts": desk.team_facts(team, language) if desk.is_heard else None})
 
     def post(self, name: str) -> None:
         """Take the code of the team, and answer with a cookie."""

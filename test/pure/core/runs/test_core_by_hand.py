@@ -4,15 +4,14 @@ import dataclasses
 
 import pytest
 
-from helpers.box_driver import BoxDriver
+from helpers.box_driver import BoxDriver, public_document
 from helpers.competition import DOOR, UTC0, competition, event
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.scoring.counting import Why
-from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.core.views.schedule import EventState, schedule
 from roah_rsbb.core.views.views import coming_events
-from roah_rsbb.model.records import EndReason, Phase
+from roah_rsbb.model.records import EndReason
 from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
@@ -100,8 +99,8 @@ def test_the_public_sees_the_team_of_a_run_by_hand():
     driver = BoxDriver(competition(**TWO))
     driver.command("open_sheet")
     driver.command("start")
-    run, = public_view(driver.box, driver.now, PublicResults.SCORES).runs
-    assert (run.teams, run.phase, run.counting) == (("Alpha",), Phase.RUNNING, True)
+    run, = public_document(driver).runs_shown()
+    assert (run.teams, run.phase, run.elapsed.counting) == (("Alpha",), "running", True)
 
 
 # -- no-show, withdrawn -------------------------------------------------------------------------------
@@ -246,7 +245,7 @@ def test_an_event_without_its_team_is_not_offered_as_the_next_one(command):
     assert driver.box.zones["tbm"].event == DAY[2]
     driver.command("previous")
     driver.command("previous")
-    assert [line.event.run for line in public_view(driver.box, driver.now, PublicResults.NONE).following] == [1, 3]
+    assert [event.run for event in public_document(driver).public.following] == [1, 3]
     assert [line.event.run for line in coming_events(driver.box)] == [1, 3]
     driver.executing().completes()
     driver.command("disconnect")
@@ -279,6 +278,5 @@ def test_a_withdrawal_after_a_run_leaves_the_run_as_the_result():
     driver.command("withdrawn")
     line = schedule(driver.box, driver.now)[0]
     assert (line.state, line.result.shown.record) == (EventState.DONE, ran)
-    view = public_view(driver.box, driver.now, PublicResults.SCORES, provisional=True)
-    assert [run.end_reason for run in view.provisional] == ["stopped"]
+    assert [run.end_reason for run in public_document(driver).results_shown(signed=False)] == ["stopped"]
     assert [ruling.why for ruling in driver.box.scores.rulings(driver.now)] == [Why.COUNTS, Why.RAN]

@@ -5,12 +5,11 @@ from dataclasses import replace
 import pytest
 
 from helpers.all_robots import all_robots_box, connect_all, robots_of, start_all
-from helpers.box_driver import BoxDriver
+from helpers.box_driver import BoxDriver, public_document
 from helpers.competition import competition, event
 from helpers.module_player import does_goal, started
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.runs.online_data import MAX_SAID
-from roah_rsbb.core.views.explained import Doing, explanations
 from roah_rsbb.core.views.public import PublicResults
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.protocol import RobotState
@@ -19,30 +18,29 @@ NONE, OUTCOMES = PublicResults.NONE, PublicResults.OUTCOMES
 
 
 def explained(driver, results=OUTCOMES, with_texts=False):
-    (found,) = explanations(driver.box, results, with_texts)
+    (found,) = public_document(driver, results, robot_texts=with_texts).runs_shown()
     return found
 
 
 def test_what_the_robot_of_a_task_does():
     driver = BoxDriver()
-    assert explanations(driver.box, OUTCOMES, True) == ()
     robot = driver.connected()
-    assert explained(driver).doing is Doing.WAITING
+    assert explained(driver).doing == "waiting"
     driver.command("start")
-    assert explained(driver).doing is Doing.PREPARING
+    assert explained(driver).doing == "preparing"
     robot.executes()
-    assert explained(driver).doing is Doing.EXECUTING
+    assert explained(driver).doing == "executing"
     robot.completes()
-    assert explained(driver).doing is Doing.ENDED
+    assert explained(driver).doing == "ended"
 
 
 def test_the_waypoints_of_a_run():
     driver, modules, robot = started()
     modules.lives(1.0, robot)
-    assert (explained(driver).doing, explained(driver).are_waypoints) == (Doing.BETWEEN, True)
+    assert (explained(driver).doing, explained(driver).are_waypoints) == ("between", True)
     modules.asks(RequestKind.REFEREE, text="Place the secret object")
     modules.lives(1.0, robot)
-    assert explained(driver).doing is Doing.REFEREE
+    assert explained(driver).doing == "referee"
     assert "secret" not in repr(explained(driver, with_texts=True)), "an operation may show what the robots will meet"
     number = modules.run().steps[-1].request.number
     driver.event(driver.box.act, Target("tbm"), "operation", "", {"operation": number})
@@ -67,11 +65,11 @@ def test_what_robots_say_is_for_the_public_only_if_it_is_allowed():
     robot.says(notifications=("Hello\n\x1b[31mred\u202e " + "x" * 500,), visitor=("Postman",))
     assert explained(driver).said == ()
     first, second = explained(driver, with_texts=True).said
-    assert first.said.text.startswith("Hello [31mred x") and first.said.text.isprintable()
-    assert len(first.said.text) == 160 and first.said.text.endswith("…")
-    assert (second.robot, second.said.kind, second.said.text) == ("", "visitor", "Postman")
+    assert first.text.startswith("Hello [31mred x") and first.text.isprintable()
+    assert len(first.text) == 160 and first.text.endswith("…")
+    assert (second.robot, second.kind, second.text) == ("", "visitor", "Postman")
     robot.says(notifications=[str(number) for number in range(20)])
-    assert [one.said.text for one in explained(driver, with_texts=True).said] == [
+    assert [one.text for one in explained(driver, with_texts=True).said] == [
         str(number) for number in range(20 - MAX_SAID, 20)]
 
 
@@ -96,9 +94,9 @@ def test_robots_that_run_together_are_named():
     robots[0].says(notifications=("one",))
     robots[1].says(notifications=("two",))
     said = explained(driver, with_texts=True).said
-    assert [one.said.text for one in said] == ["one", "two"]
+    assert [one.text for one in said] == ["one", "two"]
     assert len({one.robot for one in said}) == 2 and all(one.robot for one in said)
-    assert explained(driver).doing is Doing.EXECUTING
+    assert explained(driver).doing == "executing"
 
 
 def test_what_a_benchmark_is_about():
@@ -106,7 +104,7 @@ def test_what_a_benchmark_is_about():
     line = event()
     driver = BoxDriver(competition(tbm=[replace(line, benchmark=replace(line.benchmark, about=about))]))
     driver.connected()
-    assert explained(driver).about == about
+    assert explained(driver).about == dict(about)
 
 
 @pytest.mark.parametrize("results", [NONE, OUTCOMES])

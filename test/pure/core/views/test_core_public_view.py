@@ -3,45 +3,54 @@
 import pytest
 
 from helpers.all_robots import all_robots_box, connect_all, robots_of, start_all
-from helpers.box_driver import BoxDriver
+from helpers.box_driver import BoxDriver, public_document
 from helpers.competition import DOOR, UTC0, competition, event, run_record
 from helpers.module_player import started
-from roah_rsbb.core.views.public import MAX_FINISHED, MAX_FOLLOWING, PublicResults, public_view
+from roah_rsbb.core.views.document import Documents
+from roah_rsbb.core.views.public import MAX_FINISHED, MAX_FOLLOWING, Publicity, PublicResults
 from roah_rsbb.model.modules import RequestKind, ScoreValue
-from roah_rsbb.model.records import EndReason, Phase, SignOff
+from roah_rsbb.model.records import ItemRecord, SignOff
 from roah_rsbb.model.referee import RunName
 
 NONE, OUTCOMES, SCORES = PublicResults.NONE, PublicResults.OUTCOMES, PublicResults.SCORES
 
 
-def _view(driver, results=NONE):
-    return public_view(driver.box, driver.now, results)
+def _view(driver, results=NONE, provisional=False):
+    return public_document(driver, results, provisional)
 
 
 def _run(driver, results=NONE):
-    (run,) = _view(driver, results).runs
+    (run,) = _view(driver, results).runs_shown()
     return run
 
 
+def _finished(driver, results, provisional=False):
+    return _view(driver, results, provisional).results_shown(signed=True)
+
+
+def _left(driver):
+    return _run(driver).shown_s(driver.now.mono)
+
+
 def _following(driver):
-    return [(line.zone, line.event.benchmark.code) for line in _view(driver).following]
+    return [(event.zone, event.team, event.run) for event in _view(driver).public.following]
 
 
 def test_a_run_from_connect_to_its_end():
     driver = BoxDriver(competition(tbm=[event(timeout=60.0)], other=["HWV"]))
-    assert _view(driver).runs == ()
+    assert _view(driver).runs_shown() == ()
     robot = driver.connected()
     run = _run(driver)
-    assert (run.zone, run.event.benchmark.code, run.teams) == ("tbm", "HGTKMH", ("Alpha",))
-    assert (run.phase, run.counting, run.left, run.end_reason) == (Phase.CONNECTED, False, 60.0, None)
+    assert (run.event.zone, run.event.benchmark, run.teams) == ("tbm", "About HGTKMH", ("Alpha",))
+    assert (run.phase, run.elapsed.counting, _left(driver), run.end_reason) == ("connected", False, 60.0, "")
     driver.command("start")
     robot.lives(20)
     run = _run(driver)
-    assert (run.phase, run.counting) == (Phase.RUNNING, True)
-    assert run.left == pytest.approx(40.0, abs=0.1)
+    assert (run.phase, run.elapsed.counting) == ("running", True)
+    assert _left(driver) == pytest.approx(40.0, abs=0.1)
     driver.command("stop")
     run = _run(driver, OUTCOMES)
-    assert (run.phase, run.counting, run.end_reason) == (Phase.ENDED, False, EndReason.STOPPED)
+    assert (run.phase, run.elapsed.counting, run.end_reason) == ("ended", False, "stopped")
 
 
 def test_how_a_run_ended_is_published_only_if_allowed():
@@ -49,21 +58,20 @@ def test_how_a_run_ended_is_published_only_if_allowed():
     driver.executing()
     driver.command("stop")
     assert [_run(driver, results).end_reason for results in (NONE, OUTCOMES, SCORES)] == [
-        None, EndReason.STOPPED, EndReason.STOPPED
-    ]
+        "", "stopped", "stopped"]
 
 
 def test_the_time_of_the_whole_run_counts_and_pauses_during_a_manual_operation():
     driver, modules, robot = started()
     modules.asks(goal="[1, 2, 3]", timeout=5.0)
     modules.lives(2.0, robot)
-    assert _run(driver).left == pytest.approx(driver.run_in().clock.left(driver.now)) == pytest.approx(598.0, abs=1.0)
+    assert _left(driver) == pytest.approx(driver.run_in().clock.left(driver.now)) == pytest.approx(598.0, abs=1.0)
     driver, modules, robot = started()
     modules.asks(RequestKind.REFEREE, text="Place the object")
-    left = _run(driver).left
+    left = _left(driver)
     modules.lives(10.0, robot)
-    assert not _run(driver).counting
-    assert _run(driver).left == pytest.approx(left)
+    assert _run(driver).is_paused
+    assert _left(driver) == pytest.approx(left)
 
 
 def test_all_robots_at_once_name_their_teams():
@@ -72,24 +80,25 @@ def test_all_robots_at_once_name_their_teams():
     connect_all(driver, robots)
     start_all(driver, robots)
     run = _run(driver)
-    assert (run.event.team, run.teams, run.counting) == ("ALL", ("Alpha", "Beta", "Gamma"), True)
+    assert (run.event.team, run.teams, run.elapsed.counting) == ("ALL", ("Alpha", "Beta", "Gamma"), True)
 
 
 def test_what_follows_is_sorted_over_all_zones_and_is_not_what_runs():
     driver = BoxDriver(competition(
-        tbm=[event("HGTKMH", scheduled=UTC0), event("HCFGAC", scheduled=UTC0 + 200.0)],
+        tbm=[event("HGTKMH", scheduled=UTC0), event("HCFGAC", run=2, scheduled=UTC0 + 200.0)],
         other=[event("HWV", team="Beta", scheduled=UTC0 + 100.0)],
     ))
-    assert _following(driver) == [("tbm", "HGTKMH"), ("other", "HWV"), ("tbm", "HCFGAC")]
+    first, second, other = ("tbm", "Alpha", 1), ("tbm", "Alpha", 2), ("other", "Beta", 1)
+    assert _following(driver) == [first, other, second]
     robot = driver.executing()
-    assert _following(driver) == [("other", "HWV"), ("tbm", "HCFGAC")]
+    assert _following(driver) == [other, second]
     driver.command("stop")
     driver.command("disconnect")
-    assert _following(driver)[0] == ("tbm", "HGTKMH")  # stopped: the referee may repeat it
+    assert _following(driver)[0] == first, "stopped: the referee may repeat it"
     robot = driver.executing()
     robot.completes()
     driver.command("disconnect")
-    assert _following(driver) == [("other", "HWV"), ("tbm", "HCFGAC")]
+    assert _following(driver) == [other, second]
 
 
 def test_the_last_event_of_a_zone_comes_no_more_once_it_was_completed():
@@ -101,7 +110,7 @@ def test_the_last_event_of_a_zone_comes_no_more_once_it_was_completed():
 
 def test_the_list_of_next_events_is_bounded():
     driver = BoxDriver(competition(tbm=[event(run=run) for run in range(1, MAX_FOLLOWING + 3)]))
-    assert [line.event.run for line in _view(driver).following] == list(range(1, MAX_FOLLOWING + 1))
+    assert [run for _, _, run in _following(driver)] == list(range(1, MAX_FOLLOWING + 1))
 
 
 def _sign(driver):
@@ -119,36 +128,49 @@ def _a_run(driver):
 def test_results_are_public_once_they_are_signed_off():
     driver = BoxDriver()
     _a_run(driver)
-    view = _view(driver, SCORES)
-    assert (view.finished, view.provisional) == ((), ())
+    assert _view(driver, SCORES).public_results == {}
     _sign(driver)
-    view = _view(driver, SCORES)
-    assert [run.signed for run in view.finished] == [True]
+    assert len(_finished(driver, SCORES)) == 1
     _a_run(driver)
-    assert _view(driver, SCORES).finished == (), "the run was repeated, and the new one is not signed off"
+    assert _finished(driver, SCORES) == (), "the run was repeated, and the new one is not signed off"
 
 
 def test_results_that_are_not_signed_off_are_provisional_if_the_organisers_show_them():
     driver = BoxDriver()
     _a_run(driver)
-    view = public_view(driver.box, driver.now, OUTCOMES, provisional=True)
-    assert view.finished == ()
-    assert [(run.end_reason, run.items) for run in view.provisional] == [("completed", ())]
-    assert public_view(driver.box, driver.now, NONE, provisional=True).provisional == ()
+    (result,) = _view(driver, OUTCOMES, True).results_shown(signed=False)
+    assert (result.end_reason, result.groups) == ("completed", ())
+    assert _view(driver, NONE, True).public_results == {}
     _sign(driver)
-    view = public_view(driver.box, driver.now, SCORES, provisional=True)
-    assert (len(view.finished), view.provisional) == (1, ())
+    view = _view(driver, SCORES, True)
+    assert [len(view.results_shown(signed)) for signed in (True, False)] == [1, 0]
 
 
 def test_results_are_published_only_if_allowed():
     driver = BoxDriver()
     _a_run(driver)
     _sign(driver)
-    assert _view(driver, NONE).finished == ()
-    (outcome,) = _view(driver, OUTCOMES).finished
-    assert (outcome.end_reason, outcome.items, outcome.module_scores) == ("completed", (), ())
-    (score,) = _view(driver, SCORES).finished
-    assert [item.value for item in score.items if item.desc == DOOR.desc] == [1]
+    assert _finished(driver, NONE) == ()
+    (outcome,) = _finished(driver, OUTCOMES)
+    assert (outcome.end_reason, outcome.groups, outcome.module_scores) == ("completed", (), ())
+    (score,) = _finished(driver, SCORES)
+    assert [(item.kind, item.value) for group in score.groups for item in group.items if item.name == DOOR.desc] == [
+        ("bool", 1)]
+
+
+def test_items_that_are_neither_a_yes_nor_a_number_are_not_shown():
+    def item(kind, value=0, text="", not_attempted=False):
+        return ItemRecord("Group", f"a {kind}", kind, value, not_attempted, text=text)
+    record = run_record(1, sign_off=SignOff(1.0, "Anna"))._replace(items=(
+        item("bool", 1), item("int", -2), item("decimal", 1, "1.5"), item("choice", 1, "left"), item("rating", 7, "7"),
+        item("later", 4), item("uint", not_attempted=True)))
+    driver = BoxDriver()
+    driver.box.finished.add(record)
+    ((group,),) = [result.groups for result in _finished(driver, SCORES)]
+    assert (group.name, group.not_attempted) == ("Group", 1)
+    assert [tuple(one) for one in group.items] == [
+        ("a bool", "bool", 1), ("a int", "count", 0), ("a decimal", "count", 1), ("a later", "count", 4),
+        ("a uint", "count", 0)]
 
 
 def test_what_a_module_scored_is_a_result():
@@ -157,24 +179,24 @@ def test_what_a_module_scored_is_a_result():
     modules.says(scores=(reached,), finished=True)
     driver.command("disconnect")
     _sign(driver)
-    assert _view(driver, SCORES).finished[0].module_scores == (reached,)
-    assert _view(driver, OUTCOMES).finished[0].module_scores == ()
+    assert _finished(driver, SCORES)[0].module_scores == (reached,)
+    assert _finished(driver, OUTCOMES)[0].module_scores == ()
 
 
 def test_only_the_newest_results_are_published():
     driver = BoxDriver()
     for run in range(MAX_FINISHED + 1):
         driver.box.finished.add(run_record(run, sign_off=SignOff(1.0, "Anna")))
-    assert [run.event.run for run in _view(driver, OUTCOMES).finished] == list(range(MAX_FINISHED, 0, -1))
+    assert [run.event.run for run in _finished(driver, OUTCOMES)] == list(range(MAX_FINISHED, 0, -1))
 
 
-def test_while_nothing_happens_only_the_time_changes():
+def test_while_nothing_happens_nothing_changes():
     driver = BoxDriver()
     robot = driver.executing()
-    before = _view(driver)
+    documents = Documents(driver.box, "uuid", "", Publicity(SCORES, True, True))
+    before = documents.look(driver.now)
     robot.lives(3)
-    now = _view(driver)
-    assert now != before
-    assert now.without_time() == before.without_time()
+    now = documents.look(driver.now)
+    assert now.public is before.public and now.public_runs is before.public_runs
     driver.command("stop")
-    assert _view(driver).without_time() != before.without_time()
+    assert documents.look(driver.now).public_runs != before.public_runs

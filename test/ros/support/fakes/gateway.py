@@ -148,9 +148,8 @@ class FakeGateway:
     def _open(self) -> WebServer:
         languages = {path.stem: catalogues.translation(path.stem, catalogues.read(path))
                      for path in (ROOT / "resource" / "languages").glob("*.ts")}
-        store = Store({**languages, LONG: _longer})
-        self.server = WebServer(self._loop, store, str(ROOT / "resource" / "web"), frozenset(), command=self._command,
-                                box=self)
+        store = Store(self, {**languages, LONG: _longer})
+        self.server = WebServer(self._loop, store, str(ROOT / "resource" / "web"), frozenset(), command=self._command)
         self.server.open("127.0.0.1", PORT)
         self._tick()
         return self.server

@@ -1,0 +1,117 @@
+"""The original's topics that the core publishes: for panels, for the public display, and when a run times out."""
+
+import asyncio
+import time
+from typing import Any, Callable, List, Optional, Tuple
+
+import rospy
+from std_msgs.msg import Empty
+
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.views import views
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import Document
+from roah_rsbb.msg import CoreToGui, CoreToPublic, ScheduleInfo
+from roah_rsbb.nodes.core.latched import LatchedTopic
+from roah_rsbb.nodes.core.to_gui import ToGui
+from roah_rsbb.ros.loop import RosLoop
+
+# Instead of the time. The original's public display shows it.
+NOT_LIVE = "not live"
+# Seconds. After a restart, the nodes that play sounds need a moment to find the core again.
+HEARD_AFTER_S = 2.0
+# Seconds. On a busy computer they need longer. Without any of them, nobody hears the sound.
+LISTENERS_S = 10.0
+LOOK_FOR_LISTENERS_S = 0.2
+
+
+class ToPublic:
+    """Makes the message for the original's public display, with local times."""
+
+    def __init__(self, box: Box, prefix: str = "") -> None:
+        """`prefix`: of the clock; marks a replay."""
+        self._box, self._prefix = box, prefix
+        self._revision: Optional[int] = None  # of the box, to which the lines belong
+        self._lines: List[ScheduleInfo] = []
+
+    def message(self, now: Now) -> CoreToPublic:
+        """Return the message of this moment. A box that is superseded has no schedule."""
+        if self._box.is_superseded:
+            return CoreToPublic(clock=NOT_LIVE)
+        if self._revision != self._box.revision:
+            self._revision = self._box.revision
+            self._lines = [
+                ScheduleInfo(
+                    line.event.team, line.event.benchmark.desc, line.event.round, line.event.run,
+                    _local(line.event.scheduled), line.running,
+                )
+                for line in views.coming_events(self._box)
+            ]
+        return CoreToPublic(clock=f"{self._prefix}{_local(now.utc)}", schedule=self._lines)
+
+
+def _local(utc: float) -> str:
+    return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(utc))
+
+
+class OriginalTopics:
+    """The topics for panels and the public display; they are made only while somebody subscribes. All methods but the
+    constructor are called in the loop's thread."""
+
+    def __init__(self, ros: RosLoop, box: Box, moment: Callable[[], Tuple[Now, Document]], prefix: str = "") -> None:
+        """`moment` returns the box's clocks and its document of that moment; `prefix`: see `ToPublic`."""
+        self._moment = moment
+        self._to_gui, self._to_public = ToGui(box), ToPublic(box, prefix)
+        self._gui = LatchedTopic("/core/to_gui", CoreToGui, lambda: ros.post(self.publish_to_gui))
+        self._public = LatchedTopic("/core/to_public", CoreToPublic, lambda: ros.post(self.publish_to_public))
+
+    @property
+    def are_wanted(self) -> bool:
+        """Whether anybody subscribes to one of them."""
+        return self._gui.is_wanted or self._public.is_wanted
+
+    def publish_to_gui(self) -> None:
+        """Publish for panels; they expect it ten times a second."""
+        if self._gui.is_wanted:
+            publish(self._gui, self._to_gui.message(*self._moment()))
+
+    def publish_to_public(self) -> None:
+        """Publish for the public display, twice a second."""
+        if self._public.is_wanted:
+            publish(self._public, self._to_public.message(self._moment()[0]))
+
+
+class TimeoutBell:
+    """The topic /timeout, for the nodes that play sounds. Call everything in the loop's thread."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, check: Callable[[], None]) -> None:
+        """`check` is called before anything leaves: see `Fence.check`."""
+        self._loop, self._check = loop, check
+        self._heard_from = loop.time() + HEARD_AFTER_S
+        self._topic: Optional[rospy.Publisher] = None
+
+    def open(self) -> None:
+        """Create the topic."""
+        self._topic = rospy.Publisher("/timeout", Empty, queue_size=1)
+
+    def ring(self) -> None:
+        """Ring at once, unless the core has just started: a run may have timed out while it was down."""
+        self._loop.call_at(self._heard_from, self._ring_if_heard)
+
+    def _ring_if_heard(self) -> None:
+        """Ring. Shortly after the start, wait for the first node that listens."""
+        self._check()
+        is_late = self._loop.time() > self._heard_from + LISTENERS_S
+        if self._topic is not None and (self._topic.get_num_connections() > 0 or is_late):
+            publish(self._topic, Empty())
+        else:
+            self._loop.call_later(LOOK_FOR_LISTENERS_S, self._ring_if_heard)
+
+
+def publish(topic: Any, message: object) -> None:
+    """Publish a message; logs why that is not possible."""
+    try:
+        topic.publish(message)
+    except rospy.ROSException as error:
+        if not rospy.core.is_shutdown_requested():
+            rospy.logerr_throttle(1.0, f"{topic.name} could not be published: {error}")
