@@ -14,6 +14,7 @@ from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import Phase, RunRecord
 from roah_rsbb.model.referee import cut_note
 from roah_rsbb.rulebook.registry import BenchmarkKind
+from roah_rsbb.wording import times
 from roah_rsbb.wording.suggestions import did_you_mean
 
 ALREADY = say("Already connected")
@@ -174,5 +175,5 @@ class Candidates:
         if not self._robots.has_password(robot.id.team):
             reasons.append(NO_PASSWORD)
         if robot.is_late(now):
-            reasons.append(NOT_HEARD(time=f"{now.mono - robot.last_heard.mono:.0f}"))
+            reasons.append(NOT_HEARD(time=times.in_sentence(now.mono - robot.last_heard.mono)))
         return reasons + robot.skew_off(THE_ROBOT)

@@ -9,6 +9,7 @@ from typing import Dict, List, NamedTuple, Optional
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.rulebook.benchmarks import Config, Durable
+from roah_rsbb.wording import times
 
 # The place of the copy on a second computer.
 STANDBY = "standby"
@@ -196,7 +197,7 @@ class Copies:
         if place == STANDBY and self.are_two:
             return self._not_confirmed(now)
         missing = 0 if copy.report is None else copy.report.missing_bytes
-        time, why = f"{now.mono - copy.complete_mono:.0f}", copy.why_behind(now)
+        time, why = times.in_sentence(now.mono - copy.complete_mono), copy.why_behind(now)
         if not missing:
             return BEHIND(place=place, time=time, why=why)
         return BEHIND_BY(place=place, time=time, size=-(-missing // 1000), why=why)

@@ -26,6 +26,14 @@ def countdown(seconds: float) -> str:
     return _minutes(whole // 60, f"{whole % 60:02d}")
 
 
+def in_sentence(seconds: float) -> str:
+    """Return how many seconds something has lasted as sentences say it: the whole ones, after 10 s the tens, and after
+    a minute the minutes in seconds. A sentence that is shown for long changes rarely."""
+    whole = max(0, round(seconds))
+    step = 1 if whole < 10 else 10 if whole < 60 else 60
+    return str(whole // step * step)
+
+
 def elapsed(seconds: float) -> str:
     """Return the time that something took, to a tenth of a second, such as ``9:58.3`` or ``1:02:03.4``."""
     tenths = max(0, round(seconds * 10))

@@ -109,7 +109,7 @@ def test_a_forged_beacon_does_not_hide_that_a_robot_has_disappeared():
     for _ in range(12):
         driver.run(1.0)
         forger.beacon()
-    assert driver.view().warnings[0].startswith("The robot has disappeared: no message for 12 s")
+    assert driver.view().warnings[0].startswith("The robot has disappeared: no message for 10 s")
     robot.beacon()
     assert "but its beacons arrive" in driver.view().warnings[0]
 

@@ -179,7 +179,7 @@ def test_a_robot_that_sends_beacons_only_has_not_disappeared():
     notices = driver.notices(Level.WARNING)
     assert [text.endswith(BEACONS_ONLY) for text in notices] == [True], notices
     driver.run(5)
-    assert driver.view().warnings == ("No message from the robot for 25 s",), "the beacons may only be late"
+    assert driver.view().warnings == ("No message from the robot for 20 s",), "the beacons may only be late"
     driver.run(5)
     assert driver.view().warnings[0].startswith(
         "The robot has disappeared: no message for 30 s, and no beacon from its address.")

@@ -97,3 +97,9 @@ def test_silence_names_its_length():
 ])
 def test_a_skew_has_a_sign(seconds, shown):
     assert times.skew(seconds) == shown
+
+
+@pytest.mark.parametrize("seconds, text", [
+    (-1.0, "0"), (3.4, "3"), (9.4, "9"), (10.4, "10"), (19.4, "10"), (59.0, "50"), (60.0, "60"), (179.0, "120")])
+def test_a_sentence_counts_in_steps(seconds, text):
+    assert times.in_sentence(seconds) == text

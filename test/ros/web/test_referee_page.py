@@ -30,7 +30,8 @@ PHONE, LAPTOP = (360, 740), (1280, 800)
 TEXT = "document.body.innerText"
 HALL, OBJECTS, EMPTY = "Hall", "Objects put away", "Table is empty"
 ENTERS, DEVICE = "Enters Annie's room", "Operates the right device"
-# What the page did before it sent a command: whether it was drawn since the touch, and how many sounds it made.
+# What the page did before it sent the first command of a name: whether it was drawn since the touch, and how many
+# sounds it made. A later mark may wait for the answer to the one before.
 NOTE_SENT = """
 window.sent = {};
 let drawn = "", sounds = 0;
@@ -42,7 +43,7 @@ window.AudioContext = class extends AudioContext {
 };
 page.addEventListener("click", () => { drawn = text(); }, true);
 window.fetch = (path, ...how) => {
-  sent[path.split("/").pop()] = {drawn: drawn !== text(), said: page.querySelector(".run.ended") !== null, sounds};
+  sent[path.split("/").pop()] ??= {drawn: drawn !== text(), said: page.querySelector(".run.ended") !== null, sounds};
   return real(path, ...how);
 };
 """

@@ -304,7 +304,7 @@ class RobotLink:
         if self.last_heard is None:
             return NO_ANSWER
         text = {Silence.OLD_ONLY: OLD_ONLY, Silence.BEACONS_ONLY: BEACONS_ONLY, Silence.GONE: GONE}.get(silence, SILENT)
-        return text(time=f"{now.mono - self.last_heard.mono:.0f}")
+        return text(time=times.in_sentence(now.mono - self.last_heard.mono))
 
     def _is_elsewhere(self, now: Now, host: str) -> bool:
         """Whether a message comes from another host than the robot, while the robot is still heard."""

@@ -712,8 +712,8 @@ class Run(ZoneRun):
             return []
         code = self.event.benchmark.code
         if state is BoxState.PREPARE:
-            return [STAYS_IN_STOP(time=f"{waited_s:.0f}", code=code)]
-        return [NO_GOAL_TAKEN(time=f"{waited_s:.0f}", code=code)]
+            return [STAYS_IN_STOP(time=times.in_sentence(waited_s), code=code)]
+        return [NO_GOAL_TAKEN(time=times.in_sentence(waited_s), code=code)]
 
     def status_lines(self, now: Now) -> List[str]:
         """Return the status lines for the referee besides `desc` and the warnings."""

@@ -346,9 +346,9 @@ def test_after_a_restart_a_robot_has_time_to_be_heard_again():
     box = restarted(driver)
     now = driver.now.later(9.0)
     box.tick(now)
-    assert box.warnings_of(now, "tbm")[-1] == "No message from the robot for 11 s"
+    assert box.warnings_of(now, "tbm")[-1] == "No message from the robot for 10 s"
     now = driver.now.later(10.0)
-    assert box.warnings_of(now, "tbm")[-1].startswith("The robot has disappeared: no message for 12 s")
+    assert box.warnings_of(now, "tbm")[-1].startswith("The robot has disappeared: no message for 10 s")
 
 
 def test_a_restart_takes_the_place_of_no_warning_of_a_zone_and_only_a_run_in_progress_continues():

@@ -291,7 +291,6 @@ def test_a_run_that_is_over_is_corrected_by_its_identity(driver):
     _score(driver, BUMPS, 4, name, who="Ben", note="seen on video")
     record = driver.box.finished.find(name.identity).record
     assert [(item.value, item.corrected) for item in record.items if item.desc == "bumps"] == [(4, True)]
-    assert driver.box.finished.newest_runs()[0].result.items == record.items
     assert driver.notices() == [
         "HGTKMH, team Alpha, round 1, run 1: Correction: Score: Penalized: bumps 0 -> 4 (seen on video)"
     ]
