@@ -1,49 +1,34 @@
-"""The original's message for panels, /core/to_gui, made of the document. Its fields are fixed.
+"""The original's message for panels, /core/to_gui, made of the document. Its fields are fixed."""
 
-Most of a zone's content stays the same for many ticks, so its bytes are kept until it changes. Only times are always
-new.
-"""
-
-from typing import Dict, List, NamedTuple
+from typing import Dict, Tuple
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.robots import RobotId
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.zone import Zone
 from roah_rsbb.msg import CoreToGui, RobotInfo, ZoneState
 from roah_rsbb.nodes.core.score_convert import old_groups
-from roah_rsbb.nodes.core.serialised import Serialised, SerialisedToGui, duration_bytes, time_bytes
 from roah_rsbb.ros.times import ros_duration, ros_time, ros_wire_time
 
 
-class _Zone(NamedTuple):
-    """The kept bytes of a zone."""
-
-    zone: Zone  # of which they are made
-    state: Serialised
-
-
 class ToGui:
-    """Makes the messages of one box."""
+    """Makes the messages of one box. A zone's message is made again only when the zone has changed."""
 
     def __init__(self, box: Box) -> None:
         self._box = box
-        self._robots: Dict[RobotId, Serialised] = {}
-        self._zones: Dict[str, _Zone] = {}
+        self._zones: Dict[str, Tuple[Zone, ZoneState]] = {}
 
     def message(self, now: Now, document: Document) -> CoreToGui:
-        """Return the message of a moment. `document`: of the same moment; robots and tablet, of which it says less than
-        the message, come from the box."""
+        """Return the message of a moment; it is true until the next one is made. `document`: of the same moment; robots
+        and tablet, of which it says less than the message, come from the box."""
         heard, tablet = self._box.tablet.heard, self._box.tablet.state
         before, self._zones = self._zones, {}
         for name, zone in document.zones.items():
             kept = before.get(name)
-            self._zones[name] = kept if kept is not None and kept.zone is zone else _Zone(
-                zone, Serialised(_zone_state(zone), "timer"))
-        return SerialisedToGui(
-            self._robot_infos(now),
-            [kept.state.with_values(duration_bytes(kept.zone.clock.timer(now.mono))) for kept in self._zones.values()],
+            self._zones[name] = kept if kept is not None and kept[0] is zone else (zone, _zone_state(zone))
+        for zone, state in self._zones.values():
+            state.timer = ros_duration(zone.clock.timer(now.mono))
+        return CoreToGui(
             clock=ros_time(now.utc),
             status=document.box.status,
             addr=document.box.host,
@@ -54,16 +39,11 @@ class ToGui:
             tablet_position_time=ros_wire_time(tablet.position_time),
             tablet_position_x=tablet.position_x,
             tablet_position_y=tablet.position_y,
+            active_robots=[
+                RobotInfo(*robot.id, ros_duration(robot.skew.seconds or 0.0), ros_time(robot.last_heard.utc))
+                for robot in self._box.robots.all(now)],
+            zones=[state for _, state in self._zones.values()],
         )
-
-    def _robot_infos(self, now: Now) -> List[bytes]:
-        robots = self._box.robots.all(now)
-        before, self._robots = self._robots, {}
-        for robot in robots:
-            self._robots[robot.id] = before.get(robot.id) or Serialised(
-                RobotInfo(*robot.id, ros_duration(0.0), ros_time(0.0)), "skew", "beacon")
-        return [kept.with_values(duration_bytes(robot.skew.seconds or 0.0), time_bytes(robot.last_heard.utc))
-                for robot, kept in zip(robots, self._robots.values())]
 
 
 def _zone_state(zone: Zone) -> ZoneState:
