@@ -1,7 +1,8 @@
-"""Run by tools/test_pip_install with the Python of a venv that has roah_rsbb from pip; its argument is the source tree.
+"""Run by tools/test_pip_install with the Python of a venv that has wheels of roah_rsbb.
 
-Everything of the wheel imports, with protobuf, cryptography and PyYAML alone, and the documented example completes a
-benchmark against a box, both of them from the wheel.
+Arguments: the source tree, and the last wheel that was installed: robot, or check, or results. Everything in them
+imports, with protobuf, cryptography and PyYAML alone. The documented example completes a benchmark against a box, both
+of them from the wheels.
 """
 
 import asyncio
@@ -14,6 +15,7 @@ import pkgutil
 import signal
 import subprocess
 import sys
+import tempfile
 
 import roah_rsbb
 import roah_rsbb.comm
@@ -21,12 +23,12 @@ import roah_rsbb.pb.roah_rsbb_msgs_pb2
 import roah_rsbb.protocol
 import roah_rsbb.robot
 
-SOURCE = pathlib.Path(sys.argv[1])
+SOURCE, PACKAGE = pathlib.Path(sys.argv[1]), sys.argv[2]
 EXAMPLE = SOURCE / "docs" / "examples" / "my_robot.py"
 BIN = pathlib.Path(sys.executable).parent
 FOREIGN = ("rospy", "genpy", "rospkg", "catkin_pkg", "numpy", "tornado")
-LEFT_OUT = ("nodes", "journal", "devices", "tablet", "referee", "run_logs", "rqt", "results.sheet", "tools.demo")
-TEAM_COMMANDS = ("check-robot", "capture", "dummy-robot", "dummy-box")
+LEFT_OUT = {"robot": ("core", "capture", "rulebook.config"), "check": ("journal", "results.sheet"),
+            "results": ("nodes", "devices", "tablet", "referee", "run_logs", "rqt", "tools.demo")}[PACKAGE]
 
 
 def check_imports():
@@ -35,18 +37,23 @@ def check_imports():
     found = [name for name in FOREIGN if importlib.util.find_spec(name)]
     assert not found, f"this venv is not clean: {found}"
     found = [name for name in LEFT_OUT if importlib.util.find_spec(f"roah_rsbb.{name}")]
-    assert not found, f"packages that need ROS are in the wheel: {found}"
+    assert not found, f"these are in the wheel of another package: {found}"
     modules = [module.name for module in pkgutil.walk_packages(roah_rsbb.__path__, "roah_rsbb.")]
-    assert len(modules) > 30, modules
+    assert len(modules) > 25, modules
     for name in modules:
         if not name.endswith(".__main__"):
             importlib.import_module(name)
 
 
+def name_and_version():
+    """All that pip installed."""
+    return [f"{each.metadata['Name']} {each.version}" for each in importlib.metadata.distributions()]
+
+
 def check_pages():
     """The pages that the check names are in the wheel."""
     from roah_rsbb.check.findings import Cause
-    from roah_rsbb.check.shipped import pages_folder
+    from roah_rsbb.shipped import pages_folder
 
     folder = pages_folder()
     assert folder is not None and pathlib.Path(sys.prefix) in folder.parents, folder
@@ -55,11 +62,17 @@ def check_pages():
 
 
 def check_programs():
-    """The programs of the wheel start without warnings."""
-    for command in TEAM_COMMANDS:
+    """The programs of the wheels start without warnings. The others name their wheels."""
+    from roah_rsbb.tools.team import COMMANDS
+
+    installed = ("robot", "check", "results")[:("robot", "check", "results").index(PACKAGE) + 1]
+    for command, (package, _, _) in COMMANDS.items():
         ended = subprocess.run([str(BIN / "roah-rsbb"), command, "--help"], stdout=subprocess.PIPE,
-                               stderr=subprocess.STDOUT, check=True, text=True)
-        assert ended.stdout.startswith("usage:"), ended.stdout
+                               stderr=subprocess.STDOUT, check=False, text=True)
+        if package in installed:
+            assert ended.stdout.startswith("usage:"), ended.stdout
+        else:
+            assert ended.returncode == 1 and f"roah-rsbb-{package}" in ended.stdout, ended.stdout
 
 
 async def complete_a_benchmark():
@@ -88,15 +101,31 @@ async def complete_a_benchmark():
 
 def check_shipped():
     """The rules for dummy-box are in the wheel."""
-    from roah_rsbb.check.shipped import shipped_folder
-    assert shipped_folder() == pathlib.Path(roah_rsbb.__file__).parent / "shipped"
+    from roah_rsbb.shipped import shipped_folder
+    assert shipped_folder() == pathlib.Path(roah_rsbb.__file__).parent / "shipped_files" / "config"
     assert (shipped_folder() / "modules" / "HNF.yaml").is_file()
 
 
+def check_results():
+    """The report of a competition is written from its journal, with the rules and pages of the wheel."""
+    sys.path.append(str(SOURCE / "test" / "pure"))
+    from helpers.results_of import write_competition
+
+    with tempfile.TemporaryDirectory() as folder:
+        write_competition(pathlib.Path(folder, "log"))
+        subprocess.run([str(BIN / "roah-rsbb"), "results", "--log-dir", f"{folder}/log", "report", "--html",
+                        f"{folder}/report"],
+                       check=True, stdout=subprocess.DEVNULL)
+        assert pathlib.Path(folder, "report", "index.html").is_file()
+
+
 check_imports()
-check_pages()
 check_programs()
-check_shipped()
-asyncio.run(complete_a_benchmark())
-packages = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in ("protobuf", "cryptography", "PyYAML"))
-print(f"pip test: Python {sys.version.split()[0]}, {packages}: the example completed a benchmark")
+if PACKAGE == "robot":
+    asyncio.run(complete_a_benchmark())
+if PACKAGE == "check":
+    check_pages()
+    check_shipped()
+if PACKAGE == "results":
+    check_results()
+print(f"pip test: Python {sys.version.split()[0]}, {', '.join(sorted(name_and_version()))}: {PACKAGE} works")
