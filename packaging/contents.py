@@ -1,6 +1,6 @@
-"""What each package contains: wheels (setup.py), Debian packages (packaging/split_deb), and the test of their imports.
+"""What each package contains: for wheels (setup.py), Debian packages (packaging/split_deb), and the test of imports.
 
-Paths begin at the repository's top, those of Python modules at src/. The longest entry with which a path begins decides.
+Paths begin at the repository's top, those of Python modules at src/. The longest entry that begins a path decides.
 """
 
 from typing import Dict, Tuple
@@ -28,7 +28,8 @@ CONTENTS: Dict[str, Tuple[str, ...]] = {
         "config/schedule.yaml", "config/standings.yaml", "docs/results.md", "resource/replay/", "resource/report/"),
     "box": (
         "roah_rsbb/", "roah_rsbb/nodes/team/dummy_robots.py", "README.md", "config/", "docs/", "launch/", "plugin.xml",
-        "resource/", "etc/roah-rsbb/", "applications/"),
+        "resource/", "etc/roah-rsbb/",
+        "usr/share/applications/", "changelog", "copyright"),
 }
 # What a package needs besides: that of the same version.
 NEEDS: Dict[str, Tuple[str, ...]] = {
