@@ -4,8 +4,7 @@ import pathlib
 from typing import Optional
 
 PACKAGE = pathlib.Path(__file__).resolve().parent
-_PLACES = (PACKAGE / "shipped_files", PACKAGE.parents[1],
-           *(parent / "share" / "roah_rsbb" for parent in PACKAGE.parents))
+_PLACES = (PACKAGE / "shipped_files", PACKAGE.parents[1], *(up / "share" / "roah_rsbb" for up in PACKAGE.parents))
 
 
 class NotShipped(Exception):

@@ -144,7 +144,8 @@ def test_a_package_imports_only_what_it_has_or_needs(package):
 def test_the_entries_of_packages_exist():
     """A file that moved would silently change its package."""
     entries = {entry for entries in CONTENTS["CONTENTS"].values() for entry in entries}
-    made = {f"roah_rsbb/{name}/" for name in GENERATED} | {"", "etc/roah-rsbb/", "usr/share/applications/", "changelog", "copyright"}
+    made = {"", "etc/roah-rsbb/", "usr/share/applications/", "changelog", "copyright",
+            *(f"roah_rsbb/{name}/" for name in GENERATED)}
     assert [entry for entry in entries - made if not any((top / entry).exists() for top in (ROOT, ROOT / "src"))] == []
 
 
