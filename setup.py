@@ -105,18 +105,14 @@ def setup_for_pip():
     if package not in REQUIRES:
         raise SystemExit(f"roah_rsbb: ROAH_RSBB_PACKAGE is '{package}': give one of {', '.join(REQUIRES)}")
     contents = runpy.run_path(str(pathlib.Path("packaging", "contents.py")))
-    package_of = contents["package_of"]
-    version = COMMON["version"]
-    folders = {path.parent.relative_to("src") for path in pathlib.Path("src").rglob("*.py")
-               if package_of(path.relative_to("src").as_posix()) == package}
+    needs = [f"roah-rsbb-{needed}=={COMMON['version']}" for needed in contents["NEEDS"][package]]
     # build/ belongs to CMake. Files of an earlier build there would end up in the wheel.
     with tempfile.TemporaryDirectory() as build_base:
         setup(
-            packages=sorted(".".join(folder.parts) for folder in folders),
-            cmdclass={"build_py": build_command(package, package_of)},
+            packages=find_packages("src"),
+            cmdclass={"build_py": build_command(package, contents["package_of"])},
             options={"build": {"build_base": build_base}},
-            install_requires=[*REQUIRES[package],
-                              *(f"roah-rsbb-{needed}=={version}" for needed in contents["NEEDS"][package])],
+            install_requires=[*REQUIRES[package], *needs],
             setup_requires=[] if usable_protoc() or package != "robot" else [COMPILER],
             entry_points={"console_scripts": ["roah-rsbb = roah_rsbb.tools.team:main"]} if package == "robot" else {},
             **{**COMMON, "name": f"roah-rsbb-{package}"},

@@ -112,8 +112,9 @@ def test_no_folder_imports_what_it_may_not():
 
 
 CONTENTS = runpy.run_path(str(ROOT / "packaging" / "contents.py"))
-# What else the modules of a wheel may import: what pip installs with it, and what they do without.
-WHEELS = {"robot": {"google", "cryptography", "argcomplete"},
+# What else the modules of a package may import: what is installed with it, and what they do without.
+OTHERS = {"robot": {"google", "cryptography", "argcomplete"},
+          "comm": {"google", *ROS},
           "check": {"google", "cryptography", "argcomplete", "yaml"},
           "results": {"yaml", "argcomplete", "roah_rsbb.run_logs.bag_file", "mcap", "mcap_ros2"}}
 
@@ -124,17 +125,17 @@ def _of_package(package: str) -> List[pathlib.Path]:
 
 
 def _is_for(package: str, name: str) -> bool:
-    """Whether a package has this module or needs one that has it; of others, whether pip installs it."""
+    """Whether a package, or one that it needs, has this module; of others, whether it is installed with it."""
     top, *rest = name.split(".")
-    others = WHEELS.get(package, ())
     if top != "roah_rsbb":
-        return package not in WHEELS or top in others or top in getattr(sys, "stdlib_module_names", (top,))
+        return top in OTHERS[package] or top in getattr(sys, "stdlib_module_names", (top,))
     place = PACKAGE.joinpath(*rest)
     ending = "/__init__.py" if place.is_dir() else ".py" if place.with_suffix(".py").is_file() else "/"
-    return name in others or CONTENTS["package_of"](name.replace(".", "/") + ending) in CONTENTS["with_needs"](package)
+    file = name.replace(".", "/") + ending
+    return name in OTHERS[package] or CONTENTS["package_of"](file) in CONTENTS["with_needs"](package)
 
 
-@pytest.mark.parametrize("package", CONTENTS["CONTENTS"])
+@pytest.mark.parametrize("package", OTHERS)
 def test_a_package_imports_only_what_it_has_or_needs(package):
     files = _of_package(package)
     assert files
