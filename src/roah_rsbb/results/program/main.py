@@ -299,7 +299,7 @@ def _write_bag(result: RunResult, port: Optional[int], path: str) -> int:
         from roah_rsbb.run_logs.bag_file import WRITE_ERRORS, write_whole
     except ImportError as error:
         raise _NoBag(
-            f"a bag cannot be written here ({error}): use a computer with ROS and a copy of the journal"
+            f"a bag cannot be written here ({error}): use a computer with ROS and the box, and a copy of the journal"
         ) from None
     if os.path.exists(path):
         raise _NoBag(f"{path}: this file already exists: choose another name")
