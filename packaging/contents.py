@@ -31,17 +31,12 @@ CONTENTS: Dict[str, Tuple[str, ...]] = {
         "resource/", "etc/roah-rsbb/",
         "usr/share/applications/", "changelog", "copyright"),
 }
-# What a package needs besides: that of the same version.
+# What a package needs besides, in the same version. The box needs all.
 NEEDS: Dict[str, Tuple[str, ...]] = {
-    "robot": (), "comm": ("robot",), "check": ("robot",), "results": ("check",), "box": ("comm", "results")}
+    "robot": (), "comm": ("robot",), "check": ("robot",), "results": ("robot", "check")}
 
 
 def package_of(path: str) -> str:
     """The package that contains a file."""
     return max((len(entry), name) for name, entries in CONTENTS.items() for entry in entries
                if path.startswith(entry))[1]
-
-
-def with_needs(package: str) -> Tuple[str, ...]:
-    """A package and all that it needs."""
-    return (package, *(each for needed in NEEDS[package] for each in with_needs(needed)))

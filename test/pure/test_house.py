@@ -131,8 +131,8 @@ def _is_for(package: str, name: str) -> bool:
         return top in OTHERS[package] or top in getattr(sys, "stdlib_module_names", (top,))
     place = PACKAGE.joinpath(*rest)
     ending = "/__init__.py" if place.is_dir() else ".py" if place.with_suffix(".py").is_file() else "/"
-    file = name.replace(".", "/") + ending
-    return name in OTHERS[package] or CONTENTS["package_of"](file) in CONTENTS["with_needs"](package)
+    owner = CONTENTS["package_of"](name.replace(".", "/") + ending)
+    return owner in (package, *CONTENTS["NEEDS"][package]) or name in OTHERS[package]
 
 
 @pytest.mark.parametrize("package", OTHERS)
