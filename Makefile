@@ -76,7 +76,7 @@ test-pure: build ## tests without ROS
 test-python38: install-deps ## the same on Python 3.8, if it is installed
 	@tools/test_python38
 
-test-pip: install-deps ## a robot without ROS, installed by pip
+test-pip: install-deps ## the wheels: a robot without ROS, its check, results
 	@tools/test_pip_install
 
 test-docs: build ## commands, links and examples of the documentation
@@ -106,10 +106,10 @@ bench: build ## speed and load (bench/README.md), also in build/bench.json; make
 fuzz: build ## coverage-guided fuzzing (test/fuzz/README.md); make fuzz FUZZ_SECONDS=600
 	@tools/fuzz $(FUZZ)
 
-deb: build ## a package for this Debian or Ubuntu, in build/deb
+deb: build ## packages for this Debian or Ubuntu, in build/deb
 	@packaging/make_deb
 
-wheel: ## what teams without ROS install with pip, in build/wheel
+wheel: ## what pip installs without ROS, in build/wheel
 	@packaging/make_wheel
 
 clean: ## remove all build results

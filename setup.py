@@ -1,13 +1,16 @@
-"""The Python package `roah_rsbb`: all of it for catkin, and the parts that need no ROS for pip.
+"""The Python package `roah_rsbb`: all of it for catkin, and wheels of the parts that need no ROS for pip.
 
 catkin reads this file (calling its own `setup`), and runs its command `install`. It gets all packages; CMake generates
 roah_rsbb.pb and installs the programs.
 
-pip, which requests a wheel, gets the packages for teams without ROS (docs/robot_without_ros.md), with roah_rsbb.pb.
+pip, which requests a wheel, gets the one that the environment variable ROAH_RSBB_PACKAGE names
+(docs/robot_without_ros.md); packaging/contents.py says what is in it.
 """
 
+import os
 import pathlib
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -24,10 +27,7 @@ RUNTIME = "protobuf>=3.20.2,<8"
 # It brings protoc 25.1, and has wheels for Python 3.8 to 3.12.
 COMPILER = "grpcio-tools>=1.62,<1.63; python_version<'3.13'"
 
-# Pages that check-robot names.
-PAGES = ("check_robot.md", "protocol.md", "robot_without_ros.md", "team.md")
-# Modules of the wheel in packages of which it has only some.
-ONLY = {"roah_rsbb.tools": ("__init__", "team"), "roah_rsbb.results": ("__init__", "page")}
+REQUIRES = {"robot": [RUNTIME, "cryptography>=2.8"], "check": ["PyYAML>=5.3.1"], "results": []}
 
 COMMON = {
     "name": "roah_rsbb",
@@ -49,35 +49,41 @@ def usable_protoc():
     return protoc if FIRST_PROTOC <= version < BEFORE_PROTOC else None
 
 
-class BuildWithProtobuf(build_py):
-    """Also generates roah_rsbb.pb."""
+def build_command(package, package_of):
+    """Return the command that builds one package."""
 
-    def find_package_modules(self, package, package_dir):
-        """Return the modules of a package. Some packages have modules that need ROS, or that a team does not need."""
-        modules = super().find_package_modules(package, package_dir)
-        only = ONLY.get(package)
-        return [module for module in modules if only is None or module[1] in only]
+    class Build(build_py):
+        def find_package_modules(self, package_name, package_dir):
+            """Return the modules of a folder that are in this package."""
+            return [module for module in super().find_package_modules(package_name, package_dir)
+                    if package_of(pathlib.Path(module[2]).relative_to("src").as_posix()) == package]
 
-    def run(self):
-        super().run()
-        package = pathlib.Path(self.build_lib, "roah_rsbb", "pb")
-        package.mkdir(parents=True, exist_ok=True)
-        arguments = ["-I", str(PROTO.parent), f"--python_out={package}", str(PROTO)]
-        protoc = usable_protoc()
-        if protoc is not None:
-            status = subprocess.run([protoc, *arguments], check=False).returncode
-        else:
-            status = _compiler()(["protoc", *arguments])
-        if status != 0:
-            raise SystemExit(f"roah_rsbb: protoc could not read {PROTO}")
-        (package / "__init__.py").touch()
-        # The rules for dummy-box, and the pages for check-robot.
-        shipped = pathlib.Path(self.build_lib, "roah_rsbb", "shipped")
-        shutil.copytree("config/modules", str(shipped / "modules"), dirs_exist_ok=True)
-        shutil.copy("config/benchmarks.yaml", str(shipped))
-        (shipped / "docs").mkdir(exist_ok=True)
-        for page in PAGES:
-            shutil.copy(f"docs/{page}", str(shipped / "docs"))
+        def run(self):
+            super().run()
+            built = pathlib.Path(self.build_lib, "roah_rsbb")
+            if package == "robot":
+                generate_protobuf(built / "pb")
+            for file in (found for place in ("config", "docs", "resource") for found in pathlib.Path(place).rglob("*")):
+                if file.is_file() and package_of(file.as_posix()) == package:
+                    shipped = built / "shipped_files" / file
+                    shipped.parent.mkdir(parents=True, exist_ok=True)
+                    shutil.copy(str(file), str(shipped))
+
+    return Build
+
+
+def generate_protobuf(folder):
+    """Write the module roah_rsbb.pb."""
+    folder.mkdir(parents=True, exist_ok=True)
+    arguments = ["-I", str(PROTO.parent), f"--python_out={folder}", str(PROTO)]
+    protoc = usable_protoc()
+    if protoc is not None:
+        status = subprocess.run([protoc, *arguments], check=False).returncode
+    else:
+        status = _compiler()(["protoc", *arguments])
+    if status != 0:
+        raise SystemExit(f"roah_rsbb: protoc could not read {PROTO}")
+    (folder / "__init__.py").touch()
 
 
 def _compiler():
@@ -92,32 +98,29 @@ def _compiler():
 
 
 def setup_for_pip():
-    """Build a wheel of the packages without ROS, or run the commands that lead to it."""
+    """Build a wheel, or run the commands that lead to it."""
     if {"develop", "editable_wheel"} & set(sys.argv):
         raise SystemExit("roah_rsbb: 'pip install -e' cannot contain the generated roah_rsbb.pb: omit -e")
+    package = os.environ.get("ROAH_RSBB_PACKAGE", "robot")
+    if package not in REQUIRES:
+        raise SystemExit(f"roah_rsbb: ROAH_RSBB_PACKAGE is '{package}': give one of {', '.join(REQUIRES)}")
+    contents = runpy.run_path(str(pathlib.Path("packaging", "contents.py")))
+    needs = [f"roah-rsbb-{needed}=={COMMON['version']}" for needed in contents["NEEDS"][package]]
     # build/ belongs to CMake. Files of an earlier build there would end up in the wheel.
     with tempfile.TemporaryDirectory() as build_base:
         setup(
-            packages=find_packages("src", include=[
-                "roah_rsbb", "roah_rsbb.comm*", "roah_rsbb.model*", "roah_rsbb.robot*", "roah_rsbb.rulebook*",
-                "roah_rsbb.wording*", "roah_rsbb.core*", "roah_rsbb.radio*", "roah_rsbb.bmbox*", "roah_rsbb.check*",
-                "roah_rsbb.results", "roah_rsbb.capture*", "roah_rsbb.tools",
-            ]),
-            cmdclass={"build_py": BuildWithProtobuf},
+            packages=find_packages("src"),
+            cmdclass={"build_py": build_command(package, contents["package_of"])},
             options={"build": {"build_base": build_base}},
-            install_requires=[RUNTIME, "cryptography>=2.8", "PyYAML>=5.3.1"],
-            setup_requires=[] if usable_protoc() else [COMPILER],
-            entry_points={
-                "console_scripts": [
-                    "roah-rsbb = roah_rsbb.tools.team:main",
-                ],
-            },
-            **COMMON,
+            install_requires=[*REQUIRES[package], *needs],
+            setup_requires=[] if usable_protoc() or package != "robot" else [COMPILER],
+            entry_points={"console_scripts": ["roah-rsbb = roah_rsbb.tools.team:main"]} if package == "robot" else {},
+            **{**COMMON, "name": f"roah-rsbb-{package}"},
         )
 
 
 # catkin calls this file with egg_info and install or, to read it only, without a command.
-PIP_COMMANDS = {"egg_info", "dist_info", "sdist", "bdist_wheel", "develop", "editable_wheel"}
+PIP_COMMANDS = {"egg_info", "dist_info", "bdist_wheel", "develop", "editable_wheel"}
 if "install" not in sys.argv and PIP_COMMANDS & set(sys.argv):
     setup_for_pip()
 else:

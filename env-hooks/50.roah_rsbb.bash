@@ -9,7 +9,7 @@ _roah_rsbb_folder() {  # the folder with the programs
   local prefix folder IFS=:
   for prefix in ${CMAKE_PREFIX_PATH-} /usr; do
     folder=$prefix/lib/roah_rsbb
-    [ ! -x "$folder/referee" ] || { echo "$folder"; return; }
+    [ ! -x "$folder/comm" ] || { echo "$folder"; return; }
   done
 }
 

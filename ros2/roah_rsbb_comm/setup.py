@@ -4,6 +4,7 @@ The client is built into this package, because Ubuntu's pip refuses to install p
 that node and client always have the same version.
 """
 
+import os
 import pathlib
 import subprocess
 import sys
@@ -23,12 +24,12 @@ def build_client(folder):
         raise SystemExit(f"{NAME}: {ROOT} is not the repository of roah_rsbb. This package builds only inside of it, "
                          "because it uses the repository's client: clone the whole repository")
     with tempfile.TemporaryDirectory() as info:
-        status = subprocess.run(
+        built = [subprocess.run(
             [sys.executable, "setup.py", "--quiet", "egg_info", "--egg-base", info,
              "build_py", "--build-lib", str(pathlib.Path(folder).resolve())],
-            cwd=ROOT, check=False,
-        ).returncode
-    if status != 0:
+            cwd=ROOT, env={**os.environ, "ROAH_RSBB_PACKAGE": package}, check=False,
+        ).returncode == 0 for package in ("robot", "check")]
+    if not all(built):
         raise SystemExit(f"{NAME}: the client of the box was not built, see above")
 
 

@@ -17,7 +17,7 @@ def replaced() -> str:
         return ""
     for installed in importlib.metadata.distributions():
         home = pathlib.Path(str(installed.locate_file("roah_rsbb"))).resolve()
-        if installed.metadata["Name"] == "roah_rsbb" and prefix in home.parents:
+        if installed.metadata["Name"] == "roah-rsbb-robot" and prefix in home.parents:
             return (f"roah_rsbb runs from {running}, because PYTHONPATH names that copy. pip installed one in {home}. "
                     "Remedy: 'unset PYTHONPATH' in this terminal, or 'python -I'")
     return ""

@@ -1,7 +1,8 @@
-"""Run by tools/test_pip_install with the Python of a venv that has roah_rsbb from pip; its argument is the source tree.
+"""Run by tools/test_pip_install with the Python of a venv that has wheels of roah_rsbb.
 
-Everything of the wheel imports, with protobuf, cryptography and PyYAML alone, and the documented example completes a
-benchmark against a box, both of them from the wheel.
+Arguments: the source tree, and the last wheel that was installed: robot, or check, or results. Everything in them
+imports, with protobuf, cryptography and PyYAML alone. The documented example completes a benchmark against a box, both
+of them from the wheels.
 """
 
 import asyncio
@@ -14,19 +15,15 @@ import pkgutil
 import signal
 import subprocess
 import sys
+import tempfile
 
 import roah_rsbb
-import roah_rsbb.comm
-import roah_rsbb.pb.roah_rsbb_msgs_pb2
-import roah_rsbb.protocol
-import roah_rsbb.robot
 
-SOURCE = pathlib.Path(sys.argv[1])
+SOURCE, PACKAGE = pathlib.Path(sys.argv[1]), sys.argv[2]
 EXAMPLE = SOURCE / "docs" / "examples" / "my_robot.py"
 BIN = pathlib.Path(sys.executable).parent
 FOREIGN = ("rospy", "genpy", "rospkg", "catkin_pkg", "numpy", "tornado")
-LEFT_OUT = ("nodes", "journal", "devices", "tablet", "referee", "run_logs", "rqt", "results.sheet", "tools.demo")
-TEAM_COMMANDS = ("check-robot", "capture", "dummy-robot", "dummy-box")
+INSTALLED = {each.metadata["Name"]: each.version for each in importlib.metadata.distributions()}
 
 
 def check_imports():
@@ -34,20 +31,18 @@ def check_imports():
     assert pathlib.Path(sys.prefix) in pathlib.Path(roah_rsbb.__file__).parents, roah_rsbb.__file__
     found = [name for name in FOREIGN if importlib.util.find_spec(name)]
     assert not found, f"this venv is not clean: {found}"
-    found = [name for name in LEFT_OUT if importlib.util.find_spec(f"roah_rsbb.{name}")]
-    assert not found, f"packages that need ROS are in the wheel: {found}"
-    modules = [module.name for module in pkgutil.walk_packages(roah_rsbb.__path__, "roah_rsbb.")]
-    assert len(modules) > 30, modules
-    for name in modules:
+    for _, name, _ in pkgutil.walk_packages(roah_rsbb.__path__, "roah_rsbb."):
         if not name.endswith(".__main__"):
             importlib.import_module(name)
 
 
-def check_pages():
-    """The pages that the check names are in the wheel."""
+def check_shipped():
+    """The rules for dummy-box and the pages that the check names are in the wheels."""
     from roah_rsbb.check.findings import Cause
-    from roah_rsbb.check.shipped import pages_folder
+    from roah_rsbb.shipped import pages_folder, shipped_folder
 
+    assert shipped_folder() == pathlib.Path(roah_rsbb.__file__).parent / "shipped_files" / "config"
+    assert (shipped_folder() / "modules" / "HNF.yaml").is_file()
     folder = pages_folder()
     assert folder is not None and pathlib.Path(sys.prefix) in folder.parents, folder
     missing = {page for page in (cause.page.partition("#")[0] for cause in Cause) if not (folder / page).is_file()}
@@ -55,11 +50,16 @@ def check_pages():
 
 
 def check_programs():
-    """The programs of the wheel start without warnings."""
-    for command in TEAM_COMMANDS:
+    """The programs of the wheels start without warnings. The others name their wheels."""
+    from roah_rsbb.tools.team import COMMANDS
+
+    for command, (package, _, _) in COMMANDS.items():
         ended = subprocess.run([str(BIN / "roah-rsbb"), command, "--help"], stdout=subprocess.PIPE,
-                               stderr=subprocess.STDOUT, check=True, text=True)
-        assert ended.stdout.startswith("usage:"), ended.stdout
+                               stderr=subprocess.STDOUT, check=False, text=True)
+        if f"roah-rsbb-{package}" in INSTALLED:
+            assert ended.stdout.startswith("usage:"), ended.stdout
+        else:
+            assert ended.returncode == 1 and f"roah-rsbb-{package}" in ended.stdout, ended.stdout
 
 
 async def complete_a_benchmark():
@@ -86,17 +86,26 @@ async def complete_a_benchmark():
     assert lines[2:] == ["stopped: the box sent STOP"], printed
 
 
-def check_shipped():
-    """The rules for dummy-box are in the wheel."""
-    from roah_rsbb.check.shipped import shipped_folder
-    assert shipped_folder() == pathlib.Path(roah_rsbb.__file__).parent / "shipped"
-    assert (shipped_folder() / "modules" / "HNF.yaml").is_file()
+def check_results():
+    """The report of a competition is written from its journal, with the rules and pages of the wheel."""
+    sys.path.append(str(SOURCE / "test" / "pure"))
+    from helpers.results_of import write_competition
+
+    with tempfile.TemporaryDirectory() as folder:
+        write_competition(pathlib.Path(folder, "log"))
+        subprocess.run([str(BIN / "roah-rsbb"), "results", "--log-dir", f"{folder}/log", "report", "--html",
+                        f"{folder}/report"],
+                       check=True, stdout=subprocess.DEVNULL)
+        assert pathlib.Path(folder, "report", "index.html").is_file()
 
 
 check_imports()
-check_pages()
 check_programs()
-check_shipped()
-asyncio.run(complete_a_benchmark())
-packages = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in ("protobuf", "cryptography", "PyYAML"))
-print(f"pip test: Python {sys.version.split()[0]}, {packages}: the example completed a benchmark")
+if PACKAGE == "robot":
+    asyncio.run(complete_a_benchmark())
+if PACKAGE == "check":
+    check_shipped()
+if PACKAGE == "results":
+    check_results()
+versions = [f"{name} {INSTALLED[name]}" for name in ("protobuf", "cryptography", "PyYAML") if name in INSTALLED]
+print(f"pip test: Python {sys.version.split()[0]}, {', '.join(versions)}: {PACKAGE} works")

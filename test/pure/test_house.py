@@ -2,6 +2,7 @@
 
 import pathlib
 import re
+import runpy
 import sys
 from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Set, Tuple
 
@@ -108,6 +109,49 @@ def test_no_folder_imports_what_it_may_not():
     problems = _problems()
     assert [text for key, text in problems.items() if key not in KNOWN] == []
     assert KNOWN - set(problems) == set(), "these are repaired: take them out of KNOWN"
+
+
+CONTENTS = runpy.run_path(str(ROOT / "packaging" / "contents.py"))
+# What else the modules of a package may import: what is installed with it, and what they do without.
+OTHERS = {"robot": {"google", "cryptography", "argcomplete"},
+          "comm": {"google", *ROS},
+          "check": {"google", "cryptography", "argcomplete", "yaml"},
+          "results": {"yaml", "argcomplete", "roah_rsbb.run_logs.bag_file", "mcap", "mcap_ros2"}}
+
+
+def _of_package(package: str) -> List[pathlib.Path]:
+    return [path for path in _files()
+            if CONTENTS["package_of"](path.relative_to(PACKAGE.parent).as_posix()) == package]
+
+
+def _is_for(package: str, name: str) -> bool:
+    """Whether a package, or one that it needs, has this module; of others, whether it is installed with it."""
+    top, *rest = name.split(".")
+    if top != "roah_rsbb":
+        return top in OTHERS[package] or top in getattr(sys, "stdlib_module_names", (top,))
+    place = PACKAGE.joinpath(*rest)
+    ending = "/__init__.py" if place.is_dir() else ".py" if place.with_suffix(".py").is_file() else "/"
+    owner = CONTENTS["package_of"](name.replace(".", "/") + ending)
+    return owner in (package, *CONTENTS["NEEDS"][package]) or name in OTHERS[package]
+
+
+@pytest.mark.parametrize("package", OTHERS)
+def test_a_package_imports_only_what_it_has_or_needs(package):
+    files = _of_package(package)
+    assert files
+    assert [f"{path} imports {name}" for path in files for name in _imported(path) if not _is_for(package, name)] == []
+
+
+def test_the_entries_of_packages_exist():
+    """A file that moved would silently change its package."""
+    entries = {entry for entries in CONTENTS["CONTENTS"].values() for entry in entries}
+    made = {"", "etc/roah-rsbb/", "usr/share/applications/", "changelog", "copyright",
+            *(f"roah_rsbb/{name}/" for name in GENERATED)}
+    assert [entry for entry in entries - made if not any((top / entry).exists() for top in (ROOT, ROOT / "src"))] == []
+
+
+def test_a_robot_gets_a_small_package():
+    assert sum(len(path.read_text(encoding="utf-8").splitlines()) for path in _of_package("robot")) <= 5000
 
 
 def _cycles() -> List[str]:

@@ -62,7 +62,8 @@ DEBIAN_NAMES = {
 
 def test_the_debian_package_depends_on_what_package_xml_declares() -> None:
     control = (ROOT / "packaging" / "debian" / "control").read_text(encoding="utf-8")
-    named = set(re.findall(r"[a-z0-9][a-z0-9.+-]+", control.partition("\nDepends:")[2].partition("\nDescription:")[0]))
+    fields = "".join(re.findall(r"^(?:Depends|Recommends|Suggests):.*(?:\n .*)*", control, re.MULTILINE))
+    named = set(re.findall(r"[a-z0-9][a-z0-9.+-]+", fields))
     wanted = set()
     for name in _declared("depend", "exec_depend"):
         default = name if name.startswith("python3-") else "python3-" + name.replace("_", "-")

@@ -22,9 +22,9 @@ def test_a_terminal_of_ros_is_detected(tmp_path):
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(venv)], check=True)
     python = venv / "bin" / "python"
     packages = next((venv / "lib").glob("python3*")) / "site-packages"
-    info = packages / "roah_rsbb-0.1.0.dist-info"
+    info = packages / "roah_rsbb_robot-0.1.0.dist-info"
     info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: roah_rsbb\nVersion: 0.1.0\n", encoding="utf-8")
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: roah-rsbb-robot\nVersion: 0.1.0\n", encoding="utf-8")
     (packages / "roah_rsbb").mkdir()
     for name in ("__init__.py", "replaced.py"):
         (packages / "roah_rsbb" / name).write_text((SOURCE / name).read_text("utf-8"), encoding="utf-8")

@@ -14,7 +14,6 @@ from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.run_log import KINDS
 from roah_rsbb.results.program import main as results
 
-CONFIG = pathlib.Path(__file__).resolve().parents[2] / "config"
 # Values that do not fit into their messages, and one that does.
 UNFIT = (("/rsbb_log/client_state", 300), ("/rsbb_log/score", ["group", "item"]),
          ("/rsbb_log/score", ["group", "item", 1 << 40]), ("/notification", "last"))
@@ -22,7 +21,7 @@ UNFIT = (("/rsbb_log/client_state", 300), ("/rsbb_log/score", ["group", "item"])
 
 def export(journal, folder):
     try:
-        results.main(str(CONFIG), ["--journal", journal, "export", "--mcap", str(folder)])
+        results.main(["--journal", journal, "export", "--mcap", str(folder)])
     except SystemExit as end:
         assert not end.code
 

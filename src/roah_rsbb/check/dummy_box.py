@@ -22,7 +22,6 @@ from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.check.box import another_box
-from roah_rsbb.check.shipped import NotShipped, shipped_folder
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.ciphers import Cipher
@@ -45,6 +44,7 @@ from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Benchmark, Config, Schedule
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind, GoalForm
+from roah_rsbb.shipped import NotShipped, shipped_folder
 from roah_rsbb.wording.module_scores import readable
 from roah_rsbb.wording.texts import escaped
 

@@ -17,12 +17,12 @@ from roah_rsbb.check.engine import Engine, all_scenarios, scenarios_of
 from roah_rsbb.check.findings import ScenarioResult, Verdict
 from roah_rsbb.check.play import Options, Play
 from roah_rsbb.check.scenarios.scenario import Level, Scenario
-from roah_rsbb.check.shipped import pages_folder
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.replaced import warn_if_replaced
 from roah_rsbb.rulebook.registry import PROFILES
+from roah_rsbb.shipped import pages_folder
 from roah_rsbb.wording.suggestions import did_you_mean
 
 PROGRAM = called("check_robot")

@@ -1,22 +1,23 @@
-"""`roah-rsbb COMMAND`: the programs for teams that installed this package with pip, without ROS."""
+"""`roah-rsbb COMMAND`: the programs that pip installs, without ROS."""
 
 import importlib
 import sys
 from typing import List, Optional
 
-# Command -> its module, and what it does.
+# Command -> its package, its module, and what it does.
 COMMANDS = {
-    "check-robot": ("roah_rsbb.check.program", "check a robot: plays the box against it, and reports what works"),
-    "capture": ("roah_rsbb.capture.program", "show the datagrams on the network"),
-    "dummy-robot": ("roah_rsbb.robot.dummy", "a simulated robot"),
-    "dummy-box": ("roah_rsbb.check.dummy_box", "the referee's box for a laptop: leads a robot through a run"),
+    "dummy-robot": ("robot", "robot.dummy", "a simulated robot"),
+    "check-robot": ("check", "check.program", "check a robot: plays the box against it, and reports what works"),
+    "capture": ("check", "capture.program", "show the datagrams on the network"),
+    "dummy-box": ("check", "check.dummy_box", "the referee's box for a laptop: leads a robot through a run"),
+    "results": ("results", "results.program.main", "show and export the runs of a competition"),
 }
 
 
 def _usage() -> str:
-    lines = [f"  {name:<13}{what}" for name, (_, what) in COMMANDS.items()]
+    lines = [f"  {name:<13}{what}" for name, (_, _, what) in COMMANDS.items()]
     return "\n".join([
-        "usage: roah-rsbb COMMAND [ARGUMENT...]", "", "Programs for teams. They need no ROS.", "", "commands:", *lines,
+        "usage: roah-rsbb COMMAND [ARGUMENT...]", "", "Programs that need no ROS.", "", "commands:", *lines,
         "", "'roah-rsbb COMMAND --help' explains a command."])
 
 
@@ -30,4 +31,10 @@ def main(arguments: Optional[List[str]] = None) -> None:
         wrong = f"roah-rsbb: no command '{given[0]}'\n" if given else ""
         print(f"{wrong}{_usage()}", file=sys.stderr)
         sys.exit(2)
-    importlib.import_module(COMMANDS[given[0]][0]).main(given[1:])
+    package, module, _ = COMMANDS[given[0]]
+    try:
+        program = importlib.import_module(f"roah_rsbb.{module}")
+    except ModuleNotFoundError as error:
+        sys.exit(f"roah-rsbb: {given[0]} is in the package roah-rsbb-{package}, which is not here ({error}): install "
+                 f"its wheel, or 'ROAH_RSBB_PACKAGE={package} pip install ./roah_rsbb' where the source is")
+    program.main(given[1:])

@@ -114,7 +114,7 @@ def test_standings_are_made_of_the_old_runs(driver):
 
 def _results(folder, capsys, *arguments):
     with pytest.raises(SystemExit) as ended:
-        program.main(str(ROOT / "config"), ["--journal", str(folder / "0" / OLD_FILE_NAME), *arguments])
+        program.main(["--journal", str(folder / "0" / OLD_FILE_NAME), *arguments])
     found = capsys.readouterr()
     assert (ended.value.code, found.err) == (0, "")
     return found.out

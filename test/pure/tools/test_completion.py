@@ -75,8 +75,8 @@ def test_tab(tab, line: str, offered: List[str]) -> None:
 def test_the_short_name_starts_a_program_without_rosrun(tmp_path: pathlib.Path) -> None:
     programs = tmp_path / "lib" / "roah_rsbb"
     programs.mkdir(parents=True)
-    (programs / "referee").write_text("#!/bin/sh\nprintf '<%s>' \"$@\"\nexit 4\n")
-    (programs / "referee").chmod(0o755)
+    (programs / "comm").write_text("#!/bin/sh\nprintf '<%s>' \"$@\"\nexit 4\n")
+    (programs / "comm").chmod(0o755)
 
     def short(*words: str) -> "subprocess.CompletedProcess[str]":
         return subprocess.run(
@@ -84,9 +84,9 @@ def test_the_short_name_starts_a_program_without_rosrun(tmp_path: pathlib.Path) 
             env={"PATH": "/usr/bin:/bin", "CMAKE_PREFIX_PATH": str(tmp_path)}, capture_output=True,
         )
 
-    started = short("referee", "status", "Home A")
+    started = short("comm", "status", "Home A")
     assert (started.stdout, started.returncode) == ("<status><Home A>", 4)
-    (programs / "check_robot").symlink_to(programs / "referee")
+    (programs / "check_robot").symlink_to(programs / "comm")
     for name in ("check-robot", "check_robot"):
         assert short(name, "--only", "run-hnf").stdout == "<--only><run-hnf>"
     for unknown in (["no_such_program"], []):

@@ -62,3 +62,8 @@ def test_an_unknown_command_is_an_error_that_lists_all(tmp_path):
     ended = start(tmp_path, "check_robots")
     assert ended.returncode == 2 and "no command 'check_robots'" in ended.stdout
     assert all(f"  {command} " in ended.stdout for command in COMMANDS)
+
+
+def test_a_command_of_a_package_that_is_not_installed_names_it(tmp_path):
+    ended = start(tmp_path, "check-robot", ending="sys.modules['roah_rsbb.check'] = None\nmain()\n")
+    assert ended.returncode == 1 and "check-robot is in the package roah-rsbb-check, which is not here" in ended.stdout

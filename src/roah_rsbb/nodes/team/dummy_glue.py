@@ -9,6 +9,7 @@ save_nothing.
 
 import asyncio
 import concurrent.futures
+import logging
 import sys
 import threading
 import time
@@ -21,7 +22,6 @@ from std_msgs.msg import String as StringMsg
 from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.msg import BenchmarkState, GoalHGMF, GoalOMF
-from roah_rsbb.nodes.team.dummy_robots import log_to_ros
 from roah_rsbb.protocol import PERCENTAGES
 from roah_rsbb.robot.dummy import PHASES, DummyOptions, DummyRobot
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
@@ -248,6 +248,24 @@ _GOALS: Dict[type, Callable[[Any], Optional[Goal]]] = {
 
 def _goal_of(message: Any) -> Optional[Goal]:
     return _GOALS[type(message)](message)
+
+
+# Loggers of the dummy's actions and of its client.
+_LOGGERS = ("dummy_robot", "roah_rsbb.robot")
+
+
+class _ToRos(logging.Handler):
+    def emit(self, record: logging.LogRecord) -> None:
+        (rospy.logwarn if record.levelno >= logging.WARNING else rospy.loginfo)("%s", record.getMessage())
+
+
+def log_to_ros() -> None:
+    """Redirect the log of this process's dummy robots to ROS. Call it after `rospy.init_node`."""
+    for name in _LOGGERS:
+        logger = logging.getLogger(name)
+        logger.setLevel(logging.INFO)
+        logger.propagate = False
+        logger.addHandler(_ToRos())
 
 
 def main() -> None:

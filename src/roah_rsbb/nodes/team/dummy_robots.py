@@ -9,12 +9,12 @@ box's files: benchmarks_file, schedule_file, passwords_file.
 
 import asyncio
 import ipaddress
-import logging
 import sys
 from typing import List
 
 import rospy
 
+from roah_rsbb.nodes.team.dummy_glue import log_to_ros
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy import DummyOptions, dummy_client
 from roah_rsbb.ros import connections
@@ -23,26 +23,6 @@ from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config
 from roah_rsbb.rulebook.config import ConfigErrors, load
-
-# Loggers of the dummy's actions and of its client.
-_LOGGERS = ("dummy_robot", "roah_rsbb.robot")
-
-
-class _ToRos(logging.Handler):
-    def emit(self, record: logging.LogRecord) -> None:
-        (rospy.logwarn if record.levelno >= logging.WARNING else rospy.loginfo)("%s", record.getMessage())
-
-
-def log_to_ros() -> None:
-    """Redirect the log of this process's dummy robots to ROS. Call it after `rospy.init_node`."""
-    for name in _LOGGERS:
-        logger = logging.getLogger(name)
-        logger.setLevel(logging.INFO)
-        logger.propagate = False
-        logger.addHandler(_ToRos())
-
-
-# -- the node ---------------------------------------------------------------------------------------
 
 # The box has 127.0.0.1.
 FIRST_HOST = ipaddress.IPv4Address("127.0.0.2")

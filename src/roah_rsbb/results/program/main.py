@@ -1,4 +1,4 @@
-"""`rosrun roah_rsbb results`: shows and exports the runs of a competition (docs/results.md)."""
+"""`rosrun roah_rsbb results` and `roah-rsbb results`: shows and exports the runs of a competition (docs/results.md)."""
 
 import argparse
 import importlib
@@ -6,7 +6,7 @@ import os
 import sys
 from typing import Any, Callable, List, NoReturn, Optional
 
-from roah_rsbb.arguments import Parser
+from roah_rsbb.arguments import Parser, called
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.processes import ProcessEnded
 from roah_rsbb.journal.reader import JournalError
@@ -26,6 +26,7 @@ from roah_rsbb.results.program.journal import (
 from roah_rsbb.results.run_list import list_lines
 from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, heads
 from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.shipped import NotShipped, shipped_folder
 
 LOG_DIR = "~/.ros/roah_rsbb"
 OF_RUNS = ("best", "mean", "median")  # `OfRuns`, without loading what reads its rules
@@ -89,15 +90,15 @@ class _NoBag(Exception):
     """The bag cannot be written. The text names the remedy."""
 
 
-def main(config_dir: str, arguments: Optional[List[str]] = None) -> NoReturn:
-    """Run the program; `config_dir` contains the default rules of the standings."""
+def main(arguments: Optional[List[str]] = None) -> NoReturn:
+    """Run the program with its arguments (default: those of the process)."""
     if arguments is None:  # the process's own output, too
         sys.stdout.reconfigure(errors="backslashreplace")  # escape characters that this terminal cannot show
     options = _parser().parse_args(sys.argv[1:] if arguments is None else arguments)
-    options.config_dir = config_dir
     try:
+        options.config_dir = str(shipped_folder())
         status = options.do(options)
-    except (JournalError, ProcessEnded, _NoBag, NoSuchRun, NoMcap, Usage, CannotPrint) as error:
+    except (JournalError, ProcessEnded, _NoBag, NoSuchRun, NoMcap, Usage, CannotPrint, NotShipped) as error:
         status = _fail(str(error))
     except ConfigErrors as error:
         status = _fail(f"a file of the competition is invalid:\n{error}")
@@ -110,7 +111,7 @@ def main(config_dir: str, arguments: Optional[List[str]] = None) -> NoReturn:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = Parser("results", _DESCRIPTION, _EPILOG)
+    parser = Parser(called("results"), _DESCRIPTION, _EPILOG)
     parser.set_defaults(journal=None, log_dir=LOG_DIR, utc=False)
     _add_source(parser)
     commands = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=_sub_parser)
@@ -298,7 +299,7 @@ def _write_bag(result: RunResult, port: Optional[int], path: str) -> int:
         from roah_rsbb.run_logs.bag_file import WRITE_ERRORS, write_whole
     except ImportError as error:
         raise _NoBag(
-            f"a bag cannot be written here ({error}): use a computer with ROS and a copy of the journal"
+            f"a bag cannot be written here ({error}): use a computer with ROS and the box, and a copy of the journal"
         ) from None
     if os.path.exists(path):
         raise _NoBag(f"{path}: this file already exists: choose another name")

@@ -1,6 +1,5 @@
 """What is only in the journal of a box from which a standby took over is named, and never merged."""
 
-import pathlib
 
 from helpers.competition import run_record
 from helpers.journals import Writer
@@ -12,7 +11,7 @@ from roah_rsbb.results.program import main as program
 def warnings_of(writer, capsys, monkeypatch):
     monkeypatch.setattr("sys.argv", ["results", "--journal", writer.path, "list"])
     try:
-        program.main(str(pathlib.Path(__file__).resolve().parents[4] / "config"))
+        program.main()
     except SystemExit as end:
         assert not end.code
     return capsys.readouterr().err

@@ -42,7 +42,7 @@ def run(journal, capsys):
 
     def results(*arguments, source=("--journal", journal)):
         with pytest.raises(SystemExit) as ended:
-            program.main(str(ROOT / "config"), [str(a) for a in (*source, *arguments)])
+            program.main([str(a) for a in (*source, *arguments)])
         reported = capsys.readouterr()
         return ended.value.code, reported.out, reported.err
 
@@ -191,8 +191,8 @@ def test_every_command_has_help(run):
 
 @pytest.mark.long
 def test_a_reader_that_closes_early_is_not_an_error(journal):
-    script = "import sys; from roah_rsbb.results.program.main import main; main(sys.argv[1], sys.argv[2:])"
-    command = [sys.executable, "-c", script, str(ROOT / "config"), "--journal", journal, "export", "--json", "-"]
+    script = "import sys; from roah_rsbb.results.program.main import main; main()"
+    command = [sys.executable, "-c", script, "--journal", journal, "export", "--json", "-"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
     process.stdout.read(10)
@@ -203,8 +203,8 @@ def test_a_reader_that_closes_early_is_not_an_error(journal):
 
 
 def test_a_terminal_that_knows_only_ascii(journal):
-    script = "import sys; from roah_rsbb.results.program.main import main; main(sys.argv.pop(1))"
-    command = [sys.executable, "-c", script, str(ROOT / "config"), "--journal", journal, "list"]
+    script = "import sys; from roah_rsbb.results.program.main import main; main()"
+    command = [sys.executable, "-c", script, "--journal", journal, "list"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "PYTHONIOENCODING": "ascii"}
     shown = subprocess.run(command, stdout=subprocess.PIPE, env=environment, check=True).stdout.decode("ascii")
     assert "\\u2013" in shown, "the dash of a run that was never started"
@@ -415,7 +415,7 @@ def test_a_file_is_written_whole_or_not_at_all(run, tmp_path, monkeypatch):
     path.write_text("old")
     monkeypatch.setattr(export, "safe", lambda _: 1 / 0)
     with pytest.raises(ZeroDivisionError):
-        program.main(str(ROOT / "config"), ["--log-dir", str(tmp_path), "--journal", _journal(tmp_path), "export",
+        program.main(["--log-dir", str(tmp_path), "--journal", _journal(tmp_path), "export",
                                             "--csv", str(path)])
     assert path.read_text() == "old"
     assert not (tmp_path / "results.csv.draft").exists()

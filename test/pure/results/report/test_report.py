@@ -42,7 +42,7 @@ RESOURCES = ROOT / "resource" / "report"
 
 def run_program(*arguments):
     with pytest.raises(SystemExit) as ended:
-        program.main(str(ROOT / "config"), [str(a) for a in arguments])
+        program.main([str(a) for a in arguments])
     assert ended.value.code == 0
 
 
@@ -329,7 +329,7 @@ def test_several_competitions(tmp_path, capsys):
         own = (tmp_path / "report" / f"competition{number_}" / "index.html").read_text(encoding="utf-8")
         assert 'href="../index.html"' in own and runs in own
     with pytest.raises(SystemExit):
-        program.main(str(ROOT / "config"), ["report", str(tmp_path / "nothing")])
+        program.main(["report", str(tmp_path / "nothing")])
     assert "there is no journal" in capsys.readouterr().err
 
 
@@ -409,7 +409,7 @@ def test_no_text_is_markup_a_formula_or_a_command_of_a_terminal(tmp_path, capsys
 # -- determinism ------------------------------------------------------------------------------------
 
 SCRIPT = """
-import contextlib, sys
+import contextlib
 from roah_rsbb.results.program.main import main
 for arguments in (
     ["export", "--csv", "results.csv", "--json", "results.json", "--html", "sheets", "--dataset", "set"],
@@ -417,7 +417,7 @@ for arguments in (
     ["standings", "--csv", "standings.csv", "--json", "standings.json", "--html", "standings.html"],
 ):
     with contextlib.suppress(SystemExit):
-        main(sys.argv[1], ["--log-dir", "log", "--utc", *arguments])
+        main(["--log-dir", "log", "--utc", *arguments])
 """
 
 
@@ -436,7 +436,7 @@ def test_the_same_journal_gives_the_same_bytes_in_every_format(tmp_path):
         shutil.copytree(str(tmp_path / "log" / "0"), str(folder / "log"))
         environment = {**os.environ, "PYTHONHASHSEED": seed, "TZ": zone, "LC_ALL": language,
                        "PYTHONPATH": os.pathsep.join(sys.path)}
-        subprocess.run([sys.executable, "-c", SCRIPT, str(ROOT / "config")], cwd=str(folder), env=environment,
+        subprocess.run([sys.executable, "-c", SCRIPT], cwd=str(folder), env=environment,
                        check=True, stdout=subprocess.DEVNULL, preexec_fn=_use_one_processor if number_ else None)
         shutil.rmtree(str(folder / "log"))
         written.append({str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*")

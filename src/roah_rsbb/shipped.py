@@ -3,7 +3,8 @@
 import pathlib
 from typing import Optional
 
-PACKAGE = pathlib.Path(__file__).resolve().parents[1]
+PACKAGE = pathlib.Path(__file__).resolve().parent
+_PLACES = (PACKAGE / "shipped_files", PACKAGE.parents[1], *(up / "share" / "roah_rsbb" for up in PACKAGE.parents))
 
 
 class NotShipped(Exception):
@@ -11,17 +12,15 @@ class NotShipped(Exception):
 
 
 def shipped_folder() -> pathlib.Path:
-    """The folder with benchmarks.yaml and modules/; raises NotShipped."""
-    places = [PACKAGE / "shipped", PACKAGE.parents[1] / "config",
-              *(parent / "share" / "roah_rsbb" / "config" for parent in PACKAGE.parents)]
-    for place in places:
-        if (place / "benchmarks.yaml").is_file():
-            return place
+    """The folder `config` with benchmarks.yaml and modules/, beside the folder `resource`; raises NotShipped."""
+    for place in _PLACES:
+        if (place / "config" / "benchmarks.yaml").is_file():
+            return place / "config"
     raise NotShipped(f"the shipped benchmarks.yaml is missing near {PACKAGE}: install the package again")
 
 
 def pages_folder() -> Optional[pathlib.Path]:
     """The folder with docs/, whose pages the findings name. None: the pages are not installed."""
-    places = [PACKAGE / "shipped", PACKAGE.parents[1], pathlib.Path("/usr/share/doc/roah-rsbb")]
+    places = (*_PLACES, pathlib.Path("/usr/share/doc/roah-rsbb"))
     # Debian packages compress long pages.
     return next((place for place in places if any((place / "docs").glob("protocol.md*"))), None)

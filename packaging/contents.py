@@ -1,0 +1,42 @@
+"""What each package contains: for wheels (setup.py), Debian packages (packaging/split_deb), and the test of imports.
+
+Paths begin at the repository's top, those of Python modules at src/. The longest entry that begins a path decides.
+"""
+
+from typing import Dict, Tuple
+
+CONTENTS: Dict[str, Tuple[str, ...]] = {
+    # A robot without ROS.
+    "robot": (
+        "roah_rsbb/__init__.py", "roah_rsbb/arguments.py", "roah_rsbb/comm/", "roah_rsbb/pb/", "roah_rsbb/protocol.py",
+        "roah_rsbb/replaced.py", "roah_rsbb/robot/", "roah_rsbb/rulebook/__init__.py", "roah_rsbb/rulebook/registry.py",
+        "roah_rsbb/tools/__init__.py", "roah_rsbb/tools/team.py", "docs/protocol.md", "docs/robot_without_ros.md",
+        "docs/team.md"),
+    # A robot with ROS, and all that catkin generates.
+    "comm": (
+        "", "roah_rsbb/nodes/__init__.py", "roah_rsbb/nodes/team/", "roah_rsbb/ros/__init__.py",
+        "roah_rsbb/ros/command_line.py", "roah_rsbb/ros/connections.py", "roah_rsbb/ros/log_lines.py",
+        "roah_rsbb/ros/loop.py", "roah_rsbb/ros/params.py", "roah_rsbb/ros/times.py", "roah_rsbb/msg/",
+        "roah_rsbb/srv/", "launch/dummy_robot.launch", "launch/robot_comm.launch"),
+    "check": (
+        "roah_rsbb/bmbox/", "roah_rsbb/capture/", "roah_rsbb/check/", "roah_rsbb/core/", "roah_rsbb/model/",
+        "roah_rsbb/radio/", "roah_rsbb/results/__init__.py", "roah_rsbb/results/page.py", "roah_rsbb/rulebook/",
+        "roah_rsbb/shipped.py", "roah_rsbb/wording/", "config/benchmarks.yaml", "config/modules/",
+        "docs/check_robot.md"),
+    "results": (
+        "roah_rsbb/document/", "roah_rsbb/durable.py", "roah_rsbb/journal/", "roah_rsbb/results/",
+        "config/schedule.yaml", "config/standings.yaml", "docs/results.md", "resource/replay/", "resource/report/"),
+    "box": (
+        "roah_rsbb/", "roah_rsbb/nodes/team/dummy_robots.py", "README.md", "config/", "docs/", "launch/", "plugin.xml",
+        "resource/", "etc/roah-rsbb/",
+        "usr/share/applications/", "changelog", "copyright"),
+}
+# What a package needs besides, in the same version. The box needs all.
+NEEDS: Dict[str, Tuple[str, ...]] = {
+    "robot": (), "comm": ("robot",), "check": ("robot",), "results": ("robot", "check")}
+
+
+def package_of(path: str) -> str:
+    """The package that contains a file."""
+    return max((len(entry), name) for name, entries in CONTENTS.items() for entry in entries
+               if path.startswith(entry))[1]
