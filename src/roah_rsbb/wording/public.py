@@ -1,13 +1,12 @@
 """The texts of the public display, made from PublicDetails (docs/public_display.md, "For programs").
 
-The display on a screen and the pages in browsers show the same texts. The functions work on anything with the fields
-of PublicDetails; ROS is not imported. Times of day are local times of the computer that makes the texts: the public
-compares them with the clock on the wall.
+The functions work on anything with the fields of PublicDetails; ROS is not imported. Times of day are local times of the
+computer that makes the texts: the public compares them with the clock on the wall.
 """
 
 import math
 import time
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, Iterable, List, NamedTuple, Tuple
 
 from roah_rsbb.wording import module_scores, sheets, times
 from roah_rsbb.wording.clock import PAUSED
@@ -63,50 +62,6 @@ class StandingTexts(NamedTuple):
 
     title: str
     lines: Tuple[ListLine, ...]
-
-
-class PublicContent(NamedTuple):
-    """Everything on the screen."""
-
-    date: str
-    clock: str
-    trouble: str  # why the content may be out of date; empty: it is current
-    cards: Tuple[RunCard, ...]
-    following: Tuple[ListLine, ...]
-    results: Tuple[ListLine, ...]  # signed off
-    provisional: Tuple[ListLine, ...] = ()  # not signed off
-    standings: Tuple[StandingTexts, ...] = ()
-    is_known: bool = True  # False: the core has never been heard
-    is_replay: bool = False
-
-
-NOTHING = PublicContent("", "", "", (), (), (), is_known=False)
-
-
-def content(details: Optional[Any], utc_s: float, is_old: bool, board: Optional[Any] = None) -> PublicContent:
-    """Return what to show at `utc_s`, the box's UTC seconds.
-
-    `details` is None until the core is heard, and `board` (PublicBoard) until results are published.
-
-    While the core is silent (`is_old`), nothing changes: `utc_s` is the time of its last message.
-    """
-    if details is None:
-        return NOTHING
-    clock = _local("%H:%M:%S", utc_s)
-    return PublicContent(
-        date=date(utc_s),
-        clock=clock,
-        trouble=tr(NO_SIGNAL, time=clock) if is_old else "",
-        cards=tuple(
-            card._replace(big=_at(card, run, utc_s, details.clock.to_sec()))
-            for card, run in zip(cards(details), details.runs)
-        ),
-        following=following(details, utc_s),
-        results=result_lines(details.finished if board is None else board.results, utc_s),
-        provisional=() if board is None else result_lines(board.provisional, utc_s),
-        standings=() if board is None else standings(board),
-        is_replay=is_replay(details.box_uuid),
-    )
 
 
 def cards(details: Any) -> Tuple[RunCard, ...]:

@@ -20,15 +20,13 @@ from roah_rsbb.msg import (
     PublicStanding,
     ZoneScoreGroup,
 )
-from roah_rsbb.rqt.public.display import BOARD_TOPIC, TOPIC
 
-EXPLAINED_TOPIC = "/core/public_explained"
+TOPIC, BOARD_TOPIC, EXPLAINED_TOPIC = "/core/public_details", "/core/public_board", "/core/public_explained"
 BENCHMARKS = ("Getting to know my home", "Welcoming visitors", "Catering for Granny Annie's Comfort")
 TEAMS = ("BrassButlers", "CopperKettle", "HomeAlone", "TeaAtFive")
 PERIOD_S = 0.5
 # The display must look the same at any time of day at which the tests run.
 NOON = time.mktime((2026, 11, 21, 12, 0, 0, 0, 0, -1))
-MIDNIGHT = NOON + 12 * 3600.0
 
 
 def stamp(utc_s: float) -> rospy.Time:
