@@ -39,9 +39,14 @@ SHORT_LIFE_S, MAX_SHORT_LIVES = 5.0, 5
 CHROMIUM = ("--kiosk", "--no-first-run", "--no-default-browser-check", "--disable-session-crashed-bubble",
             "--hide-crash-restore-bubble", "--noerrdialogs", "--disable-features=Translate", "--password-store=basic",
             "--disable-component-update", "--log-level=3")
-FIREFOX = {"browser.aboutwelcome.enabled": "false", "browser.sessionstore.resume_from_crash": "false",
-           "browser.shell.checkDefaultBrowser": "false", "browser.startup.homepage_override.mstone": '"ignore"',
-           "browser.translations.automaticallyPopup": "false", "datareporting.policy.dataSubmissionEnabled": "false"}
+FIREFOX = """\
+user_pref("browser.aboutwelcome.enabled", false);
+user_pref("browser.sessionstore.resume_from_crash", false);
+user_pref("browser.shell.checkDefaultBrowser", false);
+user_pref("browser.startup.homepage_override.mstone", "ignore");
+user_pref("browser.translations.automaticallyPopup", false);
+user_pref("datareporting.policy.dataSubmissionEnabled", false);
+"""
 _die_with_parent = ctypes.CDLL(None).prctl
 
 
@@ -69,7 +74,7 @@ def make_profile(program: str) -> str:
     os.makedirs(parent, exist_ok=True)
     profile = tempfile.mkdtemp(prefix="roah_rsbb_public_", dir=parent)
     if name == "firefox":
-        pathlib.Path(profile, "user.js").write_text("".join(f'user_pref("{key}", {FIREFOX[key]});\n' for key in FIREFOX))
+        pathlib.Path(profile, "user.js").write_text(FIREFOX, encoding="utf-8")
     return profile
 
 

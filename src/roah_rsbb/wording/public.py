@@ -1,7 +1,7 @@
 """The texts of the public display, made from PublicDetails (docs/public_display.md, "For programs").
 
-The functions work on anything with the fields of PublicDetails; ROS is not imported. Times of day are local times of the
-computer that makes the texts: the public compares them with the clock on the wall.
+The functions work on anything with the fields of PublicDetails; ROS is not imported. Times of day are local times of
+the computer that makes the texts: the public compares them with the clock on the wall.
 """
 
 import math

@@ -66,7 +66,7 @@ class TestPublicDisplay(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         if find() is None:
-            text = "NOT TESTED: the public display's program. There is no browser with a window: apt-get install chromium"
+            text = "NOT TESTED: the public display's program. No browser here has a window: apt-get install chromium"
             print(f"\n{'!' * 100}\n!!! {text}\n{'!' * 100}", file=sys.stderr, flush=True)
             raise unittest.SkipTest(text)
 
