@@ -14,7 +14,7 @@ TEAMS = ("BrassButlers", "CopperKettle", "HomeAlone", "TeaAtFive")
 BENCHMARKS = ("Getting to know my home", "Welcoming visitors", "Catering for Granny Annie's Comfort")
 WORDS = {"connected": "getting ready", "running": "running", "ended": "✓ completed"}
 CLOCK = 1_800_000_000.0
-# Nothing comes from the gateway any more: the test has the only word. The box's clock stands still.
+# Nothing comes from the gateway any more: the test has the only word. The box's clock is stopped.
 TAKE_OVER = """(() => {
   live.close();
   live.reopen = () => {};

@@ -3,6 +3,7 @@
 import http.server
 import os
 import pathlib
+import re
 import signal
 import sys
 import threading
@@ -10,12 +11,15 @@ import unittest
 from typing import List
 
 import rospy
+import rosservice
 from support.gui_testing import SCREEN
 from support.programs import Program, own
 from support.real_input import close_all_windows
 from support.waiting import happened, wait_until
 
-from roah_rsbb.nodes.public import PAGE, URL, find
+from roah_rsbb.nodes.browser import PAGE, find
+from roah_rsbb.nodes.public import URL
+from roah_rsbb.srv import UInt8
 from roah_rsbb.tools.reconnect import own_processes
 
 LAUNCH = pathlib.Path(__file__).resolve().parents[3] / "launch" / "roah_rsbb_public.launch"
@@ -79,6 +83,14 @@ class TestPublicDisplay(unittest.TestCase):
         self.addCleanup(rospy.delete_param, URL)
         os.kill(first.wait_shown(), signal.SIGKILL)
         first.wait_shown()
+        names = rosservice.get_service_list()
+        (service,) = [name for name in names if re.fullmatch("/roah_rsbb_public_[^/]+/screen", name)]
+        choose = rospy.ServiceProxy(service, UInt8)
+        with self.assertRaisesRegex(rospy.ServiceException, "no screen 9: give 0 to 1"):
+            choose(9)
+        choose(1)
+        launch.wait_printed("on screen 1")
+        choose(0)
         rospy.set_param(URL, second.address)
         second.wait_shown()
         self.assertEqual(first.browsers(), [])
