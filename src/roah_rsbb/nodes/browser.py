@@ -59,7 +59,8 @@ def make_profile(program: str) -> str:
 def command(program: str, profile: str, number: int, screen: Screen, address: str) -> List[str]:
     """Return the command that opens an address full screen, on a screen of this number and place."""
     if is_firefox(program):
-        return [program, "--no-remote", "--profile", profile, "--kiosk-monitor", str(number), "--kiosk", address]
+        return [program, "--no-remote", "--profile", profile, "--width", str(screen.width), "--height",
+                str(screen.height), "--kiosk-monitor", str(number), "--kiosk", address]
     more = ["--ozone-platform=x11"] if os.environ.get("DISPLAY") else []  # Wayland lets no program choose its screen
     more += ["--no-sandbox"] if os.geteuid() == 0 else []  # it does not work for root
     return [program, *CHROMIUM, *more, f"--user-data-dir={profile}", f"--window-size={screen.width},{screen.height}",

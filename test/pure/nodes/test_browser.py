@@ -35,7 +35,8 @@ def test_firefox_fills_the_screen_and_asks_nothing(name, tmp_path, monkeypatch):
     monkeypatch.setattr(browser, "SNAPS", str(tmp_path / "none"))
     profile = browser.make_profile(f"/usr/bin/{name}")
     assert browser.command(f"/usr/bin/{name}", profile, 1, SCREEN, ADDRESS) == [
-        f"/usr/bin/{name}", "--no-remote", "--profile", profile, "--kiosk-monitor", "1", "--kiosk", ADDRESS]
+        f"/usr/bin/{name}", "--no-remote", "--profile", profile, "--width", "1280", "--height", "720",
+        "--kiosk-monitor", "1", "--kiosk", ADDRESS]
     with open(f"{profile}/user.js", encoding="utf-8") as file:
         assert 'user_pref("browser.aboutwelcome.enabled", false);' in file.read()
 
