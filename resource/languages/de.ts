@@ -3005,11 +3005,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>Dem Ende folgen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
-        <source>RoAH RSBB – public display</source>
-        <translation>RoAH RSBB – Publikumsanzeige</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/basic.py"/>
         <source>Not possible now</source>
         <translation>Jetzt nicht möglich</translation>

@@ -10,7 +10,6 @@ import pytest
 
 from roah_rsbb import signs_of_life
 from roah_rsbb.client.client import OLD_S
-from roah_rsbb.rqt.public import display
 from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, Signs, Silence, Watch
 from roah_rsbb.web import server
 from roah_rsbb.web.store import Store
@@ -212,7 +211,6 @@ def test_each_face_knows_before_the_core_is_ended():
     """The next core may be heard soon: a face that looks later would show nothing of it. Panels know after 0.7 s
     (test/ros/panels/test_benchmark_control.py)."""
     limits = {
-        "terminal": OLD_S, "public display": display.SILENT_S + LOOK_S,
-        "pages": Store.SILENT_S + server.LOOK_S, "devices": OLD_S + server.LOOK_S,
+        "terminal": OLD_S, "pages": Store.SILENT_S + server.LOOK_S, "devices": OLD_S + server.LOOK_S,
     }
     assert {face: limit for face, limit in limits.items() if limit > HUNG_S} == {}

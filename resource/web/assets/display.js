@@ -13,6 +13,8 @@ const DOCUMENTS = ["page.words", "page.runs", "page.next", "page.results", "page
 const WITH_RUNS = ["rotating", "run"];
 // Scores of one line of a list that stay on one page.
 const SCORES_TOGETHER = 4;
+// The competition's, among the pictures of the teams.
+const LOGO = "competition";
 
 function layout() {
   const asked = parameters.get("layout");
@@ -46,6 +48,7 @@ function Head({live, words, mark}) {
   }
   return html`
     <header class="head">
+      ${words.logos.includes(LOGO) && html`<img class="logo" src="/logos/${LOGO}" alt="" />`}
       <div class="titles">
         ${words.title && html`<h1 class="title">${words.title}</h1>`}
         ${!words.title && html`<h1 class="unseen">${words.display}</h1>`}

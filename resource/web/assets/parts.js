@@ -139,10 +139,12 @@ export function Fit({children, ...rest}) {
   const element = useRef(null);
   useLayoutEffect(() => {
     const inner = element.current;
-    inner.style.fontSize = "";
-    if (inner.scrollWidth > inner.clientWidth) {
-      inner.style.fontSize = `${Math.max(SMALLEST, inner.clientWidth / inner.scrollWidth)}em`;
-    }
+    const range = document.createRange();
+    range.selectNodeContents(inner);
+    Object.assign(inner.style, {fontSize: "", textOverflow: "clip"});  // the dots would count
+    const share = inner.getBoundingClientRect().width / range.getBoundingClientRect().width;
+    // Whole pixels are not exact enough, and letters do not shrink exactly.
+    Object.assign(inner.style, {fontSize: share < 1 ? `${Math.max(SMALLEST, 0.99 * share)}em` : "", textOverflow: ""});
   });
   return html`<span ...${rest}><span class="fit" ref=${element}>${children}</span></span>`;
 }

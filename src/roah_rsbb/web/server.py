@@ -16,6 +16,7 @@ from tornado import web
 
 from roah_rsbb.web.commands import Command, Outcome
 from roah_rsbb.web.desk import Desk
+from roah_rsbb.web.displays.listed import PAGES as DISPLAYS
 from roah_rsbb.web.displays.listed import Display, Displays, Setting
 from roah_rsbb.web.displays.logos import LogoHandler
 from roah_rsbb.web.displays.requests import DisplaysHandler
@@ -33,7 +34,8 @@ from roah_rsbb.web.tls import EncryptedServer
 from roah_rsbb.web.writing import CommandHandler, DeviceEventsHandler, PairHandler, SessionHandler, StopEventsHandler
 from roah_rsbb.wording.device import TOO_MANY_TEAM_GUESSES
 
-PAGES = ("display", "overlay", "pair", "referee", "displays", "codes")
+PAGES_OF_DEVICES = ("pair", "referee", "displays", "codes")
+PAGES = (*DISPLAYS, *PAGES_OF_DEVICES)
 # A device that scores makes some requests a second. A crowd behind the same address has other limits.
 REQUESTS_OF_DEVICE_A_SECOND, REQUESTS_OF_DEVICE_AT_ONCE = 20.0, 100.0
 MAX_DEVICES = 400  # connections: each has one for STOP alone
@@ -294,12 +296,15 @@ class PageHandler(Guarded):
         self._folder = folder
 
     def get(self, name: str) -> None:
-        """Return the page, with the script that must not be lost on the way."""
-        again = (self._folder / "again.js").read_text(encoding="utf-8")
-        page = (self._folder / f"{name or 'index'}.html").read_text(encoding="utf-8")
+        """Return the page, with the script that must not be lost on the way. STOP depends on no other script."""
+        again, page = ((self._folder / file).read_text(encoding="utf-8") for file in ("again.js", "page.html"))
         set_headers(self, {"Content-Type": "text/html; charset=utf-8", "Cache-Control": "no-cache",
                            "Content-Security-Policy": policy(self.request, again)})
-        self.finish(page.replace("<head>", f"<head>\n  <script>{again}</script>", 1))
+        self.finish(page.format(
+            again=again, name=name or "index", kind=" device" if name in PAGES_OF_DEVICES else "",
+            layout="" if name in DISPLAYS else 'data-layout="list"',
+            stop='<script src="/assets/stop.js"></script>' if name == "referee" else "",
+        ))
 
     head = get
 

@@ -13,13 +13,13 @@ from roah_rsbb.rqt.app import gui
 
 @pytest.mark.parametrize(("wanted", "has_rqt", "command"), [
     ("auto", True, gui.RQT), ("auto", False, gui.WINDOW), ("window", True, gui.WINDOW), ("window", False, gui.WINDOW),
-    ("rqt", True, gui.RQT), ("public", True, gui.PUBLIC), ("public", False, gui.PUBLIC),
+    ("rqt", True, gui.RQT),
 ])
 def test_what_is_opened(wanted, has_rqt, command):
     assert gui.choose(wanted, has_display=True, has_rqt=has_rqt) == (command, "", 0)
 
 
-@pytest.mark.parametrize("wanted", ["auto", "rqt", "window", "public"])
+@pytest.mark.parametrize("wanted", ["auto", "rqt", "window"])
 def test_without_a_display_nothing_is_opened_and_nothing_failed(wanted):
     choice = gui.choose(wanted, has_display=False, has_rqt=True)
     assert choice == (None, display.NO_DISPLAY, 0)

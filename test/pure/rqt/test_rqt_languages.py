@@ -15,7 +15,7 @@ LANGUAGES = sorted(path.stem for path in catalogues.FOLDER.glob("*.ts"))
 
 # What programs print or log, and errors of files. No window shows it.
 NOT_IN_WINDOWS = {
-    "rqt/app/gui.py", "rqt/public/node.py", "rqt/qt.py", "rqt/language.py", "wording/language.py",
+    "rqt/app/gui.py", "rqt/qt.py", "rqt/language.py", "wording/language.py",
     "wording/suggestions.py",
 }
 # Literals that look like texts: names of classes, keys and time zones, and what rospy and the core say.

@@ -7,7 +7,6 @@ import unittest
 from typing import Dict, Iterator, List, Tuple
 
 from support.fakes.core import Asked
-from support.fakes.public import FakePublic, scene
 from support.gui_testing import QTest, QWidget, click, show, wait_until
 from support.panel_case import BUMPS, DOOR
 from support.window_case import WindowCase, is_closed
@@ -15,9 +14,6 @@ from support.window_case import WindowCase, is_closed
 from helpers import catalogues
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.model.zone import SheetItem
-from roah_rsbb.msg import PublicBoard, PublicDetails
-from roah_rsbb.ros.feed import Feed
-from roah_rsbb.rqt.public.display import BOARD_TOPIC, TOPIC, PublicDisplay
 from roah_rsbb.rqt.qt import (
     QAbstractButton,
     QDialog,
@@ -102,41 +98,6 @@ def is_cut(widget: QWidget) -> bool:
     if isinstance(widget, QScrollArea):
         return widget.horizontalScrollBar().isVisible()
     return False
-
-
-class TestPublicDisplay(unittest.TestCase):
-    """The public display in German."""
-
-    def setUp(self) -> None:
-        self.core = FakePublic()
-        self.addCleanup(self.core.close)
-        feed = Feed({TOPIC: PublicDetails, BOARD_TOPIC: PublicBoard})
-        feed.start()
-        self.addCleanup(feed.stop)
-        self.display = PublicDisplay(feed, page_s=0.25)
-        self.addCleanup(self.display.close)
-        show(self.display, 1280, 720)
-
-    def wait_text(self, start: str) -> None:
-        """Wait for a text that begins so; on each page until then all is in German, and whole."""
-        def is_shown() -> bool:
-            self.display.look()
-            written = list(self.display.written)
-            self.assertEqual([one.text for one in written for part in parts(one.text) if sources(part)], [])
-            self.assertEqual([one.text for one in written if one.shown != one.text], [])
-            return any(one.text.startswith(start) for one in written)
-
-        wait_until(is_shown, lambda: f"a text begins with {start!r}: {[one.text for one in self.display.written]}")
-
-    def test_all_pages(self) -> None:
-        self.wait_text("Warte auf die Referee-Box")
-        scene(self.core, 3)
-        self.core.publish_board()
-        self.core.publish()
-        for start in ("Als Nächstes", "Ergebnisse", "Rangliste: ", "macht sich bereit", "✓ vollständig"):
-            self.wait_text(start)
-        self.core.silent = True
-        self.wait_text("Kein Signal seit ")
 
 
 class TestNumbers(unittest.TestCase):

@@ -27,7 +27,6 @@ _RUN_RQT = (
 # accidentally. For another layout, start rqt yourself.
 RQT = [sys.executable, "-c", _RUN_RQT, "--clear-config", "--force-discover", "--lock-perspective", "--freeze-layout"]
 WINDOW = [sys.executable, "-c", "from roah_rsbb.rqt.app.window import main; main()", "--of-launch"]
-PUBLIC = [sys.executable, "-c", "from roah_rsbb.rqt.public.node import main; main()"]
 
 REOPEN_S = 1.0
 # A window that ends sooner has failed; after this many failures in a row the program gives up.
@@ -46,11 +45,9 @@ class WindowChoice(NamedTuple):
 
 
 def choose(gui: str, has_display: bool, has_rqt: bool) -> WindowChoice:
-    """Return what `gui` (auto, rqt, window or public) means on this machine."""
+    """Return what `gui` (auto, rqt or window) means on this machine."""
     if not has_display:
         return WindowChoice(None, display.NO_DISPLAY)
-    if gui == "public":
-        return WindowChoice(PUBLIC)
     if gui == "window" or (gui == "auto" and not has_rqt):
         return WindowChoice(WINDOW)
     return WindowChoice(RQT) if has_rqt else WindowChoice(None, NO_RQT, 1)
@@ -105,7 +102,7 @@ class Keeper:
 def main() -> None:
     """Choose the window and keep it open."""
     parser = Parser("roah_rsbb_gui", "Opens the windows of a referee's client.")
-    parser.add_argument("--gui", choices=("auto", "rqt", "window", "public"), default="auto")
+    parser.add_argument("--gui", choices=("auto", "rqt", "window"), default="auto")
     parser.add_argument("--reopen", type=_bool, default=False, metavar="true|false",
                         help="reopen the window also after it was closed")
     parser.add_argument("--perspective", metavar="FILE", help="layout of the panels in rqt")

@@ -122,7 +122,9 @@ class PlayedZone:
 class FakeGateway:
     """The gateway. Methods are called by the test's thread; close it at the end."""
 
-    def __init__(self, zones: int = 1) -> None:
+    def __init__(self, zones: int = 1, title: str = "") -> None:
+        self.title = title
+        self.sections: Dict[str, Any] = {}  # of the document, besides the zones
         self.zones = [PlayedZone(name) for name in NAMES[:zones]]
         self.given: List[Tuple[str, str, Dict[str, Any]]] = []  # commands: name, zone, fields
         self.answers = True  # whether commands have an effect and an answer
@@ -148,7 +150,7 @@ class FakeGateway:
     def _open(self) -> WebServer:
         languages = {path.stem: catalogues.translation(path.stem, catalogues.read(path))
                      for path in (ROOT / "resource" / "languages").glob("*.ts")}
-        store = Store(self, {**languages, LONG: _longer})
+        store = Store(self, {**languages, LONG: _longer}, self.title)
         self.server = WebServer(self._loop, store, str(ROOT / "resource" / "web"), frozenset(), command=self._command)
         self.server.open("127.0.0.1", PORT)
         self._tick()
@@ -200,7 +202,8 @@ class FakeGateway:
         """Publish what the core would, in the gateway's thread."""
         if not self.is_silent:
             zones = {zone.name: zone.shown() for zone in self.zones}
-            self.document = Document(BoxState("played", "", 0, zones=tuple(zones)), {}, zones, {}, {}, {})
+            shown = dict.fromkeys([*zones, *self.sections.get("public_runs", {})])
+            self.document = Document(BoxState("played", "", 0, zones=tuple(shown)), {}, zones, {}, {}, {}, **self.sections)
             self.server.follow()
 
     def _tick(self) -> None:
@@ -229,10 +232,15 @@ class FakeGateway:
               role: str = "") -> Page:
         """A paired phone that shows the referee's page; `zone`: of its pairing, "" is an organiser's."""
         zone = (self.zones[0].name if len(self.zones) == 1 else "") if zone is None else zone
-        role = role or ("referee" if zone else "organiser")
-        token = self.do(lambda: self.server.sessions.add(self.server.utc(), Grant(role, zone), "Anna", "Linux"))
+        grant = Grant(role or ("referee" if zone else "organiser"), zone)
+        page = self.paired(browser, f"/referee?language={language}", size, grant)
+        page.wait("document.querySelector('.run') !== null", "the zone is shown")
+        return page
+
+    def paired(self, browser: Browser, address: str, size: Tuple[int, int], grant: Grant) -> Page:
+        """A page of a paired device."""
+        token = self.do(lambda: self.server.sessions.add(self.server.utc(), grant, "Anna", "Linux"))
         page = browser.page("about:blank", *size, is_alone=True)
         page.command("Network.setCookie", name=COOKIE, value=token, url=URL)
-        page.open(f"{URL}/referee?language={language}")
-        page.wait("document.querySelector('.run') !== null", "the zone is shown")
+        page.open(URL + address)
         return page

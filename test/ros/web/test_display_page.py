@@ -1,0 +1,170 @@
+"""The public display's page: all that can be on it, at all sizes of screens. The test says what is on it."""
+
+import json
+import pathlib
+from typing import Any, Dict, List
+
+from support.browser import IS_ALL, NeedsBrowser
+from support.gateway import URL, wait_served
+
+SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
+SIZES = ((1280, 720), (1920, 1080), (1280, 1024), *([(3840, 2160)] if IS_ALL else []))
+TEXT = "document.body.innerText"
+TEAMS = ("BrassButlers", "CopperKettle", "HomeAlone", "TeaAtFive")
+BENCHMARKS = ("Getting to know my home", "Welcoming visitors", "Catering for Granny Annie's Comfort")
+WORDS = {"connected": "getting ready", "running": "running", "ended": "✓ completed"}
+CLOCK = 1_800_000_000.0
+# Nothing comes from the gateway any more: the test has the only word. The box's clock is stopped.
+TAKE_OVER = """(() => {
+  live.close();
+  live.reopen = () => {};
+  live.socket = {readyState: WebSocket.OPEN};
+  live.clock.at = () => CLOCK;
+})()""".replace("CLOCK", str(CLOCK))
+# Pages take turns so often, and not every 8 seconds.
+TURN = "(set => window.setInterval = (what, ms) => set(what, ms === 8000 ? {ms} : ms))(setInterval)"
+# What is wrong: parts outside of the screen or of their card, or that cover each other; texts that are not whole; teams
+# of runs that are not larger than the lists.
+FAULTS = """(() => {
+  const seen = selector => [...document.querySelectorAll(selector)].filter(one => !one.closest(".copy"));
+  const box = one => one.getBoundingClientRect();
+  const size = one => parseFloat(getComputedStyle(one).fontSize);
+  const isIn = (a, b) => a.left > b.left - 1 && a.right < b.right + 1 && a.top > b.top - 1 && a.bottom < b.bottom + 1;
+  const covers = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1
+    && b.top < a.bottom - 1;
+  const said = one => `${one.className}: ${one.textContent}`;
+  const screen = {left: 0, top: 0, right: innerWidth, bottom: innerHeight};
+  const faults = seen("#page > *, .card > *, .line, .row > *").filter(one => !isIn(box(one), screen)).map(said);
+  for (const card of seen(".card")) {
+    const parts = [...card.children].filter(one => one.textContent);
+    faults.push(...parts.filter(one => !isIn(box(one), box(card))).map(said));
+    faults.push(...parts.filter(one => parts.some(other => other !== one && covers(box(one), box(other)))).map(said));
+  }
+  faults.push(...seen(".word, .big, .row > *").filter(one => one.scrollWidth > one.clientWidth + 1).map(said));
+  faults.push(...seen(".fit").filter(one => {
+    const range = document.createRange();
+    range.selectNodeContents(one);
+    one.style.textOverflow = "clip";
+    return range.getBoundingClientRect().width > box(one).width;
+  }).map(said));
+  const teams = seen(".card .team .fit").map(size), rows = seen(".row .fit").map(size);
+  if (teams.length && rows.length && Math.min(...teams) <= Math.max(...rows)) {
+    faults.push(`teams of ${Math.min(...teams)} px, lists of ${Math.max(...rows)} px`);
+  }
+  // Capital letters of 1/30 of the height of a screen of 55 inches can be read from ten metres.
+  const far = seen(`.row > *, .card .team .fit, .big${teams.length > 3 ? "" : ", .card .benchmark .fit"}`);
+  const least = Math.min(innerHeight, innerWidth * 9 / 16) / 30;
+  faults.push(...far.filter(one => 0.73 * size(one) < least).map(one => `${said(one)} has ${size(one)} px`));
+  return faults;
+})()"""
+
+
+def _line(number: int, **fields: Any) -> Dict[str, Any]:
+    zone = f"Home {number + 1}"
+    return {"zone": zone, "time": "12:50", "team": TEAMS[number % 4], "benchmark": BENCHMARKS[number % 3], "last": zone,
+            "scores": [], **fields}
+
+
+def _runs(count: int, **fields: Any) -> Dict[str, Any]:
+    def run(number: int) -> Dict[str, Any]:
+        phase = ("running", "connected", "ended")[number % 3]
+        return {
+            "zone": f"Home {number + 1}", "phase": phase, "team": TEAMS[number % 4], "teams": [TEAMS[number % 4]],
+            "benchmark": BENCHMARKS[number % 3], "place": f"Home {number + 1} · round 1, run {1 + number % 3}",
+            "big": {"running": "▶ {time}", "connected": "10:00", "ended": "ended"}[phase], "word": WORDS[phase],
+            "is_paused": False, "ends": CLOCK + 571 if phase == "running" else None, "counts_from": None, **fields}
+    return {"page.runs": {"replay": "", "runs": [run(number) for number in range(count)]}}
+
+
+def _lists(scores: int = 3) -> Dict[str, Any]:
+    result = {"last": "✓ completed", "scores": [f"Achievements, part {n}: {n} points" for n in range(scores)]}
+    ranks = [_line(n, time=str(n + 1), benchmark="", last="", scores=["Achievements: 5"]) for n in range(4)]
+    return {
+        "page.next": {"lines": [_line(number) for number in range(12)]},
+        "page.results": {"results": [_line(number, **result) for number in range(5)],
+                         "provisional": [_line(0, **result)]},
+        "page.standings": {"standings": [{"title": "Standing: Welcoming visitors", "lines": ranks}]},
+    }
+
+
+class TestDisplay(NeedsBrowser):
+    """What the public display shows."""
+
+    maxDiff = None
+
+    PAGES = "the public display's page"
+
+    def setUp(self) -> None:
+        super().setUp()
+        wait_served()
+        self.page = self.browser.page("about:blank", *SIZES[0])
+        self.addCleanup(self.page.close)
+        self.open(turn_ms=2 ** 31 - 1)
+
+    def open(self, turn_ms: int) -> None:
+        """Open the page, and let it show only what the test says."""
+        self.page.command("Page.addScriptToEvaluateOnNewDocument", source=TURN.replace("{ms}", str(turn_ms)))
+        self.page.open(f"{URL}/display?layout=board")
+        self.page.wait("live.data['page.words'] && live.data['page.runs']", "the gateway has answered")
+        self.page.get(TAKE_OVER)
+
+    def show(self, *documents: Dict[str, Any]) -> None:
+        """Let the page show these, as the gateway sends them."""
+        data = {name: {"number": 1, "data": one} for each in documents for name, one in each.items()}
+        message = {"type": "snapshot", "heard": True, "clock": CLOCK, "documents": data}
+        self.page.get(f"live.receive({json.dumps(message)})")
+        self.page.get("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done))).then(() => 0)")
+
+    def faults(self) -> List[str]:
+        """What is wrong on the screen."""
+        return self.page.get(FAULTS)
+
+    def test_everything_is_whole_at_all_sizes(self) -> None:
+        for size in SIZES:
+            self.page.resize(*size)
+            for count in (0, 1, 2, 3, 4, 5, 6, 20):
+                self.show(_runs(count), _lists())
+                self.page.screenshot(SHOTS / f"display_{size[1]}_{count}.png")
+                with self.subTest(size=size, runs=count):
+                    self.assertEqual(self.faults(), [])
+                    times = self.page.get("[...document.querySelectorAll('.big')].map(one => one.textContent)")
+                    self.assertEqual(len(times), count if count <= 6 else 5)
+                    self.assertEqual(times[:1], ["▶ 9:31"][:count])
+
+    def test_a_paused_run_has_a_band_that_says_so(self) -> None:
+        for count in (1, 2, 3, 6):  # every kind of card
+            self.show(_runs(count, big="‖ 1:40", word="PAUSED", phase="running", is_paused=True, ends=None))
+            bands = self.page.get("[...document.querySelectorAll('.word')].map(one => "
+                                  "[one.textContent, getComputedStyle(one).backgroundColor])")
+            self.page.screenshot(SHOTS / f"display_paused_{count}.png")
+            self.assertEqual(bands, count * [["PAUSED", "rgb(242, 201, 76)"]])
+            self.assertEqual(self.faults(), [])
+
+    def test_long_names_are_written_smaller_then_shortened(self) -> None:
+        names = ", ".join(TEAMS * 2)
+        for count in (1, 2, 3, 6):
+            self.show(_runs(count, team="All teams", place=f"round 1, run 1 · {names}"))
+            self.assertIn(names, self.page.get(TEXT))
+            self.assertEqual([one for one in self.faults() if names not in one], [])
+
+    def test_what_does_not_fit_takes_turns(self) -> None:
+        self.open(turn_ms=200)
+        self.show(_runs(20), _lists(scores=11))
+        for title in ("Next", "Standing: ", "Results 1/", "Provisional results 2/"):
+            self.assertEqual(self.wait_page(title), [], title)
+            self.page.screenshot(SHOTS / f"display_{title.split()[0]}.png")
+        self.page.wait("document.querySelector('.mark').textContent.includes('4/4')", "the last runs are shown")
+
+    def wait_page(self, title: str) -> List[str]:
+        """Wait until a page with this title is shown; returns what is wrong on it."""
+        return self.page.get(f"""new Promise(done => {{
+            const look = () => document.querySelector("h2:not(.unseen)").textContent.startsWith({json.dumps(title)})
+                ? done({FAULTS}) : setTimeout(look, 10);
+            look();
+        }})""")
+
+    def test_the_logo_of_the_competition(self) -> None:
+        words = self.page.get("live.data['page.words']")
+        self.show({"page.words": {**words, "logos": ["competition"]}})
+        first = self.page.get("document.querySelector('.head > :first-child').src")
+        self.assertTrue(first.endswith("/logos/competition"), first)
