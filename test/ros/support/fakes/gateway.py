@@ -203,7 +203,8 @@ class FakeGateway:
         if not self.is_silent:
             zones = {zone.name: zone.shown() for zone in self.zones}
             shown = dict.fromkeys([*zones, *self.sections.get("public_runs", {})])
-            self.document = Document(BoxState("played", "", 0, zones=tuple(shown)), {}, zones, {}, {}, {}, **self.sections)
+            box = BoxState("played", "", 0, zones=tuple(shown))
+            self.document = Document(box, {}, zones, {}, {}, {}, **self.sections)
             self.server.follow()
 
     def _tick(self) -> None:
