@@ -102,8 +102,7 @@ def init_node(name: str) -> None:
 def run(app: QApplication) -> int:
     """Run until the last window is closed, a signal comes or ROS ends; returns the exit code. Then save and `leave`:
     after `ORDERLY_S`, this happens by itself."""
-    look = QTimer()
-    look.timeout.connect(lambda: app.quit() if _must_end.is_set() or rospy.is_shutdown() else None)
+    look = QTimer(timeout=lambda: app.quit() if _must_end.is_set() or rospy.is_shutdown() else None)
     look.start(LOOK_MS)
     code = app.exec_()
     os.write(_wake[1], bytes([signal.SIGTERM]))

@@ -23,6 +23,7 @@ class ActiveRobotsPanel(CollapsingPanel):
 
     TITLE = tr_later("Active Robots")
     TAB = tr_later("Robots")
+    WHERE = tr_later("The whole box")
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -66,9 +67,6 @@ class ActiveRobotsPanel(CollapsingPanel):
         document = self.model.document
         robots = [] if document is None else sorted(document.robots.items(), key=lambda item: item[1][:2])
         self._show_lines([self._line(name, robot) for name, robot in robots] or [self._nobody()])
-
-    def where(self) -> str:
-        return tr("The whole box")
 
     def _nobody(self) -> Tuple[str, ...]:
         text = tr("No robot is heard") if self.model.document else tr("Waiting for the core")

@@ -37,6 +37,7 @@ class CoreStatusPanel(Panel):
 
     TITLE = tr_later("Core Status")
     TAB = tr_later("Core")
+    WHERE = tr_later("The whole box")
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -46,8 +47,7 @@ class CoreStatusPanel(Panel):
         grid = QGridLayout()
         self._values: Dict[str, QLabel] = {}
         for number, (name, label) in enumerate(FIELDS.items()):
-            value = QLabel()
-            value.setTextFormat(Qt.PlainText)
+            value = QLabel(textFormat=Qt.PlainText)
             value.setTextInteractionFlags(Qt.TextSelectableByMouse)
             self._values[name] = basic.enlarged(value, 1.1)
             row, column = divmod(number, 2)
@@ -93,9 +93,6 @@ class CoreStatusPanel(Panel):
         for name, value in values.items():
             self._values[name].setText(value)
             self._values[name].setEnabled(not self.model.is_old)
-
-    def where(self) -> str:
-        return tr("The whole box")
 
     # -- reload -------------------------------------------------------------------------------------
 
@@ -162,7 +159,4 @@ class CoreStatusPanel(Panel):
         ask(self, question, "\n\n".join([text, *in_progress]), yes, lambda: self._exit(service))
 
     def _exit(self, service: str) -> None:
-        self._answer.say(tr("Exit …"))
-        self.client.calls.service(
-            self, service, Empty, (), lambda outcome: self._answer.show_outcome(tr("Exit"), outcome)
-        )
+        self.client.calls.service(self, service, Empty, (), self._answer.begin(tr("Exit")))

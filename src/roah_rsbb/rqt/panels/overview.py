@@ -197,8 +197,7 @@ class OverviewPanel(CollapsingPanel):
         self.head.setAlignment(Qt.AlignLeft | Qt.AlignVCenter)  # if the text is too long, its beginning stays visible
         self.body.addWidget(self.head)
         self._inside = QWidget()
-        self._grid = QGridLayout(self._inside)
-        self._grid.setContentsMargins(0, 0, 0, 0)
+        self._grid = basic.flat(QGridLayout(self._inside))
         self._grid.setSpacing(round(GAP_EMS * basic.em()))
         self._area = QScrollArea(widgetResizable=True)
         self._area.setFrameShape(QFrame.NoFrame)

@@ -4,7 +4,7 @@ import contextlib
 from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.rqt.model import failures
-from roah_rsbb.rqt.model.calls import CallOutcome, RefereeName
+from roah_rsbb.rqt.model.calls import CallOutcome, Done, RefereeName
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.model.model import Model, same
 from roah_rsbb.rqt.qt import (
@@ -79,6 +79,7 @@ class Panel(QWidget):
 
     TITLE = ""
     TAB = ""  # a shorter title for the tabs of our window; empty: the title
+    WHERE = ""  # the heading of a panel that shows no zone
     WHERE_FACTOR = 1.0
     # Whether both are also called while the panel is behind others: it beeps there, has keys that work
     # everywhere, or keeps what it shows.
@@ -129,6 +130,8 @@ class Panel(QWidget):
 
     def where(self) -> str:
         """Return the panel's heading: its zone, and the event there."""
+        if self.WHERE:
+            return tr(self.WHERE)
         zone = self.model.zone
         if zone is None:
             return self.model.zone_name
@@ -188,10 +191,9 @@ class Panel(QWidget):
                 return True
         for _ in range(MOST_CONTROLS):
             moved = super().focusNextPrevChild(forward)
-            widget = QApplication.focusWidget()
-            while widget is not None and not isinstance(widget, Panel):
-                widget = widget.parentWidget()
-            if not moved or widget is None or not widget.visibleRegion().isEmpty():
+            focused = QApplication.focusWidget()
+            panel = focused if focused is None or isinstance(focused, Panel) else basic.around(focused, Panel)
+            if not moved or panel is None or not panel.visibleRegion().isEmpty():
                 break
         return moved
 
@@ -284,8 +286,7 @@ def keep_true(box: QMessageBox, model: Model, current: Callable[[], Tuple[str, s
     """Keep a question true while it is open. `current` returns it and its details. One that has changed cannot be
     confirmed for a moment, because the referee has not read it."""
     accept = next(button for button in box.buttons() if box.buttonRole(button) == QMessageBox.AcceptRole)
-    held = QTimer(box, singleShot=True)
-    held.timeout.connect(lambda: accept.setEnabled(True))
+    held = QTimer(box, singleShot=True, timeout=lambda: accept.setEnabled(True))
 
     def look() -> None:
         question, details = current()
@@ -312,8 +313,7 @@ class Answer(QLabel):
 
     def __init__(self) -> None:
         super().__init__()
-        self._done = QTimer(self, singleShot=True)
-        self._done.timeout.connect(self.clear_answer)
+        self._done = QTimer(self, singleShot=True, timeout=self.clear_answer)
         # It keeps its height while it is empty, so that nothing moves under the mouse when a text appears.
         self.setFixedHeight(round(LINES * self.fontMetrics().lineSpacing() + basic.em() / 2))
         self.setWordWrap(True)
@@ -338,6 +338,11 @@ class Answer(QLabel):
         else:
             self._show(tr("✔ {what}: done", what=what), "")
             self._done.start(DONE_MS)
+
+    def begin(self, what: str) -> Done:
+        """Show that the command `what` is in progress. Returns what shows its outcome."""
+        self.say(f"{what} …")
+        return lambda outcome: self.show_outcome(what, outcome)
 
     def clear_answer(self) -> None:
         """Show nothing."""
@@ -397,12 +402,22 @@ class RefereeLine(QLineEdit):
 
 
 class RefereePanel(Panel):
-    """Base of panels whose records carry the referee's name. A subclass places `self.referee`."""
+    """Base of panels whose records carry the referee's name. A subclass calls `add_last_line`."""
 
     def __init__(self, client: Client) -> None:
         super().__init__(client)
+        self._answer = Answer()
         self.referee = RefereeLine(client.referee)
         client.referee.changed.connect(self.redraw)
+
+    def add_last_line(self, *buttons: QWidget) -> None:
+        """Add the last line: the referee's name, the answer and buttons."""
+        last = QHBoxLayout()
+        last.addWidget(self.referee, 1)
+        last.addWidget(self._answer, 2)
+        for button in buttons:
+            last.addWidget(button)
+        self.body.addLayout(last)
 
     def shutdown(self) -> None:
         self.client.referee.changed.disconnect(self.redraw)

@@ -28,8 +28,7 @@ class StopPrompt(QLabel):
         self.setTextFormat(Qt.PlainText)
         self.setWordWrap(True)
         basic.enlarged(self, 1.6, bold=True)
-        self._timer = QTimer(self, singleShot=True)
-        self._timer.timeout.connect(self.hide)
+        self._timer = QTimer(self, singleShot=True, timeout=self.hide)
 
     def say(self, text: str, tone: basic.Tone, for_s: float) -> None:
         """Show a text for some time, at the top of the active window."""
