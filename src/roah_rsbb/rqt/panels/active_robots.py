@@ -24,6 +24,7 @@ class ActiveRobotsPanel(CollapsingPanel):
     TITLE = tr_later("Active Robots")
     TAB = tr_later("Robots")
     WHERE = tr_later("The whole box")
+    PARTS = ("robots", "zones")
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -54,10 +55,6 @@ class ActiveRobotsPanel(CollapsingPanel):
         if self.model.document is not None:
             self._links.observe(self.model.now().mono, {
                 name: robot.silent_since for name, robot in self.model.document.robots.items()})
-
-    def parts(self) -> tuple:
-        document = self.model.document
-        return () if document is None else (document.robots, document.zones)
 
     def show_model(self) -> None:
         self._observe()

@@ -124,6 +124,7 @@ class BenchmarkControlPanel(Panel):
     TITLE = tr_later("Benchmark Control")
     WHERE_FACTOR = 1.4
     WORKS_BEHIND = True
+    PARTS = ("zone", "results")
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -206,10 +207,6 @@ class BenchmarkControlPanel(Panel):
 
     # -- showing ------------------------------------------------------------------------------------
 
-    def parts(self) -> tuple:
-        document = self.model.document
-        return (self.model.zone, None if document is None else document.results)
-
     def show_model(self) -> None:
         self._show_zone_change()
         zone = self.model.zone
@@ -258,7 +255,7 @@ class BenchmarkControlPanel(Panel):
             return
         for button in (*self.buttons.values(), *self.rules.buttons.values()):
             button.hold()
-        basic.set_style(self._zones, f"QComboBox {{ background: {basic.OLD.background}; color: {basic.OLD.text}; }}")
+        basic.set_style(self._zones, f"QComboBox {{ {basic.OLD.css} }}")
         self._highlight.start(basic.HOLD_MS)
 
     def _show_no_zone(self) -> None:

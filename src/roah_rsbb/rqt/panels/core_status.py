@@ -38,6 +38,7 @@ class CoreStatusPanel(Panel):
     TITLE = tr_later("Core Status")
     TAB = tr_later("Core")
     WHERE = tr_later("The whole box")
+    PARTS = ("robots", "zones")
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -69,10 +70,6 @@ class CoreStatusPanel(Panel):
         buttons.addWidget(self.reload)
         buttons.addWidget(self.exit)
         self.body.addLayout(buttons)
-
-    def parts(self) -> tuple:
-        document = self.model.document
-        return () if document is None else (document.robots, document.zones)
 
     def show_model(self) -> None:
         document = self.model.document

@@ -33,6 +33,7 @@ class JudgesPanel(RefereePanel):
 
     TITLE = tr_later("Judges")
     TAB = tr_later("Jury")
+    PARTS = ("judging", "results")
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -101,10 +102,6 @@ class JudgesPanel(RefereePanel):
 
     def where(self) -> str:
         return self.model.zone_name
-
-    def parts(self) -> tuple:
-        document = self.model.document
-        return () if document is None else (document.judging, document.results)
 
     def show_times(self) -> None:
         self.progress.show_lines(self._progress(self._run))

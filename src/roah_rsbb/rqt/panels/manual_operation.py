@@ -138,7 +138,7 @@ class ManualOperationPanel(Panel):
             basic.set_style(self.text, "")
             return
         tone = basic.Tone(*reversed(basic.ALARM)) if self._flashes_left % 2 else basic.ALARM
-        basic.set_style(self.text, f"background: {tone.background}; color: {tone.text};")
+        basic.set_style(self.text, tone.css)
 
     # -- answering ----------------------------------------------------------------------------------
 

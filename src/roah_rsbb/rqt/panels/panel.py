@@ -71,7 +71,7 @@ class PanelArea(QScrollArea):
 
 
 class Panel(QWidget):
-    """Base of all panels. A subclass fills `self.body` and implements `show_model`, `parts` and `show_times`.
+    """Base of all panels. A subclass fills `self.body` and implements `show_model`, `PARTS` and `show_times`.
 
     `show_model` is called when a part changed while the panel is visible, and when it becomes visible. `show_times` is
     called after it, and a few times a second.
@@ -81,6 +81,7 @@ class Panel(QWidget):
     TAB = ""  # a shorter title for the tabs of our window; empty: the title
     WHERE = ""  # the heading of a panel that shows no zone
     WHERE_FACTOR = 1.0
+    PARTS: Tuple[str, ...] = ("zone",)  # what it shows: the zone, and fields of the document
     # Whether both are also called while the panel is behind others: it beeps there, has keys that work
     # everywhere, or keeps what it shows.
     WORKS_BEHIND = False
@@ -123,7 +124,8 @@ class Panel(QWidget):
     def parts(self) -> tuple:
         """Return what the panel shows of the model, beside the box, its age and the name of the zone. It is drawn again
         when a part is another object."""
-        return (self.model.zone,)
+        document = self.model.document
+        return tuple(self.model.zone if name == "zone" else document and getattr(document, name) for name in self.PARTS)
 
     def show_times(self) -> None:
         """Show what changes while only time passes."""
@@ -312,13 +314,10 @@ class Answer(QLabel):
     """The line in which a panel shows the result of the last command."""
 
     def __init__(self) -> None:
-        super().__init__()
+        super().__init__(wordWrap=True, textFormat=Qt.PlainText, textInteractionFlags=Qt.TextSelectableByMouse)
         self._done = QTimer(self, singleShot=True, timeout=self.clear_answer)
         # It keeps its height while it is empty, so that nothing moves under the mouse when a text appears.
         self.setFixedHeight(round(LINES * self.fontMetrics().lineSpacing() + basic.em() / 2))
-        self.setWordWrap(True)
-        self.setTextFormat(Qt.PlainText)
-        self.setTextInteractionFlags(Qt.TextSelectableByMouse)
         self.clear_answer()
 
     def say(self, text: str) -> None:
@@ -327,14 +326,14 @@ class Answer(QLabel):
 
     def warn(self, text: str) -> None:
         """Show a warning."""
-        self._show(text, f"background: {basic.OLD.background}; color: {basic.OLD.text}; font-weight: bold;")
+        self._show(text, f"{basic.OLD.css}font-weight:bold;")
 
     def show_outcome(self, what: str, outcome: CallOutcome) -> None:
         """Show the result of the command `what`."""
         if outcome.error:
             tone = basic.ALARM
             failed = tr("✘ {what} failed: {error}", what=what, error=outcome.error)
-            self._show(failed, f"background: {tone.background}; color: {tone.text};")
+            self._show(failed, tone.css)
         else:
             self._show(tr("✔ {what}: done", what=what), "")
             self._done.start(DONE_MS)
@@ -397,7 +396,7 @@ class RefereeLine(QLineEdit):
     def _mark(self) -> None:
         """A missing name stands out."""
         tone = basic.OLD
-        style = "" if self._shared.name else f"QLineEdit {{ background: {tone.background}; color: {tone.text}; }}"
+        style = "" if self._shared.name else f"QLineEdit {{ {tone.css} }}"
         basic.set_style(self, style)
 
 

@@ -30,6 +30,7 @@ class ResultsPanel(RefereePanel):
     """A list of the zone's runs; below it, the chosen run."""
 
     TITLE = tr_later("Results")
+    PARTS = ("results",)
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -70,9 +71,6 @@ class ResultsPanel(RefereePanel):
         self.add_last_line(self.sign)
 
     # -- showing ------------------------------------------------------------------------------------
-
-    def parts(self) -> tuple:
-        return (None if self.model.document is None else self.model.document.results,)
 
     def show_model(self) -> None:
         zone = self.model.zone_name

@@ -59,6 +59,7 @@ class SchedulePanel(Panel):
 
     TITLE = tr_later("Schedule")
     TAB = tr_later("Plan")
+    PARTS = ("schedule",)
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -93,9 +94,6 @@ class SchedulePanel(Panel):
 
     def where(self) -> str:
         return schedule.summary(self._events) if self._events else tr(WAITING)
-
-    def parts(self) -> tuple:
-        return (None if self.model.document is None else self.model.document.schedule,)
 
     def show_model(self) -> None:
         self._events = () if self.model.document is None else self.model.document.events()

@@ -228,7 +228,7 @@ class ScoreRow(ItemRow):
             self.toggle.setText(f"{tr(_BOOL_TEXTS.get(value, _YES))}{mark}")
             self.toggle.setAccessibleName(f"{self.text.text()}: {self.toggle.text()}")
             tone = basic.RUNNING
-            style = f"background: {tone.background}; color: {tone.text};" if value == 1 and not why_off else ""
+            style = tone.css if value == 1 and not why_off else ""
             basic.set_style(self.toggle, f"QPushButton {{ {style} }}" if style else "")
             return
         self.number.setText(f"{tr('n/a') if value is NOT_ATTEMPTED else value}{mark}")
@@ -337,6 +337,7 @@ class ScoringPanel(RefereePanel):
     """All items of the run, in their groups."""
 
     TITLE = tr_later("Scoring")
+    PARTS = ("zone", "results")
     WORKS_BEHIND = True
 
     def __init__(self, client) -> None:
@@ -372,10 +373,6 @@ class ScoringPanel(RefereePanel):
         shortcut.activated.connect(pressed)
 
     # -- showing ------------------------------------------------------------------------------------
-
-    def parts(self) -> tuple:
-        document = self.model.document
-        return (self.model.zone, None if document is None else document.results)
 
     def show_model(self) -> None:
         zone = self.model.zone

@@ -25,6 +25,7 @@ class TabletStatusPanel(Panel):
     TITLE = tr_later("Tablet Status")
     TAB = tr_later("Tablet")
     WHERE = tr_later("The whole box")
+    PARTS = ()
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -59,6 +60,3 @@ class TabletStatusPanel(Panel):
             self._values[name].setText(value)
             self._values[name].setToolTip(moments.tip(utc_s[name]) if utc_s.get(name) else "")
             self._values[name].setEnabled(not self.model.is_old)
-
-    def parts(self) -> tuple:
-        return ()

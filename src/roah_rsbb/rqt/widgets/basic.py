@@ -35,6 +35,11 @@ class Tone(NamedTuple):
     background: str
     text: str
 
+    @property
+    def css(self) -> str:
+        """The colours, for a style sheet."""
+        return f"background: {self.background}; color: {self.text};"
+
 
 RUNNING = Tone("#12702b", "#ffffff")
 READY = Tone("#14508c", "#ffffff")
@@ -262,7 +267,7 @@ class Badge(ShortenedLabel):
     def show_text(self, text: str, tone: Tone) -> None:
         """Show `text`, on the tone's colour."""
         self.setText(text)
-        set_style(self, f"background: {tone.background}; color: {tone.text}; padding: 0.1em 0.5em;")
+        set_style(self, f"{tone.css} padding: 0.1em 0.5em;")
 
 
 class Notices(QTextEdit):
@@ -400,7 +405,7 @@ class CommandButton(QPushButton):
 
 def _button_style(tone: Tone) -> str:
     return (
-        f"QPushButton {{ background: {tone.background}; color: {tone.text}; border: 0.15em solid {tone.background};"
+        f"QPushButton {{ {tone.css} border: 0.15em solid {tone.background};"
         " border-radius: 0.3em; }"
         f"QPushButton:hover, QPushButton:focus {{ border-color: {tone.text}; }}"
         f"QPushButton:disabled {{ background: palette(button); color: {FADED}; border-color: {FADED}; }}"

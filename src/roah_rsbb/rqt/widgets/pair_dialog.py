@@ -68,8 +68,7 @@ class PairDialog(QDialog):
     """Shows a code for one device, and all paired devices."""
 
     def __init__(self, parent: QWidget, calls: Calls, moments: Moments, zone: str) -> None:
-        super().__init__(parent)
-        self.setWindowTitle(tr("Pair a phone or tablet"))
+        super().__init__(parent, windowTitle=tr("Pair a phone or tablet"))
         self.setAttribute(Qt.WA_DeleteOnClose)
         self._calls = calls
         self._moments = moments
