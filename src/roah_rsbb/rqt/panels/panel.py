@@ -326,7 +326,7 @@ class Answer(QLabel):
 
     def warn(self, text: str) -> None:
         """Show a warning."""
-        self._show(text, f"{basic.OLD.css}font-weight:bold;")
+        self._show(text, basic.OLD.css + "font-weight:bold;")
 
     def show_outcome(self, what: str, outcome: CallOutcome) -> None:
         """Show the result of the command `what`."""
