@@ -36,9 +36,11 @@ class Fetched(Generic[T]):
         self._again = QTimer(owner, singleShot=True, interval=AGAIN_MS, timeout=self._ask_again)
         self.error = ""  # why the last request failed
 
-    def newest(self, run: Union[Judging, RunLine]) -> Optional[T]:
+    def newest(self, run: Union[Judging, RunLine, None]) -> Optional[T]:
         """Return the known answer about a run at once, and request a newer one if the core published its revision
-        after it was requested."""
+        after it was requested. None: no run, or nothing is known."""
+        if run is None:
+            return None
         identity, revision = run.identity, run.revision
         known = self._known.get(identity)
         if (known is None or known.revision != revision) and self._asked.get(identity) != revision:

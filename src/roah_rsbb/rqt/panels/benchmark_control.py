@@ -72,7 +72,7 @@ class StopReasonLine(QLineEdit):
         self.setEnabled(summary is not None and not why_fixed_now)
         self.setToolTip(basic.tip(why_fixed_now or tr(REASON_TIP)))
         self.setPlaceholderText("" if summary is None else tr(ASK_REASON))
-        sheet = None if summary is None else self._sheets.newest(summary)
+        sheet = self._sheets.newest(summary)
         if sheet is None or not sheet.ends or self.isModified() or sheet.run.revision in self._without:
             return
         if self.text() != sheet.ends[-1].reason:

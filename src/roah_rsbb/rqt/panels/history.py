@@ -129,5 +129,5 @@ class HistoryDialog(QDialog):
 
     def _on_update(self) -> None:
         summary = self._client.model.run_of(self._identity)
-        sheet = None if summary is None else self._sheets.newest(summary)
+        sheet = self._sheets.newest(summary)
         self.history.show_sheet(summary, sheet, why_fixed(summary, self._client.model))

@@ -114,7 +114,7 @@ class JudgesPanel(RefereePanel):
         judgings = self.model.judgings_of(zone)
         self._offer(judgings)
         one = self._run = self._chosen(judgings)
-        answer = None if one is None else self._answers.newest(one)
+        answer = self._answers.newest(one)
         self._judged = () if answer is None else judging.judged_of(answer)
         self._objections = () if answer is None else judging.objections_of(answer)
         self._show_items(one)
@@ -208,7 +208,7 @@ class JudgesPanel(RefereePanel):
 
     def _ask_settle(self) -> None:
         one, item = self._one(), self._item()
-        answer = None if one is None else self._answers.newest(one)
+        answer = self._answers.newest(one)
         if one is None or item is None or answer is None:
             return
         of_sheet = answer.items[item.number - 1]

@@ -84,7 +84,7 @@ class ResultsPanel(RefereePanel):
             with QSignalBlocker(self.runs):
                 self.runs.choose(runs[0].identity)
         summary = self._summary()
-        sheet = None if summary is None else self._sheets.newest(summary)
+        sheet = self._sheets.newest(summary)
         self._show_sheet(summary, sheet)
         self._show_buttons(summary, sheet)
 
@@ -95,10 +95,6 @@ class ResultsPanel(RefereePanel):
         """The chosen run."""
         run = self.model.run_of(str(self.runs.chosen or ""))
         return run if run is not None and run.zone == self._zone else None
-
-    def _sheet(self) -> Optional[RunSheet]:
-        summary = self._summary()
-        return None if summary is None else self._sheets.newest(summary)
 
     def _show_sheet(self, summary: Optional[RunLine], sheet: Optional[RunSheet]) -> None:
         moments = self.client.moments
@@ -151,7 +147,8 @@ class ResultsPanel(RefereePanel):
     # -- doing it -----------------------------------------------------------------------------------
 
     def _ask_score(self) -> None:
-        summary, item = self._summary(), self._chosen_item(self._sheet())
+        summary = self._summary()
+        item = self._chosen_item(self._sheets.newest(summary))
         if summary is None or item is None:
             return
         title = _name(summary)
@@ -167,7 +164,8 @@ class ResultsPanel(RefereePanel):
         }, self._begin(summary, item.desc))
 
     def _ask_reason(self) -> None:
-        summary, sheet = self._summary(), self._sheet()
+        summary = self._summary()
+        sheet = self._sheets.newest(summary)
         if summary is None or sheet is None or not sheet.ends:
             return
         end = next((end for end in sheet.ends if end.number == self.stops.chosen), sheet.ends[-1])

@@ -395,7 +395,7 @@ class ScoringPanel(RefereePanel):
     def show_times(self) -> None:
         """Show the last marks of the run, and how long ago they were."""
         run = self.model.run_of(self.model.identity_of(self.model.zone_name))
-        sheet = None if run is None else self._sheets.newest(run)
+        sheet = self._sheets.newest(run)
         entries = [] if sheet is None or not self.rows else sheets.to_undo(sheet.history, PLACES)
         self.undo.show_entries(entries, self.model.now().utc, self.model.why_read_only(tr(SILENT)))
 
