@@ -67,7 +67,7 @@ test-all: build ## also all random inputs, long rounds and fuzzing: about an hou
 	@ROAH_TEST_ALL=yes NET="--all" tools/run_tests $(WITHOUT)
 	@$(MAKE) --no-print-directory READY=yes fuzz
 
-lint: install-deps ## ruff, mypy and catkin_lint
+lint: install-deps ## ruff, mypy and catkin_lint; no committed logs or caches
 	@tools/lint
 
 test-pure: build ## tests without ROS

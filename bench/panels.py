@@ -55,7 +55,7 @@ class ClickBench:
 
 def window_cpu(seconds: float) -> float:
     """Share of a processor (per cent) that a client window with all panels uses, with the zones of the running core."""
-    window = Measured(sys.executable, str(ROOT / "scripts" / "roah_rsbb_window"))
+    window = Measured(sys.executable, str(ROOT / "scripts" / "panel"), "window")
     try:
         time.sleep(SETTLE_S)
         return window.cpu_percent(seconds)

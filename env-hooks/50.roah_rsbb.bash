@@ -2,8 +2,8 @@
 # workspace sources it; the Debian package installs it.
 
 # The programs that people start. Launch files start the others; they are completed from their first letters.
-_roah_rsbb_programs="capture check_ground_truth check_robot demo dummy_box dummy_robot dummy_tablet new_competition preflight
-  protected_master reconnect referee replay results roah_devices_dummy roah_rsbb_window standby"
+_roah_rsbb_programs="capture check_ground_truth check_robot demo dummy_box dummy_robot dummy_tablet new_competition panel
+  preflight protected_master reconnect referee replay results roah_devices_dummy standby"
 
 _roah_rsbb_folder() {  # the folder with the programs
   local prefix folder IFS=:

@@ -1984,6 +1984,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>The whole box</source>
+        <translation>Die ganze Box</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
         <source>Longest silence of the robot in the last {time:.0f} s. It sends every second.</source>
         <translation>Längste Sendepause des Roboters in den letzten {time:.0f} s. Er sendet jede Sekunde.</translation>
     </message>
@@ -1991,11 +1996,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
         <source>The robot&apos;s clock minus the box&apos;s: + is ahead, - is behind</source>
         <translation>Uhr des Roboters minus Uhr der Box: + geht vor, - geht nach</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>The whole box</source>
-        <translation>Die ganze Box</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
@@ -2247,6 +2247,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Home devices</source>
+        <translation>Geräte der Wohnung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>Switch {number}</source>
         <translation>Schalter {number}</translation>
     </message>
@@ -2299,11 +2304,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>Ring the bell</source>
         <translation>Die Klingel läuten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Home devices</source>
-        <translation>Geräte der Wohnung</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
@@ -2527,11 +2527,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Cancel</source>
-        <translation>Abbrechen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Choose a robot, score without a robot, no-show, pair a phone</source>
         <translation>Roboter wählen, ohne Roboter werten, nicht angetreten, Telefon koppeln</translation>
     </message>
@@ -2665,6 +2660,11 @@
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
         <source>● live</source>
         <translation>● live</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
+        <source>Cancel</source>
+        <translation>Abbrechen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>

@@ -53,7 +53,7 @@ def check_rosrun(package, script, *given):
     assert script in programs.SCRIPTS, f"no script {script}"
     said = programs.helps()[script].text
     word = next((each for each in given if not each.startswith("-")), "")
-    if script in ("referee", "results", "standby") and word:
+    if script in ("panel", "referee", "results", "standby") and word:
         assert re.search(rf"\b{word}\b", said), f"{script} has no command {word}"
         if any(each.startswith("--") for each in given):
             said += programs.help_of(script, word).text
@@ -134,7 +134,8 @@ def test_there_are_commands():
 
 @pytest.mark.parametrize("command", [
     "rosrun roah_rsbb no_such_script", "rosrun roah_rsbb preflight --no-such-option",
-    "rosrun roah_rsbb referee no_such_command", "rosrun roah_rsbb referee run Home --no-such-option",
+    "rosrun roah_rsbb panel no_such_panel", "rosrun roah_rsbb referee no_such_command",
+    "rosrun roah_rsbb referee run Home --no-such-option",
     "rosrun roah_rsbb roah_rsbb_core _no_such_parameter:=1", "roslaunch roah_rsbb no_such.launch",
     "roslaunch roah_rsbb roah_rsbb.launch no_such_argument:=1", "cd /tmp && make no-such-target",
     "no_such_program", "tools/no_such_tool", "A=1 sudo no_such_program", "python3 -m roah_rsbb.no_such_module",

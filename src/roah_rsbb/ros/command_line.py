@@ -14,10 +14,6 @@ _SETTINGS = """\
 Settings are ROS parameters, of the node or given as _name:=value. The launch files set those that competitions need;
 'roslaunch --ros-args roah_rsbb FILE.launch' explains them.
 """
-_PANEL = """\
-The panel shows the zone of the client in whose namespace it runs: __ns:=/some_client. Without __ns it selects its own
-zone.
-"""
 
 
 def explain(doc: str, settings: str = _SETTINGS) -> None:
@@ -27,11 +23,6 @@ def explain(doc: str, settings: str = _SETTINGS) -> None:
     """
     parser = Parser(os.path.basename(sys.argv[0]), doc.strip(), settings)
     parser.parse_args(rospy.myargv()[1:])
-
-
-def explain_panel(doc: str) -> None:
-    """Like `explain`, for a panel in its own window."""
-    explain(doc, _PANEL)
 
 
 def run_node(

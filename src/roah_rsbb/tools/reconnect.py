@@ -25,7 +25,7 @@ PROGRAM = "reconnect"
 MASTER_PORT = 11311
 LAUNCHES = ("roah_rsbb_client.launch", "roah_rsbb_public.launch")
 # Names of programs and of our own windows, which scripts start.
-WINDOWS = ("rqt", "rqt_gui", "roah_rsbb_window", "roah_rsbb_public")
+WINDOWS = ("rqt", "rqt_gui", "panel", "roah_rsbb_public")
 # A service that only a box has. A core that waits on a standby does not have it.
 SERVICE = "/core/start"
 # Seconds until programs that do not end are killed: with a master that is off, they may wait for it for minutes.

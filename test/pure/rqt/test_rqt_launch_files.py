@@ -9,6 +9,8 @@ from xml.etree import ElementTree
 
 import pytest
 
+from roah_rsbb.rqt.app.panel_list import PANELS, plugin_name
+
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch"))
 PLUGINS = ElementTree.parse(ROOT / "plugin.xml").getroot()
@@ -36,25 +38,22 @@ def test_arguments_are_explained(path):
     assert undocumented == []
 
 
-def listed_panels():
-    """The plugins' names of all panels in the list, which is read without Qt."""
-    source = ast.parse((ROOT / "src" / "roah_rsbb" / "rqt" / "app" / "panel_list.py").read_text(encoding="utf-8"))
-    panels = next(node.value for node in source.body if isinstance(node, ast.AnnAssign) and node.target.id == "PANELS")
-    return [name.id[:-len("Panel")] for name in panels.elts]
-
-
 def test_each_panel_of_the_list_is_a_plugin():
     named = {element.get("name"): element.get("type") for element in PLUGINS.iter("class")}
-    assert named == {f"rqt_roah_rsbb/{name}": f"roah_rsbb.rqt.app.plugins.{name}" for name in listed_panels()}
+    listed = list(map(plugin_name, PANELS))
+    assert named == {f"rqt_roah_rsbb/{name}": f"roah_rsbb.rqt.app.plugins.{name}" for name in listed}
+    for said in ("description", "qtgui/statustip"):
+        assert {e.get("name").partition("/")[2]: e.findtext(said) for e in PLUGINS.iter("class")} == \
+            dict(zip(listed, PANELS.values()))
 
 
 def test_each_file_of_a_panel_is_in_the_list():
     files = (ROOT / "src" / "roah_rsbb" / "rqt" / "panels").glob("*.py")
-    classes = [node for file in files for node in ast.parse(file.read_text(encoding="utf-8")).body
+    classes = [(file.stem, node) for file in files for node in ast.parse(file.read_text(encoding="utf-8")).body
                if isinstance(node, ast.ClassDef)]
-    titled = {node.name for node in classes for line in node.body
+    titled = {(name, node.name) for name, node in classes for line in node.body
               if isinstance(line, ast.Assign) and line.targets[0].id == "TITLE" and isinstance(line.value, ast.Call)}
-    assert titled == {f"{name}Panel" for name in listed_panels()}
+    assert titled == {(name, f"{plugin_name(name)}Panel") for name in PANELS}
 
 
 def test_all_plugins_are_in_one_group_of_the_menu():
@@ -79,16 +78,13 @@ def test_the_layout_for_rqt_fills_whatever_screen():
     assert (magic, is_maximized, screen_width) == (0x1D9D0CB, True, 0)
 
 
-def test_each_plugin_is_also_a_program_of_its_own():
-    installed = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
-    for element in PLUGINS.iter("class"):
-        name = "roah_rsbb_" + element.findtext("qtgui/label").lower().replace(" ", "_")
-        program = ROOT / "scripts" / name
-        assert os.access(program, os.X_OK), name
-        text = program.read_text(encoding="utf-8")
-        assert f"main({element.get('name').partition('/')[2]}Panel)" in text
-        assert "import" not in text.partition("import roah_rsbb.rqt.interruptible")[0]
-        assert f"scripts/{name}\n" in installed
+@pytest.mark.parametrize("name", [
+    "active_robots", "benchmark_control", "core_status", "log_display", "manual_operation", "omf_switches",
+    "online_data", "scoring", "tablet_status",
+])
+def test_the_programs_of_the_original_open_their_panel(name):
+    assert name in PANELS
+    assert os.readlink(ROOT / "scripts" / f"roah_rsbb_{name}") == "panel"
 
 
 @pytest.mark.parametrize("name", ["roah_rsbb.launch", "roah_rsbb_dummy.launch"])

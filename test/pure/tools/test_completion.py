@@ -59,7 +59,8 @@ def test_every_program_that_is_offered_exists(tab) -> None:
     ("rosrun --debug roah_rsbb ref", ["referee"]),
     ("rosrun --prefix nice roah_rsbb ref", ["referee"]),
     # Programs for launch files are offered after their first letters.
-    ("rosrun roah_rsbb roah_rsbb_ov", ["roah_rsbb_overview"]),
+    ("rosrun roah_rsbb roah_rsbb_sc", ["roah_rsbb_scoring"]),
+    ("rosrun roah_rsbb panel ov", ["overview"]),
     ("rosrun roah_rsbb referee sta", ["status", "start"]),
     ("roah-rsbb referee sta", ["status", "start"]),
     ("rosrun roah_rsbb   referee  run 'Home A' --op", ["--operations"]),

@@ -19,7 +19,7 @@ LIMIT_S = 60.0
     ("/usr/bin/python3 /opt/ros/noetic/bin/roslaunch roah_rsbb roah_rsbb_public.launch", True),
     ("/usr/bin/python3 /opt/ros/noetic/bin/roslaunch roah_rsbb roah_rsbb.launch", False),
     ("/usr/bin/python3 /usr/bin/rqt --perspective-file x", True),
-    ("/usr/bin/python3 /home/x/roah_rsbb_window", True),
+    ("/usr/bin/python3 /home/x/panel window", True),
     ("vim roah_rsbb_client.launch", False),
     ("/usr/bin/python3 /home/x/roah_rsbb_core", False),
     ("", False)])

@@ -20,10 +20,8 @@ from support.real_input import close_all_windows
 from support.robots import RSBB_PORT
 from support.waiting import LIMIT_S
 
-from roah_rsbb.rqt.app import standalone
 from roah_rsbb.rqt.app.panel_list import PANELS
 from roah_rsbb.rqt.model.client import Client
-from roah_rsbb.rqt.panels.judges import JudgesPanel
 
 ROS_TESTS = pathlib.Path(__file__).resolve().parents[1]
 PURE_TESTS = ROS_TESTS.parent / "pure"
@@ -31,7 +29,7 @@ LAUNCH = ROS_TESTS.parents[1] / "launch"
 PYTHONPATH = os.environ["PYTHONPATH"]
 # The other cases in this folder open each panel but this one without a window around it, and
 # test_rqt_launch_files.py compares the programs with the list.
-ALONE = PANELS if os.environ.get("ROAH_TEST_ALL") == "yes" else (JudgesPanel,)
+ALONE = PANELS if os.environ.get("ROAH_TEST_ALL") == "yes" else ("judges",)
 AT_A_TIME = 3  # panels
 
 
@@ -95,14 +93,14 @@ class TestPrograms(unittest.TestCase):
     def test_a_panel_opens_alone_and_ends(self) -> None:
         core = FakeCore()
         self.addCleanup(core.leave)
-        names = [standalone.name_of(kind) for kind in ALONE]
+        names = tuple(ALONE)
         # A few at a time: all of them at once would only wait for one another.
         for first in range(0, len(names), AT_A_TIME):
             self.open_and_end(names[first:first + AT_A_TIME])
 
-    def open_and_end(self, names: List[str]) -> None:
-        programs = [self.start(own(name)) for name in names]
-        wait_until(lambda: _listeners() >= {f"/{name}" for name in names}, f"{names} have a client")
+    def open_and_end(self, names: Tuple[str, ...]) -> None:
+        programs = [self.start(own("panel"), name) for name in names]
+        wait_until(lambda: _listeners() >= {f"/roah_rsbb_{name}" for name in names}, f"{names} have a client")
         for program in programs:
             program.signal(signal.SIGINT)
         for name, program in zip(names, programs):
@@ -131,7 +129,7 @@ class TestPrograms(unittest.TestCase):
 class TestEnds(unittest.TestCase):
     """Our window, alone and as a launch file starts it, ends whatever its master does."""
 
-    WINDOW, CLIENT = ("roah_rsbb_window",), ("roah_rsbb_gui", "--gui", "window")
+    WINDOW, CLIENT = ("panel", "window"), ("roah_rsbb_gui", "--gui", "window")
 
     def setUp(self) -> None:
         port = str(RSBB_PORT + 50)
@@ -173,7 +171,7 @@ class TestEnds(unittest.TestCase):
 
     def test_it_does_not_wait_for_a_master_that_hangs(self) -> None:
         terminated, interrupted, closed = self.open(self.CLIENT, self.WINDOW, self.WINDOW)
-        starting = Program(own("roah_rsbb_window"), "__name:=starting", ROS_MASTER_URI=self.uri)
+        starting = Program(own("panel"), "window", "__name:=starting", ROS_MASTER_URI=self.uri)
         self.addCleanup(starting.close)
         self.master.signal(signal.SIGSTOP)
         terminated.signal(signal.SIGTERM)

@@ -34,7 +34,7 @@ from support.panel_case import CoreCase
 
 from roah_rsbb.document.calls import Caller
 from roah_rsbb.nodes.core.reload import Reloaded
-from roah_rsbb.rqt.app.panel_list import PANELS
+from roah_rsbb.rqt.app.panel_list import PANELS, load
 from roah_rsbb.rqt.app.window import Window
 from roah_rsbb.rqt.model import calls
 from roah_rsbb.rqt.model.client import Client
@@ -404,7 +404,7 @@ class TestPlugins(CoreCase):
             settings = _Settings()
             plugin.save_settings(_Settings(), settings)
             plugin.restore_settings(_Settings(), settings)
-        self.assertEqual({type(plugin.panel) for plugin in opened}, set(PANELS))
+        self.assertEqual({type(plugin.panel) for plugin in opened}, set(map(load, PANELS)))
         self.assertIs(sys.excepthook, logs_failures)
         wait_until(lambda: all("live" in plugin.panel._news.text() for plugin in opened), "all of them show the core")
         self.assertEqual(dict(rosgraph.Master("/t").getSystemState()[1])["/devices/state"], [rospy.get_name()])

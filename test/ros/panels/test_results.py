@@ -24,8 +24,9 @@ from roah_rsbb.document.written import write
 from roah_rsbb.model.referee import RunName
 from roah_rsbb.model.results import RunLine, RunSheet, UnsavedParts
 from roah_rsbb.rqt.model.calls import CallOutcome
+from roah_rsbb.rqt.model.fetched import run_sheets
 from roah_rsbb.rqt.panels import benchmark_control, scoring
-from roah_rsbb.rqt.panels.history import HistoryDialog, RunSheets
+from roah_rsbb.rqt.panels.history import HistoryDialog
 from roah_rsbb.rqt.panels.results import ResultsPanel
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog, ScoreDialog
 
@@ -42,19 +43,19 @@ def opened(kind: type):
     return found[0]
 
 
-class TestRunSheets(unittest.TestCase):
+class TestFetched(unittest.TestCase):
     def test_an_answer_that_was_overtaken_is_ignored(self) -> None:
         done: List[Callable[[CallOutcome], None]] = []
         owner = QWidget()
         self.addCleanup(owner.close)
-        sheets = RunSheets(owner, SimpleNamespace(call=lambda _owner, _name, then, **run: done.append(then)),
-                           lambda: None)
+        sheets = run_sheets(owner, SimpleNamespace(call=lambda _owner, _name, then, **run: done.append(then)),
+                            lambda: None)
         runs = [RunLine("a run", revision, "Home A", "HGTKMH", "Team", 1, 1, 0.0) for revision in (1, 2)]
         for run in runs:
-            self.assertIsNone(sheets.sheet(run))
+            self.assertIsNone(sheets.newest(run))
         for number in (1, 0):
             done[number](CallOutcome("", write(RunSheet(runs[number], (), 0.0, (), (), ()))))
-            self.assertEqual(sheets.sheet(runs[1]).run, runs[1])
+            self.assertEqual(sheets.newest(runs[1]).run, runs[1])
 
 
 class WordsCase(PanelCase):
@@ -191,11 +192,11 @@ class TestStopReason(WordsCase):
         line = self.panel.reason
         self.zone.command("stop")
         wait_until(line.isEnabled, "a reason may be typed")
-        known = line._sheets.sheet
+        known = line._sheets.newest
         wait_until(lambda: known(line._summary) is not None and known(line._summary).ends, "the sheet is known")
         before = known(line._summary)
         before = before._replace(run=before.run._replace(revision=before.run.revision + 1))
-        limit(self, line._sheets, "sheet", lambda summary: before)
+        limit(self, line._sheets, "newest", lambda summary: before)
         QTest.keyClicks(line, "fire alarm")
         QTest.keyClick(line, Qt.Key_Return)
         self.wait_words(self.zone.identity, "fire alarm", "Anna")

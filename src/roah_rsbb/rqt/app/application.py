@@ -10,12 +10,12 @@ import signal
 import sys
 import threading
 import time
-from typing import Any, List, NoReturn
+from typing import Any, Callable, List, NoReturn
 
 import rosgraph
 import rospy
 
-from roah_rsbb.ros import connections
+from roah_rsbb.ros import connections, display
 from roah_rsbb.rqt import language
 from roah_rsbb.rqt.model.failures import log_failures
 from roah_rsbb.rqt.model.garbage import collect_here
@@ -102,12 +102,25 @@ def init_node(name: str) -> None:
 def run(app: QApplication) -> int:
     """Run until the last window is closed, a signal comes or ROS ends; returns the exit code. Then save and `leave`:
     after `ORDERLY_S`, this happens by itself."""
-    look = QTimer()
-    look.timeout.connect(lambda: app.quit() if _must_end.is_set() or rospy.is_shutdown() else None)
+    look = QTimer(timeout=lambda: app.quit() if _must_end.is_set() or rospy.is_shutdown() else None)
     look.start(LOOK_MS)
     code = app.exec_()
     os.write(_wake[1], bytes([signal.SIGTERM]))
     return code
+
+
+def show(name: str, make: Callable[[QSettings], Any]) -> NoReturn:
+    """Start the node `name`, show the window that `make` returns for its settings until it is closed or ROS ends, call
+    its `shutdown` and end this process."""
+    if not display.has_display():
+        sys.exit(display.NO_DISPLAY)
+    init_node(name)
+    app = grow(make_application(sys.argv[:1]))
+    window = make(QSettings("roah_rsbb", name))
+    window.show()
+    code = run(app)
+    window.shutdown()
+    leave(code)
 
 
 def leave(code: int) -> NoReturn:

@@ -26,7 +26,7 @@ _RUN_RQT = (
 # rqt caches its list of plugins: make it search again. The layout is frozen and locked, so that no panel is closed
 # accidentally. For another layout, start rqt yourself.
 RQT = [sys.executable, "-c", _RUN_RQT, "--clear-config", "--force-discover", "--lock-perspective", "--freeze-layout"]
-WINDOW = [sys.executable, "-c", "from roah_rsbb.rqt.app.window import main; main()", "--of-launch"]
+WINDOW = [sys.executable, "-c", "from roah_rsbb.rqt.app.window import main; main(of_launch=True)"]
 
 REOPEN_S = 1.0
 # A window that ends sooner has failed; after this many failures in a row the program gives up.

@@ -1,46 +1,40 @@
 """The list of all panels.
 
 To add a panel, write its file and add it here. Its plugin class is made from this list; a test
-(test/pure/rqt/test_rqt_launch_files.py) reports what is still missing: the entry in plugin.xml, the program, the
-place in rqt's layout.
+(test/pure/rqt/test_rqt_launch_files.py) reports what is still missing: the entry in plugin.xml, the place in rqt's
+layout.
 """
 
-from typing import Tuple, Type
+import importlib
+from typing import TYPE_CHECKING, Dict, Type
 
-from roah_rsbb.rqt.panels.active_robots import ActiveRobotsPanel
-from roah_rsbb.rqt.panels.benchmark_control import BenchmarkControlPanel
-from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
-from roah_rsbb.rqt.panels.devices import DevicesPanel
-from roah_rsbb.rqt.panels.judges import JudgesPanel
-from roah_rsbb.rqt.panels.log_display import LogDisplayPanel
-from roah_rsbb.rqt.panels.manual_operation import ManualOperationPanel
-from roah_rsbb.rqt.panels.omf_switches import OmfSwitchesPanel
-from roah_rsbb.rqt.panels.online_data import OnlineDataPanel
-from roah_rsbb.rqt.panels.overview import OverviewPanel
-from roah_rsbb.rqt.panels.panel import Panel
-from roah_rsbb.rqt.panels.results import ResultsPanel
-from roah_rsbb.rqt.panels.schedule import SchedulePanel
-from roah_rsbb.rqt.panels.scoring import ScoringPanel
-from roah_rsbb.rqt.panels.tablet_status import TabletStatusPanel
+if TYPE_CHECKING:
+    from roah_rsbb.rqt.panels.panel import Panel
 
-PANELS: Tuple[Type[Panel], ...] = (
-    BenchmarkControlPanel,
-    CoreStatusPanel,
-    TabletStatusPanel,
-    ScoringPanel,
-    ManualOperationPanel,
-    ActiveRobotsPanel,
-    OnlineDataPanel,
-    LogDisplayPanel,
-    OmfSwitchesPanel,
-    DevicesPanel,
-    OverviewPanel,
-    ResultsPanel,
-    JudgesPanel,
-    SchedulePanel,
-)
+# Each panel's name, which is that of its file, and what it is for.
+PANELS: Dict[str, str] = {
+    "benchmark_control": "Choose the zone and control its benchmark",
+    "core_status": "The state of the RSBB, and the exit button",
+    "tablet_status": "The last messages of the tablet",
+    "scoring": "The referee's score sheet",
+    "manual_operation": "The benchmarking module's requests to the referee",
+    "active_robots": "The robots that the RSBB hears",
+    "online_data": "The robot's reports during the run",
+    "log_display": "The log of the zone's run",
+    "omf_switches": "The switches that the robot changed, in HOMF",
+    "devices": "View and operate the home devices",
+    "overview": "All zones at a glance, and a button that stops all of them",
+    "results": "The zone's runs and their score sheets, with corrections and sign-off",
+    "judges": "Several judges of a run: settle their differences, publish the result, answer objections",
+    "schedule": "All events of all zones, with results, sign-offs and estimated times",
+}
 
 
-def plugin_name(panel: Type[Panel]) -> str:
-    """The name of a panel's plugin in rqt."""
-    return panel.__name__[:-len("Panel")]
+def plugin_name(name: str) -> str:
+    """Return the name of a panel's plugin in rqt, such as OmfSwitches for omf_switches."""
+    return name.title().replace("_", "")
+
+
+def load(name: str) -> "Type[Panel]":
+    """Import the panel of this name and return its class."""
+    return getattr(importlib.import_module(f"roah_rsbb.rqt.panels.{name}"), f"{plugin_name(name)}Panel")

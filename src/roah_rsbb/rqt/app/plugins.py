@@ -4,7 +4,7 @@ from typing import Type
 
 from rqt_gui_py.plugin import Plugin
 
-from roah_rsbb.rqt.app.panel_list import PANELS, plugin_name
+from roah_rsbb.rqt.app.panel_list import PANELS, load, plugin_name
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QMainWindow, QTimer
@@ -45,6 +45,6 @@ class PanelPlugin(Plugin):
 
 # rqt looks the classes up by the names in plugin.xml.
 globals().update({
-    plugin_name(panel): type(plugin_name(panel), (PanelPlugin,), {"PANEL": panel, "__module__": __name__})
-    for panel in PANELS
+    plugin_name(name): type(plugin_name(name), (PanelPlugin,), {"PANEL": load(name), "__module__": __name__})
+    for name in PANELS
 })

@@ -1,18 +1,14 @@
-"""One panel in its own window, such as `rosrun roah_rsbb roah_rsbb_scoring`.
+"""One panel in its own window, such as `rosrun roah_rsbb panel scoring`.
 
 It shows the zone of the namespace in which it is started (`__ns:=`), as all panels of a client do.
 """
 
-import re
-import sys
-from typing import Type
+from functools import partial
 
-from roah_rsbb.ros import display
-from roah_rsbb.ros.command_line import explain_panel
 from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.app.application import PanelSettings
+from roah_rsbb.rqt.app.panel_list import load
 from roah_rsbb.rqt.model.client import Client
-from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QMainWindow, QSettings
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.language import tr
@@ -21,37 +17,34 @@ from roah_rsbb.wording.language import tr
 WIDE_EMS, HIGH_EMS = 40, 40
 
 
-def name_of(kind: Type[Panel]) -> str:
-    """Return the name of a panel's program and node, such as roah_rsbb_omf_switches for OmfSwitchesPanel."""
-    words = re.findall("[A-Z][a-z]*", kind.__name__)[:-1]
-    return "_".join(["roah_rsbb", *(word.lower() for word in words)])
+class PanelWindow(QMainWindow):
+    """A window with one panel. Its size and the panel's settings are saved."""
+
+    def __init__(self, name: str, settings: QSettings) -> None:
+        """`name` is that of the panel."""
+        super().__init__()
+        kind = load(name)
+        self._settings = settings
+        self._of_panel = PanelSettings(settings, kind.__name__)
+        self._panel = kind(Client.acquire())
+        self.setCentralWidget(self._panel)
+        self._panel.client.add_strip(self)
+        self.setWindowTitle(f"{tr(kind.TITLE)} – RoAH RSBB")
+        self.resize(round(WIDE_EMS * basic.em()), round(HIGH_EMS * basic.em()))
+        geometry = settings.value("geometry")
+        if geometry is not None:
+            self.restoreGeometry(geometry)
+        self._panel.restore_settings(self._of_panel)
+
+    def shutdown(self) -> None:
+        """Save the settings, and close the panel."""
+        self._settings.setValue("geometry", self.saveGeometry())
+        self._panel.save_settings(self._of_panel)
+        self._settings.sync()
+        self._panel.shutdown()
+        Client.release()
 
 
-def main(kind: Type[Panel]) -> None:
-    """Show the panel until it is closed or ROS ends."""
-    explain_panel(sys.modules[kind.__module__].__doc__)
-    if not display.has_display():
-        sys.exit(display.NO_DISPLAY)
-    name = name_of(kind)
-    application.init_node(name)
-    app = application.grow(application.make_application(sys.argv[:1]))
-    settings = QSettings("roah_rsbb", name)
-    kept = PanelSettings(settings, kind.__name__)
-    panel = kind(Client.acquire())
-    window = QMainWindow()
-    window.setCentralWidget(panel)
-    panel.client.add_strip(window)
-    window.setWindowTitle(f"{tr(kind.TITLE)} – RoAH RSBB")
-    window.resize(round(WIDE_EMS * basic.em()), round(HIGH_EMS * basic.em()))
-    geometry = settings.value("geometry")
-    if geometry is not None:
-        window.restoreGeometry(geometry)
-    panel.restore_settings(kept)
-    window.show()
-    code = application.run(app)
-    settings.setValue("geometry", window.saveGeometry())
-    panel.save_settings(kept)
-    settings.sync()
-    panel.shutdown()
-    Client.release()
-    application.leave(code)
+def main(name: str) -> None:
+    """Show the panel of this name until it is closed or ROS ends."""
+    application.show(f"roah_rsbb_{name}", partial(PanelWindow, name))

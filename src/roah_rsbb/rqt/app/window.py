@@ -1,15 +1,11 @@
-"""Our own window with all panels, for machines without rqt: `rosrun roah_rsbb roah_rsbb_window`."""
+"""Our own window with all panels, for machines without rqt: `rosrun roah_rsbb panel window`."""
 
-import sys
+from functools import partial
 from typing import Dict
 
-import rospy
-
-from roah_rsbb.arguments import Parser
-from roah_rsbb.ros import display
 from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.app.application import PanelSettings
-from roah_rsbb.rqt.app.panel_list import PANELS
+from roah_rsbb.rqt.app.panel_list import PANELS, load
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.panel import Panel
@@ -40,8 +36,7 @@ class Window(QMainWindow):
         self._model.updated.connect(self._mark)
         self.panels: Dict[str, Panel] = {}
         self.docks: Dict[str, QDockWidget] = {}
-        for kind in PANELS:
-            panel = kind(client)
+        for panel in [load(name)(client) for name in PANELS]:
             dock = QDockWidget(tr(panel.TAB or panel.TITLE), self, objectName=panel.objectName())
             dock.toggleViewAction().setText(tr(panel.TITLE))
             dock.setWidget(panel)
@@ -109,17 +104,6 @@ class Window(QMainWindow):
             panel.restore_settings(PanelSettings(self._settings, name))
 
 
-def main() -> None:
+def main(of_launch: bool = False) -> None:
     """Open the window until it is closed or ROS ends."""
-    parser = Parser("roah_rsbb_window", "The referee's window of the RSBB.")
-    parser.add_argument("--of-launch", action="store_true", help="on closing, ask, then end what was launched")
-    arguments = parser.parse_args(rospy.myargv()[1:])
-    if not display.has_display():
-        sys.exit(display.NO_DISPLAY)
-    application.init_node("roah_rsbb_window")
-    app = application.grow(application.make_application(sys.argv[:1]))
-    window = Window(QSettings("roah_rsbb", "roah_rsbb_window"), arguments.of_launch)
-    window.show()
-    code = application.run(app)
-    window.shutdown()
-    application.leave(code)
+    application.show("roah_rsbb_window", partial(Window, of_launch=of_launch))

@@ -1,9 +1,11 @@
 """What a panel asks of a run: requested when it is first shown, and again when it changed."""
 
 import time
-from typing import Any, Callable, Dict, Generic, NamedTuple, Optional, Type, TypeVar
+from typing import Any, Callable, Dict, Generic, NamedTuple, Optional, Type, TypeVar, Union
 
 from roah_rsbb.document.written import read
+from roah_rsbb.model.judging import Judging
+from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.qt import QTimer, QWidget
 
@@ -31,19 +33,21 @@ class Fetched(Generic[T]):
         self._news = news
         self._known: Dict[str, _Known] = {}
         self._asked: Dict[str, int] = {}  # requested revisions
-        self._again = QTimer(owner, singleShot=True, interval=AGAIN_MS)
-        self._again.timeout.connect(self._ask_again)
+        self._again = QTimer(owner, singleShot=True, interval=AGAIN_MS, timeout=self._ask_again)
         self.error = ""  # why the last request failed
 
-    def newest(self, zone: str, identity: str, revision: int) -> Optional[T]:
-        """Return the known answer about a run at once, and request a newer one if the core published this revision
-        after it was requested."""
+    def newest(self, run: Union[Judging, RunLine, None]) -> Optional[T]:
+        """Return the known answer about a run at once, and request a newer one if the core published its revision
+        after it was requested. None: no run, or nothing is known."""
+        if run is None:
+            return None
+        identity, revision = run.identity, run.revision
         known = self._known.get(identity)
         if (known is None or known.revision != revision) and self._asked.get(identity) != revision:
             self._asked[identity] = revision
             now = time.monotonic()
             self._calls.call(self._owner, self._call, lambda outcome: self._on_answer(identity, revision, now, outcome),
-                             zone=zone, run=identity)
+                             zone=run.zone, run=identity)
         return None if known is None else known.answer
 
     def _ask_again(self) -> None:
@@ -64,3 +68,8 @@ class Fetched(Generic[T]):
                 self._known.pop(next(iter(self._known)))
         self._asked = {i: asked for i, asked in self._asked.items() if i in self._known or i == identity}
         self._news()
+
+
+def run_sheets(owner: QWidget, calls: Calls, news: Callable[[], None]) -> Fetched[RunSheet]:
+    """Return the score sheets that a panel shows."""
+    return Fetched(owner, calls, "sheet", RunSheet, news)

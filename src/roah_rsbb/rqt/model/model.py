@@ -48,8 +48,7 @@ class Model(QObject):
         self._stands: Optional[Now] = None  # when the document became old; None: it is not
         self._renewed = time.monotonic()
         self._shown: tuple = ()
-        self._timer = QTimer(self)
-        self._timer.timeout.connect(self._tick)
+        self._timer = QTimer(self, timeout=self._tick)
 
     def start(self) -> None:
         """Start listening."""

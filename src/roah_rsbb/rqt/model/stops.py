@@ -85,8 +85,7 @@ class Stops(QObject):
         self._pressed = ("", -math.inf)  # the zone that was stopped last, and the monotonic time (s)
         # Since when (monotonic seconds) runs that are over wait for their robots, by zone and identity.
         self._waiting: Dict[Tuple[str, str], float] = {}
-        self._timer = QTimer(self, interval=LOOK_MS)
-        self._timer.timeout.connect(self._look)
+        self._timer = QTimer(self, interval=LOOK_MS, timeout=self._look)
         model.updated.connect(self._on_update)
         model.ticked.connect(self._on_update)
 

@@ -23,6 +23,8 @@ class ActiveRobotsPanel(CollapsingPanel):
 
     TITLE = tr_later("Active Robots")
     TAB = tr_later("Robots")
+    WHERE = tr_later("The whole box")
+    PARTS = ("robots", "zones")
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -54,10 +56,6 @@ class ActiveRobotsPanel(CollapsingPanel):
             self._links.observe(self.model.now().mono, {
                 name: robot.silent_since for name, robot in self.model.document.robots.items()})
 
-    def parts(self) -> tuple:
-        document = self.model.document
-        return () if document is None else (document.robots, document.zones)
-
     def show_model(self) -> None:
         self._observe()
         self.table.setEnabled(not self.model.is_old)
@@ -66,9 +64,6 @@ class ActiveRobotsPanel(CollapsingPanel):
         document = self.model.document
         robots = [] if document is None else sorted(document.robots.items(), key=lambda item: item[1][:2])
         self._show_lines([self._line(name, robot) for name, robot in robots] or [self._nobody()])
-
-    def where(self) -> str:
-        return tr("The whole box")
 
     def _nobody(self) -> Tuple[str, ...]:
         text = tr("No robot is heard") if self.model.document else tr("Waiting for the core")

@@ -11,7 +11,8 @@ from roah_rsbb.model.fields import Team, entered
 from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, Zone
 from roah_rsbb.rqt.model.calls import CallOutcome
-from roah_rsbb.rqt.panels.history import RunSheets, why_fixed
+from roah_rsbb.rqt.model.fetched import run_sheets
+from roah_rsbb.rqt.panels.history import why_fixed
 from roah_rsbb.rqt.panels.more_commands import ActionForm, MoreMenu, RuleButtons, what_text, why_off
 from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel, ask, keep_true
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
@@ -47,7 +48,7 @@ class StopReasonLine(QLineEdit):
         super().__init__(panel)
         self._panel = panel
         self._answer = answer
-        self._sheets = RunSheets(panel, panel.client.calls, self._show)
+        self._sheets = run_sheets(panel, panel.client.calls, self._show)
         self._summary: Optional[RunLine] = None
         self._without: FrozenSet[int] = frozenset()  # revisions of the run from before the text was sent
         self.setMaxLength(MAX_NOTE)
@@ -71,7 +72,7 @@ class StopReasonLine(QLineEdit):
         self.setEnabled(summary is not None and not why_fixed_now)
         self.setToolTip(basic.tip(why_fixed_now or tr(REASON_TIP)))
         self.setPlaceholderText("" if summary is None else tr(ASK_REASON))
-        sheet = None if summary is None else self._sheets.sheet(summary)
+        sheet = self._sheets.newest(summary)
         if sheet is None or not sheet.ends or self.isModified() or sheet.run.revision in self._without:
             return
         if self.text() != sheet.ends[-1].reason:
@@ -87,7 +88,7 @@ class StopReasonLine(QLineEdit):
         if summary is None or not self.isModified():
             return
         self.setModified(False)
-        known = self._sheets.sheet(summary)
+        known = self._sheets.newest(summary)
         self._without = frozenset([summary.revision] if known is None else [summary.revision, known.run.revision])
 
         def done(outcome: CallOutcome) -> None:
@@ -113,11 +114,8 @@ NEXT_STEP = {
 }
 
 
-class _ZoneBox(QComboBox):
-    """The zone selector. It ignores the mouse wheel: scrolling must not change the zone."""
-
-    def wheelEvent(self, event) -> None:
-        event.ignore()
+class _ZoneBox(basic.NoWheel, QComboBox):
+    pass
 
 
 class BenchmarkControlPanel(Panel):
@@ -126,13 +124,13 @@ class BenchmarkControlPanel(Panel):
     TITLE = tr_later("Benchmark Control")
     WHERE_FACTOR = 1.4
     WORKS_BEHIND = True
+    PARTS = ("zone", "results")
 
     def __init__(self, client) -> None:
         super().__init__(client)
         self._zones = _ZoneBox()
         self._shown_zone = ""
-        self._highlight = QTimer(self, singleShot=True)
-        self._highlight.timeout.connect(lambda: basic.set_style(self._zones, ""))
+        self._highlight = QTimer(self, singleShot=True, timeout=lambda: basic.set_style(self._zones, ""))
         self._event: Dict[str, QLabel] = {}
         self._phase = basic.Badge(1.8)
         self.times = RunTimes()
@@ -185,8 +183,7 @@ class BenchmarkControlPanel(Panel):
     def _event_grid(self) -> QGridLayout:
         grid = QGridLayout()
         for row, (name, factor) in enumerate((("name", 1.3), ("team", 1.8), ("facts", 1.1))):
-            label = basic.enlarged(QLabel(wordWrap=True), factor, bold=name != "facts")
-            label.setTextFormat(Qt.PlainText)
+            label = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), factor, bold=name != "facts")
             label.setMinimumWidth(1)
             grid.addWidget(label, row, 0, 1, 2 if name == "facts" else 1)
             self._event[name] = label
@@ -209,10 +206,6 @@ class BenchmarkControlPanel(Panel):
         return TwiceKey(self, key, self.buttons[service], self._answer, what, lambda: self._press(service))
 
     # -- showing ------------------------------------------------------------------------------------
-
-    def parts(self) -> tuple:
-        document = self.model.document
-        return (self.model.zone, None if document is None else document.results)
 
     def show_model(self) -> None:
         self._show_zone_change()
@@ -262,7 +255,7 @@ class BenchmarkControlPanel(Panel):
             return
         for button in (*self.buttons.values(), *self.rules.buttons.values()):
             button.hold()
-        basic.set_style(self._zones, f"QComboBox {{ background: {basic.OLD.background}; color: {basic.OLD.text}; }}")
+        basic.set_style(self._zones, f"QComboBox {{ {basic.OLD.css} }}")
         self._highlight.start(basic.HOLD_MS)
 
     def _show_no_zone(self) -> None:

@@ -28,14 +28,6 @@ def scoring_in(window: QWidget) -> Optional[Panel]:
     return next((panel for panel in window.findChildren(Panel) if panel.objectName() == SCORING), None)
 
 
-def dock_of(panel: Panel) -> Optional[QDockWidget]:
-    """Return the dock that a panel is in."""
-    widget = panel.parentWidget()
-    while widget is not None and not isinstance(widget, QDockWidget):
-        widget = widget.parentWidget()
-    return widget
-
-
 class CollapsingPanel(Panel):
     """Base of these panels."""
 
@@ -79,7 +71,7 @@ class CollapsingPanel(Panel):
             if self._attempts:
                 self._grow()
             elif zone.phase == IDLE:
-                dock = dock_of(self)
+                dock = basic.around(self, QDockWidget)
                 self._height = 0 if dock is None else dock.height()
         if run != self._run:
             self._run = run
@@ -87,7 +79,7 @@ class CollapsingPanel(Panel):
 
     def _is_in_the_way(self) -> bool:
         """Whether Scoring could use the space: it is in the same, small window."""
-        window, dock = self.window(), dock_of(self)
+        window, dock = self.window(), basic.around(self, QDockWidget)
         if dock is None or dock.isFloating() or window.height() > HIGH_WINDOW_EMS * basic.em():
             return False
         return scoring_in(window) is not None
@@ -111,7 +103,7 @@ class CollapsingPanel(Panel):
         """Restore the earlier height of the dock. Qt gives it only when Scoring needs no space for its sheet any more,
         and a busy computer shows that later."""
         window = self.window()
-        docks = [dock_of(panel) for panel in (self, scoring_in(window)) if panel is not None]
+        docks = [basic.around(panel, QDockWidget) for panel in (self, scoring_in(window)) if panel is not None]
         if len(docks) < 2 or None in docks or not isinstance(window, QMainWindow) or not self._height:
             self._attempts = 0
         elif self._attempts:

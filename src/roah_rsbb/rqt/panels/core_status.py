@@ -37,6 +37,8 @@ class CoreStatusPanel(Panel):
 
     TITLE = tr_later("Core Status")
     TAB = tr_later("Core")
+    WHERE = tr_later("The whole box")
+    PARTS = ("robots", "zones")
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -46,8 +48,7 @@ class CoreStatusPanel(Panel):
         grid = QGridLayout()
         self._values: Dict[str, QLabel] = {}
         for number, (name, label) in enumerate(FIELDS.items()):
-            value = QLabel()
-            value.setTextFormat(Qt.PlainText)
+            value = QLabel(textFormat=Qt.PlainText)
             value.setTextInteractionFlags(Qt.TextSelectableByMouse)
             self._values[name] = basic.enlarged(value, 1.1)
             row, column = divmod(number, 2)
@@ -70,10 +71,6 @@ class CoreStatusPanel(Panel):
         buttons.addWidget(self.exit)
         self.body.addLayout(buttons)
 
-    def parts(self) -> tuple:
-        document = self.model.document
-        return () if document is None else (document.robots, document.zones)
-
     def show_model(self) -> None:
         document = self.model.document
         if document is None:
@@ -93,9 +90,6 @@ class CoreStatusPanel(Panel):
         for name, value in values.items():
             self._values[name].setText(value)
             self._values[name].setEnabled(not self.model.is_old)
-
-    def where(self) -> str:
-        return tr("The whole box")
 
     # -- reload -------------------------------------------------------------------------------------
 
@@ -162,7 +156,4 @@ class CoreStatusPanel(Panel):
         ask(self, question, "\n\n".join([text, *in_progress]), yes, lambda: self._exit(service))
 
     def _exit(self, service: str) -> None:
-        self._answer.say(tr("Exit …"))
-        self.client.calls.service(
-            self, service, Empty, (), lambda outcome: self._answer.show_outcome(tr("Exit"), outcome)
-        )
+        self.client.calls.service(self, service, Empty, (), self._answer.begin(tr("Exit")))

@@ -18,6 +18,7 @@ from roah_rsbb.rqt.qt import (
     QHBoxLayout,
     QLabel,
     QScrollArea,
+    QSignalBlocker,
     QSlider,
     QSpinBox,
     Qt,
@@ -48,8 +49,7 @@ class DeviceRow(QWidget):
         self.name = name
         self.change = change
         self.commands: List[basic.CommandButton] = []
-        self.line = QHBoxLayout(self)
-        self.line.setContentsMargins(0, 0, 0, 0)
+        self.line = basic.flat(QHBoxLayout(self))
         title = basic.enlarged(QLabel(name), 1.3, bold=True)
         title.setMinimumWidth(round(NAME_EMS * basic.em()))
         self.line.addWidget(title)
@@ -95,18 +95,12 @@ class TwoStateRow(DeviceRow):
         self._allow(off)
 
 
-class _Slider(QSlider):
-    """A slider that ignores the mouse wheel: scrolling must not operate a device."""
-
-    def wheelEvent(self, event) -> None:
-        event.ignore()
+class _Slider(basic.NoWheel, QSlider):
+    pass
 
 
-class _Number(QSpinBox):
-    """A number that ignores the mouse wheel."""
-
-    def wheelEvent(self, event) -> None:
-        event.ignore()
+class _Number(basic.NoWheel, QSpinBox):
+    pass
 
 
 class PercentageRow(DeviceRow):
@@ -159,15 +153,13 @@ class PercentageRow(DeviceRow):
         """Show the value without setting it."""
         for widget in (self.slider, self.number):
             if widget.value() != value:
-                widget.blockSignals(True)
-                widget.setValue(value)
-                widget.blockSignals(False)
+                with QSignalBlocker(widget):
+                    widget.setValue(value)
 
     def _on_dragged(self, value: int) -> None:
         """Show the slider's position as a number."""
-        self.number.blockSignals(True)
-        self.number.setValue(value)
-        self.number.blockSignals(False)
+        with QSignalBlocker(self.number):
+            self.number.setValue(value)
 
     def _on_chosen(self, value: int) -> None:
         self.number.lineEdit().setModified(False)
@@ -190,6 +182,7 @@ class DevicesPanel(Panel):
     """A row for each device; above them, whether they can be reached."""
 
     TITLE = tr_later("Devices")
+    WHERE = tr_later("Home devices")
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -240,9 +233,6 @@ class DevicesPanel(Panel):
         return line
 
     # -- showing ------------------------------------------------------------------------------------
-
-    def where(self) -> str:
-        return tr("Home devices")
 
     def parts(self) -> tuple:
         return (self.model.devices, self.model.devices_status, self.model.has_devices)

@@ -1,33 +1,19 @@
 """The history of a run's score sheet: who changed what and when. An entry can be withdrawn."""
 
-from typing import Callable, Collection, List, Optional
+from typing import Collection, List, Optional
 
 from roah_rsbb.model.results import HistoryEntry, RunLine, RunSheet
-from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.model.client import Client
-from roah_rsbb.rqt.model.fetched import Fetched
+from roah_rsbb.rqt.model.fetched import run_sheets
 from roah_rsbb.rqt.model.model import Model
 from roah_rsbb.rqt.panels.panel import Answer
-from roah_rsbb.rqt.qt import QDialog, QHBoxLayout, QPoint, QPushButton, Qt, QVBoxLayout, QWidget
+from roah_rsbb.rqt.qt import QDialog, QHBoxLayout, QPoint, Qt, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import Moments
-
-
-class RunSheets(Fetched[RunSheet]):
-    """The score sheets that a panel shows."""
-
-    def __init__(self, owner: QWidget, calls: Calls, news: Callable[[], None]) -> None:
-        """See `Fetched`."""
-        super().__init__(owner, calls, "sheet", RunSheet, news)
-
-    def sheet(self, summary: RunLine) -> Optional[RunSheet]:
-        """Return the known sheet of a run at once, and request a newer one if it exists."""
-        return self.newest(summary.zone, summary.identity, summary.revision)
-
 
 WIDE_EMS, HIGH_EMS = 56, 24
 SILENT = tr_later("The core is silent: nothing can be changed now")
@@ -53,12 +39,9 @@ class History(QWidget):
         self._sheet: Optional[RunSheet] = None
         self._why_off = ""
         self.rows = Rows(("#", tr("Time"), tr("Who"), tr("Item"), tr("Change"), tr("Notes")), stretched=(3, 5))
-        self.withdraw = basic.enlarged(QPushButton(tr("Withdraw entry …")), 1.1, bold=True)
-        self.withdraw.setFocusPolicy(Qt.TabFocus)
-        self.withdraw.clicked.connect(self._ask)
+        self.withdraw = basic.button(tr("Withdraw entry …"), self._ask, 1.1, bold=True)
         self.rows.itemSelectionChanged.connect(self._show_button)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
+        column = basic.flat(QVBoxLayout(self))
         column.addWidget(self.rows, 1)
         column.addWidget(self.withdraw, 0, Qt.AlignLeft)
 
@@ -79,8 +62,7 @@ class History(QWidget):
             why_off = tr("Choose an entry above")
         elif not why_off and entry.withdrawn_utc_s:
             why_off = tr("Already withdrawn")
-        self.withdraw.setEnabled(not why_off)
-        self.withdraw.setToolTip(basic.tip(why_off))
+        basic.allow(self.withdraw, why_off)
 
     def _ask(self) -> None:
         summary, entry = self._summary, self._chosen()
@@ -90,12 +72,8 @@ class History(QWidget):
         text = f"{entry.item}\n{sheets.person(entry.who)}, {self._client.moments.time_of_day(entry.utc_s)}"
 
         def send(note: str) -> None:
-            self._answer.say(f"{what} …")
             self._client.calls.act(self._owner, "withdraw", summary.zone, summary.identity,
-                                   {"entry": entry.number, "note": note}, done)
-
-        def done(outcome: CallOutcome) -> None:
-            self._answer.show_outcome(what, outcome)
+                                   {"entry": entry.number, "note": note}, self._answer.begin(what))
 
         basic.show_dialog(NoteDialog(self, f"{what}?", text, tr("Why"), tr("Withdraw"), send))
 
@@ -125,17 +103,15 @@ class HistoryDialog(QDialog):
         self.resize(round(WIDE_EMS * basic.em()), round(HIGH_EMS * basic.em()))
         self._client = client
         self._identity = identity
-        self._sheets = RunSheets(self, client.calls, self._on_update)
+        self._sheets = run_sheets(self, client.calls, self._on_update)
         answer = Answer()
         self.history = History(client, self, answer)
         column = QVBoxLayout(self)
         column.addWidget(self.history, 1)
         last = QHBoxLayout()
         last.addWidget(answer, 1)
-        self.close_button = QPushButton(tr("Close"))
-        self.close_button.setFocusPolicy(Qt.TabFocus)
+        self.close_button = basic.button(tr("Close"), self.close)
         self.close_button.setAutoDefault(False)
-        self.close_button.clicked.connect(self.close)
         last.addWidget(self.close_button)
         column.addLayout(last)
         client.model.updated.connect(self._on_update)
@@ -153,5 +129,5 @@ class HistoryDialog(QDialog):
 
     def _on_update(self) -> None:
         summary = self._client.model.run_of(self._identity)
-        sheet = None if summary is None else self._sheets.sheet(summary)
+        sheet = self._sheets.newest(summary)
         self.history.show_sheet(summary, sheet, why_fixed(summary, self._client.model))

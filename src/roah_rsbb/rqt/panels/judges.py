@@ -9,9 +9,9 @@ from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt.model.fetched import Fetched
 from roah_rsbb.rqt.panels.history import why_fixed
-from roah_rsbb.rqt.panels.panel import Answer, RefereePanel
+from roah_rsbb.rqt.panels.panel import RefereePanel
 from roah_rsbb.rqt.panels.results import SIGN_OFF, ask_sign_off
-from roah_rsbb.rqt.qt import QComboBox, QHBoxLayout, QPushButton, Qt, QTabWidget, QVBoxLayout, QWidget
+from roah_rsbb.rqt.qt import QComboBox, QHBoxLayout, QPushButton, QSignalBlocker, Qt, QTabWidget, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.judge_dialogs import ChoiceDialog, ObjectionDialog, PublishDialog, ReasonDialog, SettleDialog
 from roah_rsbb.rqt.widgets.rows import Row, Rows
@@ -33,6 +33,7 @@ class JudgesPanel(RefereePanel):
 
     TITLE = tr_later("Judges")
     TAB = tr_later("Jury")
+    PARTS = ("judging", "results")
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -42,7 +43,6 @@ class JudgesPanel(RefereePanel):
         self._judges: Optional[List[str]] = None  # of the columns
         self._judged: Tuple[Judged, ...] = ()
         self._objections: Tuple[ObjectionLine, ...] = ()
-        self._answer = Answer()
         self.which = QComboBox()
         self.which.setAccessibleName(tr("Run"))
         self.which.currentIndexChanged.connect(self.redraw)
@@ -60,42 +60,29 @@ class JudgesPanel(RefereePanel):
         self.object = self._button(judging.OBJECT, self._ask_objection)
         self.reply = self._button(ANSWER, self._ask_answer)
         self.publish = self._button(judging.PUBLISH, self._ask_publish)
-        self.sign = basic.enlarged(QPushButton(tr(SIGN_OFF)), 1.1, bold=True)
-        self.sign.setFocusPolicy(Qt.TabFocus)
-        self.sign.clicked.connect(self._ask_sign_off)
+        self.sign = basic.button(tr(SIGN_OFF), self._ask_sign_off, 1.1, bold=True)
         self._lay_out()
 
     def _button(self, text: str, pressed: Callable[[], None]) -> QPushButton:
-        button = basic.enlarged(QPushButton(f"{tr(text)} …"), 1.0, bold=True)
-        button.setFocusPolicy(Qt.TabFocus)
-        button.clicked.connect(lambda _checked: pressed())
-        return button
+        return basic.button(f"{tr(text)} …", pressed, bold=True)
 
     def _lay_out(self) -> None:
         self._items_page = QWidget()
-        self._items_column = QVBoxLayout(self._items_page)
-        self._items_column.setContentsMargins(0, 0, 0, 0)
+        self._items_column = basic.flat(QVBoxLayout(self._items_page))
         self._items_column.addLayout(_line(self.settle, self.waive))
         self._items_column.addLayout(_line(self.hand_back, self.withdraw))
         self._show_columns([])
         objections = QWidget()
-        column = QVBoxLayout(objections)
-        column.setContentsMargins(0, 0, 0, 0)
+        column = basic.flat(QVBoxLayout(objections))
         column.addWidget(self.objections, 1)
         column.addLayout(_line(self.object, self.reply))
-        self.tabs = QTabWidget()
-        self.tabs.setFocusPolicy(Qt.TabFocus)
+        self.tabs = QTabWidget(focusPolicy=Qt.TabFocus)
         self.tabs.addTab(self._items_page, tr("Side by side"))
         self.tabs.addTab(objections, tr("Objections"))
         self.body.addWidget(self.which)
         self.body.addWidget(self.progress)
         self.body.addWidget(self.tabs, 1)
-        last = QHBoxLayout()
-        last.addWidget(self.referee, 1)
-        last.addWidget(self._answer, 2)
-        last.addWidget(self.publish)
-        last.addWidget(self.sign)
-        self.body.addLayout(last)
+        self.add_last_line(self.publish, self.sign)
 
     def _show_columns(self, judges: List[str]) -> None:
         """Make another table if it has other judges."""
@@ -116,10 +103,6 @@ class JudgesPanel(RefereePanel):
     def where(self) -> str:
         return self.model.zone_name
 
-    def parts(self) -> tuple:
-        document = self.model.document
-        return () if document is None else (document.judging, document.results)
-
     def show_times(self) -> None:
         self.progress.show_lines(self._progress(self._run))
 
@@ -131,7 +114,7 @@ class JudgesPanel(RefereePanel):
         judgings = self.model.judgings_of(zone)
         self._offer(judgings)
         one = self._run = self._chosen(judgings)
-        answer = None if one is None else self._fetched(one)
+        answer = self._answers.newest(one)
         self._judged = () if answer is None else judging.judged_of(answer)
         self._objections = () if answer is None else judging.objections_of(answer)
         self._show_items(one)
@@ -149,12 +132,11 @@ class JudgesPanel(RefereePanel):
         if offered == [(self.which.itemText(i), self.which.itemData(i)) for i in range(self.which.count())]:
             return
         chosen = self.which.currentData()
-        self.which.blockSignals(True)
-        self.which.clear()
-        for name, identity in offered:
-            self.which.addItem(name, identity)
-        self.which.setCurrentIndex(max(0, self.which.findData(chosen)))
-        self.which.blockSignals(False)
+        with QSignalBlocker(self.which):
+            self.which.clear()
+            for name, identity in offered:
+                self.which.addItem(name, identity)
+            self.which.setCurrentIndex(max(0, self.which.findData(chosen)))
 
     def _chosen(self, judgings: List[Judging]) -> Optional[Judging]:
         return next((one for one in judgings if one.identity == self.which.currentData()), None)
@@ -162,9 +144,6 @@ class JudgesPanel(RefereePanel):
     def _one(self) -> Optional[Judging]:
         """The chosen run."""
         return self._chosen(self.model.judgings_of(self._zone))
-
-    def _fetched(self, one: Judging) -> Optional[JudgedRun]:
-        return self._answers.newest(one.zone, one.identity, one.revision)
 
     def _summary(self, one: Judging) -> Optional[RunLine]:
         return self.model.run_of(one.identity)
@@ -195,10 +174,9 @@ class JudgesPanel(RefereePanel):
             rows = [Row(None, ("", tr(judging.WAITING if one.count else judging.NO_JUDGES), "", ""))]
         self.items.show_rows(rows)
         if self._item() is None:
-            self.items.blockSignals(True)
-            self.items.choose(next(
-                ((item.group, item.item) for item in self._judged if item.outcome == judging.DIFFER), None))
-            self.items.blockSignals(False)
+            with QSignalBlocker(self.items):
+                self.items.choose(next(
+                    ((item.group, item.item) for item in self._judged if item.outcome == judging.DIFFER), None))
 
     def _item(self) -> Optional[Judged]:
         """The chosen item."""
@@ -230,7 +208,7 @@ class JudgesPanel(RefereePanel):
 
     def _ask_settle(self) -> None:
         one, item = self._one(), self._item()
-        answer = None if one is None else self._fetched(one)
+        answer = self._answers.newest(one)
         if one is None or item is None or answer is None:
             return
         of_sheet = answer.items[item.number - 1]
@@ -310,9 +288,8 @@ class JudgesPanel(RefereePanel):
 
     def _act(self, one: Judging, what: str, action: str, referee: str = "", **given: Any) -> None:
         """Do an action for a run, and show how far it is. `what`: what the answer is about."""
-        self._answer.say(f"{what} …")
         self.client.calls.act(self, action, one.zone, one.identity, given,
-                              lambda outcome: self._answer.show_outcome(what, outcome), referee=referee)
+                              self._answer.begin(what), referee=referee)
 
 
 def _line(*buttons: QPushButton) -> QHBoxLayout:

@@ -45,15 +45,12 @@ class ManualOperationPanel(Panel):
         self._fields: Sequence[Field] = ()
         self._came = False  # to the front, for this request
         self._flashes_left = 0
-        self._flash = QTimer(self, interval=FLASH_MS)
-        self._flash.timeout.connect(self._on_flash)
-        self.text = QLabel(wordWrap=True, alignment=Qt.AlignCenter)
-        self.text.setTextFormat(Qt.PlainText)
+        self._flash = QTimer(self, interval=FLASH_MS, timeout=self._on_flash)
+        self.text = QLabel(wordWrap=True, alignment=Qt.AlignCenter, textFormat=Qt.PlainText)
         self.text.setMargin(round(0.5 * basic.em()))
         # Both scroll where the panel is low: its buttons stay in sight.
         area, asked = QScrollArea(widgetResizable=True), QWidget()
-        self._asked = QVBoxLayout(asked)
-        self._asked.setContentsMargins(0, 0, 0, 0)
+        self._asked = basic.flat(QVBoxLayout(asked))
         self._asked.addWidget(self.text, 1)
         self.form = FieldEditors(())
         self._asked.addWidget(self.form)
@@ -141,7 +138,7 @@ class ManualOperationPanel(Panel):
             basic.set_style(self.text, "")
             return
         tone = basic.Tone(*reversed(basic.ALARM)) if self._flashes_left % 2 else basic.ALARM
-        basic.set_style(self.text, f"background: {tone.background}; color: {tone.text};")
+        basic.set_style(self.text, tone.css)
 
     # -- answering ----------------------------------------------------------------------------------
 

@@ -22,8 +22,6 @@ from roah_rsbb.rqt.qt import (
     QAction,
     QCheckBox,
     QComboBox,
-    QDialog,
-    QDialogButtonBox,
     QFormLayout,
     QHBoxLayout,
     QLabel,
@@ -35,6 +33,7 @@ from roah_rsbb.rqt.qt import (
     QWidget,
 )
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.score_dialogs import FormDialog
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.said import tr_reason, tr_said
 
@@ -43,8 +42,6 @@ PLACED = ("previous", "next", "connect", "start", "disconnect", "stop", "choose_
           "damaged", "confirm_switches")
 # A paused clock is easily forgotten.
 HIGHLIGHTED = ("resume",)
-# Width that shows a typed text, in units of the desktop's font.
-WIDE_EMS = 28
 
 
 def others(row: Row) -> Sequence[Action]:
@@ -75,8 +72,7 @@ class FieldEditors(QWidget):
     def __init__(self, fields: Sequence[Field]) -> None:
         super().__init__()
         self._fields = fields
-        form = QFormLayout(self)
-        form.setContentsMargins(0, 0, 0, 0)
+        form = basic.flat(QFormLayout(self))
         self.editors: Dict[str, QWidget] = {}
         for field in entered(fields):
             self.editors[field.name] = _editor(field)
@@ -96,7 +92,7 @@ class FieldEditors(QWidget):
             return None
 
 
-class ActionForm(QDialog):
+class ActionForm(FormDialog):
     """Asks for the fields of an action, and calls `then` with their values."""
 
     def __init__(
@@ -104,28 +100,19 @@ class ActionForm(QDialog):
         then: Callable[[Dict[str, Any]], None],
     ) -> None:
         """`what`: what is done where, for the heading."""
-        super().__init__(parent)
-        self.setWindowTitle(what)
-        self.setAttribute(Qt.WA_DeleteOnClose)
+        self._explanation = tr(action.explanation)
+        self._fields = fields
         self._then = then
-        form = QFormLayout(self)
-        heading = basic.enlarged(QLabel(what, wordWrap=True), 1.2, bold=True)
-        heading.setTextFormat(Qt.PlainText)
-        heading.setMinimumWidth(round(WIDE_EMS * basic.em()))
-        form.addRow(heading)
-        form.addRow(QLabel(tr(action.explanation), wordWrap=True))
-        self._inside = FieldEditors(fields)
+        super().__init__(parent, what, what, tr(action.label))
+
+    def add_fields(self) -> None:
+        self.form.addRow(QLabel(self._explanation, wordWrap=True))
+        self._inside = FieldEditors(self._fields)
         self.editors, self.problem = self._inside.editors, self._inside.problem
-        form.addRow(self._inside)
-        buttons = QDialogButtonBox()
-        self.yes = buttons.addButton(tr(action.label), QDialogButtonBox.AcceptRole)
-        self.cancel = buttons.addButton(tr("Cancel"), QDialogButtonBox.RejectRole)
-        buttons.accepted.connect(self._accept)
-        buttons.rejected.connect(self.reject)
-        form.addRow(buttons)
+        self.form.addRow(self._inside)
         next(iter(self.editors.values())).setFocus()
 
-    def _accept(self) -> None:
+    def confirm(self) -> None:
         given = self._inside.given()
         if given is not None:
             self.accept()
@@ -163,8 +150,7 @@ class RuleButtons(QWidget):
     def __init__(self, press: Callable[[Action], None]) -> None:
         super().__init__()
         self.buttons: Dict[str, basic.CommandButton] = {}
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
+        row = basic.flat(QHBoxLayout(self))
         for action in (*others(Row.CLOCK), *others(Row.MODULE)):
             dots = " …" if entered(action.fields) else ""
             button = basic.CommandButton(tr(action.label) + dots, tr(action.explanation), 1.1)

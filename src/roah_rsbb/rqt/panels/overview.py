@@ -104,7 +104,7 @@ class ZoneTile(QFrame):
         self.todo.show_text(text)
         self.todo.setToolTip(basic.tip(text))  # the whole text, if it does not fit
         tone = basic.OFF if old else tone
-        basic.set_style(self.todo, f"background: {tone.background}; color: {tone.text}; padding: 0.1em 0.3em;")
+        basic.set_style(self.todo, f"{tone.css} padding: 0.1em 0.3em;")
         for label in (self.name, self.countdown, self.event, self.todo):
             label.setEnabled(not old)
         border = "0.25em solid palette(highlight)" if chosen else "0.1em solid palette(mid)"
@@ -117,7 +117,7 @@ class ZoneTile(QFrame):
         self.countdown.setText(f"({figure.text})" if old else marked(figure))
         self.countdown.setToolTip(basic.tip("\n".join(lines(known(clock)))))
         tone = None if old else tone_of(figure)
-        basic.set_style(self.countdown, f"background: {tone.background}; color: {tone.text};" if tone else "")
+        basic.set_style(self.countdown, tone.css if tone else "")
         phase = phases.shown(zone, clock)
         self._phase_text = phase.text
         self.phase.show_text(phase.text, basic.IDLE if old else phase.tone)
@@ -186,6 +186,7 @@ class OverviewPanel(CollapsingPanel):
     """A tile for each zone, in the order of the schedule, so that no tile moves under the mouse."""
 
     TITLE = tr_later("Overview")
+    PARTS = ("zones",)
     WORKS_BEHIND = True
 
     def __init__(self, client) -> None:
@@ -197,8 +198,7 @@ class OverviewPanel(CollapsingPanel):
         self.head.setAlignment(Qt.AlignLeft | Qt.AlignVCenter)  # if the text is too long, its beginning stays visible
         self.body.addWidget(self.head)
         self._inside = QWidget()
-        self._grid = QGridLayout(self._inside)
-        self._grid.setContentsMargins(0, 0, 0, 0)
+        self._grid = basic.flat(QGridLayout(self._inside))
         self._grid.setSpacing(round(GAP_EMS * basic.em()))
         self._area = QScrollArea(widgetResizable=True)
         self._area.setFrameShape(QFrame.NoFrame)
@@ -223,9 +223,6 @@ class OverviewPanel(CollapsingPanel):
 
     def where_tip(self) -> str:
         return self.client.moments.tip(self.model.now().utc) if self.model.document else ""
-
-    def parts(self) -> tuple:
-        return (None if self.model.document is None else self.model.document.zones,)
 
     def show_model(self) -> None:
         zones = list(filter(None, map(self.model.zone_of, self.model.zone_names)))

@@ -4,7 +4,7 @@ import contextlib
 from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.rqt.model import failures
-from roah_rsbb.rqt.model.calls import CallOutcome, RefereeName
+from roah_rsbb.rqt.model.calls import CallOutcome, Done, RefereeName
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.model.model import Model, same
 from roah_rsbb.rqt.qt import (
@@ -71,7 +71,7 @@ class PanelArea(QScrollArea):
 
 
 class Panel(QWidget):
-    """Base of all panels. A subclass fills `self.body` and implements `show_model`, `parts` and `show_times`.
+    """Base of all panels. A subclass fills `self.body` and implements `show_model`, `PARTS` and `show_times`.
 
     `show_model` is called when a part changed while the panel is visible, and when it becomes visible. `show_times` is
     called after it, and a few times a second.
@@ -79,7 +79,9 @@ class Panel(QWidget):
 
     TITLE = ""
     TAB = ""  # a shorter title for the tabs of our window; empty: the title
+    WHERE = ""  # the heading of a panel that shows no zone
     WHERE_FACTOR = 1.0
+    PARTS: Tuple[str, ...] = ("zone",)  # what it shows: the zone, and fields of the document
     # Whether both are also called while the panel is behind others: it beeps there, has keys that work
     # everywhere, or keeps what it shows.
     WORKS_BEHIND = False
@@ -122,13 +124,16 @@ class Panel(QWidget):
     def parts(self) -> tuple:
         """Return what the panel shows of the model, beside the box, its age and the name of the zone. It is drawn again
         when a part is another object."""
-        return (self.model.zone,)
+        document = self.model.document
+        return tuple(self.model.zone if name == "zone" else document and getattr(document, name) for name in self.PARTS)
 
     def show_times(self) -> None:
         """Show what changes while only time passes."""
 
     def where(self) -> str:
         """Return the panel's heading: its zone, and the event there."""
+        if self.WHERE:
+            return tr(self.WHERE)
         zone = self.model.zone
         if zone is None:
             return self.model.zone_name
@@ -188,10 +193,9 @@ class Panel(QWidget):
                 return True
         for _ in range(MOST_CONTROLS):
             moved = super().focusNextPrevChild(forward)
-            widget = QApplication.focusWidget()
-            while widget is not None and not isinstance(widget, Panel):
-                widget = widget.parentWidget()
-            if not moved or widget is None or not widget.visibleRegion().isEmpty():
+            focused = QApplication.focusWidget()
+            panel = focused if focused is None or isinstance(focused, Panel) else basic.around(focused, Panel)
+            if not moved or panel is None or not panel.visibleRegion().isEmpty():
                 break
         return moved
 
@@ -284,8 +288,7 @@ def keep_true(box: QMessageBox, model: Model, current: Callable[[], Tuple[str, s
     """Keep a question true while it is open. `current` returns it and its details. One that has changed cannot be
     confirmed for a moment, because the referee has not read it."""
     accept = next(button for button in box.buttons() if box.buttonRole(button) == QMessageBox.AcceptRole)
-    held = QTimer(box, singleShot=True)
-    held.timeout.connect(lambda: accept.setEnabled(True))
+    held = QTimer(box, singleShot=True, timeout=lambda: accept.setEnabled(True))
 
     def look() -> None:
         question, details = current()
@@ -311,14 +314,10 @@ class Answer(QLabel):
     """The line in which a panel shows the result of the last command."""
 
     def __init__(self) -> None:
-        super().__init__()
-        self._done = QTimer(self, singleShot=True)
-        self._done.timeout.connect(self.clear_answer)
+        super().__init__(wordWrap=True, textFormat=Qt.PlainText, textInteractionFlags=Qt.TextSelectableByMouse)
+        self._done = QTimer(self, singleShot=True, timeout=self.clear_answer)
         # It keeps its height while it is empty, so that nothing moves under the mouse when a text appears.
         self.setFixedHeight(round(LINES * self.fontMetrics().lineSpacing() + basic.em() / 2))
-        self.setWordWrap(True)
-        self.setTextFormat(Qt.PlainText)
-        self.setTextInteractionFlags(Qt.TextSelectableByMouse)
         self.clear_answer()
 
     def say(self, text: str) -> None:
@@ -327,17 +326,22 @@ class Answer(QLabel):
 
     def warn(self, text: str) -> None:
         """Show a warning."""
-        self._show(text, f"background: {basic.OLD.background}; color: {basic.OLD.text}; font-weight: bold;")
+        self._show(text, basic.OLD.css + "font-weight:bold;")
 
     def show_outcome(self, what: str, outcome: CallOutcome) -> None:
         """Show the result of the command `what`."""
         if outcome.error:
             tone = basic.ALARM
             failed = tr("✘ {what} failed: {error}", what=what, error=outcome.error)
-            self._show(failed, f"background: {tone.background}; color: {tone.text};")
+            self._show(failed, tone.css)
         else:
             self._show(tr("✔ {what}: done", what=what), "")
             self._done.start(DONE_MS)
+
+    def begin(self, what: str) -> Done:
+        """Show that the command `what` is in progress. Returns what shows its outcome."""
+        self.say(f"{what} …")
+        return lambda outcome: self.show_outcome(what, outcome)
 
     def clear_answer(self) -> None:
         """Show nothing."""
@@ -392,17 +396,27 @@ class RefereeLine(QLineEdit):
     def _mark(self) -> None:
         """A missing name stands out."""
         tone = basic.OLD
-        style = "" if self._shared.name else f"QLineEdit {{ background: {tone.background}; color: {tone.text}; }}"
+        style = "" if self._shared.name else f"QLineEdit {{ {tone.css} }}"
         basic.set_style(self, style)
 
 
 class RefereePanel(Panel):
-    """Base of panels whose records carry the referee's name. A subclass places `self.referee`."""
+    """Base of panels whose records carry the referee's name. A subclass calls `add_last_line`."""
 
     def __init__(self, client: Client) -> None:
         super().__init__(client)
+        self._answer = Answer()
         self.referee = RefereeLine(client.referee)
         client.referee.changed.connect(self.redraw)
+
+    def add_last_line(self, *buttons: QWidget) -> None:
+        """Add the last line: the referee's name, the answer and buttons."""
+        last = QHBoxLayout()
+        last.addWidget(self.referee, 1)
+        last.addWidget(self._answer, 2)
+        for button in buttons:
+            last.addWidget(button)
+        self.body.addLayout(last)
 
     def shutdown(self) -> None:
         self.client.referee.changed.disconnect(self.redraw)

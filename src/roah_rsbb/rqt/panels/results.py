@@ -5,9 +5,11 @@ from typing import Any, Callable, List, Optional
 from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.model.zone import SheetItem
-from roah_rsbb.rqt.panels.history import History, RunSheets, why_fixed
+from roah_rsbb.rqt.model.calls import Done
+from roah_rsbb.rqt.model.fetched import run_sheets
+from roah_rsbb.rqt.panels.history import History, why_fixed
 from roah_rsbb.rqt.panels.panel import Answer, Panel, RefereePanel, ask
-from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QPushButton, QSplitter, Qt, QTabWidget, QVBoxLayout, QWidget
+from roah_rsbb.rqt.qt import QLabel, QPushButton, QSignalBlocker, QSplitter, Qt, QTabWidget, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import Entered, NoteDialog, ScoreDialog
@@ -28,23 +30,22 @@ class ResultsPanel(RefereePanel):
     """A list of the zone's runs; below it, the chosen run."""
 
     TITLE = tr_later("Results")
+    PARTS = ("results",)
 
     def __init__(self, client) -> None:
         super().__init__(client)
-        self._sheets = RunSheets(self, client.calls, self.redraw)
+        self._sheets = run_sheets(self, client.calls, self.redraw)
         self._zone = ""
         self.runs = Rows(
             (tr("Time"), tr("Team"), tr("Run"), tr("End"), tr("Score"), tr("Sheet")), stretched=(4,), wrapped=False)
         self.items = Rows((tr("Group"), tr("Item"), tr("Value"), ""), stretched=(1,))
         self.stops = Rows(("#", tr("Time"), tr("Who"), tr("End"), tr("Reason")), stretched=(3, 4))
-        self.what = basic.enlarged(QLabel(wordWrap=True), 1.2, bold=True)
-        self.what.setTextFormat(Qt.PlainText)
+        self.what = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.2, bold=True)
         # Two lines are reserved: a run that is listed must not push other panels away, under the mouse.
         self.what.setMinimumHeight(2 * self.what.fontMetrics().lineSpacing())
-        self.correct = self._button(tr("Change …"), self._ask_score)
-        self.give_reason = self._button(tr("Reason …"), self._ask_reason)
-        self.sign = self._button(tr(SIGN_OFF), self._ask_sign_off)
-        self._answer = Answer()
+        self.correct = basic.button(tr("Change …"), self._ask_score, 1.1, bold=True)
+        self.give_reason = basic.button(tr("Reason …"), self._ask_reason, 1.1, bold=True)
+        self.sign = basic.button(tr(SIGN_OFF), self._ask_sign_off, 1.1, bold=True)
         self.history = History(client, self, self._answer)
         self._lay_out()
         for rows in (self.runs, self.items, self.stops):
@@ -52,14 +53,12 @@ class ResultsPanel(RefereePanel):
         self.items.itemDoubleClicked.connect(lambda *_: self.correct.click())
 
     def _lay_out(self) -> None:
-        self.tabs = QTabWidget()
-        self.tabs.setFocusPolicy(Qt.TabFocus)
+        self.tabs = QTabWidget(focusPolicy=Qt.TabFocus)
         self.tabs.addTab(_page(self.items, self.correct), tr("Score sheet"))
         self.tabs.addTab(self.history, tr("History"))
         self.tabs.addTab(_page(self.stops, self.give_reason), tr("Ends"))
         below = QWidget()
-        column = QVBoxLayout(below)
-        column.setContentsMargins(0, 0, 0, 0)
+        column = basic.flat(QVBoxLayout(below))
         column.addWidget(self.what)
         column.addWidget(self.tabs, 1)
         self._split = QSplitter(Qt.Vertical)
@@ -69,22 +68,9 @@ class ResultsPanel(RefereePanel):
         self._split.setStretchFactor(0, 2)
         self._split.setStretchFactor(1, 3)
         self.body.addWidget(self._split, 1)
-        last = QHBoxLayout()
-        last.addWidget(self.referee, 1)
-        last.addWidget(self._answer, 2)
-        last.addWidget(self.sign)
-        self.body.addLayout(last)
-
-    def _button(self, text: str, pressed) -> QPushButton:
-        button = basic.enlarged(QPushButton(text), 1.1, bold=True)
-        button.setFocusPolicy(Qt.TabFocus)
-        button.clicked.connect(pressed)
-        return button
+        self.add_last_line(self.sign)
 
     # -- showing ------------------------------------------------------------------------------------
-
-    def parts(self) -> tuple:
-        return (None if self.model.document is None else self.model.document.results,)
 
     def show_model(self) -> None:
         zone = self.model.zone_name
@@ -95,11 +81,10 @@ class ResultsPanel(RefereePanel):
         rows = [_run_row(run, self.client.moments) for run in runs]
         self.runs.show_rows(rows or [Row(None, ("", tr(NO_RUNS), "", "", "", ""))])
         if self.runs.chosen is None and runs:
-            self.runs.blockSignals(True)
-            self.runs.choose(runs[0].identity)
-            self.runs.blockSignals(False)
+            with QSignalBlocker(self.runs):
+                self.runs.choose(runs[0].identity)
         summary = self._summary()
-        sheet = None if summary is None else self._sheets.sheet(summary)
+        sheet = self._sheets.newest(summary)
         self._show_sheet(summary, sheet)
         self._show_buttons(summary, sheet)
 
@@ -110,10 +95,6 @@ class ResultsPanel(RefereePanel):
         """The chosen run."""
         run = self.model.run_of(str(self.runs.chosen or ""))
         return run if run is not None and run.zone == self._zone else None
-
-    def _sheet(self) -> Optional[RunSheet]:
-        summary = self._summary()
-        return None if summary is None else self._sheets.sheet(summary)
 
     def _show_sheet(self, summary: Optional[RunLine], sheet: Optional[RunSheet]) -> None:
         moments = self.client.moments
@@ -166,7 +147,8 @@ class ResultsPanel(RefereePanel):
     # -- doing it -----------------------------------------------------------------------------------
 
     def _ask_score(self) -> None:
-        summary, item = self._summary(), self._chosen_item(self._sheet())
+        summary = self._summary()
+        item = self._chosen_item(self._sheets.newest(summary))
         if summary is None or item is None:
             return
         title = _name(summary)
@@ -176,14 +158,14 @@ class ResultsPanel(RefereePanel):
         ))
 
     def _mark(self, summary: RunLine, item: SheetItem, given: Entered) -> None:
-        what = self._begin(summary, item.desc)
         self.client.calls.mark(self, summary.zone, summary.identity, {
             "group": item.group, "desc": item.desc, "not_attempted": given.not_attempted, "value": given.value,
             "text": given.text, "judge": given.judge, "note": given.note,
-        }, lambda outcome: self._answer.show_outcome(what, outcome))
+        }, self._begin(summary, item.desc))
 
     def _ask_reason(self) -> None:
-        summary, sheet = self._summary(), self._sheet()
+        summary = self._summary()
+        sheet = self._sheets.newest(summary)
         if summary is None or sheet is None or not sheet.ends:
             return
         end = next((end for end in sheet.ends if end.number == self.stops.chosen), sheet.ends[-1])
@@ -205,15 +187,12 @@ class ResultsPanel(RefereePanel):
                      lambda: self._send(summary, tr(ENTRIES["sign_off"].label), "sign_off", name))
 
     def _send(self, summary: RunLine, what: str, action: str, referee: str = "", **given: Any) -> None:
-        what = self._begin(summary, what)
-        self.client.calls.act(self, action, summary.zone, summary.identity, given,
-                              lambda outcome: self._answer.show_outcome(what, outcome), referee=referee)
+        self.client.calls.act(self, action, summary.zone, summary.identity, given, self._begin(summary, what),
+                              referee=referee)
 
-    def _begin(self, summary: RunLine, what: str) -> str:
-        """Show that a call begins. Returns what it is about."""
-        what = f"{_name(summary)}: {what}"
-        self._answer.say(f"{what} …")
-        return what
+    def _begin(self, summary: RunLine, what: str) -> Done:
+        """Show that a call begins. Returns what shows its outcome."""
+        return self._answer.begin(f"{_name(summary)}: {what}")
 
 
 def ask_sign_off(
@@ -237,8 +216,7 @@ def ask_sign_off(
 
 def _page(rows: Rows, button: QPushButton) -> QWidget:
     page = QWidget()
-    column = QVBoxLayout(page)
-    column.setContentsMargins(0, 0, 0, 0)
+    column = basic.flat(QVBoxLayout(page))
     column.addWidget(rows, 1)
     column.addWidget(button, 0, Qt.AlignLeft)
     return page

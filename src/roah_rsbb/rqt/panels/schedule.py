@@ -4,7 +4,7 @@ from typing import Callable, List, Optional, Sequence
 
 from roah_rsbb.model.schedule import ScheduledEvent
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
-from roah_rsbb.rqt.qt import QAbstractItemView, QComboBox, QHBoxLayout, QPushButton, Qt, QTimer
+from roah_rsbb.rqt.qt import QAbstractItemView, QComboBox, QHBoxLayout, QSignalBlocker, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.wording import schedule, sheets, stop
@@ -47,12 +47,11 @@ class FilterBox(QComboBox):
         if names == self._names:
             return
         chosen, self._names = self.chosen, names
-        self.blockSignals(True)
-        self.clear()
-        for name in ["", *names]:
-            self.addItem(show(name) if name else self._everything, name)
-        self.setCurrentIndex(max(0, self.findData(chosen)))
-        self.blockSignals(False)
+        with QSignalBlocker(self):
+            self.clear()
+            for name in ["", *names]:
+                self.addItem(show(name) if name else self._everything, name)
+            self.setCurrentIndex(max(0, self.findData(chosen)))
 
 
 class SchedulePanel(Panel):
@@ -60,27 +59,25 @@ class SchedulePanel(Panel):
 
     TITLE = tr_later("Schedule")
     TAB = tr_later("Plan")
+    PARTS = ("schedule",)
 
     def __init__(self, client) -> None:
         super().__init__(client)
         self._events: Sequence[ScheduledEvent] = ()
         self._shown: Optional[EventFilter] = None
-        self._scroll = QTimer(self, singleShot=True, interval=0)
-        self._scroll.timeout.connect(self._scroll_to_current)
+        self._scroll = QTimer(self, singleShot=True, interval=0, timeout=self._scroll_to_current)
         self.zones, self.teams = FilterBox(tr("All zones")), FilterBox(tr("All teams"))
         self.days, self.shows = FilterBox(tr("All days")), FilterBox(tr("All events"))
         self.shows.offer([show.value for show in Show if show is not Show.ALL], tr)
         self.rows = Rows([tr(column) for column in COLUMNS], stretched=(7,), wrapped=False)
         self.rows.horizontalHeader().setMaximumSectionSize(round(WIDEST_EMS * basic.em()))
-        self.choose = basic.enlarged(QPushButton(tr(CHOOSE)), 1.1, bold=True)
-        self.choose.setFocusPolicy(Qt.TabFocus)
+        self.choose = basic.button(tr(CHOOSE), self._choose, 1.1, bold=True)
         self._answer = Answer()
         self._lay_out()
         for box in (self.zones, self.teams, self.days, self.shows):
             box.currentIndexChanged.connect(self.redraw)
         self.rows.itemSelectionChanged.connect(self.redraw)
         self.rows.itemDoubleClicked.connect(lambda *_: self.choose.click())
-        self.choose.clicked.connect(self._choose)
 
     def _lay_out(self) -> None:
         filters = QHBoxLayout()
@@ -97,9 +94,6 @@ class SchedulePanel(Panel):
 
     def where(self) -> str:
         return schedule.summary(self._events) if self._events else tr(WAITING)
-
-    def parts(self) -> tuple:
-        return (None if self.model.document is None else self.model.document.schedule,)
 
     def show_model(self) -> None:
         self._events = () if self.model.document is None else self.model.document.events()
@@ -170,10 +164,9 @@ class SchedulePanel(Panel):
                 now_left is not None and (left is None or now_left.id != left.id)):
             self._answer.warn(tr("Not done: the schedule or the runs in {zone} have changed", zone=event.zone))
             return
-        self._answer.say(f"{what} …")
         given = {"event": event.id, "team": event.team, "unsigned": left is not None}
         self.client.calls.act(self, "choose_event", event.zone, "", given,
-                              lambda outcome: self._answer.show_outcome(what, outcome))
+                              self._answer.begin(what))
 
 
 def _subject(event: ScheduledEvent) -> tuple:

@@ -10,15 +10,15 @@ from roah_rsbb.model.results import HistoryEntry
 from roah_rsbb.model.zone import IDLE, SheetItem
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.edits import Edits
-from roah_rsbb.rqt.panels.history import HistoryDialog, RunSheets
-from roah_rsbb.rqt.panels.panel import Answer, RefereePanel
+from roah_rsbb.rqt.model.fetched import run_sheets
+from roah_rsbb.rqt.panels.history import HistoryDialog
+from roah_rsbb.rqt.panels.panel import RefereePanel
 from roah_rsbb.rqt.qt import (
     QFrame,
     QHBoxLayout,
     QKeySequence,
     QLabel,
     QMenu,
-    QPushButton,
     QScrollArea,
     QShortcut,
     QStackedLayout,
@@ -96,12 +96,10 @@ class ItemRow(QWidget):
         self._value: Value = 0
         self._buttons: List[QWidget] = []  # what is off while the core is silent
         self.key = str(number) if number <= LAST_KEY else ""
-        self.text = QLabel(f"{self.key}  {item.desc}".strip(), wordWrap=True)
-        self.text.setTextFormat(Qt.PlainText)
+        self.text = QLabel(f"{self.key}  {item.desc}".strip(), wordWrap=True, textFormat=Qt.PlainText)
         if item.needs:
             self.text.setToolTip(basic.tip(tr("Counts only with: {items}", items=", ".join(item.needs))))
-        self.line = QHBoxLayout(self)
-        self.line.setContentsMargins(0, 0, 0, 0)
+        self.line = basic.flat(QHBoxLayout(self))
         self.line.addWidget(self.text, 1)
         self.add_controls(item)
         self.points = QLabel("", alignment=Qt.AlignRight | Qt.AlignVCenter)
@@ -177,13 +175,6 @@ class ItemRow(QWidget):
             self.points.setText(points)
             self.points.setToolTip(tr("{points} points", points=points))
 
-    @staticmethod
-    def _button(text: str, pressed: Callable[[], None]) -> QPushButton:
-        button = QPushButton(text)
-        button.setFocusPolicy(Qt.TabFocus)
-        button.clicked.connect(pressed)
-        return button
-
 
 class ScoreRow(ItemRow):
     """A yes-or-no item, or a whole number that is counted."""
@@ -194,13 +185,13 @@ class ScoreRow(ItemRow):
         self._least = 0 if item.type == "uint" else int(item.min or -MAX_VALUE)
         self._most = int(item.max or MAX_VALUE)
         if self._is_bool:
-            self.toggle = self._button("", lambda: self._change(0 if self._value == 1 else 1))
+            self.toggle = basic.button("", lambda: self._change(0 if self._value == 1 else 1))
             self.toggle.setCheckable(True)
             self._buttons = [self.toggle]
         else:
-            self.less = self._button("−", self.take_back)
+            self.less = basic.button("−", self.take_back)
             self.number = QLabel("0", alignment=Qt.AlignCenter)
-            self.more = self._button("+", self.score)
+            self.more = basic.button("+", self.score)
             self._buttons = [self.less, self.more]
         for widget in self._buttons if self._is_bool else (self.less, self.number, self.more):
             self.line.addWidget(widget)
@@ -237,7 +228,7 @@ class ScoreRow(ItemRow):
             self.toggle.setText(f"{tr(_BOOL_TEXTS.get(value, _YES))}{mark}")
             self.toggle.setAccessibleName(f"{self.text.text()}: {self.toggle.text()}")
             tone = basic.RUNNING
-            style = f"background: {tone.background}; color: {tone.text};" if value == 1 and not why_off else ""
+            style = tone.css if value == 1 and not why_off else ""
             basic.set_style(self.toggle, f"QPushButton {{ {style} }}" if style else "")
             return
         self.number.setText(f"{tr('n/a') if value is NOT_ATTEMPTED else value}{mark}")
@@ -346,6 +337,7 @@ class ScoringPanel(RefereePanel):
     """All items of the run, in their groups."""
 
     TITLE = tr_later("Scoring")
+    PARTS = ("zone", "results")
     WORKS_BEHIND = True
 
     def __init__(self, client) -> None:
@@ -361,22 +353,14 @@ class ScoringPanel(RefereePanel):
         self.body.addLayout(self._stack, 1)
         self.module_scores = ModuleScores()
         self.body.addWidget(self.module_scores, 1)
-        self._answer = Answer()
-        self.history = QPushButton(tr("History …"))
-        self.history.setFocusPolicy(Qt.TabFocus)
-        self.history.clicked.connect(self._show_history)
-        last = QHBoxLayout()
-        last.addWidget(self.referee, 1)
-        last.addWidget(self._answer, 2)
-        last.addWidget(self.history)
-        self._sheets = RunSheets(self, client.calls, self.redraw)
-        self.points = basic.enlarged(QLabel(wordWrap=True), 1.2, bold=True)
-        self.points.setTextFormat(Qt.PlainText)
+        self.history = basic.button(tr("History …"), self._show_history)
+        self._sheets = run_sheets(self, client.calls, self.redraw)
+        self.points = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.2, bold=True)
         self.points.hide()
         self.body.addWidget(self.points)
         self.undo = UndoRow(self._undo)
         self.body.addWidget(self.undo)
-        self.body.addLayout(last)
+        self.add_last_line(self.history)
         for number in range(1, LAST_KEY + 1):
             self._key(str(number), partial(self._press, number, ItemRow.score.__name__))
             self._key(f"Shift+{number}", partial(self._press, number, ItemRow.take_back.__name__))
@@ -389,10 +373,6 @@ class ScoringPanel(RefereePanel):
         shortcut.activated.connect(pressed)
 
     # -- showing ------------------------------------------------------------------------------------
-
-    def parts(self) -> tuple:
-        document = self.model.document
-        return (self.model.zone, None if document is None else document.results)
 
     def show_model(self) -> None:
         zone = self.model.zone
@@ -415,7 +395,7 @@ class ScoringPanel(RefereePanel):
     def show_times(self) -> None:
         """Show the last marks of the run, and how long ago they were."""
         run = self.model.run_of(self.model.identity_of(self.model.zone_name))
-        sheet = None if run is None else self._sheets.sheet(run)
+        sheet = self._sheets.newest(run)
         entries = [] if sheet is None or not self.rows else sheets.to_undo(sheet.history, PLACES)
         self.undo.show_entries(entries, self.model.now().utc, self.model.why_read_only(tr(SILENT)))
 
@@ -470,9 +450,8 @@ class ScoringPanel(RefereePanel):
         if zone is None or not zone.identity:
             return
         what = tr(UNDO, mark=sheets.mark_text(entry))
-        self._answer.say(f"{what} …")
         self.client.calls.act(self, "withdraw", zone.zone, zone.identity, {"entry": entry.number},
-                              lambda outcome: self._answer.show_outcome(what, outcome))
+                              self._answer.begin(what))
 
     def _change(self, item: ItemName, value: Value, judge: str = NO_JUDGE) -> None:
         """Handle another value that the referee set."""

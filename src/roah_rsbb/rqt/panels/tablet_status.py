@@ -24,6 +24,8 @@ class TabletStatusPanel(Panel):
 
     TITLE = tr_later("Tablet Status")
     TAB = tr_later("Tablet")
+    WHERE = tr_later("The whole box")
+    PARTS = ()
 
     def __init__(self, client) -> None:
         super().__init__(client)
@@ -31,15 +33,11 @@ class TabletStatusPanel(Panel):
         form.setRowWrapPolicy(QFormLayout.WrapLongRows)
         self._values: Dict[str, QLabel] = {}
         for name, label in FIELDS.items():
-            value = basic.enlarged(QLabel(wordWrap=True), 1.2)
-            value.setTextFormat(Qt.PlainText)
+            value = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.2)
             self._values[name] = value
             form.addRow(tr(label), value)
         self.body.addLayout(form)
         self.body.addStretch(1)
-
-    def where(self) -> str:
-        return tr("The whole box")
 
     def show_model(self) -> None:
         if self.model.box is None:
@@ -62,6 +60,3 @@ class TabletStatusPanel(Panel):
             self._values[name].setText(value)
             self._values[name].setToolTip(moments.tip(utc_s[name]) if utc_s.get(name) else "")
             self._values[name].setEnabled(not self.model.is_old)
-
-    def parts(self) -> tuple:
-        return ()

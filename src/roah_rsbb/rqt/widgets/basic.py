@@ -3,7 +3,7 @@
 import html
 import math
 import re
-from typing import Iterable, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Iterable, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.rqt.qt import (
     QApplication,
@@ -13,6 +13,7 @@ from roah_rsbb.rqt.qt import (
     QFont,
     QFontMetricsF,
     QLabel,
+    QLayout,
     QPainter,
     QPalette,
     QPushButton,
@@ -33,6 +34,11 @@ class Tone(NamedTuple):
 
     background: str
     text: str
+
+    @property
+    def css(self) -> str:
+        """The colours, for a style sheet."""
+        return f"background: {self.background}; color: {self.text};"
 
 
 RUNNING = Tone("#12702b", "#ffffff")
@@ -111,6 +117,34 @@ def allow(button: QPushButton, why_off: str) -> None:
     """Enable a button, or disable it with the reason as its tooltip."""
     button.setEnabled(not why_off)
     button.setToolTip(tip(why_off))
+
+
+def button(text: str, pressed: Callable[[], None], factor: float = 1.0, bold: bool = False) -> QPushButton:
+    """Return a button that Tab reaches. A click does not focus it: a stray space bar does nothing."""
+    made = enlarged(QPushButton(text, focusPolicy=Qt.TabFocus), factor, bold)
+    made.clicked.connect(lambda _checked: pressed())
+    return made
+
+
+def flat(layout: QLayout) -> QLayout:
+    """Remove the margins of a layout. Returns the layout."""
+    layout.setContentsMargins(0, 0, 0, 0)
+    return layout
+
+
+def around(widget: QWidget, kind: type) -> Optional[QWidget]:
+    """Return the nearest widget of this kind that a widget is in; None: it is in none."""
+    parent = widget.parentWidget()
+    while parent is not None and not isinstance(parent, kind):
+        parent = parent.parentWidget()
+    return parent
+
+
+class NoWheel:
+    """The first base of a field that ignores the mouse wheel: scrolling must not change a value."""
+
+    def wheelEvent(self, event) -> None:
+        event.ignore()
 
 
 def _escaped(text: str) -> str:
@@ -233,7 +267,7 @@ class Badge(ShortenedLabel):
     def show_text(self, text: str, tone: Tone) -> None:
         """Show `text`, on the tone's colour."""
         self.setText(text)
-        set_style(self, f"background: {tone.background}; color: {tone.text}; padding: 0.1em 0.5em;")
+        set_style(self, f"{tone.css} padding: 0.1em 0.5em;")
 
 
 class Notices(QTextEdit):
@@ -330,8 +364,7 @@ class CommandButton(QPushButton):
         self._explanation = explanation
         self._allowed = False
         self.why_off = ""  # one reason per line; empty: it is enabled
-        self._held = QTimer(self, singleShot=True)
-        self._held.timeout.connect(self._apply)
+        self._held = QTimer(self, singleShot=True, timeout=self._apply)
         self.setEnabled(False)
 
     def sizeHint(self) -> QSize:
@@ -372,7 +405,7 @@ class CommandButton(QPushButton):
 
 def _button_style(tone: Tone) -> str:
     return (
-        f"QPushButton {{ background: {tone.background}; color: {tone.text}; border: 0.15em solid {tone.background};"
+        f"QPushButton {{ {tone.css} border: 0.15em solid {tone.background};"
         " border-radius: 0.3em; }"
         f"QPushButton:hover, QPushButton:focus {{ border-color: {tone.text}; }}"
         f"QPushButton:disabled {{ background: palette(button); color: {FADED}; border-color: {FADED}; }}"
@@ -393,8 +426,7 @@ class HoldButton(CommandButton):
         super().__init__(text, explanation, 1.4)
         self._text = text
         self._is_by_mouse = False
-        self._keeping = QTimer(self, singleShot=True)
-        self._keeping.timeout.connect(self._on_kept)
+        self._keeping = QTimer(self, singleShot=True, timeout=self._on_kept)
         self.pressed.connect(self._on_pressed)
         self.released.connect(self._on_released)
 

@@ -8,7 +8,7 @@ from typing import Callable, List
 
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt.qt import QComboBox, QHBoxLayout, QLineEdit, QPushButton, QWidget
-from roah_rsbb.rqt.widgets.score_dialogs import Entered, NoteDialog, ScoreDialog
+from roah_rsbb.rqt.widgets.score_dialogs import Entered, FormDialog, NoteDialog, ScoreDialog
 from roah_rsbb.wording import judging
 from roah_rsbb.wording.language import tr
 
@@ -104,9 +104,7 @@ class ChoiceDialog(ReasonDialog):
         """`text`: what it is about."""
         self._choice_label = choice_label
         self._choices = choices
-        self._then_chosen = then
-        super().__init__(parent, title, text, note_label, yes, lambda note: None)
-        self.chosen.setFocus()
+        super().__init__(parent, title, text, note_label, yes, lambda note: then(self.chosen.currentIndex(), note))
 
     def add_fields(self) -> None:
         self.chosen = QComboBox()
@@ -115,12 +113,11 @@ class ChoiceDialog(ReasonDialog):
         self.chosen.setCurrentIndex(0 if len(self._choices) == 1 else -1)
         self.chosen.currentIndexChanged.connect(lambda _index: self.allow())
         self.form.addRow(self._choice_label, self.chosen)
+        super().add_fields()
+        self.chosen.setFocus()
 
     def is_complete(self) -> bool:
         return super().is_complete() and self.chosen.currentIndex() >= 0
-
-    def answer(self) -> None:
-        self._then_chosen(self.chosen.currentIndex(), self.note.text().strip())
 
 
 class ObjectionDialog(ReasonDialog):
@@ -128,37 +125,34 @@ class ObjectionDialog(ReasonDialog):
 
     def __init__(self, parent: QWidget, text: str, then: Callable[[str, str], None]) -> None:
         """`text`: what it is about."""
-        self._then_objected = then
-        super().__init__(parent, tr(judging.OBJECT), text, tr("Objection"), tr("Save"), lambda note: None)
-        self.who.setFocus()
+        super().__init__(parent, tr(judging.OBJECT), text, tr("Objection"), tr("Save"),
+                         lambda note: then(self.who.text().strip(), note))
 
     def add_fields(self) -> None:
         self.who = QLineEdit(maxLength=MAX_WHO)
         self.who.textChanged.connect(lambda _text: self.allow())
         self.form.addRow(tr("Who objects"), self.who)
+        super().add_fields()
+        self.who.setFocus()
 
     def is_complete(self) -> bool:
         return super().is_complete() and bool(self.who.text().strip())
 
-    def answer(self) -> None:
-        self._then_objected(self.who.text().strip(), self.note.text().strip())
 
-
-class PublishDialog(NoteDialog):
+class PublishDialog(FormDialog):
     """Asks for the time for objections; calls `then(seconds)`, negative: as the benchmarks file says."""
 
     def __init__(self, parent: QWidget, text: str, then: Callable[[float], None]) -> None:
         """`text`: what it is about."""
-        self._then_published = then
-        super().__init__(parent, tr(judging.PUBLISH), text, "", tr(judging.PUBLISH), lambda note: None)
-        self.form.removeRow(self.note)
-        self.chosen.setFocus()
+        self._then = then
+        super().__init__(parent, tr(judging.PUBLISH), text, tr(judging.PUBLISH))
 
     def add_fields(self) -> None:
         self.chosen = QComboBox()
         for seconds, text in judging.objection_times():
             self.chosen.addItem(text, seconds)
         self.form.addRow(tr(judging.OBJECTION_TIME), self.chosen)
+        self.chosen.setFocus()
 
     def answer(self) -> None:
-        self._then_published(self.chosen.currentData())
+        self._then(self.chosen.currentData())

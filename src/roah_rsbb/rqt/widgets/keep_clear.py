@@ -43,8 +43,7 @@ class KeepClear(QObject):
         self.popup: Optional[QWidget] = None  # the menu or list that is open, once this has seen it
         self._modal: Optional[QWidget] = None
         self._stand_ins: Dict[StopStrip, StopStrip] = {}  # by the strip that a modal dialog blocks
-        self._timer = QTimer(self)
-        self._timer.timeout.connect(self._look)
+        self._timer = QTimer(self, timeout=self._look)
         self._timer.start(LOOK_MS)
 
     def end(self) -> None:

@@ -68,8 +68,7 @@ class PairDialog(QDialog):
     """Shows a code for one device, and all paired devices."""
 
     def __init__(self, parent: QWidget, calls: Calls, moments: Moments, zone: str) -> None:
-        super().__init__(parent)
-        self.setWindowTitle(tr("Pair a phone or tablet"))
+        super().__init__(parent, windowTitle=tr("Pair a phone or tablet"))
         self.setAttribute(Qt.WA_DeleteOnClose)
         self._calls = calls
         self._moments = moments
@@ -88,16 +87,13 @@ class PairDialog(QDialog):
         self.devices = QTreeWidget()
         self.devices.setRootIsDecorated(False)
         self.devices.setHeaderLabels([tr("Person"), tr("May act as"), tr("Device"), tr("Last seen"), ""])
-        self.trouble = QLabel(wordWrap=True)
-        self.trouble.setTextFormat(Qt.PlainText)
+        self.trouble = QLabel(wordWrap=True, textFormat=Qt.PlainText)
         self._lay_out()
         self.make.clicked.connect(self._ask_code)
         self.roles.activated.connect(self._ask_code)
-        self._tick_timer = QTimer(self)
-        self._tick_timer.timeout.connect(self._tick)
+        self._tick_timer = QTimer(self, timeout=self._tick)
         self._tick_timer.start(TICK_MS)
-        self._list_timer = QTimer(self)
-        self._list_timer.timeout.connect(self._ask_list)
+        self._list_timer = QTimer(self, timeout=self._ask_list)
         self._list_timer.start(LIST_MS)
         self.finished.connect(lambda: calls.forget(self))
         self._show_code("", "", 0.0)

@@ -14,12 +14,10 @@ class ReloadDialog(QDialog):
     """Shows the lines, and calls `apply()` if the organiser confirms. Without `apply`, it can only be closed."""
 
     def __init__(self, parent: QWidget, heading: str, lines: List[str], apply: Optional[Callable[[], None]]) -> None:
-        super().__init__(parent)
-        self.setWindowTitle(tr("Reload configuration"))
+        super().__init__(parent, windowTitle=tr("Reload configuration"))
         self.setAttribute(Qt.WA_DeleteOnClose)
         box = QVBoxLayout(self)
-        label = basic.enlarged(QLabel(heading, wordWrap=True), 1.2, bold=True)
-        label.setTextFormat(Qt.PlainText)
+        label = basic.enlarged(QLabel(heading, wordWrap=True, textFormat=Qt.PlainText), 1.2, bold=True)
         box.addWidget(label)
         self.lines = QPlainTextEdit("\n".join(lines), readOnly=True)
         box.addWidget(self.lines, 1)

@@ -25,42 +25,54 @@ MAX_VALUE = 2**31 - 1
 WIDE_EMS = 32
 
 
-class NoteDialog(QDialog):
-    """Asks for a line of text and calls `then(note)` if the referee confirms."""
+class FormDialog(QDialog):
+    """Asks with a form. A subclass adds its fields, and passes on what was entered if the referee confirms."""
 
-    def __init__(
-        self, parent: QWidget, title: str, text: str, note_label: str, yes: str, then: Callable[[str], None]
-    ) -> None:
-        super().__init__(parent)
-        self.setWindowTitle(title)
+    def __init__(self, parent: QWidget, title: str, text: str, yes: str) -> None:
+        """`text`: what it is about; `yes`: the button that confirms."""
+        super().__init__(parent, windowTitle=title)
         self.setAttribute(Qt.WA_DeleteOnClose)
-        self._then = then
         self.form = QFormLayout(self)
-        what = basic.enlarged(QLabel(text, wordWrap=True), 1.2, bold=True)
-        what.setTextFormat(Qt.PlainText)
+        what = basic.enlarged(QLabel(text, wordWrap=True, textFormat=Qt.PlainText), 1.2, bold=True)
         what.setMinimumWidth(round(WIDE_EMS * basic.em()))
         self.form.addRow(what)
-        self.note = QLineEdit(maxLength=MAX_NOTE)
-        self.buttons = QDialogButtonBox()
-        self.yes = self.buttons.addButton(yes, QDialogButtonBox.AcceptRole)
-        self.cancel = self.buttons.addButton(tr("Cancel"), QDialogButtonBox.RejectRole)
-        self.buttons.accepted.connect(self._accept)
-        self.buttons.rejected.connect(self.reject)
+        buttons = QDialogButtonBox()
+        self.yes = buttons.addButton(yes, QDialogButtonBox.AcceptRole)
+        self.cancel = buttons.addButton(tr("Cancel"), QDialogButtonBox.RejectRole)
+        buttons.accepted.connect(self.confirm)
+        buttons.rejected.connect(self.reject)
         self.add_fields()
-        self.form.addRow(note_label, self.note)
-        self.form.addRow(self.buttons)
-        self.note.setFocus()
+        self.form.addRow(buttons)
 
     def add_fields(self) -> None:
-        """A subclass adds its fields here, above the note."""
+        """Add the fields, and give one of them the focus."""
+
+    def confirm(self) -> None:
+        """Close, and pass on what was entered."""
+        self.accept()
+        self.answer()
 
     def answer(self) -> None:
         """Pass on what was entered."""
-        self._then(self.note.text().strip())
 
-    def _accept(self) -> None:
-        self.accept()
-        self.answer()
+
+class NoteDialog(FormDialog):
+    """Asks for a line of text and calls `then(note)` if the referee confirms."""
+
+    def __init__(
+        self, parent: QWidget, title: str, text: str, note_label: str, yes: str, then: Callable[..., None]
+    ) -> None:
+        self._note_label = note_label
+        self._then = then
+        super().__init__(parent, title, text, yes)
+
+    def add_fields(self) -> None:
+        self.note = QLineEdit(maxLength=MAX_NOTE)
+        self.form.addRow(self._note_label, self.note)
+        self.note.setFocus()
+
+    def answer(self) -> None:
+        self._then(self.note.text().strip())
 
 
 class Entered(NamedTuple):
@@ -84,12 +96,11 @@ class ScoreDialog(NoteDialog):
         self._item = item
         self._value = value
         self._was_not_attempted = not_attempted
-        self._then_scored = then
         self.number: Optional[QSpinBox] = None
         self.tick: Optional[QCheckBox] = None
         self.field: Union[NumberField, ChoiceField, None] = None
         self.judge: Optional[QComboBox] = None
-        super().__init__(parent, title, item.desc, tr("Note"), tr("Save"), lambda note: None)
+        super().__init__(parent, title, item.desc, tr("Note"), tr("Save"), then)
 
     def add_fields(self) -> None:
         self.not_attempted = QCheckBox(tr("Not attempted"), checked=self._was_not_attempted)
@@ -98,6 +109,7 @@ class ScoreDialog(NoteDialog):
         self.not_attempted.toggled.connect(lambda on: field.setEnabled(not on))
         self.form.addRow(tr("Value"), field)
         self.form.addRow("", self.not_attempted)
+        super().add_fields()
 
     def _field(self) -> QWidget:
         """Make the field of the item's type."""
@@ -128,10 +140,10 @@ class ScoreDialog(NoteDialog):
     def answer(self) -> None:
         note = self.note.text().strip()
         if self.not_attempted.isChecked():
-            self._then_scored(Entered(not_attempted=True, note=note))
+            self._then(Entered(not_attempted=True, note=note))
         elif self.field is not None:
             judge = "" if self.judge is None else self.judge.currentText()
-            self._then_scored(Entered(0, self.field.text_value(), judge, False, note))
+            self._then(Entered(0, self.field.text_value(), judge, False, note))
         else:
             value = int(self.tick.isChecked()) if self.tick is not None else self.number.value()
-            self._then_scored(Entered(value, note=note))
+            self._then(Entered(value, note=note))

@@ -10,10 +10,12 @@ from roah_rsbb.rqt.qt import (
     QHBoxLayout,
     QLabel,
     QLocale,
+    QSignalBlocker,
     Qt,
     QValidator,
     QWidget,
 )
+from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.times import NOTHING
 
 MAX_NUMBER = 1_000_000
@@ -28,11 +30,10 @@ def number_text(number: float) -> str:
     return "0" if text == "-0" else text
 
 
-class NumberField(QDoubleSpinBox):
+class NumberField(basic.NoWheel, QDoubleSpinBox):
     """A decimal number. With `may_be_empty`, it begins empty and can be emptied. `entered(text)`: the referee did it.
 
-    A comma that is typed becomes a point, on computers in any language. The mouse wheel scrolls the sheet and never
-    changes a number.
+    A comma that is typed becomes a point, on computers in any language.
     """
 
     def __init__(self, item: SheetItem, entered: Callable[[str], None], may_be_empty: bool = False) -> None:
@@ -67,9 +68,6 @@ class NumberField(QDoubleSpinBox):
         else:
             super().stepBy(steps)
 
-    def wheelEvent(self, event) -> None:
-        event.ignore()
-
     def text_value(self) -> str:
         """The number as text; empty: no value."""
         return "" if self._may_be_empty and self.value() < self._least else number_text(self.value())
@@ -79,16 +77,15 @@ class NumberField(QDoubleSpinBox):
         value = float(text) if text else self.minimum() if self._may_be_empty else 0.0
         if self.lineEdit().isModified() and self.hasFocus():
             return
-        self.blockSignals(True)
-        self.setValue(value)
-        self.blockSignals(False)
+        with QSignalBlocker(self):
+            self.setValue(value)
 
     def _changed(self, _value: float) -> None:
         self.lineEdit().setModified(False)
         self._entered(self.text_value())
 
 
-class ChoiceField(QComboBox):
+class ChoiceField(basic.NoWheel, QComboBox):
     """One of several choices, or none. `entered(text)`: the referee chose it."""
 
     def __init__(self, item: SheetItem, entered: Callable[[str], None]) -> None:
@@ -99,9 +96,6 @@ class ChoiceField(QComboBox):
         self.setFocusPolicy(Qt.StrongFocus)
         self.setSizeAdjustPolicy(QComboBox.AdjustToMinimumContentsLengthWithIcon)
         self.activated.connect(lambda _index: entered(self.text_value()))
-
-    def wheelEvent(self, event) -> None:
-        event.ignore()
 
     def text_value(self) -> str:
         """The choice; empty: none."""
@@ -117,13 +111,11 @@ class RatingFields(QWidget):
 
     def __init__(self, item: SheetItem, entered: Callable[[str, str], None]) -> None:
         super().__init__()
-        line = QHBoxLayout(self)
-        line.setContentsMargins(0, 0, 0, 0)
+        line = basic.flat(QHBoxLayout(self))
         self.fields: Dict[str, NumberField] = {}
         for judge in item.judges:
             field = NumberField(item, lambda text, judge=judge: entered(judge, text), may_be_empty=True)
-            label = QLabel(judge)
-            label.setTextFormat(Qt.PlainText)
+            label = QLabel(judge, textFormat=Qt.PlainText)
             label.setBuddy(field)
             field.setAccessibleName(f"{item.desc}: {judge}")
             line.addWidget(label)

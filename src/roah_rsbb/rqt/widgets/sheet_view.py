@@ -44,16 +44,13 @@ class SheetView(QWidget):
         self._area.setFrameShape(QFrame.NoFrame)
         self._area.setMinimumHeight(round(2 * basic.em()))
         self._pinned = QWidget()
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
+        column = basic.flat(QVBoxLayout(self))
         column.setSpacing(round(0.2 * basic.em()))
         column.addWidget(self._area, 1)
         column.addWidget(self._pinned)
         self._inside: Optional[QVBoxLayout] = None
-        self._below = QVBoxLayout(self._pinned)
-        self._below.setContentsMargins(0, 0, 0, 0)
-        self._soon = QTimer(self, singleShot=True, interval=0)
-        self._soon.timeout.connect(self._settle)
+        self._below = basic.flat(QVBoxLayout(self._pinned))
+        self._soon = QTimer(self, singleShot=True, interval=0, timeout=self._settle)
 
     def clear(self) -> None:
         """Remove all rows."""
@@ -62,8 +59,7 @@ class SheetView(QWidget):
             group.box.deleteLater()
         self._groups = {}
         inside = QWidget()
-        self._inside = QVBoxLayout(inside)
-        self._inside.setContentsMargins(0, 0, 0, 0)
+        self._inside = basic.flat(QVBoxLayout(inside))
         self._inside.addStretch(1)
         self._area.setWidget(inside)
         self.arrangement = None

@@ -23,18 +23,16 @@ class StopPrompt(QLabel):
     """A line above all windows that takes neither the focus nor the mouse."""
 
     def __init__(self) -> None:
-        super().__init__(None, Qt.ToolTip | Qt.WindowStaysOnTopHint | Qt.WindowTransparentForInput)
+        super().__init__(None, Qt.ToolTip | Qt.WindowStaysOnTopHint | Qt.WindowTransparentForInput, wordWrap=True,
+                         textFormat=Qt.PlainText)
         self.setAttribute(Qt.WA_ShowWithoutActivating)
-        self.setTextFormat(Qt.PlainText)
-        self.setWordWrap(True)
         basic.enlarged(self, 1.6, bold=True)
-        self._timer = QTimer(self, singleShot=True)
-        self._timer.timeout.connect(self.hide)
+        self._timer = QTimer(self, singleShot=True, timeout=self.hide)
 
     def say(self, text: str, tone: basic.Tone, for_s: float) -> None:
         """Show a text for some time, at the top of the active window."""
         self.setText(text)
-        basic.set_style(self, f"background: {tone.background}; color: {tone.text}; padding: 0.4em 0.8em;")
+        basic.set_style(self, f"{tone.css} padding: 0.4em 0.8em;")
         window = QApplication.activeWindow()
         area = QGuiApplication.primaryScreen().availableGeometry() if window is None else window.frameGeometry()
         self.setFixedWidth(min(area.width(), self.fontMetrics().horizontalAdvance(text) + round(4 * basic.em())))

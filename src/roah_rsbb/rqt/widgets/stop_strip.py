@@ -317,7 +317,7 @@ class StopStrip(QWidget):
     @staticmethod
     def _show_line(line: basic.FilledLabel, text: str, tone: basic.Tone, brief: str = "") -> None:
         tone = tone if text else basic.OFF
-        basic.set_style(line, f"background: {tone.background}; color: {tone.text}; padding: 0 0.3em;")
+        basic.set_style(line, f"{tone.css} padding: 0 0.3em;")
         line.show_text(text.replace("\n", " "), brief)
         line.setToolTip(basic.tip(text))
 

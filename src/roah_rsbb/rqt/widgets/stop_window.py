@@ -248,5 +248,5 @@ def tone_of(one: SentStop) -> basic.Tone:
 
 
 def _show(label: basic.FilledLabel, text: str, tone: basic.Tone) -> None:
-    basic.set_style(label, f"background: {tone.background}; color: {tone.text};")
+    basic.set_style(label, tone.css)
     label.show_text(text)

@@ -43,8 +43,7 @@ class TextSearch(QWidget):
         self.count.setMinimumWidth(round(6 * basic.em()))
         self.previous = basic.CommandButton("▲", tr("Previous match (Shift+F3)"), 1.0)
         self.next = basic.CommandButton("▼", tr("Next match (F3, Enter)"), 1.0)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
+        layout = basic.flat(QHBoxLayout(self))
         layout.addWidget(self.line, 1)
         for widget in (self.count, self.previous, self.next):
             layout.addWidget(widget)

@@ -38,8 +38,7 @@ class UndoRow(QWidget):
         self._withdraw = withdraw
         self._entries: List[Optional[HistoryEntry]] = [None] * PLACES
         self._off = ""
-        line = QHBoxLayout(self)
-        line.setContentsMargins(0, 0, 0, 0)
+        line = basic.flat(QHBoxLayout(self))
         line.setSpacing(round(0.2 * basic.em()))
         self._places = [self._place(number) for number in range(PLACES)]
         for place in self._places:
@@ -57,8 +56,7 @@ class UndoRow(QWidget):
         button.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Expanding)
         button.setEnabled(False)
         button.clicked.connect(lambda: self._press(number))
-        held = QTimer(self, singleShot=True)
-        held.timeout.connect(self._apply)
+        held = QTimer(self, singleShot=True, timeout=self._apply)
         return _Place(button, held)
 
     def show_entries(self, entries: Sequence[HistoryEntry], now_utc_s: float, off: str) -> None:
