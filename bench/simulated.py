@@ -1,11 +1,11 @@
-"""The core alone, in simulated time: a whole competition day, and the cost of the panels' messages."""
+"""The core alone, in simulated time: a whole competition day."""
 
 import array
 import gc
 import io
 import sys
 import time
-from typing import List, NamedTuple
+from typing import NamedTuple
 
 from table import quantile
 
@@ -25,7 +25,6 @@ from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, Zon
 START = Now(1000.0, 1_800_000_000.0)
 SCORING = tuple(ScoringItem("Achievements", f"Item {i}", ScoreKind.UINT) for i in range(16))
 RUN_S, PAUSE_S, TICK_S = 600.0, 60.0, 1.0
-PUBLISH_S = 0.1
 BENCHMARK = Benchmark("HWV", "Task Benchmark", "A task", RUN_S + PAUSE_S, RUN_S + PAUSE_S, SCORING)
 SECONDS = int(RUN_S / TICK_S) - 1  # measured seconds of a run
 FOLLOWS = {BoxState.STOP: RobotState.STOP, BoxState.PREPARE: RobotState.WAITING_GOAL,
@@ -75,39 +74,6 @@ class World:
         """The messages that the core node makes for panels ten times a second."""
         self.box.tick(self.now)
         self._to_gui.message(self.now, self._documents.look(self.now)).serialize(io.BytesIO())
-
-    def in_runs(self) -> None:
-        """All robots connected, started and executing."""
-        self.beacons()
-        self.command("connect")
-        for command in (None, "start", None, None):
-            self.pass_time(1.0)
-            if command:
-                self.command(command)
-            self.reports()
-        self.box.take_effects()
-
-
-def publish_ms(zones: int, in_runs: bool, seconds: float) -> float:
-    """Milliseconds to make the panels' messages once (median)."""
-    world = World(zones)
-    world.beacons()
-    if in_runs:
-        world.in_runs()
-    world.publish()
-    taken: List[float] = []
-    until = time.monotonic() + seconds
-    while not taken or time.monotonic() < until:
-        world.pass_time(PUBLISH_S)
-        if in_runs:
-            world.reports()
-            world.box.take_effects()
-        else:
-            world.beacons()
-        began = time.perf_counter()
-        world.publish()
-        taken.append((time.perf_counter() - began) * 1e3)
-    return quantile(taken, 0.5)
 
 
 def _python_bytes() -> int:
