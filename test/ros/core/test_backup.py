@@ -5,7 +5,6 @@ import pathlib
 import re
 import socket
 import tempfile
-import time
 from typing import Any, Dict, List, Optional
 
 import rospy
@@ -294,38 +293,6 @@ class TestBackup(OwnCoreCase):
         journal = self.journal(folder)
         return [entry for run in journal.runs() for entry in journal.entries(run.identity)]
 
-    def test_a_hung_core_is_handed_over(self) -> None:
-        """Nobody starts another core on its computer. The copy is completed before."""
-        far = self.folder / "far"
-        self.start_with(standby_port=PORT)
-        follower = self._leaving(Program(
-            "env", own("standby"), "follow", BOX, "--port", str(PORT), "--code", self.code(), "--log-dir", str(far),
-            f"bind_host:={STANDBY}", PATH=self.path_of_a_roslaunch_that_prints()))
-        robot = self.robot("Alpha")
-        port = self.box.connect(ZONE)
-        self.box.start(ZONE)
-        robot.wait_did("execute HGTKMH")
-        self.box.set_score(ZONE, *DOOR, 1)
-        self.wait_copied(DOOR[1], far)
-        self.box.set_score(ZONE, *DOOR, 0)
-        self.core.stop()
-        stopped, mono = self.core, time.monotonic()
-        follower.wait_printed(f"the core of the box at {BOX} does not answer")
-        follower.wait_printed("its computer hands over: taking over")
-        follower.wait_ended()
-        print(f"handed over after {time.monotonic() - mono:.1f} s")
-        self.assertEqual(stopped.wait_ended(), -9, "it can do nothing any more")
-        other = self.start_other_core(self.arguments_in(follower.text))
-        details = wait_until(lambda: other.zone_details(ZONE), "the other core has the zone")
-        self.assertEqual((details.phase, details.port), ("running", port))
-        other.wait_scored(ZONE, (*DOOR, 0, 0))
-        # This one learns from the journal that it was superseded. It shows the run, but has no channel to its robot.
-        self.start_core(self.log_dir, standby_port=PORT)
-        self.assert_superseded()
-        self.assertEqual(self.box.zone_details(ZONE).port, port)
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as channel:
-            channel.bind((BOX, port))
-
     def path_of_a_roslaunch_that_prints(self) -> str:
         """Return a PATH with a roslaunch that only prints its arguments."""
         programs = self.folder / "bin"
@@ -383,10 +350,3 @@ class TestBackup(OwnCoreCase):
         self.box.set_score(ZONE, *DOOR, 1)
         away.rename(self.stick)
         self.wait_copied(DOOR[1])
-
-    def test_a_node_that_ends(self) -> None:
-        self.start_with(backup_dir=self.stick)
-        state = rospy.wait_for_message("/copies/state", CopyState, LIMIT_S)
-        self.assertEqual(state.place, str(self.stick))
-        self.backup.close()
-        self.assertIn(COPY, self.wait_warned("does not report"))
