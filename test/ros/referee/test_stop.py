@@ -7,14 +7,13 @@ import json
 import os
 import pty
 import signal
-import socket
 import struct
 import termios
 import threading
 import unittest
 
 import rosgraph
-from support.fakes.core import TOKEN, Asked, FakeCore
+from support.fakes.core import Asked, FakeCore
 from support.forking import start
 from support.programs import own, run
 from support.referee_program import Referee, called, referee
@@ -199,17 +198,6 @@ class TestStopCommand(StopCase):
         self.addCleanup(os.remove, file_of(NO_MASTER))
         done = referee("stop", "Home A", ROS_MASTER_URI=NO_MASTER)
         self.assertEqual((done.returncode, self.zone.phase), (0, "ended"), done.stderr)
-
-    def test_a_door_that_hangs_delays_it_until_another_one_is_found(self) -> None:
-        """The box has moved to another computer, and the one that hangs is still known here."""
-        self.running()
-        with socket.socket() as mute:
-            mute.bind(("127.0.0.1", 0))
-            mute.listen(5)
-            write_place(file_of(rosgraph.get_master_uri()), f"ws://127.0.0.1:{mute.getsockname()[1]}/door", TOKEN)
-            stop = self.terminal("stop", "Home A")
-            stop.wait_shown(STOPPED)
-        self.assertEqual(stop.wait_ended(), 0)
 
     def test_json_and_the_exit_status_show_how_far_it_came(self) -> None:
         self.running("Home A", "Home B")
