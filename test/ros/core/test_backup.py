@@ -338,15 +338,3 @@ class TestBackup(OwnCoreCase):
         details = [message for message in details if message.box_uuid == self.box.uuid]
         self.assertLessEqual(len(details), 1, "only the latched one")
         self.assertFalse(public[-1].schedule)
-
-    def test_a_stick_that_is_pulled_out(self) -> None:
-        self.start_with(backup_dir=self.stick)
-        self.wait_no_warning(COPY)
-        away = self.folder / "away"
-        self.stick.rename(away)
-        self.assertIn(COPY, self.wait_warned("Plug the stick in again"))
-        self.robot("Alpha")
-        self.box.connect(ZONE)
-        self.box.set_score(ZONE, *DOOR, 1)
-        away.rename(self.stick)
-        self.wait_copied(DOOR[1])
