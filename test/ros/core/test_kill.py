@@ -95,19 +95,6 @@ class TestKilledOnce(OwnCoreCase):
         self.assert_records(ports)
         self.assertEqual(box.timeouts, 1)
 
-    def test_damage_in_what_no_start_reads_is_found(self) -> None:
-        self.start()
-        self.begin("Home", self.robot("Alpha"), "HGTKMH")
-        for _ in range(2):
-            self.core.kill()
-            self.start()
-        self.core.kill()
-        # Not a draft that the core left when it was killed.
-        first = min(path for path in (self.log_dir / FILE_NAME).iterdir() if b'"command"' in path.read_bytes())
-        first.write_bytes(first.read_bytes().replace(b'"command"', b'"kommand"', 1))
-        self.start()
-        self.assertIn("A copy may have what is missing", self.wait_warned("damaged or missing, between"))
-
     def test_a_core_that_hangs(self) -> None:
         """The next one waits for its end, says how to end it, and continues its run."""
         self.start()
