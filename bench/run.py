@@ -35,7 +35,6 @@ import results_speed  # noqa: E402
 import resume  # noqa: E402
 import rosgraph  # noqa: E402
 import rospy  # noqa: E402
-import simulated  # noqa: E402
 import takeover  # noqa: E402
 from addresses import BOX_HOST, host_of  # noqa: E402
 from fleet import REGULAR_S, Fleet  # noqa: E402
@@ -70,17 +69,15 @@ class Extent(NamedTuple):
     takeovers: int  # of each kind
     seconds: float  # for each load
     idle_seconds: float
-    day_hours: float
-    day_zones: int
     runs: int  # in the journal of results
     reported_runs: int
     flood_rounds: int  # of each kind
 
 
-QUICK = Extent(probes=36, starts=12, clicks=5, kills=2, takeovers=1, seconds=1.2, idle_seconds=1.0, day_hours=0.2,
-               day_zones=2, runs=200, reported_runs=50, flood_rounds=2)
-FULL = Extent(probes=300, starts=100, clicks=40, kills=10, takeovers=5, seconds=15.0, idle_seconds=10.0, day_hours=10.0,
-              day_zones=4, runs=10_000, reported_runs=1000, flood_rounds=5)
+QUICK = Extent(probes=36, starts=12, clicks=5, kills=2, takeovers=1, seconds=1.2, idle_seconds=1.0, runs=200,
+               reported_runs=50, flood_rounds=2)
+FULL = Extent(probes=300, starts=100, clicks=40, kills=10, takeovers=5, seconds=15.0, idle_seconds=10.0, runs=10_000,
+              reported_runs=1000, flood_rounds=5)
 
 
 class Bench:
@@ -387,16 +384,6 @@ class Bench:
             self.results.add_spread(f"reaction, 1 robot, {name}", "ms", values, {0.99: 10})
             self.results.add(f"core, 1 robot, {name}: CPU", "% of a core", 100.0 * cpu_s[readers] / seconds[readers])
 
-    # -- time ---------------------------------------------------------------------------------------
-
-    def day(self) -> None:
-        """A simulated day."""
-        found = simulated.day(self.extent.day_zones, self.extent.day_hours)
-        name = f"simulated day, {self.extent.day_hours:g} h, {found.runs} runs"
-        self.results.add(f"{name}: memory grown", "MB", found.grown_mb, 2)
-        self.results.add(f"{name}: slower at the end", "%", found.slower_percent, 20)
-        self.results.add(f"{name}: a second's work, 99 %", "ms", found.jitter_ms)
-
     # -- results --------------------------------------------------------------------------------------
 
     def journal(self) -> None:
@@ -475,7 +462,7 @@ def profile(robots: int, seconds: float) -> None:
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
     "one", "door", "resume", "hung", "takeover", "copying", "hundred", "hostile", "floods",
-    "window", "web", "browser", "day", "journal", "comm")}
+    "window", "web", "browser", "journal", "comm")}
 
 
 def main() -> int:
