@@ -121,7 +121,7 @@ class Pages:
         clicked: List[float] = []
         for _ in range(count):
             _reconnect(box, robot)
-            page.wait(f"(b => b && !b.disabled && !b.dataset.moved)(document.querySelector('{button}'))",
+            page.wait(f"(b => b && !b.disabled && !b.dataset.changed)(document.querySelector('{button}'))",
                       "START is on")
             page.get(f"document.querySelector('{button}').scrollIntoView({{block: 'center'}})")
             time.sleep(dice.uniform(0.05, 0.25))
