@@ -171,30 +171,28 @@ def _arrival_ns(ancillary: List[Tuple[int, int, bytes]]) -> int:
 class Fleet:
     """All robots of a box, in their own thread. Use it as a context manager."""
 
-    def __init__(self, count: int, public_port: Optional[int]) -> None:
-        """`public_port` of the box, or None to use no public channel."""
+    def __init__(self, count: int, public_port: int) -> None:
+        """`public_port` of the box."""
         self.loop = asyncio.new_event_loop()
         self.robots = [Robot(self.loop, i, f"password {i}") for i in range(count)]
         self._by_team = {robot.team: robot for robot in self.robots}
         self._public_port = public_port
-        self._public = public_port and PublicChannel(
+        self._public = PublicChannel(
             self.loop, BROADCAST, public_port, self._on_public, lambda text: None, bind_host=PUBLIC_HOST,
             max_datagram=65000)
         self._thread = threading.Thread(target=self.loop.run_forever, name="robots", daemon=True)
 
     def __enter__(self) -> "Fleet":
         self._thread.start()
-        if self._public:
-            self.do(self._public.open)
-            self.do(self._beacons)
+        self.do(self._public.open)
+        self.do(self._beacons)
         return self
 
     def __exit__(self, *_error: object) -> None:
         self.do(lambda: [robot.close() for robot in self.robots])
         self.loop.call_soon_threadsafe(self.loop.stop)
         self._thread.join(ANSWER_S)
-        if self._public:
-            self._public.close()
+        self._public.close()
         self.loop.close()
 
     def do(self, function: Callable[[], object]) -> object:

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""A flood, in a process of its own: `flood.py datagrams HOST PORT…`, `flood.py calls HOST PORT ZONE…` or
-`flood.py connections HOST PORT…`. It prints a line when it has begun, and its rate (1/s) when it is terminated.
+"""A flood, in a process of its own: `flood.py datagrams HOST PORT…`, `flood.py calls HOST PORT ZONE…`,
+`flood.py connections HOST PORT…`, or on the channel of a run `flood.py copies|strings HOST PORT PASSWORD ROBOT`. It
+prints a line when it has begun, and its rate (1/s) when it is terminated.
 
 The senders of real floods are other computers, so it has the lowest priority.
 """
@@ -22,6 +23,9 @@ ATTACKER = "127.0.9.9"
 # Per second.
 DATAGRAMS = 50_000
 CONNECTIONS = 290
+# On the channel of a run: copies of the robot's datagrams, and datagrams of the robot with many new strings each.
+ON_CHANNEL = {"copies": 10_000, "strings": 500}
+COPIED, STRINGS = 100, 300
 # Open at the same time, each with a call that waits for its answer.
 CALLS = 1000
 # Connections that a flood keeps open.
@@ -71,6 +75,40 @@ def _datagrams(host: str, ports: List[int]) -> float:
         send(0)
         print("begun", flush=True)
         return _paced(DATAGRAMS, send)
+
+
+def _on_channel(kind: str, host: str, port: int, password: str, robot: str) -> float:
+    from roah_rsbb.comm import frame
+    from roah_rsbb.comm.ciphers import Cipher, Key
+    from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+    from roah_rsbb.protocol import RobotState
+
+    key, began_ns = Key(password), time.time_ns()
+
+    def made(number: int, strings: int) -> bytes:
+        message = pb.RobotState(messages_saved=1, robot_state=int(RobotState.EXECUTING))
+        message.time.sec, message.time.nsec = divmod(began_ns + 2_000_000 * number, 1_000_000_000)
+        message.notifications.extend(f"{number}.{i}" for i in range(strings))
+        return frame.encode(message, Cipher.AES_128_CBC, key)
+
+    stock = [made(number, 0) for number in range(COPIED)]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own, \
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as attacker:
+        own.bind((robot, 0))
+        attacker.bind((ATTACKER, 0))
+
+        def send(number: int) -> None:
+            with contextlib.suppress(OSError):
+                if kind == "strings":
+                    own.sendto(made(number, STRINGS), (host, port))
+                else:
+                    attacker.sendto(stock[number % COPIED], (host, port))
+
+        for datagram in stock:
+            own.sendto(datagram, (host, port))
+            time.sleep(0.01)
+        print("begun", flush=True)
+        return _paced(ON_CHANNEL[kind], send)
 
 
 class _Calls:
@@ -163,6 +201,8 @@ def main() -> None:
         rate = _datagrams(arguments[0], [int(port) for port in arguments[1:]])
     elif kind == "connections":
         rate = _connections(arguments[0], [int(port) for port in arguments[1:]])
+    elif kind in ON_CHANNEL:
+        rate = _on_channel(kind, arguments[0], int(arguments[1]), *arguments[2:])
     else:
         calls, began = _Calls((arguments[0], int(arguments[1])), arguments[2:]), time.monotonic()
         try:

@@ -3,13 +3,13 @@
 import contextlib
 import pathlib
 import random
-import subprocess
+import signal
 import sys
 import time
 from typing import Callable, Iterator, List, NamedTuple, Sequence
 
 from fleet import Fleet
-from processes import Box, wait
+from processes import Box, Measured, wait
 from reaction import PAUSE_S
 from table import Results, quantile
 
@@ -33,15 +33,15 @@ class Round(NamedTuple):
 def flood(kind: str, *arguments: object) -> Iterator[List[float]]:
     """Run a flood. Yields a list that has its rate (1/s) afterwards."""
     rate: List[float] = []
-    with subprocess.Popen([sys.executable, str(FLOOD), kind, *map(str, arguments)], stdout=subprocess.PIPE,
-                          text=True) as process:
-        process.stdout.readline()
-        time.sleep(SETTLE_S)
-        yield rate
-        if process.poll() is not None:
-            print(f"bench: the flood of {kind} ended before the measurement", file=sys.stderr)
-        process.terminate()
-        rate.append(float(process.stdout.readline() or "nan"))
+    process = Measured(sys.executable, str(FLOOD), kind, *map(str, arguments))
+    process.wait_printed("begun")
+    time.sleep(SETTLE_S)
+    yield rate
+    if process.ended_mono is not None:
+        raise SystemExit(f"bench: the flood of {kind} ended before the measurement: {process.text}")
+    process.signal(signal.SIGTERM)
+    process.wait_ended()
+    rate.append(float(process.lines[-1]))
 
 
 class Stopped:

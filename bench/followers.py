@@ -1,24 +1,23 @@
-"""Measures the core beside clients of its door: what it costs, how much each is sent, how soon each knows.
+"""Measures the core beside clients of its door, and the gateway beside phones: what they cost, how much each is sent,
+how soon each knows.
 
 As a program it is one client, in a process of its own: it prints the bytes a second of the documents that it is sent.
 """
 
-import subprocess
 import sys
 import time
 import typing
-from typing import Any, List, Tuple
+from typing import Any, List, NamedTuple
 
 from roah_rsbb.client.client import Client
 from roah_rsbb.model.document import Document
 from roah_rsbb.ros.place import Places
 
 if typing.TYPE_CHECKING:
-    from processes import Box
+    import processes
 
 LIMIT_S = 30.0
 SETTLE_S = 2.0  # time in which all clients have the whole document
-FOLLOWERS = (0, 1, 5)
 
 
 class Counted(Client[Document]):
@@ -31,17 +30,38 @@ class Counted(Client[Document]):
         super()._take(link, message, is_first)
 
 
-def cost(box: "Box", count: int, seconds: float) -> Tuple[float, float]:
-    """The core's share of a processor (per cent), and the bytes a second to each of `count` clients."""
-    clients = [subprocess.Popen([sys.executable, __file__, str(seconds + 1.0)], stdout=subprocess.PIPE, text=True)
-               for _ in range(count)]
+class Cost(NamedTuple):
+    """What clients and phones cost: shares of a processor (per cent), and bytes a second to each."""
+
+    core_percent: float
+    client_rate: float
+    gateway_percent: float
+    phone_rate: float
+
+
+def cost(box: "processes.Box", count: int, phones: int, seconds: float) -> Cost:
+    """Measure beside `count` clients and, behind a gateway, some phones."""
+    import gateway
+    from processes import Measured
+
+    served = gateway.Gateway() if phones else None
+    readers = gateway.Viewers(served.port, phones, gateway.Phone(served).cookie) if served else None
+    clients = [Measured(sys.executable, __file__, str(seconds + 1.0)) for _ in range(count)]
     time.sleep(SETTLE_S + 1.0 if count else 0.5)
-    cpu = box.process.cpu_percent(seconds)
-    rates = [float(client.communicate()[0]) for client in clients]
-    return cpu, sum(rates) / count if count else 0.0
+    used = served.process.cpu_s() if served else 0.0
+    began = time.monotonic()
+    core_percent = box.process.cpu_percent(seconds)
+    gateway_percent = 100.0 * (served.process.cpu_s() - used) / (time.monotonic() - began) if served else 0.0
+    for client in clients:
+        client.wait_ended()
+    rates = [float(client.lines[-1]) for client in clients]
+    phone_rate = readers.close() if readers else 0.0
+    if served:
+        served.close()
+    return Cost(core_percent, sum(rates) / count if count else 0.0, gateway_percent, phone_rate)
 
 
-def changes(box: "Box", count: int) -> List[float]:
+def changes(count: int) -> List[float]:
     """Milliseconds from the begin of a call until another client has what it changed."""
     caller, watcher = Client(Document, Places().find), Client(Document, Places().find)
     for client in (caller, watcher):

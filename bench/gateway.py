@@ -1,17 +1,23 @@
 """Measures the gateway for browsers: from a change in the core to its readers, and what it costs gateway and core."""
 
+import http.cookies
 import json
 import os
 import pathlib
 import random
+import signal
 import socket
-import subprocess
 import sys
 import time
-from typing import List, NamedTuple, Optional
+import urllib.request
+from typing import Dict, List, NamedTuple, Optional
 
+import rospy
 from addresses import BOX_HOST, BROADCAST
 from processes import ROOT, Box, Measured, wait
+from support.waiting import wait_until
+
+from roah_rsbb.srv import PairDevice
 
 VIEWERS = pathlib.Path(__file__).resolve().parent / "viewers.py"
 SETTLE_S = 2.0
@@ -51,23 +57,46 @@ class Gateway:
         return True
 
 
+class Phone:
+    """A paired device of an organiser, without a browser."""
+
+    def __init__(self, gateway: Gateway) -> None:
+        self._url = f"http://127.0.0.1:{gateway.port}"
+        self.cookie = ""
+        self._send("pair", {"code": rospy.ServiceProxy("/web/pair", PairDevice)("organiser", "").code,
+                            "person": "Bench"})
+
+    def command(self, name: str, fields: Dict[str, object]) -> None:
+        """Send a command as the page does."""
+        self._send(f"commands/{name}", fields)
+
+    def _send(self, path: str, body: Dict[str, object]) -> None:
+        request = urllib.request.Request(f"{self._url}/api/v1/{path}", json.dumps(body).encode(), {
+            "Origin": self._url, "Content-Type": "application/json", "Cookie": self.cookie})
+        with urllib.request.urlopen(request, timeout=10) as answer:
+            given = http.cookies.SimpleCookie(answer.headers.get("Set-Cookie", ""))
+        self.cookie = "; ".join(f"{name}={one.value}" for name, one in given.items()) or self.cookie
+
+
 class Viewers:
-    """A process with many readers."""
+    """A process with many readers of what the public sees, or, with a cookie, of what phones show."""
 
-    def __init__(self, port: int, count: int) -> None:
-        self._process = subprocess.Popen(
-            [sys.executable, str(VIEWERS), str(port), str(count)], stdout=subprocess.PIPE, text=True)
-        if self._process.stdout.readline() != "ready\n":
-            raise SystemExit("bench: the readers could not connect to the gateway")
+    def __init__(self, port: int, count: int, cookie: str = "") -> None:
+        self._process = Measured(sys.executable, str(VIEWERS), str(port), str(count), cookie)
+        self._process.wait_printed("ready")
+        self._read = 1
 
-    def close(self) -> None:
-        """End the process."""
-        self._process.terminate()
-        self._process.wait()
+    def close(self) -> float:
+        """End the process; returns the bytes a second to each reader."""
+        self._process.signal(signal.SIGTERM)
+        self._process.wait_ended()
+        return float(self._process.lines[-1])
 
     def times(self) -> List[float]:
         """Wait until all readers got the next change; returns when (monotonic seconds)."""
-        return json.loads(self._process.stdout.readline())
+        self._read += 1
+        wait_until(lambda: len(self._process.lines) >= self._read, lambda: f"a change is read: {self._process.text}")
+        return json.loads(self._process.lines[self._read - 1])
 
 
 def change(box: Box, gateway: Optional[Gateway], viewers: Optional[Viewers], count: int) -> Cost:

@@ -1,11 +1,8 @@
 """Measures the pages in a real browser: what is painted when, a tap on START, and the first page on a slow link."""
 
-import http.cookies
-import json
 import random
 import time
-import urllib.request
-from typing import Callable, Dict, List, NamedTuple, Tuple
+from typing import List, NamedTuple, Tuple
 
 import rospy
 from fleet import Fleet, Robot
@@ -124,7 +121,7 @@ class Pages:
         clicked: List[float] = []
         for _ in range(count):
             _reconnect(box, robot)
-            page.wait(f"(b => b && !b.disabled && !b.dataset.moved)(document.querySelector('{button}'))",
+            page.wait(f"(b => b && !b.disabled && !b.dataset.changed)(document.querySelector('{button}'))",
                       "START is on")
             page.get(f"document.querySelector('{button}').scrollIntoView({{block: 'center'}})")
             time.sleep(dice.uniform(0.05, 0.25))
@@ -150,22 +147,6 @@ class Pages:
             found.append(FirstPage(page.get(_BYTES) / 1e3, page.get("painted[0]") / 1e3))
             page.close()
         return found
-
-
-def commander(gateway: Gateway) -> Callable[[str, Dict[str, object]], None]:
-    """Pair a device without a browser; returns a function that sends commands as the page does."""
-    url = f"http://127.0.0.1:{gateway.port}"
-    cookies = http.cookies.SimpleCookie()
-
-    def send(path: str, body: Dict[str, object]) -> None:
-        request = urllib.request.Request(f"{url}/api/v1/{path}", json.dumps(body).encode(), {
-            "Origin": url, "Content-Type": "application/json",
-            "Cookie": "; ".join(f"{name}={one.value}" for name, one in cookies.items())})
-        with urllib.request.urlopen(request, timeout=10) as answer:
-            cookies.load(answer.headers.get("Set-Cookie", ""))
-
-    send("pair", {"code": rospy.ServiceProxy("/web/pair", PairDevice)("organiser", "").code, "person": "Bench"})
-    return lambda name, fields: send(f"commands/{name}", fields)
 
 
 def _reconnect(box: Box, robot: Robot) -> None:

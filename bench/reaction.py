@@ -1,16 +1,12 @@
 """Measures reaction times: from an action of a robot or referee until the box sends the resulting state."""
 
-import contextlib
-import pathlib
 import random
-import subprocess
-import sys
 import threading
 import time
-from typing import Callable, Iterator, List, Sequence
+from typing import Callable, List, Sequence
 
 from fleet import ANSWER_S, Fleet, Robot
-from processes import Box, free_port, wait
+from processes import Box, wait
 
 from roah_rsbb.protocol import BoxState, RobotState
 
@@ -72,33 +68,3 @@ def starts(fleet: Fleet, robot: Robot, command: Callable[[str], None], count: in
         time.sleep(dice.uniform(*PAUSE_S))
         taken.append(fleet.ask(lambda: command("start"), robot, BoxState.PREPARE))
     return taken
-
-
-@contextlib.contextmanager
-def ticking_box() -> Iterator:
-    """The ticking sender with a robot in a run; yields the fleet, the robot and the referee's command."""
-    port = free_port()
-    program = pathlib.Path(__file__).with_name("ticking_box.py")
-    with subprocess.Popen([sys.executable, str(program), str(port), "password 0"], text=True, bufsize=1,
-                          stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process, Fleet(1, None) as fleet:
-        process.stdout.readline()
-        robot = fleet.robots[0]
-        fleet.do(lambda: robot.open(port))
-
-        def command(word: str) -> None:
-            process.stdin.write(f"{word}\n")
-
-        command("start")
-        wait(lambda: robot.box_state is BoxState.WAITING_RESULT, "the ticking sender's robot executes")
-        yield fleet, robot, command
-        process.stdin.close()
-
-
-def side_by_side(ours: Callable[[], List[float]], theirs: Callable[[], List[float]]) -> List[List[float]]:
-    """Run both measurements at the same time, so that the load of the machine affects both."""
-    found: List[List[float]] = []
-    other = threading.Thread(target=lambda: found.append(theirs()))
-    other.start()
-    mine = ours()
-    other.join()
-    return [mine, *found]

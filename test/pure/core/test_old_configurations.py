@@ -4,7 +4,6 @@
 """
 
 import json
-import os
 
 import pytest
 
@@ -161,12 +160,8 @@ def _as_then(record):
 
 @pytest.mark.parametrize("year", ["2015", "2019"])
 def test_sheets_and_messages_stay_as_they_were(year, tmp_path):
-    """`WRITE_EXPECTED=1` writes the expected files. Use it with the version of the past only."""
     content = json.loads(json.dumps(Played(tmp_path, year).content()))
-    path = FILES / f"{year}_expected.json"
-    if os.environ.get("WRITE_EXPECTED"):
-        path.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    expected = json.loads(path.read_text(encoding="utf-8"))
+    expected = json.loads((FILES / f"{year}_expected.json").read_text(encoding="utf-8"))
     assert content.keys() == expected.keys()
     for code in expected:
         record = content[code]["record"]

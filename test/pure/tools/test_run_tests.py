@@ -1,9 +1,7 @@
 """tools/run_tests, with a stand-in for make."""
 
-import os
 import pathlib
 import shutil
-import signal
 import subprocess
 import sys
 
@@ -15,11 +13,6 @@ MAKE = """#!/bin/bash
 for target; do :; done
 [ ! -e "$HERE/$target" ] || . "$HERE/$target"
 """
-RESULT = """<testsuite><testcase classname="test_some" name="test_it"><failure>
-test/pure/test_some.py:12: in test_it
-    assert 1 == 2
-E   assert 1 == 2
-test/pure/test_some.py:12: AssertionError</failure></testcase></testsuite>"""
 
 
 class Tree:
@@ -73,48 +66,6 @@ def test_a_part_that_fails_stops_no_other_and_its_output_ends_the_report(tree):
     assert "; failed: install" in end
 
 
-def test_the_failures_in_a_result_file_are_listed_with_place_and_command(tree):
-    write = f"cat > $HERE/build/test/pure_rest.xml <<'END'\n{RESULT}\nEND\nexit 1"
-    done = tree.run("pure_rest", test_pure=write)
-    assert done.stdout[done.stdout.index("--- pure_rest"):].splitlines()[1:4] == [
-        "  test_some.test_it (test/pure/test_some.py:12)", "      assert 1 == 2",
-        "  again: source build/devel/setup.bash; /usr/bin/python3 -m pytest test/pure/test_some.py -k test_it",
-    ]
-
-
-def test_pytest_is_asked_for_a_result_file(tree):
-    done = tree.run("pure_rest", "lint", test_pure="echo $PYTEST_ADDOPTS", lint="echo options: $PYTEST_ADDOPTS")
-    assert done.returncode == 0
-    log = tree.path / "build" / "test"
-    assert (log / "pure_rest.log").read_text().strip() == f"--junitxml={log / 'pure_rest.xml'}"
-    assert (log / "lint.log").read_text().strip() == "options:"
-
-
-def test_results_of_an_earlier_run_do_not_count(tree):
-    tree.run("ros", test_ros="mkdir -p $HERE/build/rostest; echo old > $HERE/build/rostest/failed.txt; exit 1")
-    done = tree.run("ros", test_ros="echo new; exit 1")
-    assert "  new" in done.stdout
-    assert "old" not in done.stdout
-
-
-def test_parts_can_be_chosen_and_left_out(tree):
-    assert "Running ros, pure_box;" in tree.run("pure_box", "ros").stdout
-    assert "lint" not in tree.run("--without", "lint").stdout
-    assert "unknown part: nothing" in tree.run("nothing").stdout
-
-
 def test_skipped_tests_are_reported_with_the_reason(tree):
     done = tree.run("net", test_net="echo 'SKIPPED [1] no network namespaces'")
     assert "net: SKIPPED [1] no network namespaces" in done.stdout
-
-
-def test_an_interrupt_ends_the_parts(tree):
-    os.mkfifo(str(tree.path / "begun"))
-    (tree.path / "test-ros").write_text("echo > $HERE/begun; sleep 60")
-    process = subprocess.Popen(
-        tree.command("ros"), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=tree.environment)
-    (tree.path / "begun").read_text()  # ends when the part has begun
-    process.send_signal(signal.SIGINT)
-    output, _ = process.communicate()
-    assert process.returncode == 130
-    assert "interrupted" in output

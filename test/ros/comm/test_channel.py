@@ -1,11 +1,7 @@
-"""The comm node and a box whose every datagram is the test's: topics, goals, results, order."""
-
-import itertools
-from typing import List
+"""The comm node and a box whose every datagram is the test's: topics, goals, results."""
 
 import rospy
 from geometry_msgs.msg import Pose2D
-from rosgraph_msgs.msg import Log
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 from support.comm_case import (
@@ -16,21 +12,18 @@ from support.comm_case import (
     SAYS_PREPARE,
     SAYS_STOP,
     ChannelCase,
-    Heard,
     reported_with,
 )
 from support.raw_box import now
-from support.waiting import wait_until
 
 from roah_rsbb.msg import BenchmarkState, DevicesState, GoalHGMF, TabletState
-from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.srv import ResultHOPF, ResultHPPF, String
+from roah_rsbb.srv import ResultHOPF, ResultHPPF
 
 STOP, PREPARE, GOAL_TX, WAITING_RESULT = (
     BoxState.STOP, BoxState.PREPARE, BoxState.GOAL_TX, BoxState.WAITING_RESULT
 )
-BURST = 10  # docs/protocol.md, "Timing"
+
 
 class TestHome(ChannelCase):
     """Devices and tablet, from the box's beacons."""
@@ -137,41 +130,6 @@ class TestGoals(ChannelCase):
                 self.wait_benchmark(0)
                 self.assertEqual(self.published, ALWAYS)
 
-    def test_the_next_waypoint_after_a_timeout(self) -> None:
-        goals = self.waypoint(Pose2D(1.0, 0.0, 0.0))
-        self.box.send("HNF", PREPARE)  # the first one timed out
-        self.box.wait_state(RobotState.PREPARING)
-        self.wait_said(SAYS_PREPARE)
-        self.wait_services("end_prepare", "notifications")
-        self.assertEqual([m.benchmark_state for m in self.states.messages],
-                         [SAYS_STOP, SAYS_PREPARE, SAYS_EXECUTE, SAYS_PREPARE])
-        self.call("end_prepare")
-        self.box.wait_state(RobotState.WAITING_GOAL)
-        self.box.send("HNF", GOAL_TX, target_pose_x=2.0, target_pose_y=0.0, target_pose_theta=0.0)
-        self.assertEqual(goals.wait_count(2), Pose2D(2.0, 0.0, 0.0))
-
-    def waypoint(self, pose: Pose2D) -> Heard:
-        self.begin("HNF")
-        goals = self.heard("goal", Pose2D)
-        goals.wait_connected()
-        self.prepare("HNF")
-        self.box.send("HNF", GOAL_TX, target_pose_x=pose.x, target_pose_y=pose.y, target_pose_theta=pose.theta)
-        self.box.wait_state(RobotState.EXECUTING)
-        goals.wait_count(1)
-        self.wait_said(SAYS_EXECUTE)
-        return goals
-
-    def test_a_goal_that_cannot_be_read(self) -> None:
-        self.begin("HGMF")
-        goals = self.heard("goal", GoalHGMF)
-        self.prepare("HGMF")
-        self.box.send("HGMF", GOAL_TX, generic_goal="[here, there, 7]")
-        self.wait_logged(Log.WARN, "the goal is '[here, there, 7]': expected [x, y, object_id], in numbers")
-        self.box.send("HGMF", GOAL_TX, generic_goal="[1, 2, 3]")
-        self.assertEqual(goals.wait_count(1), GoalHGMF(3, Pose2D(1.0, 2.0, 0.0)))
-        self.wait_said(SAYS_EXECUTE)
-
-
 class TestResults(ChannelCase):
     """A result goes out in the forms of all generations."""
 
@@ -196,97 +154,8 @@ class TestResults(ChannelCase):
         self.assertEqual(said.generic_result, '{person_name: "Annie", x: 1.0, y: 2.0, theta: -0.5}')
 
 
-class TestOrder(ChannelCase):
-    """The box's received messages, with their times."""
-
-    def test_a_call_needs_no_box_and_is_reported_at_once(self) -> None:
-        self.begin("HGTKMH")
-        for service, state, after, said in (
-            ("end_prepare", RobotState.WAITING_GOAL, PREPARE, SAYS_PREPARE),
-            ("end_execute", RobotState.RESULT_TX, WAITING_RESULT, SAYS_EXECUTE),
-        ):
-            self.box.send("HGTKMH", after)
-            self.wait_said(said)
-            rospy.wait_for_service(f"/roah_rsbb/{service}")
-            before = len(self.box.received)
-            # The burst for the state before is over, and nothing is due for most of a second.
-            wait_until(lambda before=before: len(self.box.received) >= before + BURST + 1, "the burst is over")
-            # The box says nothing meanwhile: the call does not wait for it.
-            rospy.ServiceProxy(f"/roah_rsbb/{service}", EmptySrv)()
-            new = wait_until(lambda before=before, state=state: self.burst(before, state), "the burst")
-            # Without a burst, they are a second apart. On a busy machine, some are.
-            times = [seconds(m.time) for m in new]
-            self.assertLess(min(later - earlier for earlier, later in zip(times, times[1:])), 0.5)
-            said = [m.robot_state for m in self.box.received[before:]]
-            self.assertEqual(said[said.index(state):], [state] * said.count(state))
-
-    def burst(self, before: int, state: RobotState) -> List[pb.RobotState]:
-        """The first messages of this state since `before`, as many as a burst has; empty: there are fewer."""
-        found = [message for message in self.box.received[before:] if message.robot_state == state]
-        return found[:BURST + 1] if len(found) > BURST else []
-
-    def test_what_is_asked_for_is_sent_before_the_next_call(self) -> None:
-        self.begin("HWV")
-        before = len(self.box.received)
-        wait_until(lambda: len(self.box.received) >= before + BURST + 1, "nothing is due for most of a second")
-        self.box.received.clear()
-        texts = ["one", "two", "three"]
-        for text in texts:
-            self.call("notifications", String, text)
-        self.box.wait_received(lambda m: list(m.notifications) == texts, "all are sent")
-        sent = [list(m.notifications) for m in self.box.received]
-        self.assertEqual([known for known, _ in itertools.groupby(known for known in sent if known)],
-                         [texts[:count] for count in (1, 2, 3)])
-
-    def test_one_round_trip_then_the_burst(self) -> None:
-        """The box answers the first datagram of the new state, and the robot continues before its burst is over."""
-        self.begin("HGTKMH")
-        self.box.send("HGTKMH", PREPARE)
-        self.wait_said(SAYS_PREPARE)
-        self.box.answers[RobotState.WAITING_GOAL] = lambda: self.box.state("HGTKMH", WAITING_RESULT)
-        self.call("end_prepare")
-        self.box.wait_state(RobotState.EXECUTING)
-        self.wait_said(SAYS_EXECUTE)
-        self.box.answers[RobotState.RESULT_TX] = lambda: self.box.state("HGTKMH", STOP)
-        self.call("end_execute")
-        self.wait_said(SAYS_STOP)
-        before = len(self.box.received)
-        wait_until(lambda: len(self.box.received) >= before + BURST + 1, "the last burst is over")
-        runs = [(state, list(same)) for state, same in
-                itertools.groupby(self.box.received, key=lambda m: RobotState(m.robot_state))]
-        self.assertEqual([state for state, _ in runs], [
-            RobotState.STOP, RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING,
-            RobotState.RESULT_TX, RobotState.STOP,
-        ])
-        for state, messages in runs:
-            if state in self.box.answered:
-                late = [m for m in messages if seconds(m.time) > self.box.answered[state]]
-                self.assertLessEqual(len(late), 1, f"{state.name}: at most one crosses the answer on its way")
-        self.assertEqual(set(self.box.answered), {RobotState.WAITING_GOAL, RobotState.RESULT_TX})
-        self.assertGreaterEqual(len(runs[-1][1]), BURST + 1)
-        self.assertEqual([m.benchmark_state for m in self.states.messages],
-                         [SAYS_STOP, SAYS_PREPARE, SAYS_EXECUTE, SAYS_STOP])
-        times = [seconds(m.time) for m in self.box.received]
-        self.assertEqual(times, sorted(times))
-
-
-def seconds(time: pb.Time) -> float:
-    return time.sec + time.nsec * 1e-9
-
-
 class TestRun(ChannelCase):
     """The beginning of a run, and its end."""
-
-    def test_a_stop_in_the_middle(self) -> None:
-        self.begin("HWV")
-        self.prepare("HWV")
-        self.box.send("HWV", WAITING_RESULT)
-        self.wait_said(SAYS_EXECUTE)
-        before = len(self.log)
-        self.box.send("HWV", STOP)
-        self.wait_said(SAYS_STOP)
-        self.wait_services("notifications", "activation_event", "visitor")
-        self.wait_logged(Log.INFO, "Stop: ", since=before)
 
     def test_the_box_no_longer_lists_the_robot(self) -> None:
         self.begin("STB")

@@ -204,44 +204,6 @@ class TestWhatWouldBeSent(OverrideCase):
         self.end_override()
         wait_until(lambda: beacons() > before, "the robot sends beacons again")
 
-    def test_states_of_the_wire(self) -> None:
-        number = NUMBERS["HGTKMH"]
-        for step, state in (
-            (lambda: self.override(number, STOP), "STOP"), (lambda: self.override(number, PREPARE), "PREPARING"),
-            (lambda: self.call("end_prepare"), "WAITING_GOAL"), (lambda: self.override(number, GOAL_TX), "EXECUTING"),
-            (lambda: self.call("end_execute"), "RESULT_TX"), (lambda: self.override(number, STOP), "STOP"),
-        ):
-            before = len(self.log)
-            step()
-            self.wait_would_send(f"robot_state: {state}", since=before)
-
-    def test_what_cannot_follow_is_an_error(self) -> None:
-        for state, name in ((GOAL_TX, "GOAL_TX"), (WAITING_RESULT, "WAITING_RESULT")):
-            before = len(self.log)
-            self.override(NUMBERS["HWV"], state)
-            self.wait_logged(Log.WARN, f"the box sent {name} while this robot is in STOP", "starts again with PREPARE",
-                             since=before)
-            self.wait_services(*OWN["HWV"])
-        self.wait_said(SAYS_STOP)
-        self.assertEqual(self.said, [SAYS_STOP])
-
-    def test_online_data_is_repeated_until_it_is_acknowledged(self) -> None:
-        self.override(NUMBERS["HWV"], PREPARE)
-        for name, field in (("notifications", "notifications"), ("activation_event", "activation_event"),
-                            ("visitor", "visitor")):
-            self.call(name, String, f"a text in {name}: ä")
-            self.wait_would_send(f'{field}: "a text in {name}: ä"')
-        before = len(self.log)
-        self.wait_would_send('visitor: "', 'activation_event: "', 'notifications: "', since=before)
-        self.override(NUMBERS["HWV"], PREPARE, acknowledgement=rospy.Time.now())
-        before = len(self.log)
-        wait_until(
-            lambda: any("RobotState" in t and "visitor" not in t for t in self.logged(Log.DEBUG, before)),
-            "the strings are left out",
-        )
-        with self.assertRaisesRegex(CommRefusal, "has 1300 bytes in UTF-8: at most 496 fit"):
-            self.call("notifications", String, "far too long " * 100)
-
     def test_commands_of_devices_and_tablet(self) -> None:
         self.override(NUMBERS["HCFGAC"], STOP)
         for switch in ("switch_1", "switch_2", "switch_3"):

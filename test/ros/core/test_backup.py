@@ -1,12 +1,11 @@
-"""The journal's copy on a stick: a core on it continues the run, and referees are warned while it is missing."""
+"""The journal's copy on a standby, which takes over, and referees who are warned while it is missing."""
 
 import os
 import pathlib
 import re
 import socket
 import tempfile
-import time
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List
 
 import rospy
 from rosgraph_msgs.msg import Log
@@ -64,47 +63,20 @@ class TestBackup(OwnCoreCase):
         if params["standby_port"]:
             self.backup.wait_printed("can be paired on TCP port")
 
-    def wait_copied(self, text: str, folder: Optional[pathlib.Path] = None) -> None:
-        """Wait until the copy in a folder, the stick if none is given, has an entry."""
+    def wait_copied(self, text: str, folder: pathlib.Path) -> None:
+        """Wait until the copy in a folder has an entry."""
         self.wait_no_warning(COPY)
 
         def has_it() -> bool:
-            if not (folder or self.stick).joinpath(FILE_NAME).exists():
+            if not folder.joinpath(FILE_NAME).exists():
                 return False
             try:
-                copy = self.journal(folder or self.stick)
+                copy = self.journal(folder)
             except JournalError:  # it has only begun
                 return False
             return any(text in str(entry.value) for run in copy.runs() for entry in copy.entries(run.identity))
 
         wait_until(has_it, f"the copy has {text}")
-
-    def test_a_core_continues_from_the_copy(self) -> None:
-        self.start_with(backup_dir=self.stick)
-        robot = self.robot("Alpha")
-        port = self.box.connect(ZONE)
-        self.box.start(ZONE)
-        robot.wait_did("execute HGTKMH")
-        self.box.set_score(ZONE, *DOOR, 1)
-        robot.request("notify", "at the door")
-        robot.wait_said()
-        self.wait_copied("at the door")
-        left = self.box.zone(ZONE).timer
-        self.core.kill()
-        self.backup.close()
-        self.log_dir.rename(self.folder / "burnt")
-
-        self.start_core(self.stick)
-        details = self.box.zone_details(ZONE)
-        self.assertEqual((details.phase, details.port), ("running", port))
-        self.box.wait_scored(ZONE, (*DOOR, 0, 1))
-        self.box.wait_zone(ZONE, lambda z: z.timer < left, "the clock did not start again")
-        robot.request("notify", "at the bed")
-        robot.wait_said()
-        robot.let("execute")
-        self.box.wait_text(ZONE, "Benchmark completed by the robot")
-        self.box.command("disconnect", ZONE)
-        self.assertGreater(self.box.connect(ZONE), port)
 
     def test_a_standby_takes_over(self) -> None:
         far = self.folder / "far"
@@ -294,38 +266,6 @@ class TestBackup(OwnCoreCase):
         journal = self.journal(folder)
         return [entry for run in journal.runs() for entry in journal.entries(run.identity)]
 
-    def test_a_hung_core_is_handed_over(self) -> None:
-        """Nobody starts another core on its computer. The copy is completed before."""
-        far = self.folder / "far"
-        self.start_with(standby_port=PORT)
-        follower = self._leaving(Program(
-            "env", own("standby"), "follow", BOX, "--port", str(PORT), "--code", self.code(), "--log-dir", str(far),
-            f"bind_host:={STANDBY}", PATH=self.path_of_a_roslaunch_that_prints()))
-        robot = self.robot("Alpha")
-        port = self.box.connect(ZONE)
-        self.box.start(ZONE)
-        robot.wait_did("execute HGTKMH")
-        self.box.set_score(ZONE, *DOOR, 1)
-        self.wait_copied(DOOR[1], far)
-        self.box.set_score(ZONE, *DOOR, 0)
-        self.core.stop()
-        stopped, mono = self.core, time.monotonic()
-        follower.wait_printed(f"the core of the box at {BOX} does not answer")
-        follower.wait_printed("its computer hands over: taking over")
-        follower.wait_ended()
-        print(f"handed over after {time.monotonic() - mono:.1f} s")
-        self.assertEqual(stopped.wait_ended(), -9, "it can do nothing any more")
-        other = self.start_other_core(self.arguments_in(follower.text))
-        details = wait_until(lambda: other.zone_details(ZONE), "the other core has the zone")
-        self.assertEqual((details.phase, details.port), ("running", port))
-        other.wait_scored(ZONE, (*DOOR, 0, 0))
-        # This one learns from the journal that it was superseded. It shows the run, but has no channel to its robot.
-        self.start_core(self.log_dir, standby_port=PORT)
-        self.assert_superseded()
-        self.assertEqual(self.box.zone_details(ZONE).port, port)
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as channel:
-            channel.bind((BOX, port))
-
     def path_of_a_roslaunch_that_prints(self) -> str:
         """Return a PATH with a roslaunch that only prints its arguments."""
         programs = self.folder / "bin"
@@ -365,22 +305,3 @@ class TestBackup(OwnCoreCase):
         """The original's public displays are shown no clock and no events any more."""
         public = rospy.wait_for_message("/core/to_public", CoreToPublic, LIMIT_S)
         self.assertEqual((public.clock, public.schedule), ("not live", []))
-
-    def test_a_stick_that_is_pulled_out(self) -> None:
-        self.start_with(backup_dir=self.stick)
-        self.wait_no_warning(COPY)
-        away = self.folder / "away"
-        self.stick.rename(away)
-        self.assertIn(COPY, self.wait_warned("Plug the stick in again"))
-        self.robot("Alpha")
-        self.box.connect(ZONE)
-        self.box.set_score(ZONE, *DOOR, 1)
-        away.rename(self.stick)
-        self.wait_copied(DOOR[1])
-
-    def test_a_node_that_ends(self) -> None:
-        self.start_with(backup_dir=self.stick)
-        state = rospy.wait_for_message("/copies/state", CopyState, LIMIT_S)
-        self.assertEqual(state.place, str(self.stick))
-        self.backup.close()
-        self.assertIn(COPY, self.wait_warned("does not report"))

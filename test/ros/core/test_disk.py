@@ -2,7 +2,6 @@
 
 import os
 import pathlib
-import shutil
 import tempfile
 from typing import List
 
@@ -107,32 +106,6 @@ class TestDisk(DiskCase):
         self.wait_unsaved([])
         self.assert_all_is_written("there is room", *MUCH, "there is none")
 
-    def test_a_disk_that_is_read_only_at_first(self) -> None:
-        disk = self.use_disk()
-        disk.make_read_only()
-        self.start()
-        self.wait_warned("Read-only")
-        robot = self.running()
-        self.wait_warned(JOURNAL)
-        self.wait_warned(LOG)
-        self.assertIn("not saved: ", self.score_without_disk())
-        self.to_the_end(robot, "nowhere")
-        disk.make_writable()
-        self.assert_all_is_written("nowhere")
-
-    def test_a_directory_that_is_removed(self) -> None:
-        self.use_disk()
-        self.start()
-        robot = self.running()
-        self.say(robot, "before")
-        self.box.set_score(ZONE, GROUP, DOOR, 1)
-        # In one step: the core would create files in a directory that is removed file by file.
-        self.log_dir.rename(self.log_dir.with_name("removed"))
-        shutil.rmtree(str(self.log_dir.with_name("removed")))
-        self.assertIn("was removed", self.wait_warned(LOG))
-        self.to_the_end(robot, "after")
-        self.assert_all_is_written("before", "after")
-
     def test_a_disk_that_breaks(self) -> None:
         disk = self.use_disk(4096, breaks=True)
         self.start()
@@ -165,17 +138,3 @@ class TestDisk(DiskCase):
         self.assertEqual([score.value for score in log.messages("/rsbb_log/score")], [1])
         sessions = self.journal(self.log_dir).sessions()
         self.assertEqual(len(sessions), 2)
-
-    def test_a_core_that_is_killed_and_finds_its_disk_read_only(self) -> None:
-        disk = self.use_disk()
-        self.start()
-        robot = self.running()
-        self.box.set_score(ZONE, GROUP, DOOR, 1)
-        self.core.kill()
-        disk.make_read_only()
-        self.start()
-        self.assertEqual(self.box.zone_details(ZONE).port, self.port, "the run continues from what was written")
-        self.wait_warned(JOURNAL)
-        self.to_the_end(robot, "nowhere")
-        disk.make_writable()
-        self.assert_all_is_written("nowhere")

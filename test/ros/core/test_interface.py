@@ -195,21 +195,6 @@ class TestServices(BoxCase):
                         self.box.call(name[len("/core/"):], kind, zone, *rest)
                     self.assertEqual(str(raised.exception), why)
 
-    def test_commands_that_make_no_sense_now(self) -> None:
-        no_run = "No run is connected: press connect first"
-        for command, why in (
-            ("start", no_run), ("stop", "No run is connected, so there is nothing to stop"),
-            ("disconnect", "No run is connected"), ("previous", "This is the zone's first event"),
-            ("manual_operation_complete", no_run), ("omf_switches/complete", no_run),
-        ):
-            with self.subTest(command):
-                self.assertEqual(self.box.refusal(command, "Task Benchmarks"), why)
-        for name in ("damaged", "button"):
-            with self.assertRaisesRegex(Refusal, no_run):
-                self.box.call(f"omf_switches/{name}", srv.ZoneUInt8, "Task Benchmarks", 255)
-        with self.assertRaisesRegex(Refusal, no_run):
-            self.box.set_score("Task Benchmarks", "Achievements", "Detects a changed object", 1)
-
     def test_strange_requests_do_no_harm(self) -> None:
         for zone, why in (("x" * 100_000, "zone has 100000 characters"), ("ßü\n\t'\"", "no zone '"),
                           ("%s%n{}", "no zone '")):
@@ -231,13 +216,6 @@ class TestWhatIsPublished(BoxCase):
         times = [line.time for line in self.box.public.schedule]
         self.assertEqual(times, sorted(times))
         self.assertEqual({line.running for line in self.box.public.schedule}, {False})
-
-    def test_next_and_previous_move_one_zone_only(self) -> None:
-        self.box.command("next", "Task Benchmarks")
-        self.box.wait_zone("Task Benchmarks", lambda z: z.team == "CopperKettle" and z.prev_enabled, "the next event")
-        self.assertEqual(self.box.zone("Testing TestingTeam").code, "HGTKMH")
-        self.box.command("previous", "Task Benchmarks")
-        self.box.wait_zone("Task Benchmarks", lambda z: z.team == "BrassButlers" and not z.prev_enabled, "the first")
 
     def test_a_client_that_starts_late_sees_all(self) -> None:
         late = BoxClient()

@@ -6,14 +6,12 @@ import pathlib
 import socket
 import time
 from typing import Callable, Dict, List, Optional
-from urllib.parse import urlparse
 
-import rosgraph
 import rospy
 from rosgraph_msgs.msg import Log
 from support.box_case import CORE, BoxCase
 from support.connections import wait_sends
-from support.robots import BOX, PASSWORDS, RSBB_PORT, Network, PublicParticipant, empty_beacon, host_of, wire
+from support.robots import BOX, PASSWORDS, RSBB_PORT, empty_beacon, host_of, wire
 from support.waiting import happened, wait_until
 
 from roah_rsbb.comm.ciphers import Cipher, Key
@@ -39,38 +37,7 @@ class Attacker:
     def send(self, port: int, message: object, team: Optional[str] = None) -> None:
         """Send a message, either plain or encrypted with that team's password."""
         sealed = (Cipher.NONE,) if team is None else (Cipher.AES_128_CBC, Key(PASSWORDS[team]))
-        self.replay(port, encode(message, *sealed))
-
-    def replay(self, port: int, datagram: bytes) -> None:
-        """Send a recorded datagram unchanged."""
-        self._socket.sendto(datagram, (BOX, port))
-
-
-class RecordedRobot:
-    """A robot whose datagrams somebody records."""
-
-    def __init__(self, network: Network, team: str) -> None:
-        self.recorded: List[bytes] = []
-        self._team = team
-        self._public = PublicParticipant(network, host_of(team))
-        self._key = Key(PASSWORDS[team])
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.bind((host_of(team), 0))
-
-    def close(self) -> None:
-        """Close the sockets without a last message."""
-        self._socket.close()
-        self._public.close()
-
-    def beacon(self) -> None:
-        """Send a beacon."""
-        self._public.send(pb.RobotBeacon(team_name=self._team, robot_name="Robot", time=wire(time.time())))
-
-    def send(self, port: int, state: RobotState) -> None:
-        """Send the robot's state."""
-        message = pb.RobotState(time=wire(time.time()), messages_saved=1, robot_state=int(state))
-        self.recorded.append(encode(message, Cipher.AES_128_CBC, self._key))
-        self._socket.sendto(self.recorded[-1], (BOX, port))
+        self._socket.sendto(encode(message, *sealed), (BOX, port))
 
 
 def result_of(time_s: float) -> pb.RobotState:
@@ -140,49 +107,7 @@ class TestAttacks(BoxCase):
         self.reported("Robot \\x1b[2Jred\\n[ERROR] forged of team Eta is active")
         self.assertFalse([said for said in self.said if "\x1b" in said or "\n[ERROR]" in said])
 
-    def test_a_recording_moves_no_run_while_its_robot_is_silent(self) -> None:
-        box, robot = self.box, self._leaving(RecordedRobot(self.network, "Epsilon"))
-        attacker = self._leaving(Attacker())
-        for is_last in (False, True):  # all of the first run is recorded
-            port = box.connect("Attacked", meanwhile=robot.beacon)
-            box.start("Attacked", meanwhile=lambda port=port: robot.send(port, RobotState.STOP))
-            for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
-                robot.send(port, state)
-            box.wait_details("Attacked", lambda d: d.box_state == "WAITING_RESULT", "the robot executes")
-            if not is_last:
-                robot.send(port, RobotState.RESULT_TX)
-                box.wait_text("Attacked", "Benchmark completed by the robot")
-                self.leave("Attacked")
-        box.wait_details("Attacked", lambda d: any("No message from the robot" in w for w in d.warnings), "silence")
-
-        for datagram in robot.recorded:
-            attacker.replay(port, datagram)
-        attacker.send(port, result_of(time.time()))
-        self.reported("not encrypted")  # so the box has read all before it, too
-        details = box.zone_details("Attacked")
-        self.assertEqual((details.phase, details.box_state), ("running", "WAITING_RESULT"))
-        self.reported(f"also come from {ATTACKER}.")
-
-
-class TestConnections(BoxCase):
-    """Connections that send nothing, like those of a port scan or a browser."""
-
-    def test_200_silent_connections_do_not_hold_up_a_stop(self) -> None:
-        master = rosgraph.Master(rospy.get_name())
-        uris = [master.lookupService("/core/stop"), master.lookupNode("/roah_rsbb_core")]
-        box, robot = self.box, self.robot("Epsilon")
-        box.connect("Attacked")
-        box.start("Attacked")
-        robot.wait_did("execute HGTKMH")
-        for uri in uris:
-            for _ in range(200):
-                self._leaving(socket.create_connection((urlparse(uri).hostname, urlparse(uri).port)))
-
-        box.command("stop", "Attacked")
-        box.wait_phase("Attacked", "ended")
-        robot.wait_did("stop")
-
-
+class TestTexts(BoxCase):
     def test_a_text_of_megabytes_is_refused_before_anything_is_done_with_it(self) -> None:
         for size in (5_001, 10_000_000):
             reason = self.box.refusal("stop", "H" * size)

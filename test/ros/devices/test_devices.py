@@ -1,12 +1,10 @@
-"""The home devices, whole: names and types, robots in HCFGAC and HWV, a referee, nodes that are killed."""
+"""The home devices, whole: names and types, robots in HCFGAC, a referee, nodes that are killed."""
 
 import contextlib
 import os
 import pathlib
 import signal
-import socket
 import subprocess
-import threading
 
 import rospy
 import rosservice
@@ -14,9 +12,8 @@ from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 from support.box_case import BoxCase
 from support.box_client import Refusal
-from support.connections import kill, process_of, wait_follows, wait_sends
+from support.connections import process_of, wait_follows, wait_sends
 from support.programs import own
-from support.robots import RSBB_PORT
 from support.waiting import LIMIT_S, happened, wait_until
 
 from roah_rsbb.msg import DevicesState, DevicesStatus
@@ -24,8 +21,7 @@ from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Bool, Percentage
 
 PLAYED = pathlib.Path(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros"))) / "played"
-NODE, SOUNDS, CONTROLLER = "/roah_devices", "/roah_rsbb_sounds", "/roah_devices_dummy"
-CONTROLLER_PORT = RSBB_PORT + 96  # as in devices.test
+NODE, SOUNDS = "/roah_devices", "/roah_rsbb_sounds"
 SWITCHES, PERCENTAGES = ("switch_1", "switch_2", "switch_3"), ("dimmer", "blinds")
 # docs/ros_interface.md, "Devices node".
 SERVICES = {
@@ -46,37 +42,6 @@ def call(name, kind=EmptySrv, *request):
     except rospy.ServiceException as error:
         assert refusals.was_answered(str(error)), str(error)
         raise Refusal(refusals.reason(str(error))) from None
-
-
-class NoController:
-    """Takes the port of the controller, and closes each connection. Otherwise roslaunch soon has another one there."""
-
-    def __init__(self):
-        kill(CONTROLLER)
-        self._listener = wait_until(self._listening, "the port is free")
-        threading.Thread(target=self._refuse, name="no controller", daemon=True).start()
-
-    def close(self):
-        """Give the port up."""
-        with contextlib.suppress(OSError):
-            self._listener.shutdown(socket.SHUT_RDWR)
-        self._listener.close()
-
-    def _listening(self):
-        try:
-            return socket.create_server(("127.0.0.1", CONTROLLER_PORT))
-        except OSError:
-            pid = process_of(CONTROLLER)  # another one was first
-            if pid:
-                os.kill(pid, signal.SIGKILL)
-            return None
-
-    def _refuse(self):
-        while True:
-            try:
-                self._listener.accept()[0].close()
-            except OSError:
-                return
 
 
 def kill_if_there(process):
@@ -217,16 +182,6 @@ class TestCatering(DevicesCase):
         self.assertEqual(log.values("/rsbb_log/devices/dimmer"), [70])
         self.assertEqual(log.values("/rsbb_log/devices/blinds"), [100, 5])
 
-    def test_in_another_benchmark_they_are_ignored_with_one_warning(self):
-        robot = self.run_of("Beta", "Visitors")
-        robot.request("set_device", "switch_1", True)
-        self.wait_log("Visitors", "which HWV does not use: ignored")
-        robot.request("set_device", "dimmer", 50)
-        robot.request("notify", "after the dimmer")
-        robot.wait_said()
-        self.wait_state(switch_1=False, dimmer=0)
-        self.assertEqual(self.box.zone("Visitors").log.count("ignored"), 1)
-
     def test_a_killed_devices_node_continues_and_a_missing_one_is_reported(self):
         robot = self.run_of("Alpha", "Catering")
         robot.request("set_device", "dimmer", 33)
@@ -253,16 +208,3 @@ class TestCatering(DevicesCase):
         self.assertEqual((self.state.dimmer, self.state.bell, self.state.blinds), (33, bell, 0))
         robot.request("set_device", "blinds", 45)
         self.wait_robot(robot, blinds=45, dimmer=33)
-
-    def test_a_missing_controller_is_reported_and_gets_all_values_when_it_is_back(self):
-        def warned():
-            return any("Home devices" in warning for warning in self.box.warnings)
-        wait_until(lambda: not warned(), "no warning")
-        no_controller = self._leaving(NoController())
-        self.wait_connected(False)
-        wait_until(warned, "the referee is warned")
-        call("/devices/blinds/max")
-        self.wait_state(blinds=100)
-        no_controller.close()
-        self.wait_connected()
-        wait_until(lambda: not warned(), "no warning any more")

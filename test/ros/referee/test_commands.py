@@ -6,7 +6,6 @@ status, its signals, its files and what it leaves at the master.
 
 import contextlib
 import json
-import math
 import os
 import pty
 import signal
@@ -25,10 +24,8 @@ from support.programs import own
 from support.referee_program import Referee, called, referee
 from support.waiting import LIMIT_S, wait_until
 
-from helpers.forms import ODD, ODD_ASKED
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.document.place import write_place
-from roah_rsbb.model.records import ScoreValue
 from roah_rsbb.referee import link
 from roah_rsbb.ros import place
 
@@ -169,13 +166,6 @@ class TestCommands(WithCore):
         self.assertEqual((made["ok"], made["exit"]), (False, 1))
         self.assertEqual(made["reasons"], ["one thing; and what to do", "another thing"])
 
-    def test_unknown_and_ambiguous_zones_are_not_sent(self) -> None:
-        for word, hint in (("home", "'Home A', 'Home B'"), ("Hone A", "did you mean 'Home A'?")):
-            done = self.called("connect", word)
-            self.assertEqual(done.returncode, 2)
-            self.assertIn(hint, done.stderr)
-        self.assertEqual(self.core.calls, [])
-
     def test_scores_are_shown_set_and_counted(self) -> None:
         self.assertEqual(self.called("score", "Home A").returncode, 1)  # no run, no sheet
         self.zone.command("connect")
@@ -245,30 +235,6 @@ class TestCommands(WithCore):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(self.core.calls, [("operation", "Home A", 4, "skip")])
         self.assertNotIn("TO DO", done.stdout)
-
-    def test_the_form_of_a_module_that_nobody_knows_is_filled_in(self) -> None:
-        self.zone.asked = Asked(7, ODD_ASKED, form=ODD)
-        shown = self.called("status", "Home A").stdout
-        for words in (ODD_ASKED, "held: Did the robot hold it? (yes / no)", "place: Where is it now? (table / floor)"):
-            self.assertIn(words, shown)
-        wrong = self.called("done", "Home A", "yes", "many")
-        self.assertEqual((wrong.returncode, "a whole number from 0 to 9" in wrong.stderr), (2, True))
-        done = self.called("done", "Home A", "yes", "2", "pose=1.25 0,40 180", "fl")
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
-        (action, zone, number, *values), = self.core.calls
-        self.assertEqual((action, zone, number, values), ("operation", "Home A", 7, [
-            True, 2, [1.25, 0.4, math.pi], "floor"]))
-
-    def test_switches_are_entered(self) -> None:
-        self.zone.switches, self.zone.switches_asked = {1, 2}, True
-        self.assertIn("switches that are on: 1, 2; damaged: 0; TO DO", self.called("status", "Home A").stdout)
-        self.assertEqual(self.called("damaged", "Home A", "300").returncode, 2)
-        for words in (("switch", "2"), ("switch", "3"), ("damaged", "1"), ("confirm-switches",)):
-            done = self.called(words[0], "Home A", *words[1:])
-            self.assertEqual((done.returncode, done.stderr), (0, ""))
-        self.assertEqual(self.core.calls, [("switch", "Home A", 2), ("switch", "Home A", 3), ("damaged", "Home A", 1),
-                                           ("confirm_switches", "Home A")])
-        self.assertIn("switches that are on: 1, 3; damaged: 1\n", done.stdout)
 
     def test_colour_on_a_terminal_only_and_not_where_it_is_unwanted(self) -> None:
         self.assertIn("\x1b[", on_terminal("status"))
@@ -365,17 +331,6 @@ class TestWatch(WithCore):
         self.assertEqual(watch.wait_ended(), 0)
         self.assertFalse([line for line in watch.lines if "Home B" in line])
 
-    def test_the_core_is_restarted(self) -> None:
-        watch = self.start("watch", "--json")
-        self.assertEqual(len(watch.event("start")["box"]["zones"]), 2)
-        self.core.leave()
-        watch.event("core", what="silent")
-        self.core = FakeCore(box_uuid="another")
-        watch.event("core", what="back")
-        watch.event("core", what="restarted", box_uuid="another")
-        self.core.zones["Home B"].command("next")
-        watch.event("event", zone="Home B", code="HWV")
-
     def test_a_reader_that_goes_away_ends_it(self) -> None:
         reading, writing = os.pipe()
         with tempfile.TemporaryFile() as errors:
@@ -420,22 +375,6 @@ class TestRun(WithCore):
         run.wait_printed("\nHome A: the run did not complete: timeout")
         self.assertEqual(run.wait_ended(), 4)
 
-    def test_manual_operations_are_typed(self) -> None:
-        """By a script, ahead of the questions."""
-        run = self.start("run", "Home A", "--operations", "typed", typed="\nsk\n")
-        self.wait_call("start", "Home A")
-        self.zone.asked = Asked(1, "Place the mug")
-        self.wait_call("operation", "Home A", 1, "")
-        self.zone.asked = Asked(2, "No pose", ("try again", "skip"))
-        self.wait_call("operation", "Home A", 2, "skip")
-        self.zone.module_scores = [ScoreValue("goal 1", "time", "1.25", "s", "Time")]
-        self.zone.end("completed")
-        self.assertEqual(run.wait_ended(), 0)
-        for text in ("TO DO by the referee: Place the mug", "press Enter when it is done",
-                     "end of input: other referees must complete", "module's score: goal 1: Time: 1.25 s",
-                     "Score of the benchmarking module\n    goal 1\n        1.25 s  Time"):
-            self.assertIn(text, run.text)
-
     def wait_call(self, *call: object) -> None:
         """Wait until the core has received this call."""
         wait_until(lambda: call in self.core.calls, lambda: f"{call} is called; there were {self.core.calls}")
@@ -453,17 +392,3 @@ class TestRun(WithCore):
         run.signal(signal.SIGHUP)
         self.assertEqual(run.wait_ended(), 129)
         self.assertEqual([call[0] for call in self.core.calls], ["connect", "start"])
-
-    def test_the_run_continues_over_a_restart_of_the_core(self) -> None:
-        run = self._running()
-        identity = self.zone.identity
-        self.core.leave()
-        run.event("core", what="silent")
-        self.core = FakeCore(box_uuid="another", silent=True)
-        zone = self.core.zones["Home A"]
-        zone.command("connect", "start")
-        zone.identity = identity
-        self.core.silent = False
-        run.event("core", what="restarted")
-        zone.end("completed")
-        self.assertEqual(run.wait_ended(), 0)

@@ -4,7 +4,6 @@ import signal
 
 from support.box_case import BoxCase
 from support.referee_program import Referee, referee
-from support.waiting import wait_until
 
 
 class TestRun(BoxCase):
@@ -36,22 +35,6 @@ class TestRun(BoxCase):
         self.assertEqual([(i["number"], i["value"]) for i in result["score"] if i["value"]], [(1, 1), (10, 2)])
         self.assertEqual(self.read_log(result["log_file"]).values("/visitor"), ["postman"])
         self.box.wait_details(self.ZONE, lambda d: d.phase == "idle", "it is disconnected")
-
-    def test_the_core_reports_no_score_twice(self) -> None:
-        self.robot("Beta")
-        run = self.start("--score", "kimble rings=yes")
-        run.event("score", value=1)
-        run.signal(signal.SIGTERM)
-        run.event("result")
-        self.assertFalse([line for line in run.lines if '"log"' in line and "Kimble" in line], run.text)
-
-    def test_a_robot_whose_clock_is_wrong_is_refused(self) -> None:
-        self.robot("Beta", skew=0.9)
-        wait_until(lambda: self.box.robot("Beta") and self.box.robot("Beta").skew.to_sec() > 0.5, "the skew is known")
-        run = self.start("--wait", "4")
-        result = run.event("result")
-        self.assertEqual(run.wait_ended(), 1)
-        self.assertRegex(result["text"], r"Clock skew of robot .* is \+0\.[1-9]\d\d s")
 
     def test_an_interrupt_stops_the_robot(self) -> None:
         robot = self.robot("Beta")

@@ -7,14 +7,13 @@ import json
 import os
 import pty
 import signal
-import socket
 import struct
 import termios
 import threading
 import unittest
 
 import rosgraph
-from support.fakes.core import TOKEN, Asked, FakeCore
+from support.fakes.core import Asked, FakeCore
 from support.forking import start
 from support.programs import own, run
 from support.referee_program import Referee, called, referee
@@ -150,34 +149,6 @@ class TestStopCommand(StopCase):
         self.assertEqual(called("stop", "alle").stdout, "no run is in progress\n")
         self.assertEqual(self.zone.phase, "connected", "it is not left")
 
-    def test_a_zone_that_is_named_all_can_be_stopped(self) -> None:
-        self.core.close()
-        self.core = FakeCore(zones=("all", "Hall"))
-        self.running("all", "Hall")
-        self.assertIn("STOP all: the robot has stopped\n", called("stop", "ALL").stdout)
-        self.assertEqual(self.phases(), ["ended", "running"])
-        self.assertIn("STOP Hall: the robot has stopped\n", called("stop", "--all").stdout)
-        self.assertEqual(self.phases(), ["ended", "ended"])
-
-    def test_what_cannot_be_stopped_says_why(self) -> None:
-        for words, status, why in (
-            (("Home A",), 1, "stop was refused:\n  No run is connected"), (("Hone A",), 2, "did you mean 'Home A'?"),
-            ((), 2, "give the name of a zone, or 'all'"), (("Home A", "--all"), 2, "give the name of a zone, or 'all'"),
-        ):
-            done = called("stop", *words)
-            self.assertEqual(done.returncode, status)
-            self.assertIn(why, done.stderr)
-        self.zone.command("connect")
-        self.core.look()
-        done = called("stop", "Home A")
-        self.assertEqual((done.returncode, done.stderr.count("The run is not started")), (1, 1))
-        self.assertEqual(self.zone.phase, "connected")
-
-    def test_a_run_without_a_robot(self) -> None:
-        self.zone.command("open_sheet", "start")
-        self.core.look()
-        self.assertIn("STOP Home A: the clock is stopped. The run has no robot\n", called("stop", "Home A").stdout)
-
     def test_closed_and_full_streams_lose_no_stop(self) -> None:
         for how in (">&-", "2>&-", "<&-", ">&- 2>&- <&-", ">/dev/full", "--json >/dev/full", ">/dev/full 2>&1",
                     "| true"):
@@ -227,28 +198,6 @@ class TestStopCommand(StopCase):
         self.addCleanup(os.remove, file_of(NO_MASTER))
         done = referee("stop", "Home A", ROS_MASTER_URI=NO_MASTER)
         self.assertEqual((done.returncode, self.zone.phase), (0, "ended"), done.stderr)
-
-    def test_a_door_that_hangs_delays_it_until_another_one_is_found(self) -> None:
-        """The box has moved to another computer, and the one that hangs is still known here."""
-        self.running()
-        with socket.socket() as mute:
-            mute.bind(("127.0.0.1", 0))
-            mute.listen(5)
-            write_place(file_of(rosgraph.get_master_uri()), f"ws://127.0.0.1:{mute.getsockname()[1]}/door", TOKEN)
-            stop = self.terminal("stop", "Home A")
-            stop.wait_shown(STOPPED)
-        self.assertEqual(stop.wait_ended(), 0)
-
-    def test_a_robot_that_does_not_stop_is_named_until_it_does(self) -> None:
-        self.running()
-        self.core.deaf = True
-        stop = self.terminal("stop", "Home A")
-        stop.wait_shown(NO_ANSWER)
-        stop.wait_shown("Trying again … mbot of team TestingTeam")
-        self.core.deaf = False
-        stop.wait_shown(STOPPED)
-        self.assertEqual(stop.wait_ended(), 0)
-        self.assert_fits(stop)
 
     def test_json_and_the_exit_status_show_how_far_it_came(self) -> None:
         self.running("Home A", "Home B")
@@ -304,36 +253,6 @@ class TestStopAtAPrompt(StopCase):
         run.type("STOPP ALLE!")
         run.wait_shown(STOPPED)
         self.assertEqual(run.wait_ended(), 4)
-
-    def test_others_answer_and_the_terminal_only_stops(self) -> None:
-        run = self.terminal("run", "Home A")
-        run.wait_shown("type 'stop' to stop the run")
-        wait_until(lambda: self.zone.phase == "running", "it runs")
-        run.type("what?")
-        run.type("stop")
-        run.wait_shown(STOPPED)
-        self.assertEqual(run.wait_ended(), 4)
-
-    def test_a_stop_before_the_start_ends_the_script(self) -> None:
-        self.zone.extra_off["start"] = ["The robot is not ready"]
-        run = self.terminal("run", "Home A", "--wait", "300")
-        run.wait_shown("The robot is not ready")
-        run.type("stop")
-        run.wait_shown("stopped before the run began")
-        self.assertEqual(run.wait_ended(), 4)
-        self.assertEqual(self.zone.phase, "idle")
-
-    def test_a_stop_while_the_start_hangs(self) -> None:
-        """The core may carry out the start after the STOP."""
-        self.core.held = "connect"
-        run = self.terminal("run", "Home A")
-        self.core.answer_gate.clear()
-        wait_until(lambda: ("connect", "Home A") in self.core.calls, "connect is on its way")
-        self.core.answer_gate.set()
-        wait_until(lambda: ("start", "Home A") in self.core.calls, "start is on its way")
-        run.type("stop")
-        self.assertEqual(run.wait_ended(), 4)
-        self.assertNotEqual(self.zone.phase, "running")
 
     def test_the_question_of_a_sign_off(self) -> None:
         self.running()
@@ -419,4 +338,3 @@ class TestStopAtAPrompt(StopCase):
         run.wait_shown(NO_ANSWER)
         self.assertEqual(run.wait_ended(), 130)
         self.assertEqual(self.zone.phase, "ended")
-

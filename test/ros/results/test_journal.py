@@ -1,9 +1,8 @@
-"""The journal of a box that runs, as `rosrun roah_rsbb results` and the link record show it."""
+"""The journal of a box that runs, as `rosrun roah_rsbb results` shows it."""
 
 import json
 import os
 import pathlib
-import socket
 import subprocess
 import tempfile
 from typing import Any, Dict, List
@@ -11,12 +10,11 @@ from typing import Any, Dict, List
 import rospy
 from support.box_case import BoxCase
 from support.programs import own
-from support.robots import BOX, host_of
+from support.robots import host_of
 from support.waiting import LIMIT_S, wait_until
 
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.protocol import RobotState
 
 ZONE = "Home"
 DOOR = ("Achievements", "Detects the door whose state has changed")
@@ -116,25 +114,3 @@ class TestResults(ResultsCase):
             path = os.path.join(directory, "again.bag")
             self.results("bag", identity, path)
             self.assertEqual(self.read_log(path).entries, self.read_log(log_file).entries)
-
-
-class TestLinkRecord(ResultsCase):
-    def test_problems_of_a_link_are_recorded(self) -> None:
-        robot = self.raw_robot("Alpha")
-        port = self.box.connect(ZONE, meanwhile=robot.beacon)
-        robot.open_private(port)
-        robot.wait_acknowledged(robot.send(RobotState.STOP))
-        last = robot.send(RobotState.STOP)
-        robot.wait_acknowledged(last)
-        robot.send_again(last)
-        robot.send(RobotState.STOP, age_s=100.0)
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-            for _ in range(3):
-                sender.sendto(b"no frame at all", (BOX, port))
-        self.wait_link(port, received=2, duplicates=1, stale=1, unreadable=3)
-        silence = wait_until(
-            lambda: next((s["gap_s"] for s in self.links(port) if s["gap_s"] > 2.0), None), "the silence is on record"
-        )
-        robot.wait_acknowledged(robot.send(RobotState.STOP))
-        wait_until(lambda: sum(s.get("lost", 0) for s in self.links(port)) >= round(silence) - 1,
-                   "what must have been lost is on record")

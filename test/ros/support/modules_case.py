@@ -74,12 +74,6 @@ class FunctionalityCase(BoxCase):
         """The values of that name in all groups."""
         return [value for (group, known), value in scores.items() if group and known == name]
 
-    def assert_mean(self, scores: Scores, name: str) -> None:
-        """The whole run's value is the mean of the groups' values."""
-        each = self.of_each(scores, name)
-        self.assertAlmostEqual(scores["", name], sum(each) / len(each), places=6)
-
-
 class ModulesProcess(Program):
     """A node of benchmarking modules."""
 

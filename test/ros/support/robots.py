@@ -270,23 +270,12 @@ class RawRobot:
         self._network.do(lambda: self._private.send(message))
         return message
 
-    def send_again(self, message: pb.RobotState) -> None:
-        """Send the last datagram again."""
-        self._network.do(lambda: self._private.send(message))
-
     def wait_sent(self, state: BoxState) -> pb.BenchmarkState:
         """Wait until the box's last message has this state; returns the message."""
         def last() -> Optional[pb.BenchmarkState]:
             message = self.received[-1] if self.received else None
             return message if message is not None and message.benchmark_state == state else None
         return wait_until(last, f"the box sends {state.name}")
-
-    def wait_acknowledged(self, message: pb.RobotState) -> pb.BenchmarkState:
-        """Wait until the box acknowledges a message; returns its answer."""
-        return wait_until(
-            lambda: next((state for state in list(self.received) if state.acknowledgement == message.time), None),
-            "the box acknowledges the message",
-        )
 
     def _on_state(self, message: pb.BenchmarkState, _sender: Tuple[str, int]) -> None:
         self.received.append(message)

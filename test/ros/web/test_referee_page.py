@@ -14,7 +14,7 @@ import rospy
 from support.box_case import BoxCase
 from support.box_client import Refusal
 from support.browser import IS_ALL, Browser, NeedsBrowser, Page, find
-from support.connections import kill, process_of
+from support.connections import process_of
 from support.gateway import GATEWAY, URL, kill_gateway, wait_served
 from support.waiting import wait_until
 
@@ -270,15 +270,6 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.shows(page, DEVICE, "0")
         return page
 
-    def test_a_touch_stops(self) -> None:
-        page = self.running("de")
-        page.wait(f"{TEXT}.includes('STOPP')", "the page is in German")
-        self.assert_accessible("german", page)
-        page.screenshot(SHOTS / "web_referee_german.png")
-        self.touch_stop(page)
-        self.phase("ended")
-        page.wait(f"{TEXT}.includes('Der Roboter hat angehalten')", "the way of STOP")
-
     def test_stop_is_repeated_until_the_gateway_is_back(self) -> None:
         page = self.running()
         self.shows(page, DEVICE, "0")
@@ -298,19 +289,6 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page.wait(f"!document.body.matches('.old') && {TEXT}.includes('stopped')", "the page is current again")
         self.assertIn("Anna, Linux", self.sheet().ends[-1].who)
 
-    def test_stop_is_possible_with_a_gateway_that_does_not_know_the_run_yet(self) -> None:
-        page = self.running()
-        core = process_of("/roah_rsbb_core")
-        os.kill(core, signal.SIGSTOP)
-        try:
-            kill(GATEWAY)
-            page.wait("live.data['page.zone'] === null", "the new gateway knows nothing")
-            self.touch_stop(page)
-            page.wait(f"{TEXT}.includes('NOT DELIVERED')", "STOP is sent again and again")
-        finally:
-            os.kill(core, signal.SIGCONT)
-        self.phase("ended")
-
     def test_stop_reaches_the_core_that_replaces_a_killed_one(self) -> None:
         page = self.running()
         core = process_of("/roah_rsbb_core")
@@ -323,21 +301,6 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.phase("ended")
         self.assertNotEqual(process_of("/roah_rsbb_core"), core)
         page.wait(f"!document.body.matches('.old') && {TEXT}.includes('the robot has stopped')", "the way of STOP")
-
-    def test_stop_continues_after_a_reload(self) -> None:
-        page = self.running()
-        refusal = "JSON.stringify({reasons: ['not now']}), {status: 409, headers: {'Content-Type': 'application/json'}}"
-        page.get(f"window.stops = 0, window.fetch = async () => (stops += 1, new Response({refusal})), 0")
-        stop = f"document.querySelector({json.dumps(command('stop'))})"
-        for count in (1, 2):
-            page.get(f"{stop}.dispatchEvent(new PointerEvent('pointerdown', {{bubbles: true}}))")
-            page.wait(f"stops === {count} && {TEXT}.includes('STOP was refused: not now')", "STOP is sent")
-        page.get("window.fetch = () => Promise.reject(new TypeError('no network')), 0")
-        self.touch_stop(page)
-        page.wait(f"{TEXT}.includes('NOT DELIVERED')", "STOP is sent again and again")
-        page.command("Page.reload")
-        self.phase("ended")
-        page.wait("sessionStorage.getItem('roah_rsbb_stops') === null", "it is finished")
 
     def test_fast_touches_count_in_their_order(self) -> None:
         page = self.running()
@@ -487,22 +450,6 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.phase("ended")
         history = self.sheet(identity).history
         self.assertEqual((sum(entry.value - entry.old for entry in history), self.values()[DEVICE]), (5, 5))
-
-    def test_a_phone_without_a_network_says_so_at_once(self) -> None:
-        page = self.running()
-        network = {"latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
-        page.command("Network.emulateNetworkConditions", offline=True, **network)
-        page.wait(f"{TEXT}.includes('NO LINK TO THE BOX')", "the page says so")
-        page.wait(f"document.querySelector({json.dumps(item(DEVICE, 2))}).matches(':disabled')", "nothing is queued")
-        self.touch_stop(page)
-        page.wait(f"{TEXT}.includes('NOT DELIVERED')", "but STOP is")
-        self.assertEqual(self.box.zone_details(ZONE).phase, "running")
-        # What a page shows may be of before the start. It ends no STOP.
-        page.get("live.data['page.zone'].phase = 'connected', live.silentSince = null, live.onChange(), 0")
-        page.command("Network.emulateNetworkConditions", offline=False, **network)
-        page.wait(f"!{TEXT}.includes('NOT DELIVERED')", "STOP is confirmed")
-        self.phase("ended")
-        page.wait(f"!document.body.matches('.old') && {TEXT}.includes('stopped')", "the page is current again")
 
     def post(self, page: Page, name: str, **fields: Any) -> int:
         """The status of a command that the page's scripts send."""

@@ -202,18 +202,6 @@ def test_a_record_is_the_same_after_it_was_written_and_read():
 # -- corrections ------------------------------------------------------------------------------------
 
 
-def test_a_correction_changes_record_and_result_and_is_marked():
-    runs = _runs(run_record(1), run_record(2))
-    identity = runs.records()[0].identity
-    text = runs.find(identity).mark(NOW, "Ben", Mark(BUMPS.group, BUMPS.desc, 2, note="seen on video"))
-    assert text == "Correction: Score: Penalized: bumps 0 -> 2 (seen on video)"
-    record, other = runs.records()
-    assert [(item.value, item.corrected) for item in record.items] == [(0, False), (0, False), (2, True)]
-    (entry,) = record.history
-    assert (entry.who, entry.utc, entry.correction) == ("Ben", NOW.utc, True)
-    assert other == run_record(1)
-
-
 def test_a_withdrawal_and_not_attempted_are_corrections_too():
     runs = _runs(run_record(1))
     run = runs.find(runs.records()[0].identity)
@@ -234,14 +222,6 @@ def test_the_sheet_of_a_run_keeps_its_items():
     assert [item.value for item in run.record.items] == [1, 0, 0]
     with pytest.raises(Refused, match="is yes or no"):
         run.mark(NOW, "Ben", Mark(DOOR.group, DOOR.desc, 2))
-
-
-def test_the_reason_of_a_stop_can_be_typed_afterwards():
-    runs = _runs(run_record(1))
-    run = runs.find(run_record(1).identity)
-    run.give_stop_reason(NOW, By("Ben", "hit the vase"), 0)
-    (stop,) = run.record.stops
-    assert (stop.who, stop.reason, stop.reason_by) == ("Anna", "hit the vase", "Ben")
 
 
 def test_a_signed_off_sheet_is_final():
@@ -267,8 +247,3 @@ def test_a_signed_off_sheet_is_final():
             with pytest.raises(Refused, match=f"signed off by Cleo at {times.time_with_zone(NOW.utc)}: it is final"):
                 change(finished)
         assert finished.record == signed
-
-
-def test_a_run_that_is_not_there_is_refused():
-    with pytest.raises(Refused, match="'HNF-1-2' is not one of the newest"):
-        _runs(run_record(1)).find("HNF-1-2")

@@ -17,7 +17,6 @@ from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model import run_log
 from roah_rsbb.model.modules import ScoreValue
-from roah_rsbb.model.records import SignOff
 from roah_rsbb.model.referee import MAX_NOTE, MAX_WHO, Refused, RunName
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
@@ -220,16 +219,6 @@ def test_a_module_receives_a_withdrawal():
     assert {item.desc: value for group in modules.run().sheet for item, value in group.items}["bumps"] == 0
 
 
-def test_a_mark_for_one_run_never_counts_in_the_next(driver):
-    name = _finished(driver)
-    driver.connected()
-    _score(driver, BUMPS, 5, name)
-    assert _values(_record(driver))["bumps"] == 0
-    assert _values(driver.box.finished.records()[0])["bumps"] == 5
-    _score(driver, BUMPS, 1, RunName("tbm", driver.run_in().identity))
-    assert _values(_record(driver))["bumps"] == 1
-
-
 def test_typed_text_is_one_line_and_bounded(driver):
     driver.connected()
     _score(driver, BUMPS, 1, who=" A\tB\n" + "x" * 1000, note="  two\n lines\x00 ")
@@ -295,19 +284,6 @@ def test_a_run_that_is_over_is_corrected_by_its_identity(driver):
         "HGTKMH, team Alpha, round 1, run 1: Correction: Score: Penalized: bumps 0 -> 4 (seen on video)"
     ]
     assert driver.taken(effects.RunLogged) == []  # its log is closed
-
-
-def test_a_sign_off_ends_all_corrections(driver):
-    name = _finished(driver)
-    _score(driver, BUMPS, 4, name)
-    driver.enter("sign_off", name, "Cleo")
-    assert driver.box.finished.find(name.identity).record.sign_off == SignOff(driver.now.utc, "Cleo")
-    for method, arguments in (
-        (driver.box.scores.mark, (Mark(BUMPS.group, BUMPS.desc, 5),)), (driver.box.scores.withdraw, (1,)),
-        (driver.box.scores.give_stop_reason, ("x",)), (driver.box.scores.sign_off, ()),
-    ):
-        (reason,) = _refused(driver, method, name, *arguments)
-        assert "was signed off by Cleo at " in reason
 
 
 def test_only_a_run_that_is_over_is_signed_off(driver):

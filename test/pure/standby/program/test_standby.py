@@ -1,12 +1,14 @@
 """The takeover: it is refused while the box is heard, and starts the box with everything that was copied."""
 
 import contextlib
+import io
 import json
 import os
 import pathlib
 import re
 import subprocess
 import sys
+from unittest import mock
 
 import pytest
 
@@ -38,6 +40,18 @@ def copied(tmp_path):
     (made.stick / "network.json").write_text(json.dumps({"rsbb_host": "10.1.255.255", "rsbb_port": 7000}))
     yield made
     made.close()
+
+
+def entered(folder, *words):
+    """Enter a command; returns its exit status. Raises `Refused` with what it prints instead."""
+    errors = io.StringIO()
+    with mock.patch.object(sys, "argv", ["standby", *words, "--log-dir", str(folder)]), \
+            mock.patch.object(durable, "close_to_others"), contextlib.redirect_stderr(errors), \
+            pytest.raises(SystemExit) as end:
+        standby.main()
+    if end.value.code:
+        raise standby.Refused(errors.getvalue())
+    return end.value.code
 
 
 def arguments(command):
@@ -85,14 +99,12 @@ def test_a_takeover_needs_an_option_while_the_box_is_heard(copied, monkeypatch, 
     started = []
     monkeypatch.setattr(standby, "why_not", lambda *_: ["The box answers."])
     monkeypatch.setattr(os, "execvp", lambda name, command: started.append(command))
-    options = standby._options(
-        ["takeover", "--log-dir", str(copied.stick), *(["--anyway"] if anyway else [])])
     if anyway:
-        standby._takeover(options, str(copied.stick))
+        entered(copied.stick, "takeover", "--anyway")
         assert len(started) == 1
     else:
         with pytest.raises(standby.Refused, match="The box answers.*\n.*--anyway"):
-            standby._takeover(options, str(copied.stick))
+            entered(copied.stick, "takeover")
         assert not started
 
 
@@ -111,13 +123,12 @@ def test_the_address_can_be_taken_while_the_new_box_runs(copied, monkeypatch, ca
     monkeypatch.setattr(standby, "read_box", lambda _: box)
     monkeypatch.setattr(standby, "take_address", lambda host, _: taken.append(host) or "eth7")
     standby._become_box(folder, box, [])
-    options = standby._options(["takeover", "--take-address", "--log-dir", folder])
     with contextlib.closing(CopyFolder(folder)):  # locked, as a core locks its journal
-        assert standby._takeover(options, folder) == 0
+        entered(folder, "takeover", "--take-address")
     assert taken == [box.host]
     assert f"This computer has the address {box.host} now, on eth7" in capsys.readouterr().out
     with contextlib.closing(CopyFolder(folder)):
-        assert standby._takeover(standby._options(["takeover"]), folder) == 0
+        entered(folder, "takeover")
     assert "is the box already" in capsys.readouterr().out
     assert epochs.standing_in(os.path.join(folder, FILE_NAME)).epoch == 2
 
@@ -125,20 +136,18 @@ def test_the_address_can_be_taken_while_the_new_box_runs(copied, monkeypatch, ca
 def test_a_witness_needs_the_program_ping(copied, monkeypatch):
     monkeypatch.setattr(standby, "read_box", lambda _: PairedBox("203.0.113.2", 8083, "ff", "key"))
     monkeypatch.setattr(standby.shutil, "which", lambda name: None)
-    options = standby._options(["follow", "--automatic", "5", "--witness", "203.0.113.1"])
     with pytest.raises(standby.Refused, match="install iputils-ping"):
-        standby._follow(options, str(copied.stick))
+        entered(copied.stick, "follow", "--automatic", "5", "--witness", "203.0.113.1")
 
 
 def test_the_old_box_becomes_a_standby_with_the_same_options(copied, monkeypatch, tmp_path):
-    folder, kept = str(copied.stick), []
+    kept = []
     monkeypatch.setattr(standby, "rejoin", lambda *_: PairedBox("10.0.0.3", 8083, "ff", "key"))
     monkeypatch.setattr(standby, "_keep_copy", lambda *given: kept.append(given) or 0)
     monkeypatch.setattr(standby.shutil, "which", lambda name: f"/bin/{name}")
     monkeypatch.setattr(standby.os, "geteuid", lambda: 0)
-    options = standby._options(["rejoin", str(tmp_path / "old"), "--automatic", "5", "--witness", "203.0.113.1",
-                                "--take-address"])
-    assert standby._rejoin(options, folder) == 0
+    entered(copied.stick, "rejoin", str(tmp_path / "old"), "--automatic", "5", "--witness", "203.0.113.1",
+            "--take-address")
     assert kept[0][3:] == (Automatic(5.0, "203.0.113.1"), True)
 
 
@@ -149,9 +158,8 @@ def test_options_that_are_not_possible_change_nothing(copied, monkeypatch, words
         monkeypatch.setattr(standby, name, lambda *_: pytest.fail("something was changed"))
     monkeypatch.setattr(standby.shutil, "which", lambda name: None)
     monkeypatch.setattr(standby.os, "geteuid", lambda: 1000)
-    options = standby._options([*words, *wrong])
     with pytest.raises(standby.Refused, match=wrong[0] if wrong[0] != "--witness" else "ping"):
-        getattr(standby, f"_{words[0]}")(options, str(copied.stick))
+        entered(copied.stick, *words, *wrong)
 
 
 def test_the_program_that_keeps_the_copy_is_ended(copied, tmp_path):
@@ -178,9 +186,12 @@ def test_when_the_copy_ends(copied):
     assert standby.last_moment(str(copied.stick)).startswith("The newest entry of the copy is from 11:00:01 UTC, ")
 
 
-def test_arguments_of_the_launch_file_may_stand_anywhere():
-    options = standby._options(["follow", "gui:=none", "--code", "AAAA", "10.1.0.2", "web:=false", "__name:=standby"])
-    assert (options.box, options.code, options.arguments) == ("10.1.0.2", "AAAA", ["gui:=none", "web:=false"])
+def test_arguments_of_the_launch_file_may_stand_anywhere(copied, monkeypatch):
+    given = []
+    monkeypatch.setattr(standby, "pair", lambda *of: given.append(of[3]) or PairedBox("10.1.0.2", 8083, "", ""))
+    monkeypatch.setattr(standby, "_keep_copy", lambda *of: given.append(of[2]))
+    entered(copied.stick, "follow", "gui:=none", "--code", "AAAA", "10.1.0.2", "web:=false", "__name:=standby")
+    assert given == ["AAAA", ["gui:=none", "web:=false"]]
 
 
 # -- the code -------------------------------------------------------------------------------------------
@@ -197,7 +208,7 @@ def box(copied):
 
 def shown_code(folder, capsys):
     """What `standby code` shows: the code, and all of its text."""
-    assert standby._code(standby._options(["code"]), str(folder)) == 0
+    entered(folder, "code")
     text = capsys.readouterr().out
     return re.search("The code is ([A-Z2-9]{4}-[A-Z2-9]{4}), for one standby and for 10 minutes", text).group(1), text
 
@@ -222,26 +233,26 @@ def test_a_code_is_shown_with_all_that_the_second_computer_needs(box, capsys):
 def test_no_box_runs_for_which_a_code_could_be(box, copied):
     copied.writer.close()
     with pytest.raises(standby.Refused, match="no box with a standby_port runs with the log_dir"):
-        standby._code(standby._options(["code"]), str(box))
+        entered(box, "code")
     assert not (box / "standby" / "code.json").exists()
 
 
 def test_a_box_without_a_port_for_a_standby_has_no_code(copied):
     with pytest.raises(standby.Refused, match="no box with a standby_port runs with the log_dir"):
-        standby._code(standby._options(["code"]), str(copied.log_dir))
+        entered(copied.log_dir, "code")
 
 
 def test_a_superseded_box_has_no_code(box, monkeypatch):
     monkeypatch.setattr(standby.epochs, "standing_in", lambda _: epochs.Standing(2, superseded_by=3, by="10.0.0.3"))
     with pytest.raises(standby.Refused, match="pair the standby with the box at 10.0.0.3"):
-        standby._code(standby._options(["code"]), str(box))
+        entered(box, "code")
 
 
 def test_only_the_user_of_the_box_makes_a_code(box, monkeypatch):
     """The box could not read that of another one."""
     monkeypatch.setattr(standby.os, "geteuid", lambda: os.getuid() + 1)
     with pytest.raises(standby.Refused, match="enter this command as that user"):
-        standby._code(standby._options(["code"]), str(box))
+        entered(box, "code")
 
 
 # -- the program that keeps the copy, and the box that it prepared ------------------------------------
@@ -336,9 +347,8 @@ def test_two_programs_that_keep_one_copy(copied):
 
 def test_a_copy_that_is_kept_is_not_paired_again(copied, monkeypatch):
     monkeypatch.setattr(standby, "pair", lambda *_: pytest.fail("the pair of the other program is replaced"))
-    options = standby._options(["follow", "10.0.0.2", "--code", "AAAA-AAAA"])
     with standby._locked(str(copied.stick)), pytest.raises(standby.Refused, match="another program uses"):
-        standby._follow(options, str(copied.stick))
+        entered(copied.stick, "follow", "10.0.0.2", "--code", "AAAA-AAAA")
 
 
 @pytest.mark.parametrize("words, said", [
@@ -351,7 +361,7 @@ def test_the_new_box_is_not_made_a_standby_by_habit(copied, words, said):
     write_box(folder, box)
     standby._become_box(folder, box, [])
     with pytest.raises(standby.Refused, match=said):
-        standby._follow(standby._options(words), folder)
+        entered(folder, *words)
     assert not is_standby(folder)
 
 
@@ -365,7 +375,7 @@ def test_a_code_can_be_typed(copied, monkeypatch, words, used):
     monkeypatch.setattr(standby, "pair", lambda *given: pairs.append(given[3]) or PairedBox("10.0.0.2", 8083, "", ""))
     monkeypatch.setattr(standby, "_keep_copy", lambda *_: 0)
     monkeypatch.setattr("builtins.input", lambda _: "typed")
-    standby._follow(standby._options(["follow", *words]), str(copied.stick))
+    entered(copied.stick, "follow", *words)
     assert pairs == ([used] if used else [])
 
 
@@ -375,7 +385,7 @@ def test_there_may_be_nobody_to_type_a_code(copied, monkeypatch):
 
     monkeypatch.setattr("builtins.input", end)
     with pytest.raises(standby.Refused, match="give --code CODE"):
-        standby._follow(standby._options(["follow", "10.0.0.2", "--code"]), str(copied.stick))
+        entered(copied.stick, "follow", "10.0.0.2", "--code")
 
 
 def test_a_superseded_box_can_be_a_standby_again(copied, monkeypatch):
@@ -386,7 +396,7 @@ def test_a_superseded_box_can_be_a_standby_again(copied, monkeypatch):
     monkeypatch.setattr(standby.epochs, "standing_in", lambda _: epochs.Standing(2, superseded_by=3))
     kept = []
     monkeypatch.setattr(standby, "_keep_copy", lambda *given: kept.append(given))
-    standby._follow(standby._options(["follow"]), folder)
+    entered(folder, "follow")
     assert len(kept) == 1
 
 
@@ -394,7 +404,7 @@ def test_another_address_of_the_box_is_remembered(copied, monkeypatch):
     folder = str(copied.stick)
     write_box(folder, PairedBox("10.0.0.2", 8083, "ff", "key"))
     monkeypatch.setattr(standby, "_keep_copy", lambda *_: 0)
-    standby._follow(standby._options(["follow", "localhost", "--port", "8084"]), folder)
+    entered(folder, "follow", "localhost", "--port", "8084")
     assert read_box(folder) == PairedBox("127.0.0.1", 8084, "ff", "key"), "a name is looked up once"
 
 
@@ -402,14 +412,13 @@ def test_another_address_of_the_box_is_remembered(copied, monkeypatch):
 def test_an_invalid_address(copied, host):
     write_box(str(copied.stick), PairedBox("10.0.0.2", 8083, "ff", "key"))
     with pytest.raises(standby.Refused, match="is neither an IPv4 address nor a known host"):
-        standby._follow(standby._options(["follow", host]), str(copied.stick))
+        entered(copied.stick, "follow", host)
 
 
 @pytest.mark.parametrize("port", ["0", "99999", "-1", "x"])
-def test_an_invalid_port(port, capsys):
-    with pytest.raises(SystemExit):
-        standby._options(["follow", "10.0.0.2", f"--port={port}"])
-    assert "is not a port from 1 to 65535" in capsys.readouterr().err
+def test_an_invalid_port(tmp_path, port):
+    with pytest.raises(standby.Refused, match="is not a port from 1 to 65535"):
+        entered(tmp_path, "follow", "10.0.0.2", f"--port={port}")
 
 
 def test_a_takeover_with_a_damaged_key_of_the_pair(copied, capsys):
@@ -429,9 +438,8 @@ def test_the_copy_is_kept_if_the_address_cannot_be_taken(copied, monkeypatch):
     monkeypatch.setattr(standby, "take_address", refuse)
     monkeypatch.setattr(standby, "why_not", lambda *_: [])
     monkeypatch.setattr(standby, "end_follower", lambda _: pytest.fail("the copy is not kept any more"))
-    options = standby._options(["takeover", "--take-address"])
     with pytest.raises(standby.Refused, match="omit --take-address"):
-        standby._takeover(options, str(copied.stick))
+        entered(copied.stick, "takeover", "--take-address")
 
 
 def demand_two(folder):

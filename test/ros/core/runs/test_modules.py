@@ -1,4 +1,4 @@
-"""The core with modules that come and go, are late, are duplicated, or send nonsense."""
+"""The core with modules that come and go, or send nonsense."""
 
 import math
 
@@ -51,55 +51,6 @@ class TestModulesThatComeAndGo(ModulesCase):
         self.fbm.says("Gone", request=run.steps[0].request)
         self.fbm.asks("Gone", REFEREE, text="next")
         self.wait_asked("Gone", "next")
-
-    def test_late_or_foreign_messages_have_no_effect(self) -> None:
-        self.fbm = self.modules("STB")
-        self.robot("Eta")
-        self.started("Late")
-        self.fbm.asks("Late", REFEREE, text="first")
-        self.wait_asked("Late", "first")
-        first = self.fbm.progress[self.fbm.runs["Late"].run]
-        self.box.command("manual_operation_complete", "Late")
-        self.fbm.wait_outcome("Late")
-        self.fbm.asks("Late", REFEREE, text="second")
-        self.wait_asked("Late", "second")
-        run = self.fbm.runs["Late"]
-        last = self.fbm.progress[run.run]
-        steps = run.steps
-        for progress in (
-            first, last, last._replace(attempt=2, failed="another attempt"), last._replace(attempt=0, finished=True),
-            last._replace(run="STB-1-1", failed="another run"), last._replace(request=None, finished=True),
-            last._replace(request=last.request._replace(number=4)), last._replace(finished=True),
-        ):
-            mark = self.fbm.send(progress)
-            self.box.wait_details("Late", lambda d, mark=mark: mark in d.warnings, "the core heard it")
-        self.assertEqual(self.box.zone_details("Late").phase, "running")
-        self.assertEqual(self.fbm.runs["Late"].steps, steps)
-        self.leave("Late")
-        self.started("Late", 1)
-        mark = self.fbm.send(last._replace(failed="the run before"))
-        self.box.wait_details("Late", lambda d: mark in d.warnings, "the core heard it")
-        self.fbm.asks("Late", REFEREE, text="of the new run")
-        self.wait_asked("Late", "of the new run")
-        self.assertNotEqual(self.fbm.runs["Late"].run, run.run)
-
-    def test_of_two_nodes_the_first_is_listened_to(self) -> None:
-        self.fbm = self.modules("STB")
-        self.robot("Eta")
-        self.started("Late")
-        self.fbm.asks("Late", REFEREE, text="of the first")
-        other = self.modules("STB", node="second", behind=self.fbm)
-        two = "2 nodes drive STB: end all but one. The first one counts"
-        self.box.wait_details("Late", lambda d: two in d.warnings, "the referee is warned")
-        other.wait_run("Late", lambda run: run.steps, "the second one knows all")
-        other.says("Late", request=Request(2, REFEREE, "of the second"), failed="wrong rules")
-        self.box.command("manual_operation_complete", "Late")
-        self.fbm.wait_outcome("Late")
-        self.fbm.asks("Late", REFEREE, text="of the first again")
-        self.wait_asked("Late", "of the first again")
-        self.fbm.close()
-        self.wait_phase("Late", "ended", "module_failed")  # the second one takes over, with its own failure
-        self.box.wait_text("Late", "wrong rules")
 
     def test_nonsense_on_the_topic(self) -> None:
         self.fbm = self.modules("STB")

@@ -1,4 +1,4 @@
-"""The three task benchmarks, whole, over real sockets; then two of them at once."""
+"""The three task benchmarks, whole, over real sockets."""
 
 import re
 import time
@@ -9,7 +9,6 @@ from support.box_client import Refusal
 from support.robots import RSBB_PORT, listed, wire
 from support.waiting import wait_until
 
-from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.msg import DevicesState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
@@ -149,57 +148,6 @@ class TestGettingToKnowMyHome(BoxCase):
         return next(line for line in self.box.public.schedule if (line.team, line.run) == ("Alpha", 3))
 
 
-class TestWelcomingVisitors(BoxCase):
-    """HWV: online data."""
-
-    def test_each_string_is_logged_once(self) -> None:
-        robot = self.robot("Beta")
-        self.box.connect("Door")
-        self.box.start("Door")
-        robot.wait_did("execute HWV")
-        robot.request("activation_event", "doorbell")
-        robot.request("notify", "going to the door")
-        robot.request("visitor", "Señora Ωmega")
-        robot.wait_said()
-        robot.request("notify", "going to the door")
-        robot.wait_said()
-        robot.let("execute")
-        self.box.wait_text("Door", "Benchmark completed by the robot")
-        shown = self.box.zone("Door").online_data
-        for line, times in (("activation_event: doorbell", 1), ("notifications: going to the door", 2),
-                            ("visitor: Señora Ωmega", 1)):
-            self.assertEqual(shown.count(line), times, shown)
-        log = self.leave("Door")
-        self.assertEqual(log.values("/activation_event"), ["doorbell"])
-        self.assertEqual(log.values("/notification"), ["going to the door"] * 2)
-        self.assertEqual(log.values("/visitor"), ["Señora Ωmega"])
-        for topic in ("/activation_event", "/notification", "/visitor"):
-            self.assertEqual(log.types[topic], "std_msgs/String")
-        self.box.wait_zone("Door", lambda z: z.connect_enabled, "the zone stays at its last event")
-
-    def test_a_robot_that_repeats_itself_and_datagrams_that_are_late(self) -> None:
-        robot = self.raw_robot("Gamma")
-        self.execute_by_hand(robot)
-        for texts in (["a"], ["a"], ["a", "b"], [], ["b"]):
-            acknowledged = robot.send(RobotState.EXECUTING, notifications=texts, devices_switch_1=True)
-            robot.wait_acknowledged(acknowledged)
-        robot.send(RobotState.RESULT_TX, age_s=5.0, notifications=["from long ago"])
-        answer = robot.wait_acknowledged(robot.send(RobotState.EXECUTING))
-        self.assertEqual(answer.benchmark_state, WAITING_RESULT)
-        self.box.wait_zone("Wire", lambda z: "devices or tablet, which HWV does not use: ignored" in z.log, "ignored")
-        robot.send(RobotState.RESULT_TX)
-        self.box.wait_text("Wire", "Benchmark completed by the robot")
-        log = self.leave("Wire")
-        self.assertEqual(log.values("/notification"), ["a", "b", "b"])
-        self.assertNotIn("/rsbb_log/devices/switch_1", log.types)
-
-    def execute_by_hand(self, robot) -> None:
-        self.join(robot, "Wire")
-        self.assertEqual(robot.wait_sent(PREPARE).benchmark_type, "HWV")
-        robot.send(RobotState.WAITING_GOAL)
-        self.assertEqual(robot.wait_sent(WAITING_RESULT).benchmark_type, "HWV")
-
-
 class TestCateringForGrannyAnnie(BoxCase):
     """HCFGAC: devices and tablet."""
 
@@ -265,42 +213,3 @@ class TestCateringForGrannyAnnie(BoxCase):
         robot.request("display_map", True)
         self.listener.wait_beacon(lambda b: b.tablet_display_map, "the beacon requests the tablet's map")
         wait_until(lambda: self.box.gui.tablet_display_map, "the referee sees that the tablet shows the map")
-
-
-class TestTwoZonesAtOnce(BoxCase):
-    """Zones are independent, but a robot is in one run at a time."""
-
-    def test_two_runs_beside_each_other(self) -> None:
-        listener = self.participant(LISTENER)
-        epsilon, zeta = self.robot("Epsilon"), self.robot("Zeta", cipher=Cipher.AES_256_ECB)
-        ports = {zone: self.box.connect(zone) for zone in ("One", "Two")}
-        self.assertNotEqual(ports["One"], ports["Two"])
-        listener.wait_beacon(
-            lambda b: set(listed(b)) == {("Epsilon", "Robot", ports["One"]), ("Zeta", "Robot", ports["Two"])},
-            "the beacon lists both robots",
-        )
-        for zone in ports:
-            self.box.start(zone)
-        epsilon.wait_did("execute HGTKMH")
-        zeta.wait_did("execute HCFGAC")
-        zeta.let("execute")
-        self.box.wait_text("Two", "Benchmark completed by the robot")
-        self.leave("Two")
-        listener.wait_beacon(lambda b: listed(b) == [("Epsilon", "Robot", ports["One"])], "the beacon lists one robot")
-        self.assertEqual(self.box.zone_details("One").phase, "running")
-
-        self.box.wait_zone("Two", lambda z: z.team == "Epsilon", "the next event is one of the busy team")
-        busy = "Robot Robot of team Epsilon is in a run in zone One"
-        self.box.wait_details(
-            "Two", lambda d: list(d.off("connect")) == [busy],
-            "connect is off, with the reason")
-        self.assertEqual(self.box.refusal("connect", "Two"), busy)
-
-        epsilon.let("execute")
-        self.box.wait_text("One", "Benchmark completed by the robot")
-        self.box.command("stop", "One")  # of a run that has ended: stays connected
-        self.assertEqual(self.box.zone_details("One").phase, "ended")
-        self.box.command("disconnect", "One")
-        self.box.wait_phase("One", "idle")
-        self.assertGreater(self.box.connect("Two"), max(ports.values()))
-        self.box.command("disconnect", "Two")

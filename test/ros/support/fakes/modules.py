@@ -24,18 +24,12 @@ BEAT_S = 0.5
 
 
 class FakeModules:
-    """Says twice a second what it drives, and where it is in each run. `close` it at the end: it falls silent.
-
-    Every test's modules are one `node`, unless two are wanted. Then the second one speaks `behind` the first: if the
-    process stops for so long that both count as missing, the core hears them again in their order.
-    """
+    """Says twice a second what it drives, and where it is in each run. `close` it at the end: it falls silent."""
 
     def __init__(
         self, *codes: str, node: str = "modules of the test", problems=(), warnings=(),
-        behind: "Optional[FakeModules]" = None,
     ) -> None:
         self.node = node
-        self._behind = behind
         self.infos = tuple(ModuleInfo(code, tuple(problems), tuple(warnings)) for code in codes)
         self.progress: Dict[str, Progress] = {}  # by the run's identity
         self.runs: Dict[str, RunForModule] = {}  # by zone
@@ -64,8 +58,6 @@ class FakeModules:
 
     def beat(self) -> None:
         """Publish the whole state now."""
-        if self._behind is not None and not self._behind.is_closed:
-            self._behind.beat()
         with self._lock:
             progress = tuple(self.progress.values()) if self._wild is None else self._wild
             self._publisher.publish(modules_state_message(ModulesState(self.node, self.infos, progress)))
