@@ -37,11 +37,8 @@ class RobotReport(NamedTuple):
 
     def lines(self) -> str:
         """The fields that were sent, as YAML lines for the run log."""
-        return "\n".join(
-            f"{name}: {_yaml(value)}"
-            for name, value in zip(self._fields, self)
-            if value is not None and value != ()
-        )
+        return "\n".join(f"{name}: {_yaml(value)}" for name, value in zip(self._fields, self)
+                         if value is not None and value != ())
 
 
 class GoalMessage(NamedTuple):
@@ -70,10 +67,8 @@ class BoxMessage(NamedTuple):
 
     def lines(self) -> str:
         """The message as YAML lines for the run log."""
-        lines = [
-            f"benchmark: {self.benchmark}", f"state: {self.state.name}",
-            f"acknowledgement: {_yaml(self.acknowledgement)}",
-        ]
+        lines = [f"benchmark: {self.benchmark}", f"state: {self.state.name}",
+                 f"acknowledgement: {_yaml(self.acknowledgement)}"]
         lines += [f"goal_{name}: {_yaml(value)}" for name, value in zip(self.goal._fields, self.goal) if value]
         return "\n".join(lines)
 

@@ -61,6 +61,17 @@ class Agreement(enum.Enum):
     WITHOUT_EXTREMES = "without extremes"  # as the jury's result of that name
 
 
+class Entered(NamedTuple):
+    """What a referee entered for an item."""
+
+    value: int = 0
+    text: str = ""  # of a decimal, a choice or a rating
+    judge: str = ""
+    not_attempted: bool = False
+    note: str = ""
+    added: str = ""  # a number to add to the item, instead of a value
+
+
 @dataclass(frozen=True)
 class JudgesRule:
     """The runs of a benchmark are scored by several judges, each on a sheet of their own."""

@@ -16,8 +16,6 @@ from roah_rsbb.model.shown import Shown
 IDLE, CONNECTED, RUNNING, ENDED = "idle", "connected", "running", "ended"
 # How the texts of a zone mark a line that is a warning.
 WARNING = "WARNING: "
-# A skew is shown in steps of this many seconds: it changes with each message, and nobody reads more.
-SKEW_STEP_S = 0.01
 # A robot that was heard within this time (s) is not called silent: by the rules it sends once a second.
 LATELY_S = 1.5
 UNKNOWN = Shown(shown=False)

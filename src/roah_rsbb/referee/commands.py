@@ -9,6 +9,7 @@ from typing import Any, Callable, ContextManager, Dict, List, Optional, Tuple
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.results import RunLine
+from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import CONNECTED, IDLE, SheetItem, Zone
 from roah_rsbb.referee import judges, sheets, view
 from roah_rsbb.referee.answers import Keyboard, Operations
@@ -276,9 +277,10 @@ def _score_with_words(link: Link, options: Any, output: Any) -> Exit:
     items = link.run_sheet(zone, _identity(run)).items
     number = pick_item(options.item, items)
     item = items[number - 1]
-    entered = None if options.value.lower() in NOT_ATTEMPTED else value_of(options.value, item)
+    is_not = options.value.lower() in NOT_ATTEMPTED
+    entered = Entered(not_attempted=True) if is_not else value_of(options.value, item)
     identity = _identity(run) or link.box.zones[zone].identity
-    link.mark(zone, identity, item, entered, options.note, options.referee)
+    link.mark(zone, identity, item, entered._replace(note=options.note), options.referee)
     return _show_item(zone, number, link.run_sheet(zone, _identity(run)).items[number - 1], output)
 
 

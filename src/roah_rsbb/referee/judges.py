@@ -5,6 +5,7 @@ from typing import Any, Callable, Dict, List, Optional
 from roah_rsbb.model.judging import JudgedRun, Judging, ObjectionLine
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.results import RunLine
+from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.referee.exits import Exit
 from roah_rsbb.referee.link import Link
@@ -12,7 +13,7 @@ from roah_rsbb.referee.output import Output
 from roah_rsbb.referee.sheets import pick_run
 from roah_rsbb.referee.state import run_json
 from roah_rsbb.referee.view import BOLD, YELLOW, Style
-from roah_rsbb.referee.words import NOT_ATTEMPTED, BadWord, Entered, pick_item, pick_zone, value_of
+from roah_rsbb.referee.words import NOT_ATTEMPTED, BadWord, pick_item, pick_zone, value_of
 from roah_rsbb.wording import judging, sheets
 from roah_rsbb.wording.judging import Judged
 from roah_rsbb.wording.texts import escaped
@@ -77,9 +78,9 @@ def _settle(link: Link, options: Any, output: Output) -> Exit:
     which = _which(link, options)
     item = which.items[pick_item(options.item, which.items) - 1]
     is_not = options.value.lower() in NOT_ATTEMPTED
-    value = Entered() if is_not else settled_value(options.value, item)
+    value = Entered(not_attempted=True) if is_not else settled_value(options.value, item)
     return _act(link, which, options, output, "settle", group=item.group, desc=item.desc, value=value.value,
-                text=value.text, not_attempted=is_not, reason=options.reason)
+                text=value.text, not_attempted=value.not_attempted, reason=options.reason)
 
 
 def settled_value(word: str, item: SheetItem) -> Entered:

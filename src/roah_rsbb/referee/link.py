@@ -15,10 +15,10 @@ from roah_rsbb.model.document import Document
 from roah_rsbb.model.judging import JudgedRun
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.results import RunSheet
+from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.ros_client import caller_name
-from roah_rsbb.referee.words import Entered
 from roah_rsbb.ros.place import START, Places
 
 # Time limits: for the document, for the answer to a call. A busy computer may take seconds.
@@ -87,12 +87,10 @@ class Link(Client[Document]):
         """Stop the run of that identity; raises as `act` does."""
         self._answered(self.stop(zone, identity, None, ANSWER_S, node=self.node))
 
-    def mark(self, zone: str, identity: str, item: SheetItem, entered: Optional[Entered], note: str = "",
-             referee: str = "") -> None:
-        """Mark an item in the run of that identity; `entered` is None if the robot did not try. The core applies the
-        mark once, so it is sent again while the core does not answer, as while it restarts. Raises as `act` does."""
-        value = {"not_attempted": True} if entered is None else entered._asdict()
-        mark = {"group": item.group, "desc": item.desc, **value, "note": note, "role": ROLE, "id": str(uuid.uuid4())}
+    def mark(self, zone: str, identity: str, item: SheetItem, entered: Entered, referee: str = "") -> None:
+        """Mark an item in the run of that identity. The core applies the mark once, so it is sent again while the core
+        does not answer, as while it restarts. Raises as `act` does."""
+        mark = {"group": item.group, "desc": item.desc, **entered._asdict(), "role": ROLE, "id": str(uuid.uuid4())}
         self._request("act", again=True, action=MARK, zone=zone, run=identity, given=mark, by=referee)
 
     def reload(self, digest: str, referee: str) -> Dict[str, Any]:

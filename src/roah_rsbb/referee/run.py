@@ -10,11 +10,12 @@ import time
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
 
 from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, SheetItem, Zone
 from roah_rsbb.referee.answers import Automatic, GivenUp, Keyboard, Note, Operations, Typed
 from roah_rsbb.referee.changes import Change, Follower, news
 from roah_rsbb.referee.exits import Exit, NoCore
-from roah_rsbb.referee.words import BadWord, Entered, EventWanted, pick_item, value_of
+from roah_rsbb.referee.words import BadWord, EventWanted, pick_item, value_of
 from roah_rsbb.wording.sheets import END_REASONS
 from roah_rsbb.wording.stop import NOT_DELIVERED_S, Way, leaving, way_text
 

@@ -7,7 +7,7 @@ from roah_rsbb.core.scoring.points import number_of, text_of
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Pose, Text, Toggle
-from roah_rsbb.model.scoring import MAX_VALUE, ScoreKind, ScoringItem
+from roah_rsbb.model.scoring import MAX_VALUE, Entered, ScoreKind, ScoringItem
 from roah_rsbb.model.zone import Event, SheetItem
 from roah_rsbb.wording.suggestions import did_you_mean
 
@@ -86,15 +86,6 @@ def pick_item(word: str, items: Sequence[SheetItem]) -> int:
     if not found:
         raise BadWord(f"no scoring item '{word}'; there are\n{listed}")
     raise BadWord(f"'{word}' is in {len(found)} scoring items: give the number, or more of the text\n{listed}")
-
-
-class Entered(NamedTuple):
-    """A value that the referee gives an item."""
-
-    value: int = 0
-    text: str = ""  # of a decimal, a choice or a rating
-    judge: str = ""
-    added: str = ""  # a number to add to the item, instead of the others
 
 
 def value_of(text: str, item: SheetItem) -> Entered:

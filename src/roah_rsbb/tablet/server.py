@@ -12,7 +12,7 @@ from tornado import web, websocket
 
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages, Refusal, refusal_text
-from roah_rsbb.web.guarded import Guarded
+from roah_rsbb.web.guarded import FileHandler, Guarded
 from roah_rsbb.web.limits import Rates
 from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, BoundedSocket, bind
 
@@ -57,7 +57,7 @@ class TabletServer:
             [
                 (r"/pages", PageSocket, {"server": self}),
                 (r"/map\.png", MapHandler, {"server": self, "plan": plan}),
-                (r"/(.*)", FileHandler, {"server": self, "path": folder}),
+                (r"/(.*)", FileHandler, {"server": self, "path": folder, "default_filename": "index.html"}),
             ],
             websocket_max_message_size=MAX_MESSAGE_BYTES,
             default_handler_class=web.ErrorHandler, default_handler_args={"status_code": 404},
@@ -183,14 +183,3 @@ class MapHandler(Guarded):
         self.set_header("Content-Type", "image/png")
         self.set_header("Cache-Control", "no-cache")
         self.write(self._plan.png)
-
-
-class FileHandler(Guarded, web.StaticFileHandler):
-    """The files of the page."""
-
-    def initialize(self, server: TabletServer, path: str) -> None:
-        self._server = server
-        web.StaticFileHandler.initialize(self, path, "index.html")
-
-    def set_extra_headers(self, path: str) -> None:
-        self.set_header("Cache-Control", "no-cache")

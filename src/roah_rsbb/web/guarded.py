@@ -3,7 +3,7 @@
 import base64
 import hashlib
 import re
-from typing import Any
+from typing import Any, Optional
 
 from tornado import httputil, web
 
@@ -55,6 +55,17 @@ class Guarded(web.RequestHandler):
             TOO_MANY_REQUESTS: "This address asks too often: try again in some seconds.\n",
             404: "There is no such page. The address / lists all pages.\n",
         }.get(status_code, f"{status_code} {self._reason}\n"))
+
+
+class FileHandler(Guarded, web.StaticFileHandler):
+    """The files of the pages."""
+
+    def initialize(self, server: Any, path: str, default_filename: Optional[str] = None) -> None:
+        self._server = server
+        super().initialize(path, default_filename)
+
+    def set_extra_headers(self, path: str) -> None:
+        self.set_header("Cache-Control", "no-cache")
 
 
 def policy(request: httputil.HTTPServerRequest, script: str = "") -> str:

@@ -22,7 +22,7 @@ from roah_rsbb.web.displays.logos import LogoHandler
 from roah_rsbb.web.displays.requests import DisplaysHandler
 from roah_rsbb.web.documents import DATA
 from roah_rsbb.web.events import EventsHandler, Reader
-from roah_rsbb.web.guarded import Guarded, policy
+from roah_rsbb.web.guarded import FileHandler, Guarded, policy
 from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.numbered import Made, report_once
 from roah_rsbb.web.pairing import Codes, Guesses, Session, Sessions
@@ -307,17 +307,6 @@ class PageHandler(Guarded):
         ))
 
     head = get
-
-
-class FileHandler(Guarded, web.StaticFileHandler):
-    """The files of the pages."""
-
-    def initialize(self, server: WebServer, path: str) -> None:
-        self._server = server
-        web.StaticFileHandler.initialize(self, path)
-
-    def set_extra_headers(self, path: str) -> None:
-        self.set_header("Cache-Control", "no-cache")
 
 
 class SchemaHandler(FileHandler):

@@ -8,6 +8,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxState, Document, RobotSeen
 from roah_rsbb.model.fields import Field
 from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.shown import Shown
 from roah_rsbb.model.zone import (
     CONNECTED,
@@ -22,7 +23,6 @@ from roah_rsbb.model.zone import (
     Zone,
 )
 from roah_rsbb.referee.exits import NoCore
-from roah_rsbb.referee.words import Entered
 
 UTC0 = 1447000000.0  # 2015-11-08 16:26:40Z
 MONO0 = 1000.0

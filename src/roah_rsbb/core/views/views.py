@@ -17,7 +17,7 @@ from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import Phase
 from roah_rsbb.model.results import UnsavedParts
-from roah_rsbb.model.zone import LATELY_S, SKEW_STEP_S, AllRobots, Count, RobotInRun, RunClock, SheetItem, Switches
+from roah_rsbb.model.zone import LATELY_S, AllRobots, Count, RobotInRun, RunClock, SheetItem, Switches
 from roah_rsbb.model.zone import Event as EventShown
 from roah_rsbb.model.zone import Zone as ZoneShown
 from roah_rsbb.protocol import wire_seconds
@@ -33,6 +33,8 @@ ATTEMPT = say("Attempt {number} of {all}")
 ONE_READY = say("Robot ready to accept connection: {robot}")
 READY = say("{number} robots ready to accept connection: {robots}")
 
+# A skew is shown in steps of this many seconds: it changes with each message, and nobody reads more.
+SKEW_STEP_S = 0.01
 NO_FILES: Mapping[int, str] = {}
 
 

@@ -6,6 +6,7 @@ from typing import Any, Callable, List, Optional, Tuple
 from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.model.judging import JudgedRun, Judging, ObjectionLine
 from roah_rsbb.model.results import RunLine
+from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt.model.fetched import Fetched
 from roah_rsbb.rqt.panels.history import why_fixed
@@ -15,7 +16,6 @@ from roah_rsbb.rqt.qt import QComboBox, QHBoxLayout, QPushButton, QSignalBlocker
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.judge_dialogs import ChoiceDialog, ObjectionDialog, PublishDialog, ReasonDialog, SettleDialog
 from roah_rsbb.rqt.widgets.rows import Row, Rows
-from roah_rsbb.rqt.widgets.score_dialogs import Entered
 from roah_rsbb.wording import judging, sheets
 from roah_rsbb.wording.judging import Judged
 from roah_rsbb.wording.language import tr, tr_later

@@ -4,6 +4,7 @@ from typing import Any, Callable, List, Optional
 
 from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.model.results import RunLine, RunSheet
+from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt.model.calls import Done
 from roah_rsbb.rqt.model.fetched import run_sheets
@@ -12,7 +13,7 @@ from roah_rsbb.rqt.panels.panel import Answer, Panel, RefereePanel, ask
 from roah_rsbb.rqt.qt import QLabel, QPushButton, QSignalBlocker, QSplitter, Qt, QTabWidget, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
-from roah_rsbb.rqt.widgets.score_dialogs import Entered, NoteDialog, ScoreDialog
+from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog, ScoreDialog
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.language import tr, tr_later
@@ -159,9 +160,7 @@ class ResultsPanel(RefereePanel):
 
     def _mark(self, summary: RunLine, item: SheetItem, given: Entered) -> None:
         self.client.calls.mark(self, summary.zone, summary.identity, {
-            "group": item.group, "desc": item.desc, "not_attempted": given.not_attempted, "value": given.value,
-            "text": given.text, "judge": given.judge, "note": given.note,
-        }, self._begin(summary, item.desc))
+            "group": item.group, "desc": item.desc, **given._asdict()}, self._begin(summary, item.desc))
 
     def _ask_reason(self) -> None:
         summary = self._summary()

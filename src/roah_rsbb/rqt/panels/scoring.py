@@ -7,6 +7,7 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, 
 
 from roah_rsbb.model.records import ScoreValue, SheetPoints
 from roah_rsbb.model.results import HistoryEntry
+from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import IDLE, SheetItem
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.edits import Edits
@@ -28,7 +29,7 @@ from roah_rsbb.rqt.qt import (
     QWidget,
 )
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.rqt.widgets.score_dialogs import MAX_VALUE, Entered, ScoreDialog
+from roah_rsbb.rqt.widgets.score_dialogs import MAX_VALUE, ScoreDialog
 from roah_rsbb.rqt.widgets.score_fields import NO_JUDGE, ChoiceField, NumberField, RatingFields
 from roah_rsbb.rqt.widgets.sheet_view import SheetView
 from roah_rsbb.rqt.widgets.undo import PLACES, UNDO, UndoRow

@@ -6,9 +6,10 @@ Each asks for a text that the core needs, and cannot be confirmed without it.
 from functools import partial
 from typing import Callable, List
 
+from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt.qt import QComboBox, QHBoxLayout, QLineEdit, QPushButton, QWidget
-from roah_rsbb.rqt.widgets.score_dialogs import Entered, FormDialog, NoteDialog, ScoreDialog
+from roah_rsbb.rqt.widgets.score_dialogs import FormDialog, NoteDialog, ScoreDialog
 from roah_rsbb.wording import judging
 from roah_rsbb.wording.language import tr
 

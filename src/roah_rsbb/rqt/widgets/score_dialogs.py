@@ -1,7 +1,8 @@
 """Dialogs for text: a score with a note, why an entry is withdrawn, why a run was stopped."""
 
-from typing import Callable, Hashable, NamedTuple, Optional, Union
+from typing import Callable, Hashable, Optional, Union
 
+from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt.qt import (
     QCheckBox,
@@ -73,16 +74,6 @@ class NoteDialog(FormDialog):
 
     def answer(self) -> None:
         self._then(self.note.text().strip())
-
-
-class Entered(NamedTuple):
-    """What the referee entered for an item."""
-
-    value: int = 0
-    text: str = ""  # of a decimal, a choice or a rating
-    judge: str = ""
-    not_attempted: bool = False
-    note: str = ""
 
 
 class ScoreDialog(NoteDialog):

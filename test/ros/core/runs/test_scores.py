@@ -10,8 +10,8 @@ from support.waiting import LIMIT_S
 
 from roah_rsbb.document.written import read
 from roah_rsbb.model.results import RunSheet
+from roah_rsbb.model.scoring import Entered
 from roah_rsbb.referee import link as terminal
-from roah_rsbb.referee.words import Entered
 
 ZONE = "Scores"
 BUMPS = ("Penalized Behaviors", "Bumps into the furniture")
@@ -86,7 +86,7 @@ class TestScores(BoxCase):
         def referee() -> None:
             try:
                 for number in range(20):
-                    link.mark(ZONE, identity, item, Entered(added="1"), "", "Anna")
+                    link.mark(ZONE, identity, item, Entered(added="1"), "Anna")
                     if number == 10:
                         killed.set()
             except Exception as error:
