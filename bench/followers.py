@@ -11,7 +11,7 @@ from typing import Any, List, NamedTuple
 
 from roah_rsbb.client.client import Client
 from roah_rsbb.model.document import Document
-from roah_rsbb.ros.place import Places
+from roah_rsbb.ros.place import DoorPlaces
 
 if typing.TYPE_CHECKING:
     import processes
@@ -63,7 +63,7 @@ def cost(box: "processes.Box", count: int, phones: int, seconds: float) -> Cost:
 
 def changes(count: int) -> List[float]:
     """Milliseconds from the begin of a call until another client has what it changed."""
-    caller, watcher = Client(Document, Places().find), Client(Document, Places().find)
+    caller, watcher = Client(Document, DoorPlaces().find), Client(Document, DoorPlaces().find)
     for client in (caller, watcher):
         client.start()
         client.wait(lambda document: True, LIMIT_S)
@@ -83,7 +83,7 @@ def changes(count: int) -> List[float]:
 
 def main() -> None:
     """Be one client."""
-    client = Counted(Document, Places().find)
+    client = Counted(Document, DoorPlaces().find)
     client.start()
     client.wait(lambda document: True, LIMIT_S)
     time.sleep(SETTLE_S)

@@ -44,7 +44,7 @@ from table import Results, quantile  # noqa: E402
 from roah_rsbb.client.client import Client  # noqa: E402
 from roah_rsbb.model.document import Document  # noqa: E402
 from roah_rsbb.ros import connections  # noqa: E402
-from roah_rsbb.ros.place import Places  # noqa: E402
+from roah_rsbb.ros.place import DoorPlaces  # noqa: E402
 from roah_rsbb.srv import Zone  # noqa: E402
 
 WINDOW_ZONES = 20
@@ -202,10 +202,10 @@ class Bench:
         with Box(zones) as box, Fleet(zones, box.port) as fleet:
             reaction.connect(box, fleet, zones)
             stopped, stop = floods.Stopped(box, fleet), rospy.ServiceProxy("/core/stop", Zone)
-            client = Client(Document, Places().find)
+            client = Client(Document, DoorPlaces().find)
             client.start()
             client.wait(lambda document: True, 30.0)
-            door = urlparse(Places().find().url).port
+            door = urlparse(DoorPlaces().find().url).port
             master = rosgraph.Master(rospy.get_name())
             ports = {name: urlparse(uri).port for name, uri in (
                 ("calls", master.lookupService("/core/set_score")), ("stop", master.lookupService("/core/stop")),

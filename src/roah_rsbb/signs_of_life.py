@@ -55,7 +55,7 @@ class Signs:
         self.send(END)
 
 
-class Silence:
+class CoreSilence:
     """How long the core has not given a sign of life. Only time counts in which its watcher was running, too."""
 
     def __init__(self) -> None:
@@ -91,7 +91,7 @@ class Watch:
         self._socket: Optional[socket.socket] = None
         self._began = ""  # when the core's process began
         self._starting_mono = float("-inf")
-        self.silence = Silence()
+        self.silence = CoreSilence()
 
     def look(self) -> None:
         """Take the signs that came."""

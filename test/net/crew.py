@@ -17,7 +17,7 @@ from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy import DummyOptions, DummyRobot
 from roah_rsbb.robot.link import wire_time
 from roah_rsbb.tablet.radio import TabletRadio
-from roah_rsbb.tablet.state import TabletState
+from roah_rsbb.tablet.state import ShownTablet
 
 RSBB_PORT = 6666
 ROBOT = "Robot"  # the name of each team's first one
@@ -86,7 +86,7 @@ class Robot:
         self._rsbb_host = host
         self.address = station.address
         self.moments: List[Moment] = []
-        self.troubles: List[fx.Report] = []
+        self.troubles: List[fx.ProblemIs] = []
         self.clock_s: Optional[float] = None  # what its clock shows instead of the time
         self.held = False  # it completes no goal
         self._options = DummyOptions(PREPARE_S, execute_s, seed=seed)
@@ -151,7 +151,7 @@ class Tablet:
 
     def __init__(self, station: Station) -> None:
         self._host = station.host
-        self._state = TabletState()
+        self._state = ShownTablet()
         self._radio = self._host.do(self._open)
 
     def _open(self) -> TabletRadio:

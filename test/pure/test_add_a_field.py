@@ -13,14 +13,14 @@ def _found(tmp_path_factory):
     return run(changed_copy(tmp_path_factory.mktemp("tree"), "Add a field"), """
         from helpers.box_driver import BoxDriver
         from roah_rsbb.core.views.document import Documents
-        from roah_rsbb.document.document import Followed, Follower, Written
+        from roah_rsbb.document.document import Followed, DocumentReader, Written
         from roah_rsbb.model.document import Document
         from roah_rsbb.referee.view import Style, zone_lines
         from roah_rsbb.web.zone_documents import zone_page
         from roah_rsbb.wording.times import Moments
         driver = BoxDriver()
         driver.executing()
-        written, follower, client = Written(Document), Follower(), Followed(Document)
+        written, follower, client = Written(Document), DocumentReader(), Followed(Document)
         written.update(Documents(driver.box, "uuid", "").look(driver.now), driver.now)
         client.take(json.loads(follower.next(written, driver.now)))
         zone = client.document.zones["tbm"]

@@ -83,12 +83,12 @@ def test_the_gateway_takes_it_and_gives_the_page_its_form(tree):
     found = run(tree, """
         from roah_rsbb.web.calls import call_of
         from roah_rsbb.web.commands import command_of, may
-        from roah_rsbb.web.pairing import Grant, Session
+        from roah_rsbb.web.pairing import Grant, DeviceSession
         from roah_rsbb.wording.device import page_words
         body = {"zone": "Home", "identity": "run 1", "seconds": 60, "reason": "why"}
         answers = []
         for role in ("referee", "judge"):
-            session = Session("id", Grant(role, ""), "Anna", "phone", 0.0)
+            session = DeviceSession("id", Grant(role, ""), "Anna", "phone", 0.0)
             command = command_of("extend", body, session)
             answers.append(may(command))
         print(json.dumps([answers, call_of(command), page_words()["actions"]["extend"]]))

@@ -10,7 +10,7 @@ import pytest
 
 from roah_rsbb import signs_of_life
 from roah_rsbb.client.client import OLD_S
-from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, Signs, Silence, Watch
+from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, CoreSilence, Signs, Watch
 from roah_rsbb.web import server
 from roah_rsbb.web.store import Store
 
@@ -70,7 +70,7 @@ def watched(tmp_path):
 
 def silence_after(*looks):
     """The silence after looks: the seconds since the one before, and the process that was heard."""
-    silence, now = Silence(), 0.0
+    silence, now = CoreSilence(), 0.0
     for seconds, pid in looks:
         now += seconds
         silence.look(now, pid)

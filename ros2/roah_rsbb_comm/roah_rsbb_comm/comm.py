@@ -170,12 +170,12 @@ class CommNode:
         elif isinstance(effect, fx.Stop):
             self._ros.in_executor(self._action.stop)
             self._log.info(f"Stop: {effect.why}")
-        elif isinstance(effect, fx.Report):
+        elif isinstance(effect, fx.ProblemIs):
             self._log_report(effect)
         elif isinstance(effect, (fx.SendBeacon, fx.SendState, fx.WouldSendState)):
             self._debug(effect)
 
-    def _log_report(self, report: fx.Report) -> None:
+    def _log_report(self, report: fx.ProblemIs) -> None:
         # A call of rclpy's logger may not change its severity: each line of code has one.
         if report.over:
             self._log.info(report.text)

@@ -123,7 +123,7 @@ class Interface:
                 switch_3=effect.switch_3, dimmer=min(effect.dimmer, 255), blinds=min(effect.blinds, 255),
                 door_win_detect=effect.door_win_detect,
             ))
-        elif isinstance(effect, fx.Tablet):
+        elif isinstance(effect, fx.TabletIs):
             self._tablet.publish(TabletState(
                 display_map=effect.display_map, call_time=_ros_time(effect.call_time),
                 position_time=_ros_time(effect.position_time),

@@ -6,7 +6,7 @@ from typing import Optional
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3, Source, distance, seen_from
 from roah_rsbb.bmbox.framework.module import Module
-from roah_rsbb.bmbox.framework.parameters import GoalTimeout, ListOf, Number, Record, Text, Whole
+from roah_rsbb.bmbox.framework.parameters import Amount, GoalTimeout, ListOf, Record, Text, Whole
 from roah_rsbb.bmbox.framework.score import Value
 
 OBJECT, TABLE = "object", "table"
@@ -32,8 +32,8 @@ class HGMF(Module):
     CODE = "HGMF"
     PARAMETERS = {
         "objects": ListOf(Record({"id": Whole("1", 0, 65535), "description": Text("red mug")})),
-        "table_size": Record({"x": Number("metres", "1.2", least=SMALLEST_TABLE_M, most=10.0),
-                              "y": Number("metres", "0.8", least=SMALLEST_TABLE_M, most=10.0)}),
+        "table_size": Record({"x": Amount("metres", "1.2", least=SMALLEST_TABLE_M, most=10.0),
+                              "y": Amount("metres", "0.8", least=SMALLEST_TABLE_M, most=10.0)}),
         "goal_timeout": GoalTimeout(),
     }
     SUBJECTS = (OBJECT, TABLE)

@@ -5,7 +5,7 @@ from typing import List
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, angle_difference, distance
 from roah_rsbb.bmbox.framework.module import Module
-from roah_rsbb.bmbox.framework.parameters import GoalTimeout, ListOf, Pose
+from roah_rsbb.bmbox.framework.parameters import GoalTimeout, ListOf, PlanePose
 from roah_rsbb.bmbox.framework.score import Value
 
 ROBOT = "robot"
@@ -15,7 +15,7 @@ class HNF(Module):
     """Waypoints in the test bed's frame. A waypoint is reached if the robot reports it before the timeout."""
 
     CODE = "HNF"
-    PARAMETERS = {"starting_pose": Pose(), "waypoints": ListOf(Pose()), "goal_timeout": GoalTimeout()}
+    PARAMETERS = {"starting_pose": PlanePose(), "waypoints": ListOf(PlanePose()), "goal_timeout": GoalTimeout()}
     SUBJECTS = (ROBOT,)
     SCORES = {
         "reached": Value("Waypoints reached"),

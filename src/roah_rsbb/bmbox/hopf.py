@@ -6,7 +6,7 @@ from typing import Optional
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose3, angle_difference, compose, distance
 from roah_rsbb.bmbox.framework.module import TRY_AGAIN, GoalOutcome, Module
-from roah_rsbb.bmbox.framework.parameters import FARTHEST_M, GoalTimeout, ListOf, Number, Record, Text, Transform, Whole
+from roah_rsbb.bmbox.framework.parameters import FARTHEST_M, Amount, GoalTimeout, ListOf, Record, Text, Transform, Whole
 from roah_rsbb.bmbox.framework.score import Value
 
 POSITIONER, TABLE = "positioner", "table"
@@ -27,8 +27,8 @@ class HOPF(Module):
             "id": Whole("1", 0, 65535), "class": Text("mug"), "instance": Text("red_mug"),
             "description": Text("red mug"), "transform": Transform(),
         })),
-        "table_size": Record({"x": Number("metres", "1.2", above=0.0, most=10.0),
-                              "y": Number("metres", "0.8", above=0.0, most=10.0)}),
+        "table_size": Record({"x": Amount("metres", "1.2", above=0.0, most=10.0),
+                              "y": Amount("metres", "0.8", above=0.0, most=10.0)}),
         "goals": Whole("10", 1, 100),
         "goal_timeout": GoalTimeout(),
     }

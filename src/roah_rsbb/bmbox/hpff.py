@@ -4,7 +4,7 @@ from typing import Any, Dict
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Source, distance
 from roah_rsbb.bmbox.framework.module import Module, RunEnded
-from roah_rsbb.bmbox.framework.parameters import GoalTimeout, Number
+from roah_rsbb.bmbox.framework.parameters import Amount, GoalTimeout
 from roah_rsbb.bmbox.framework.score import Value
 
 ROBOT, PERSON = "robot", "person"
@@ -29,9 +29,9 @@ class HPFF(Module):
 
     CODE = "HPFF"
     PARAMETERS = {
-        "minimum_distance": Number("metres", "0.15", least=0.0, most=100.0),
-        "maximum_distance": Number("metres", "3.5", above=0.0, most=100.0),
-        "desired_distance": Number("metres", "2.0", above=0.0, most=100.0),
+        "minimum_distance": Amount("metres", "0.15", least=0.0, most=100.0),
+        "maximum_distance": Amount("metres", "3.5", above=0.0, most=100.0),
+        "desired_distance": Amount("metres", "2.0", above=0.0, most=100.0),
         "goal_timeout": GoalTimeout(),
     }
     SUBJECTS = (ROBOT, PERSON)

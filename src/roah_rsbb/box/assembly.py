@@ -46,7 +46,7 @@ class Machine(NamedTuple):
         return one_moment(self.mono, self.utc)
 
 
-class Place(NamedTuple):
+class BoxPlace(NamedTuple):
     """Where a box is: its folder and its network."""
 
     log_dir: str
@@ -69,7 +69,7 @@ class CoreAssembly:
     """
 
     def __init__(
-        self, loop: asyncio.AbstractEventLoop, machine: Machine, place: Place, config: Config, version: int,
+        self, loop: asyncio.AbstractEventLoop, machine: Machine, place: BoxPlace, config: Config, version: int,
         settings: Settings, launch: str, open_journal: OpenJournal, ports: PortRecord, make_run_logs: MakeRunLogs,
         outputs: Outputs, ask_standby: Callable[[int], None], make_peer: MakePeer = Peer,
         end: Callable[[float, str], None] = end_superseded,

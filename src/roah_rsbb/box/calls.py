@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
 from roah_rsbb.box import standby_answers
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.judges.desk import Judging
+from roah_rsbb.core.judges.desk import RunJudging
 from roah_rsbb.core.views import sheets
 from roah_rsbb.document.calls import Call, Caller, Waiting
 from roah_rsbb.document.written import write
@@ -91,9 +91,9 @@ class BoxCalls:
         self._event(look)
         return found[0]
 
-    def judging(self, name: RunName, judge: str = "") -> Judging:
+    def judging(self, name: RunName, judge: str = "") -> RunJudging:
         """Return what a judge may see of a run; without a name, what the head referee may see. Raises `Refused`."""
-        found: List[Judging] = []
+        found: List[RunJudging] = []
         self._event(lambda now: found.append(self._box.judges.judging(now, name, judge)))
         return found[0]
 

@@ -21,7 +21,7 @@ from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Set, Uni
 from tornado import web
 
 from roah_rsbb.document.calls import Answered, Call, Caller, InThread, Later, Waiting, carried_out, waited
-from roah_rsbb.document.document import Follower, Written
+from roah_rsbb.document.document import DocumentReader, Written
 from roah_rsbb.model.clock import Now
 from roah_rsbb.web.limits import Places
 from roah_rsbb.web.serving import BoundedServer, BoundedSocket, bind, frame
@@ -209,7 +209,7 @@ class _Client(BoundedSocket):
 
     def initialize(self, door: Door) -> None:
         self._door = door
-        self._follower: Optional[Follower] = None
+        self._follower: Optional[DocumentReader] = None
         self._answers: Deque[str] = collections.deque()
         self._was_sent = False  # something since the last sign of life
         offered = self.request.headers.get("Sec-WebSocket-Extensions", "")
@@ -233,7 +233,7 @@ class _Client(BoundedSocket):
     def open(self, *_args: str, **_kwargs: str) -> None:
         """Give the client a place, and send the document."""
         self.begin(self._door.server.keep)
-        self._follower = None if self.caller.face == STOP else Follower()
+        self._follower = None if self.caller.face == STOP else DocumentReader()
         self._door.add(self, self.caller.face, self.caller.address)
         self.send(self._door.now())
 

@@ -11,7 +11,7 @@ from typing import Any, Dict, NamedTuple, Optional, Tuple
 from roah_rsbb.capture.recording import Datagram
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Key
-from roah_rsbb.comm.frame import BadDatagram, Reason
+from roah_rsbb.comm.frame import BadDatagram, FrameFault
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 PRIVATE_PORTS = 99
@@ -51,7 +51,7 @@ class HeardDatagram(NamedTuple):
     team: str  # of the private channel or the speaker; empty: unknown, or no team
     message: Any = None  # for MESSAGE
     text: str = ""  # for other kinds: the reason
-    reason: Optional[Reason] = None  # for ERROR
+    reason: Optional[FrameFault] = None  # for ERROR
 
 
 class Decoder:
@@ -120,7 +120,7 @@ class Decoder:
         speaker = BOX if from_box else robot or Speaker("robot", owner)
         if robot is not None and owner not in ("", robot.team):
             detail = f"it has the password of team {owner}, but the channel belongs to {robot}"
-            return self._error(datagram, True, speaker, BadDatagram(Reason.UNDECRYPTABLE, detail))
+            return self._error(datagram, True, speaker, BadDatagram(FrameFault.UNDECRYPTABLE, detail))
         return self._message(datagram, True, speaker, message)
 
     def _decrypt(self, datagram: Datagram, robot: Optional[Speaker]) -> Tuple[str, Any]:
@@ -137,11 +137,11 @@ class Decoder:
             try:
                 return team, frame.decode_private(datagram.data, key)
             except BadDatagram as bad:
-                if bad.reason is not Reason.UNDECRYPTABLE:
+                if bad.reason is not FrameFault.UNDECRYPTABLE:
                     raise
                 should_fit = should_fit or team in ("", own_team)
         if should_fit:
-            raise BadDatagram(Reason.UNDECRYPTABLE, "the given password does not fit")
+            raise BadDatagram(FrameFault.UNDECRYPTABLE, "the given password does not fit")
         return "", None
 
     # -- entries --------------------------------------------------------------------------------------

@@ -48,7 +48,7 @@ class HeardReport(NamedTuple):
     host: str
     port: int
     report: RobotReport
-    said: int  # number of the box's states (`Record.states`) before it
+    said: int  # number of the box's states (`CheckRecord.states`) before it
 
 
 class HeardBeacon(NamedTuple):
@@ -68,12 +68,12 @@ class BoxSaid(NamedTuple):
     state: BoxState
 
 
-class AnotherBox(Exception):
+class NetworkInUse(Exception):
     """Another box runs on this network. The text names its address and the remedy."""
 
 
 @dataclass
-class Record:
+class CheckRecord:
     """Everything that happened, in order. Lists only grow."""
 
     reports: List[HeardReport] = field(default_factory=list)  # the fresh ones
@@ -90,7 +90,7 @@ class Record:
 class WatchedBox(Box):
     """The box of the core, which records what it hears."""
 
-    def __init__(self, record: Record, news: Callable[[], None], *args: Any, **kwargs: Any) -> None:
+    def __init__(self, record: CheckRecord, news: Callable[[], None], *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self._log = record
         self._news = news
@@ -174,7 +174,7 @@ class CheckBox(NetworkDriver):
         bad: BadNetwork,
         team: str,
         password: str,
-        record: Record,
+        record: CheckRecord,
         news: Callable[[], None],
         last_port: Optional[int] = None,
         utc: Callable[[], float] = time.time,
@@ -272,7 +272,7 @@ def configuration(team: str, password: str) -> Config:
     return Config(found, {team: password}, zones)
 
 
-def states_before(record: Record, heard: HeardReport, begin: float) -> List[BoxState]:
+def states_before(record: CheckRecord, heard: HeardReport, begin: float) -> List[BoxState]:
     """The states that the box sent on a report's port from `begin` (monotonic, s) until the report.
 
     The first one is the state in force at `begin`.

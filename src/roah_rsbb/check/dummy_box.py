@@ -56,7 +56,7 @@ RETRY_S = 0.5
 STOPPED_S = 3.0
 
 
-class Exit(enum.IntEnum):
+class DummyExit(enum.IntEnum):
     """Exit statuses. `--help` lists them."""
 
     COMPLETED = 0
@@ -305,7 +305,7 @@ def parameters_of(code: str, waypoints: Optional[Sequence[Pose2D]], goal_timeout
     return found
 
 
-async def _conduct(box: DummyBox, options: argparse.Namespace) -> Exit:
+async def _conduct(box: DummyBox, options: argparse.Namespace) -> DummyExit:
     loop = asyncio.get_event_loop()
     box.open(Settings().listen_duration)
     completed = 0
@@ -318,14 +318,14 @@ async def _conduct(box: DummyBox, options: argparse.Namespace) -> Exit:
             ended = await task
             if box.gave_up is not None:
                 print(f"{PROGRAM}: {box.gave_up}", file=sys.stderr)
-                return Exit.NOT_STARTED
+                return DummyExit.NOT_STARTED
             completed += ended is EndReason.COMPLETED
             print(f"run {count + 1} of {options.runs}: {ended.value if ended is not None else 'not begun'}", flush=True)
     except asyncio.CancelledError:
-        return Exit.INTERRUPTED
+        return DummyExit.INTERRUPTED
     finally:
         box.close()
-    return Exit.COMPLETED if completed == options.runs else Exit.NOT_COMPLETED
+    return DummyExit.COMPLETED if completed == options.runs else DummyExit.NOT_COMPLETED
 
 
 def _say(text: str) -> None:
@@ -333,7 +333,7 @@ def _say(text: str) -> None:
 
 
 async def _start(options: argparse.Namespace, password: str, benchmark: Benchmark,
-                 parameters: SimpleNamespace) -> Exit:
+                 parameters: SimpleNamespace) -> DummyExit:
     network = Network(sockets.resolve(options.host, "--host"), options.port, sockets.resolve(options.bind, "--bind"),
                       Cipher.AES_128_CBC, False, Settings().max_datagram)
     box = DummyBox(asyncio.get_event_loop(), network, options.team, password, benchmark, parameters, _say,
@@ -360,4 +360,4 @@ def main(arguments: Optional[List[str]] = None) -> None:
         sys.exit(asyncio.run(_start(options, password, benchmark, parameters)))
     except OSError as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
-        sys.exit(Exit.NOT_STARTED)
+        sys.exit(DummyExit.NOT_STARTED)

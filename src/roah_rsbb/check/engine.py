@@ -7,7 +7,7 @@ from roah_rsbb.check import monitor
 from roah_rsbb.check.findings import Finding, ScenarioResult, Verdict
 from roah_rsbb.check.play import GaveUp, Play
 from roah_rsbb.check.scenarios import basic, boxes, goals, network
-from roah_rsbb.check.scenarios.scenario import Level, Scenario
+from roah_rsbb.check.scenarios.scenario import Depth, Scenario
 from roah_rsbb.rulebook.registry import PROFILES
 
 # If the check itself was stopped for longer than this (s) during a scenario, it does not judge the robot's times in it.
@@ -23,12 +23,12 @@ def all_scenarios() -> List[Scenario]:
     return [*basic.SCENARIOS, *goals.SCENARIOS, *boxes.SCENARIOS, *network.SCENARIOS]
 
 
-def scenarios_of(level: Level, benchmarks: Sequence[str], names: Optional[Sequence[str]] = None) -> List[Scenario]:
+def scenarios_of(level: Depth, benchmarks: Sequence[str], names: Optional[Sequence[str]] = None) -> List[Scenario]:
     """Return the scenarios of a level, in order. `names`: only these, and the search for the robot."""
     if names is not None:
         return [one for one in all_scenarios() if one.name in names or not one.needs_robot]
-    if level is Level.BASIC:
-        return [one for one in all_scenarios() if one.level is Level.BASIC]
+    if level is Depth.BASIC:
+        return [one for one in all_scenarios() if one.level is Depth.BASIC]
     others = {code for code in PROFILES if code not in benchmarks}
     done = f"run-{benchmarks[0].lower()}"  # by the scenario "run"
     return [one for one in all_scenarios() if one.code not in others and one.name != done]

@@ -6,7 +6,7 @@ from roah_rsbb.bmbox.framework.results import BadResult, read_record
 from roah_rsbb.check.box import STILL_VALID_S, HeardReport, states_before
 from roah_rsbb.check.findings import Cause, Verdict
 from roah_rsbb.check.play import SILENT_S, Play
-from roah_rsbb.comm.frame import Reason
+from roah_rsbb.comm.frame import FrameFault
 from roah_rsbb.core.modules.texts import result_text
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.protocol import BoxState, RobotState, wire_seconds
@@ -25,14 +25,14 @@ _RESULTS = {
     ResultForm.PERSON: {"person_name": str, "x": float, "y": float},
 }
 _USUAL_RATE = "at most about 20 messages a second"
-_FRAMES = {Reason.UNDECRYPTABLE: Cause.WRONG_PASSWORD, Reason.PLAIN: Cause.PLAIN_FRAMES}
+_FRAMES = {FrameFault.UNDECRYPTABLE: Cause.WRONG_PASSWORD, FrameFault.PLAIN: Cause.PLAIN_FRAMES}
 
 # After these findings, the robot left its state for a known reason.
 _EXPLAIN = {Cause.GIVES_UP, Cause.RESULT_LEFT, Cause.RESTART_NOT_FOLLOWED, Cause.FOREIGN_BOX, Cause.STALE_OBEYED,
             Cause.DIES_OF_GARBAGE}
 
 
-class Mark(NamedTuple):
+class RecordMark(NamedTuple):
     """How far the record was at the beginning of a scenario."""
 
     reports: int
@@ -41,13 +41,13 @@ class Mark(NamedTuple):
     overload: int
 
 
-def mark(play: Play) -> Mark:
+def mark(play: Play) -> RecordMark:
     """Note the beginning of a scenario."""
     record = play.record
-    return Mark(len(record.reports), len(record.unreadable), record.stale, record.overload)
+    return RecordMark(len(record.reports), len(record.unreadable), record.stale, record.overload)
 
 
-def judge(play: Play, since: Mark, code: str) -> None:
+def judge(play: Play, since: RecordMark, code: str) -> None:
     """Record what is wrong with the messages since the beginning of the scenario. `code`: its benchmark."""
     record, reports = play.record, play.record.reports[since.reports:]
     for _, text in record.unreadable[since.unreadable:]:
@@ -66,7 +66,7 @@ def judge(play: Play, since: Mark, code: str) -> None:
 
 
 def _judge_frame(play: Play, text: str) -> None:
-    reason = next((reason for reason in Reason if f": {reason.value}: " in text), None)
+    reason = next((reason for reason in FrameFault if f": {reason.value}: " in text), None)
     cause = _FRAMES.get(reason, Cause.BAD_FRAMES) if reason is not None else Cause.BAD_FRAMES
     play.fail(cause, "frames that the box can read", text)
 

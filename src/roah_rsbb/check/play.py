@@ -10,7 +10,7 @@ import time
 from typing import Callable, Container, Dict, List, NamedTuple, NoReturn, Optional, Tuple
 
 from roah_rsbb.check.bad_network import PERFECT, BadNetwork
-from roah_rsbb.check.box import AnotherBox, CheckBox, HeardReport, Record
+from roah_rsbb.check.box import CheckBox, CheckRecord, HeardReport, NetworkInUse
 from roah_rsbb.check.findings import Cause, Finding, ScenarioResult, Verdict
 from roah_rsbb.check.stalls import Stalls
 from roah_rsbb.comm.channels import MakePeer
@@ -86,7 +86,7 @@ class Play:
     ) -> None:
         self.loop = loop
         self.options = options
-        self.record = Record()
+        self.record = CheckRecord()
         self.network = BadNetwork(loop, options.seed, make_peer)
         self.stalls = Stalls(loop)
         self.result = ScenarioResult("", "", 0.0)  # of the present scenario
@@ -156,14 +156,14 @@ class Play:
     # -- waiting ------------------------------------------------------------------------------------
 
     async def until(self, is_true: Callable[[], bool], limit_s: float) -> bool:
-        """Wait until a condition holds. Returns whether it does within the limit. Raises AnotherBox.
+        """Wait until a condition holds. Returns whether it does within the limit. Raises NetworkInUse.
 
         The checker's own stalls extend the limit.
         """
         begin = self.loop.time()
         while not is_true():
             if self.box.another is not None:
-                raise AnotherBox(self.box.another)
+                raise NetworkInUse(self.box.another)
             left = begin + limit_s + self.stalls.since(begin) - self.loop.time()
             if left <= RESOLUTION_S:
                 return False

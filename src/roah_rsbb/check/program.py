@@ -12,11 +12,11 @@ from typing import Callable, List, Optional, Sequence, Tuple
 
 from roah_rsbb.arguments import Parser, add_password, called, number, public_port, read_by
 from roah_rsbb.check import report
-from roah_rsbb.check.box import AnotherBox
+from roah_rsbb.check.box import NetworkInUse
 from roah_rsbb.check.engine import Engine, all_scenarios, scenarios_of
 from roah_rsbb.check.findings import ScenarioResult, Verdict
 from roah_rsbb.check.play import Options, Play
-from roah_rsbb.check.scenarios.scenario import Level, Scenario
+from roah_rsbb.check.scenarios.scenario import Depth, Scenario
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
@@ -30,7 +30,7 @@ PROGRAM = called("check_robot")
 LISTEN_S = 2.5
 
 
-class Exit(enum.IntEnum):
+class CheckExit(enum.IntEnum):
     """Exit statuses. `--help` lists them, and scripts rely on them."""
 
     PASSED = 0
@@ -101,7 +101,7 @@ def _parser() -> argparse.ArgumentParser:
     network.add_argument("--cipher", type=read_by(cipher_by_label), default=Cipher.AES_128_CBC, metavar="NAME",
                          help="cipher of the box's messages, such as aes-256-cbc (default: aes-128-cbc)")
     what = parser.add_argument_group("what is checked")
-    what.add_argument("--level", choices=[level.value for level in Level], default=Level.BASIC.value,
+    what.add_argument("--level", choices=[level.value for level in Depth], default=Depth.BASIC.value,
                       help="basic: beacon, clock, one benchmark, STOP in all states (about a minute). full: all "
                            "scenarios (about eight minutes) (default: %(default)s)")
     what.add_argument("--benchmarks", type=_codes, default=None, metavar="CODES",
@@ -143,7 +143,7 @@ def read_options(arguments: Optional[Sequence[str]] = None) -> Tuple[argparse.Na
     if not password:
         parser.error(f"the password is missing: use --password-file or the environment variable {PASSWORD_VARIABLE}")
     if options.benchmarks is None:
-        options.benchmarks = tuple(PROFILES) if options.level == Level.FULL.value else ("HGTKMH",)
+        options.benchmarks = tuple(PROFILES) if options.level == Depth.FULL.value else ("HGTKMH",)
     return options, Options(
         options.team, password, options.robot, host, options.port, bind, second, options.cipher, options.benchmarks,
         options.patience, options.wait, options.seed)
@@ -231,7 +231,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
         with contextlib.suppress(BrokenPipeError):
             _list()
         return
-    scenarios = scenarios_of(Level(given.level), options.benchmarks, given.only)
+    scenarios = scenarios_of(Depth(given.level), options.benchmarks, given.only)
     try:
         check = asyncio.run(_check(options, given.level, scenarios))
         print()
@@ -239,13 +239,13 @@ def main(arguments: Optional[List[str]] = None) -> None:
         _write(given.json, report.as_json, check)
         _write(given.junit, report.as_junit, check)
         _write(given.html, report.as_html, check)
-    except (OSError, ValueError, AnotherBox) as error:
+    except (OSError, ValueError, NetworkInUse) as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
-        sys.exit(Exit.NOT_STARTED)
+        sys.exit(CheckExit.NOT_STARTED)
     sys.exit(_status(check))
 
 
-def _status(check: report.Check) -> Exit:
+def _status(check: report.Check) -> CheckExit:
     if check.interrupted:
-        return Exit.INTERRUPTED
-    return {Verdict.FAILED: Exit.FAILED, Verdict.UNJUDGED: Exit.UNJUDGED}.get(check.verdict, Exit.PASSED)
+        return CheckExit.INTERRUPTED
+    return {Verdict.FAILED: CheckExit.FAILED, Verdict.UNJUDGED: CheckExit.UNJUDGED}.get(check.verdict, CheckExit.PASSED)

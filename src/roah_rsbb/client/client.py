@@ -18,7 +18,7 @@ from tornado import httpclient, websocket
 
 from roah_rsbb.box_clock import BoxClock
 from roah_rsbb.document.document import Followed, Gap
-from roah_rsbb.document.place import NotFound, Place
+from roah_rsbb.document.place import DoorPlace, NotFound
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Reason, decoded, reason_of
 
@@ -114,7 +114,7 @@ class _Link:
 class Client(Generic[D]):
     """A box from afar. All but `wait` may be used in any thread, and `document` is never changed but replaced."""
 
-    def __init__(self, root: Type[D], find: Callable[[], Place], on_change: Callable[[], object] = lambda: None,
+    def __init__(self, root: Type[D], find: Callable[[], DoorPlace], on_change: Callable[[], object] = lambda: None,
                  loop: Optional[asyncio.AbstractEventLoop] = None, face: str = "") -> None:
         """`root`: type of the document. `find` says where the door is or raises `NotFound`; it is called in a thread.
         `on_change` is called in the loop's thread when the document, its number or `why` has changed. `loop`: in which
@@ -126,10 +126,10 @@ class Client(Generic[D]):
         self._changed = threading.Condition()
         self._clock = BoxClock()
         self._heard: Optional[_Heard] = None
-        self._place: Optional[Place] = None
+        self._place: Optional[DoorPlace] = None
         self._links: Dict[str, _Link] = {}  # by the way: _MAIN, _STOP
         self._asked_whole = False
-        self._search: Optional[asyncio.Future[Place]] = None  # the last one for STOP
+        self._search: Optional[asyncio.Future[DoorPlace]] = None  # the last one for STOP
         # Loops look at it: `wait_for` loses a cancellation that comes together with a result.
         self._is_closed = False
         self._tasks: Set[asyncio.Task[Any]] = set()
@@ -313,21 +313,21 @@ class Client(Generic[D]):
                 link.close()
             self._links = {}
 
-    async def _open(self, place: Place, face: str, within_s: float) -> _Link:
+    async def _open(self, place: DoorPlace, face: str, within_s: float) -> _Link:
         request = httpclient.HTTPRequest(
             f"{place.url}?{urllib.parse.urlencode({'face': face})}", headers={"Authorization": f"Bearer {place.token}"},
             connect_timeout=within_s, request_timeout=within_s)
         return _Link(await websocket.websocket_connect(
             request, compression_options={}, max_message_size=MAX_MESSAGE_BYTES))
 
-    def _elsewhere(self) -> "asyncio.Future[Place]":
+    def _elsewhere(self) -> "asyncio.Future[DoorPlace]":
         """Find the door for STOP while the connection to where it was last found hangs; one search at a time."""
         if self._search is None or self._search.done():
             self._search = self._loop.run_in_executor(None, self._find)
             self._search.add_done_callback(lambda ended: ended.cancelled() or ended.exception())
         return self._search
 
-    async def _open_stop(self, place: Place) -> None:
+    async def _open_stop(self, place: DoorPlace) -> None:
         link = await self._open(place, _STOP, STOP_S)
         if _STOP in self._links:  # another one was quicker, and a call may be on its way there
             link.close()
@@ -335,11 +335,11 @@ class Client(Generic[D]):
             self._links[_STOP] = link
             self._spawn(self._read(_STOP, link, place))
 
-    async def _prepare_stop(self, place: Place) -> None:
+    async def _prepare_stop(self, place: DoorPlace) -> None:
         with contextlib.suppress(Exception):  # STOP itself tries again
             await self._open_stop(place)
 
-    async def _read(self, way: str, link: _Link, place: Place) -> str:
+    async def _read(self, way: str, link: _Link, place: DoorPlace) -> str:
         """Take the messages of a connection until its end; returns why it ended, with the remedy."""
         try:
             is_first = way == _MAIN

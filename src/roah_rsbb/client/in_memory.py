@@ -5,7 +5,7 @@ from typing import Any, Callable, Generic, Mapping, Optional, Type, TypeVar
 
 from roah_rsbb.client.client import Answer, answer_of
 from roah_rsbb.document.calls import Call, Caller, InThread, Waiting, carried_out, waited
-from roah_rsbb.document.document import Followed, Follower, Written
+from roah_rsbb.document.document import DocumentReader, Followed, Written
 from roah_rsbb.model.clock import Now
 
 D = TypeVar("D")
@@ -17,7 +17,7 @@ class InMemory(Generic[D]):
     def __init__(self, root: Type[D], written: Written, calls: Mapping[str, Call], now: Callable[[], Now]) -> None:
         self.now = now
         self._written, self._calls = written, calls
-        self._follower, self._followed = Follower(), Followed(root)
+        self._follower, self._followed = DocumentReader(), Followed(root)
 
     @property
     def document(self) -> Optional[D]:

@@ -8,7 +8,7 @@ ten times a second. No I/O and no clock.
 from collections import OrderedDict
 from typing import Dict, Optional, Tuple
 
-from roah_rsbb.comm.frame import BadDatagram, Reason
+from roah_rsbb.comm.frame import BadDatagram, FrameFault
 
 REPORT_PERIOD_S = 1.0
 OTHERS = "others"
@@ -18,23 +18,23 @@ _OTHER_PROGRAM = "Likely another program on this port: choose another rsbb_port,
 _OTHER_PORT = "Likely its rsbb_port differs from ours, so that it confuses the channels."
 _PASSWORD = "Likely a wrong password in the robot (rsbb_key) or in the box (passwords file)."
 _LIKELY_CAUSE = {
-    Reason.TOO_SHORT: _OTHER_PROGRAM,
-    Reason.VERSION_1: "Likely an old protobuf_comm: the sender must be updated to frames of version 2.",
-    Reason.OTHER_VERSION: _OTHER_PROGRAM,
-    Reason.UNKNOWN_CIPHER: _OTHER_PROGRAM,
-    Reason.ENCRYPTED: _OTHER_PORT,
-    Reason.PLAIN: "Likely its password is empty: set the robot's rsbb_key.",
-    Reason.SIZE: "Likely another program on this port, or a sender that frames its messages wrongly.",
-    Reason.UNDECRYPTABLE: _PASSWORD,
-    Reason.UNKNOWN_TYPE: "Likely a participant of another competition or league on this network and port.",
-    Reason.WRONG_CHANNEL: _OTHER_PORT,
-    Reason.MALFORMED: "Likely a sender that was built from another .proto file.",
-    Reason.NOT_UTF8: "Likely a name or text in another encoding: its configuration must be saved as UTF-8.",
-    Reason.INCOMPLETE: "Likely a sender that was made from another .proto file, or that omits these fields.",
+    FrameFault.TOO_SHORT: _OTHER_PROGRAM,
+    FrameFault.VERSION_1: "Likely an old protobuf_comm: the sender must be updated to frames of version 2.",
+    FrameFault.OTHER_VERSION: _OTHER_PROGRAM,
+    FrameFault.UNKNOWN_CIPHER: _OTHER_PROGRAM,
+    FrameFault.ENCRYPTED: _OTHER_PORT,
+    FrameFault.PLAIN: "Likely its password is empty: set the robot's rsbb_key.",
+    FrameFault.SIZE: "Likely another program on this port, or a sender that frames its messages wrongly.",
+    FrameFault.UNDECRYPTABLE: _PASSWORD,
+    FrameFault.UNKNOWN_TYPE: "Likely a participant of another competition or league on this network and port.",
+    FrameFault.WRONG_CHANNEL: _OTHER_PORT,
+    FrameFault.MALFORMED: "Likely a sender that was built from another .proto file.",
+    FrameFault.NOT_UTF8: "Likely a name or text in another encoding: its configuration must be saved as UTF-8.",
+    FrameFault.INCOMPLETE: "Likely a sender that was made from another .proto file, or that omits these fields.",
 }
 
 
-def likely_cause(reason: Reason) -> str:
+def likely_cause(reason: FrameFault) -> str:
     """The likely cause of an invalid datagram, with the remedy."""
     return _LIKELY_CAUSE[reason]
 
@@ -80,8 +80,8 @@ class Complaints:
         """`max_entries`: number of remembered pairs of sender and reason."""
         self._max_entries = max_entries
         self._max_reports = max_reports_per_second
-        self._entries: OrderedDict[Tuple[str, Reason], _Count] = OrderedDict()
-        self._forgotten: Dict[Reason, int] = {}
+        self._entries: OrderedDict[Tuple[str, FrameFault], _Count] = OrderedDict()
+        self._forgotten: Dict[FrameFault, int] = {}
         self._second_began_mono = float("-inf")
         self._reports_this_second = 0
 
@@ -106,7 +106,7 @@ class Complaints:
         totals.update({(host, reason.value): entry.total for (host, reason), entry in self._entries.items()})
         return totals
 
-    def _entry(self, key: Tuple[str, Reason]) -> _Count:
+    def _entry(self, key: Tuple[str, FrameFault]) -> _Count:
         entry = self._entries.get(key)
         if entry is not None:
             self._entries.move_to_end(key)

@@ -24,7 +24,7 @@ _MAX_PUBLIC_FIELDS = 1000
 _MAX_PRIVATE_FIELDS = 400
 
 
-class Reason(enum.Enum):
+class FrameFault(enum.Enum):
     """Why a datagram is invalid. The value is shown to the referee."""
 
     TOO_SHORT = "too short"
@@ -45,7 +45,7 @@ class Reason(enum.Enum):
 class BadDatagram(Exception):
     """The datagram is invalid. `reason` is for counting, `detail` for people; it never shows the content."""
 
-    def __init__(self, reason: Reason, detail: str) -> None:
+    def __init__(self, reason: FrameFault, detail: str) -> None:
         super().__init__(f"{reason.value}: {detail}")
         self.reason = reason
         self.detail = detail
@@ -115,10 +115,10 @@ def decode_public(datagram: bytes) -> Any:
     """Decode a RoahRsbbBeacon, RobotBeacon or TabletBeacon in a plain frame; raises only BadDatagram."""
     cipher, size = _open(datagram)
     if cipher is not Cipher.NONE:
-        raise BadDatagram(Reason.ENCRYPTED, f"with {cipher.label}")
+        raise BadDatagram(FrameFault.ENCRYPTED, f"with {cipher.label}")
     payload = datagram[_HEADER.size:]
     if size != len(payload):
-        raise BadDatagram(Reason.SIZE, f"the header says {size} bytes, but {len(payload)} arrived")
+        raise BadDatagram(FrameFault.SIZE, f"the header says {size} bytes, but {len(payload)} arrived")
     return _message(payload, public=True)
 
 
@@ -137,16 +137,16 @@ def open_private(datagram: bytes) -> PrivateFrame:
     """
     cipher, size = _open(datagram)
     if cipher is Cipher.NONE:
-        raise BadDatagram(Reason.PLAIN, "not encrypted")
+        raise BadDatagram(FrameFault.PLAIN, "not encrypted")
     start = _HEADER.size + cipher.iv_size
     ciphertext = datagram[start:]
     if not ciphertext or len(ciphertext) % BLOCK_SIZE:
-        raise BadDatagram(Reason.SIZE, f"{len(datagram)} bytes do not fit a frame of {cipher.label}")
+        raise BadDatagram(FrameFault.SIZE, f"{len(datagram)} bytes do not fit a frame of {cipher.label}")
     # The original counts initialisation vector and padding. Some descriptions omit one or both of them, and the
     # original reads such frames, too, because it uses the length of the datagram.
     came = len(datagram) - _HEADER.size
     if not len(ciphertext) - BLOCK_SIZE <= size <= came:
-        raise BadDatagram(Reason.SIZE, f"the header says {size} bytes, but {came} arrived")
+        raise BadDatagram(FrameFault.SIZE, f"the header says {size} bytes, but {came} arrived")
     return PrivateFrame(cipher, datagram[_HEADER.size:start], ciphertext)
 
 
@@ -165,10 +165,10 @@ def decrypt_frame(opened: PrivateFrame, key: Key) -> bytes:
     cipher, iv, ciphertext = opened
     payload = key.decrypt(cipher, iv, ciphertext)
     if payload is None:
-        raise BadDatagram(Reason.UNDECRYPTABLE, "the padding is wrong")
+        raise BadDatagram(FrameFault.UNDECRYPTABLE, "the padding is wrong")
     # One in 256 wrong keys gives a valid padding. Then the component id is almost certainly wrong.
     if len(payload) >= _IDS.size and not payload.startswith(_COMPONENT):
-        raise BadDatagram(Reason.UNDECRYPTABLE, "the content is meaningless")
+        raise BadDatagram(FrameFault.UNDECRYPTABLE, "the content is meaningless")
     return payload
 
 
@@ -180,36 +180,36 @@ def private_message(payload: bytes) -> Any:
 def _open(datagram: bytes) -> Tuple[Cipher, int]:
     """Read cipher and payload size in a header of version 2."""
     if len(datagram) < _HEADER.size:
-        raise BadDatagram(Reason.TOO_SHORT, f"{len(datagram)} bytes, but a frame's header has {_HEADER.size}")
+        raise BadDatagram(FrameFault.TOO_SHORT, f"{len(datagram)} bytes, but a frame's header has {_HEADER.size}")
     version, cipher_id, size = _HEADER.unpack_from(datagram)
     if version != VERSION:
         # A frame of version 1 has no version number: it begins with the component id.
         if datagram.startswith(_COMPONENT):
-            raise BadDatagram(Reason.VERSION_1, "only version 2 is supported")
-        raise BadDatagram(Reason.OTHER_VERSION, f"version {version}, only 2 is supported")
+            raise BadDatagram(FrameFault.VERSION_1, "only version 2 is supported")
+        raise BadDatagram(FrameFault.OTHER_VERSION, f"version {version}, only 2 is supported")
     cipher = _CIPHERS.get(cipher_id)
     if cipher is None:
-        raise BadDatagram(Reason.UNKNOWN_CIPHER, f"number {cipher_id}")
+        raise BadDatagram(FrameFault.UNKNOWN_CIPHER, f"number {cipher_id}")
     return cipher, size
 
 
 def _message(payload: bytes, public: bool) -> Any:
     if len(payload) < _IDS.size:
-        raise BadDatagram(Reason.TOO_SHORT, f"{len(payload)} bytes of payload, but its ids have {_IDS.size}")
+        raise BadDatagram(FrameFault.TOO_SHORT, f"{len(payload)} bytes of payload, but its ids have {_IDS.size}")
     kind = _BY_IDS.get(payload[:_IDS.size])
     if kind is None:
-        raise BadDatagram(Reason.UNKNOWN_TYPE, "component {}, type {}".format(*_IDS.unpack_from(payload)))
+        raise BadDatagram(FrameFault.UNKNOWN_TYPE, "component {}, type {}".format(*_IDS.unpack_from(payload)))
     name = kind.type.DESCRIPTOR.name
     if kind.public is not public:
         home = "the public channel" if kind.public else "a private channel"
-        raise BadDatagram(Reason.WRONG_CHANNEL, f"{name} belongs on {home}")
+        raise BadDatagram(FrameFault.WRONG_CHANNEL, f"{name} belongs on {home}")
     protobuf = payload[_IDS.size:]
     try:
         wire_check.check(protobuf, kind.texts, _MAX_PUBLIC_FIELDS if public else _MAX_PRIVATE_FIELDS)
     except wire_check.Malformed as error:
-        raise BadDatagram(Reason.MALFORMED, f"{name}: {error}") from None
+        raise BadDatagram(FrameFault.MALFORMED, f"{name}: {error}") from None
     except wire_check.NotUtf8 as error:
-        raise BadDatagram(Reason.NOT_UTF8, f"{error} of {name}") from None
+        raise BadDatagram(FrameFault.NOT_UTF8, f"{error} of {name}") from None
     return _parse(kind.type, protobuf)
 
 
@@ -218,9 +218,9 @@ def _parse(message_type: Any, protobuf: bytes) -> Any:
     try:
         message = message_type.FromString(protobuf)
     except Exception as error:  # the type depends on the implementation of protobuf
-        raise BadDatagram(Reason.MALFORMED, f"{name}: {type(error).__name__}") from None
+        raise BadDatagram(FrameFault.MALFORMED, f"{name}: {type(error).__name__}") from None
     if not message.IsInitialized():
         missing = message.FindInitializationErrors()
         shown = ", ".join(missing[:_SHOWN_FIELDS]) + (" ..." if len(missing) > _SHOWN_FIELDS else "")
-        raise BadDatagram(Reason.INCOMPLETE, f"{name} without {shown} (not sent, or a value unknown here)")
+        raise BadDatagram(FrameFault.INCOMPLETE, f"{name} without {shown} (not sent, or a value unknown here)")
     return message

@@ -20,7 +20,7 @@ PERIOD_S = 0.05
 RETRY_S = 1.0
 
 
-class Progress(NamedTuple):
+class CopyProgress(NamedTuple):
     """How complete the copy is."""
 
     trouble: str  # why it is not complete, and what to do; empty: none
@@ -41,7 +41,7 @@ class Follower:
 
         `on_answer` is called in the thread with a question (see `ask`).
         """
-        self.progress = Progress("", None, 0, "", "")
+        self.progress = CopyProgress("", None, 0, "", "")
         self.log_dir = log_dir
         self._now = now
         self._journal = JournalSegments(os.path.join(log_dir, files.FILE_NAME))

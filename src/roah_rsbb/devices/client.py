@@ -7,7 +7,7 @@ import socket
 from typing import Callable, Optional
 
 from roah_rsbb.devices.home import Home, is_ring
-from roah_rsbb.devices.smartif import FROM_CONTROLLER, Busy, Decoder, Garbage, Message, Set, encode
+from roah_rsbb.devices.smartif import FROM_CONTROLLER, Busy, Garbage, Message, Set, SmartIfDecoder, encode
 
 RETRY_S = 0.2
 # A controller that is started at the same time, such as the dummy, may not be there yet: this is no fault.
@@ -91,7 +91,7 @@ class SmartIfClient:
             writer.transport.abort()
 
     async def _read(self, reader: asyncio.StreamReader) -> str:
-        decoder = Decoder(FROM_CONTROLLER)
+        decoder = SmartIfDecoder(FROM_CONTROLLER)
         while True:
             limit = REST_S if decoder.pending else None
             try:

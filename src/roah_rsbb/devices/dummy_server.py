@@ -4,7 +4,7 @@ import asyncio
 from typing import Callable, Optional
 
 from roah_rsbb.devices.home import RING, device_of
-from roah_rsbb.devices.smartif import TO_CONTROLLER, Busy, Decoder, Garbage, Set, encode
+from roah_rsbb.devices.smartif import TO_CONTROLLER, Busy, Garbage, Set, SmartIfDecoder, encode
 
 
 class DummyServer:
@@ -59,7 +59,7 @@ class DummyServer:
         self._report(f"{address} is disconnected ({why})")
 
     async def _receive(self, reader: asyncio.StreamReader) -> str:
-        decoder = Decoder(TO_CONTROLLER)
+        decoder = SmartIfDecoder(TO_CONTROLLER)
         while True:
             data = await reader.read(4096)
             if not data:

@@ -11,7 +11,7 @@ BELL_ID = "47"
 RING = DeviceEvent("E", BELL_ID, "1")
 
 
-class Output(NamedTuple):
+class OutputDevice(NamedTuple):
     """A device that can be set."""
 
     device_id: str
@@ -19,17 +19,17 @@ class Output(NamedTuple):
     scale: int = 1  # factor from the value to the controller's value
 
 
-OUTPUTS: Dict[str, Output] = {
-    "switch_1": Output("11", 1),
-    "switch_2": Output("33", 1),
-    "switch_3": Output("40", 1),
-    "dimmer": Output("58", 100),
-    "blinds": Output("77", 100, scale=100),
+OUTPUTS: Dict[str, OutputDevice] = {
+    "switch_1": OutputDevice("11", 1),
+    "switch_2": OutputDevice("33", 1),
+    "switch_3": OutputDevice("40", 1),
+    "dimmer": OutputDevice("58", 100),
+    "blinds": OutputDevice("77", 100, scale=100),
 }
 BY_ID = {output.device_id: name for name, output in OUTPUTS.items()}
 
 
-class BadValue(ValueError):
+class BadSetting(ValueError):
     """The device does not accept this value."""
 
 
@@ -42,11 +42,11 @@ class Home:
         self.door: bool = False
 
     def set(self, device: str, value: int) -> Set:
-        """Set a value; returns the message to the controller. Raises `BadValue`."""
+        """Set a value; returns the message to the controller. Raises `BadSetting`."""
         highest = OUTPUTS[device].highest
         if not 0 <= value <= highest:
             unit = "per cent" if highest == 100 else "(off or on)"
-            raise BadValue(f"{device} cannot be set to {value}: it takes 0 to {highest} {unit}")
+            raise BadSetting(f"{device} cannot be set to {value}: it takes 0 to {highest} {unit}")
         self.values[device] = int(value)
         return self._message(device)
 

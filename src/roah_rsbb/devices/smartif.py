@@ -113,7 +113,7 @@ FROM_CONTROLLER: Dict[bytes, _Parse] = {
 TO_CONTROLLER: Dict[bytes, _Parse] = {b"I": lambda reader: Set(reader.string(), reader.number())}
 
 
-class Decoder:
+class SmartIfDecoder:
     """Decodes messages from bytes in pieces of any size.
 
     `parsers`: FROM_CONTROLLER or TO_CONTROLLER. It stores less than one message, because lengths are checked first.

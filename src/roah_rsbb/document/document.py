@@ -1,7 +1,7 @@
 """The document from the core to its readers: written once, sent whole, then by its differences.
 
-`Written` is the core's end, `Followed` the reader's; `Follower` is what the core knows of a reader. A slow reader gets
-one difference from what it has to the present, so no queue grows.
+`Written` is the core's end, `Followed` the reader's; `DocumentReader` is what the core knows of a reader. A slow reader
+gets one difference from what it has to the present, so no queue grows.
 
 Messages are JSON objects: `mono` and `utc` are the box's two clocks (s) when it was sent, and `rate` how fast both pass
 (1.0, or that of a replay). `number` and `whole` are the document. `number`, `since` and `changes` are the difference
@@ -97,7 +97,7 @@ class Written:
         return self._texts[name][1]
 
 
-class Follower:
+class DocumentReader:
     """What one reader has been sent. Ask `next` for a message only when the one before is sent."""
 
     def __init__(self) -> None:

@@ -12,7 +12,7 @@ class NotFound(Exception):
     """Nobody knows where the door is. The text names the remedy."""
 
 
-class Place(NamedTuple):
+class DoorPlace(NamedTuple):
     """The address of a door (ws://…), and its token."""
 
     url: str
@@ -30,12 +30,12 @@ def write_place(path: str, url: str, token: str) -> None:
     write_file(path, json.dumps({"url": url, "token": token}).encode())
 
 
-def read_place(path: str) -> Place:
+def read_place(path: str) -> DoorPlace:
     """Return the place in a file. Raises `NotFound`."""
     try:
         with open(path, encoding="utf-8") as file:
             found = json.load(file)
-        return Place(str(found["url"]), str(found["token"]))
+        return DoorPlace(str(found["url"]), str(found["token"]))
     except OSError as error:
         raise NotFound(f"{path}: {error.strerror}: start the box on this computer as the same user") from None
     except (ValueError, KeyError, TypeError, RecursionError):

@@ -26,14 +26,14 @@ from roah_rsbb.journal.log import (
     scan_at,
 )
 from roah_rsbb.journal.records import Top, line_of, top_of
-from roah_rsbb.journal.standing import Standing, after
+from roah_rsbb.journal.standing import BoxEpoch, after
 
 _ENCODER = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"))
 # Fields of a run's row, and those of its record from which a lost row can be made.
 ROW = ("identity", "zone", "benchmark", "team", "round", "run", "scheduled", "opened_utc")
 
 
-class Run:
+class RunEntry:
     """A run, and where it is found."""
 
     __slots__ = ("at", "closed", "members", "row", "segment", "segments", "text")
@@ -63,10 +63,10 @@ class Contents:
     def __init__(self) -> None:
         self.competition: Any = None
         self.sessions: List[List[Any]] = []  # [utc, mono, boot_id, pid, box_uuid, launch]
-        self.runs: Dict[str, Run] = {}  # by identity
+        self.runs: Dict[str, RunEntry] = {}  # by identity
         self.run_of: Dict[int, str] = {}  # identity by port
         self.states: Dict[str, ChangesReader] = {}  # by name
-        self.standing = Standing()
+        self.standing = BoxEpoch()
         self.entry = 0  # number of the newest entry
         self.utc = 0.0  # UTC seconds of the newest record that has a time
         self.times = [0.0, 0.0, 0.0]  # UTC seconds: the latest start, the newest entry, the newest link sample
@@ -89,11 +89,11 @@ class Contents:
         text, states, runs = payload[HEAD_BYTES:].decode("utf-8").split("\n")
         found, values = cls(), json.loads(text)
         found.competition, found.sessions = values["competition"], values["sessions"]
-        found.standing = Standing(*values["standing"])
+        found.standing = BoxEpoch(*values["standing"])
         found.entry, found.utc, found.times = values["entry"], values["utc"], values["times"]
         found.stated, found.last = values["stated"], tuple(values["last"])
         found.states = {name: ChangesReader(*state) for name, state in json.loads(states).items()}
-        found.runs = {run[0][0]: Run(*run) for run in json.loads(runs)}
+        found.runs = {run[0][0]: RunEntry(*run) for run in json.loads(runs)}
         found.run_of = {member[0]: identity for identity, run in found.runs.items() for member in run.members}
         return found
 
@@ -165,10 +165,10 @@ class Contents:
                 record = line(records.OUTCOMES)[identity]
                 run.row = tuple(record.get(name, default) for name, default in zip(ROW, run.row))
 
-    def _run(self, identity: str) -> Run:
+    def _run(self, identity: str) -> RunEntry:
         run = self.runs.get(identity)
         if run is None:
-            run = self.runs[identity] = Run((identity, "", "", "", 0, 0, 0.0, 0.0))
+            run = self.runs[identity] = RunEntry((identity, "", "", "", 0, 0, 0.0, 0.0))
         run.text = None
         return run
 
@@ -225,7 +225,7 @@ class Opened(NamedTuple):
         """Return the segment with this number; None: it is missing."""
         return next((each for each in self.segments if each.name.number == number), None)
 
-    def outcomes(self, runs: Iterable[Run]) -> Iterator[Tuple[Run, Any]]:
+    def outcomes(self, runs: Iterable[RunEntry]) -> Iterator[Tuple[RunEntry, Any]]:
         """Return these runs, with their newest records (None: there is none, `DAMAGED`: it cannot be read), in the
         order in which they are in the journal."""
         by_segment = itertools.groupby(sorted(runs, key=lambda run: (run.segment, run.at)), lambda run: run.segment)
@@ -279,7 +279,7 @@ def open_journal(folder: str) -> Opened:
         holes += holes_of(found)
     epoch = segments[-1].head.epoch
     if epoch > contents.standing.epoch:
-        contents.standing = Standing(epoch, cut=segments[-1].head.first - 1)
+        contents.standing = BoxEpoch(epoch, cut=segments[-1].head.first - 1)
     newest = part[-1][1]
     torn = (f"the end of {segments[-1].name} is torn or damaged: what happened after record {newest.last}, "
             f"{utc_text(contents.utc)}, may be missing") if newest.torn else ""

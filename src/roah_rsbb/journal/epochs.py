@@ -12,10 +12,10 @@ from roah_rsbb.journal import kinds, records
 from roah_rsbb.journal.batch import Batch, NewEntry
 from roah_rsbb.journal.contents import open_journal
 from roah_rsbb.journal.log import HEAD_BYTES, NewerFormat, NotASegment, frames, names_in, read_head
-from roah_rsbb.journal.standing import FIRST, Standing, after, superseded_value, takeover_value
+from roah_rsbb.journal.standing import FIRST, BoxEpoch, after, superseded_value, takeover_value
 from roah_rsbb.journal.writer import Writer
 
-__all__ = ["FIRST", "NO_MONO", "NO_SESSION", "Standing", "hand_over", "raise_epoch", "standing_in", "superseded_value"]
+__all__ = ["FIRST", "NO_MONO", "NO_SESSION", "BoxEpoch", "hand_over", "raise_epoch", "standing_in", "superseded_value"]
 
 # Entries that no core wrote. A core's restart finds the end of the previous core by its session.
 NO_SESSION, NO_MONO = 0, 0.0
@@ -26,13 +26,13 @@ class _Seen(NamedTuple):
 
     salt: int  # of its newest segment
     at: int  # bytes from the beginning of that segment
-    standing: Standing
+    standing: BoxEpoch
 
 
 _seen: Dict[str, _Seen] = {}  # by path: it is read once a second, and mostly unchanged
 
 
-def standing_in(path: str) -> Standing:
+def standing_in(path: str) -> BoxEpoch:
     """Read what a journal says; the first epoch if it cannot be read."""
     with contextlib.suppress(OSError, NotASegment, NewerFormat, ValueError, IndexError):
         name = names_in(path)[-1]
@@ -51,10 +51,10 @@ def standing_in(path: str) -> Standing:
                     standing = after(standing, entry[-1])
         _seen[path] = _Seen(name.salt, seen.at + at, standing)
         return standing
-    return Standing()
+    return BoxEpoch()
 
 
-def raise_epoch(path: str, utc: float, who: str) -> Standing:
+def raise_epoch(path: str, utc: float, who: str) -> BoxEpoch:
     """Raise the epoch of a journal that no core uses. It is on the disk when this returns. Raises OSError or
     `NewerFormat`."""
     writer = _writer(path)
@@ -66,7 +66,7 @@ def raise_epoch(path: str, utc: float, who: str) -> Standing:
     return writer.contents.standing
 
 
-def hand_over(path: str, utc: float, by: str) -> Standing:
+def hand_over(path: str, utc: float, by: str) -> BoxEpoch:
     """Note in a journal that no core uses that the standby, at the address `by`, has a copy of all of it and raises the
     epoch. It is on the disk when this returns. Raises OSError or `NewerFormat`."""
     writer = _writer(path)

@@ -10,12 +10,12 @@ import tempfile
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.journal import kinds, records
-from roah_rsbb.journal.contents import DAMAGED, Opened, Run, holes_of, open_journal, utc_text
+from roah_rsbb.journal.contents import DAMAGED, Opened, RunEntry, holes_of, open_journal, utc_text
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.log import Files, Frame, NewerFormat, Scan, Segment, scan_at, scans
 from roah_rsbb.journal.old import OLD_FILE_NAME, CannotImport, import_journal
 from roah_rsbb.journal.records import Top, line_of, top_of
-from roah_rsbb.journal.standing import Standing
+from roah_rsbb.journal.standing import BoxEpoch
 
 # A running box may write a record, or begin a segment, while the folder is read.
 ATTEMPTS = 3
@@ -260,7 +260,7 @@ class JournalReader:
             top_of(found.records[0].payload).utc if found.records else 0.0, holes_of(found),
         ) for segment, found in self._scans()]
 
-    def standing(self) -> Standing:
+    def standing(self) -> BoxEpoch:
         """Whether the box of this journal was superseded, and where the journals fork."""
         return self._contents.standing
 
@@ -276,7 +276,7 @@ class JournalReader:
 
     # -- records ------------------------------------------------------------------------------------
 
-    def _ordered(self) -> List[Run]:
+    def _ordered(self) -> List[RunEntry]:
         return sorted(self._contents.runs.values(), key=lambda run: (run.row[-1], run.row[0]))
 
     def _outcomes(self, kept: Callable[[Any], Any] = lambda outcome: outcome) -> Dict[str, Any]:
@@ -285,12 +285,12 @@ class JournalReader:
             return {run.row[0]: kept(self._earlier(run) if outcome is DAMAGED else outcome)
                     for run, outcome in self._opened.outcomes(self._contents.runs.values())}
 
-    def _outcome(self, run: Run) -> Any:
+    def _outcome(self, run: RunEntry) -> Any:
         with self._reading():
             (_, found), = self._opened.outcomes([run])
             return self._earlier(run) if found is DAMAGED else found
 
-    def _earlier(self, run: Run) -> Any:
+    def _earlier(self, run: RunEntry) -> Any:
         """Return the record of a run whose newest one is damaged."""
         if not self._checks_all:
             self._on_damage(f"the newest record of the run {run.row[0]}: an earlier one is shown")

@@ -8,7 +8,7 @@ FIRST = 1
 _EPOCH, _SUPERSEDED_BY, _CUT, _BY = "epoch", "superseded_by", "cut", "by"
 
 
-class Standing(NamedTuple):
+class BoxEpoch(NamedTuple):
     """What a journal says about its box."""
 
     epoch: int = FIRST
@@ -37,12 +37,12 @@ def superseded_value(epoch: int, cut: int, by: str) -> dict:
     return {_SUPERSEDED_BY: epoch, _CUT: cut, _BY: by}
 
 
-def after(standing: Standing, value: Any) -> Standing:
+def after(standing: BoxEpoch, value: Any) -> BoxEpoch:
     """Return what a journal says after the next entry of kind `epoch`."""
     try:
         epoch, superseded_by = int(value.get(_EPOCH, 0)), int(value.get(_SUPERSEDED_BY, 0))
         if epoch > max(standing.epoch, standing.superseded_by):
-            return Standing(epoch, cut=int(value.get(_CUT, 0)))
+            return BoxEpoch(epoch, cut=int(value.get(_CUT, 0)))
         if superseded_by >= standing.epoch and superseded_by > standing.superseded_by:
             return standing._replace(superseded_by=superseded_by, cut=int(value.get(_CUT, 0)),
                                      by=str(value.get(_BY, "")))

@@ -9,7 +9,7 @@ import enum
 from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
-from roah_rsbb.model.fields import Event, Field, Fixed, Number, Robot, Team, Text, Toggle
+from roah_rsbb.model.fields import EventId, Field, Fixed, Number, Robot, Team, Toggle, TypedText
 from roah_rsbb.model.reason import Template, say
 
 # Roles of paired devices.
@@ -75,7 +75,7 @@ _ALL = (
     Action("start", say("▶ START"), say("Start the run, also after a stop"), is_original=True,
            what=say("Start in {zone}")),
     Action("stop", say("■ STOP"), say("Stop the run. It stays connected"),
-           (Text("reason", say("Reason for the stop"), required=False, cut=True),), is_original=True),
+           (TypedText("reason", say("Reason for the stop"), required=False, cut=True),), is_original=True),
     Action("previous", say("◀ Previous"), say("Go to the zone's previous event"), careful=True, is_original=True,
            what=say("Previous in {zone}")),
     Action("next", say("Next ▶"), say("Go to the zone's next event"), careful=True, is_original=True,
@@ -98,11 +98,11 @@ _ALL = (
            question=say("Did team {team} withdraw? The zone leaves this event."), careful=True, leaves=True, aims=True,
            what=say("Withdrawal in {zone}")),
     Action("choose_event", say("Choose the event"), say("Go to this event of the zone's schedule"),
-           (Event("event", say("Event")), Team("team", _TEAM, required=False),
+           (EventId("event", say("Event")), Team("team", _TEAM, required=False),
             Toggle("unsigned", say("Also leave a run that is not signed off"), required=False)), leaves=True),
     Action("operation", say("Manual operation complete"),
            say("Of a benchmarking module, whose form is filled in; without a number: the current one"),
-           (Fixed("operation", _NUMBER, required=False), Text("answer", say("Answer"), required=False)),
+           (Fixed("operation", _NUMBER, required=False), TypedText("answer", say("Answer"), required=False)),
            row=Row.MODULE, is_open=True),
     Action("switch", say("A switch changed"), say("Toggle the mark of a switch, counted from 1"),
            (Number("number", _NUMBER, low=1),), row=Row.MODULE),
@@ -114,12 +114,12 @@ _ALL = (
 # All actions in a zone, in the order in which faces have them.
 ACTIONS: Dict[str, Action] = {action.name: action for action in _ALL}
 # What is entered for one run, in progress or over. Faces lay it out by hand, beside what it is about.
-_VALUE = (Text("group", say("Group")), Text("desc", say("Item")),
-          Number("value", say("Value"), required=False, low=-2**31), Text("text", _TEXT, required=False),
+_VALUE = (TypedText("group", say("Group")), TypedText("desc", say("Item")),
+          Number("value", say("Value"), required=False, low=-2**31), TypedText("text", _TEXT, required=False),
           Toggle("not_attempted", say("Not attempted"), required=False))
 # A mark is sent again until the box has it; with an `id` it is applied once.
-_MARK = (*_VALUE, Text("added", say("What to add"), required=False), Field("judge", _JUDGE, required=False),
-         Text("note", _NOTE, required=False), Field("id", _ID, required=False),
+_MARK = (*_VALUE, TypedText("added", say("What to add"), required=False), Field("judge", _JUDGE, required=False),
+         TypedText("note", _NOTE, required=False), Field("id", _ID, required=False),
          Field("device", _DEVICE, required=False))
 _ENTRIES = (
     Action("mark", say("Mark an item"), say("Set an item of the score sheet, or add to it"),
@@ -127,32 +127,33 @@ _ENTRIES = (
     Action("judge_mark", say("Mark an item of a judge"), say("On the judge's own sheet"), _MARK, durable=True,
            roles=JUDGES),
     Action("withdraw", say("Withdraw the entry"), say("The entry of the score sheet no longer counts; others stay"),
-           (Number("entry", _NUMBER, low=1), Text("note", _NOTE, required=False)), durable=True),
+           (Number("entry", _NUMBER, low=1), TypedText("note", _NOTE, required=False)), durable=True),
     Action("take_back", say("Take back the mark"), say("A mark that set an item no longer counts"),
-           (Field("id", _ID), Text("note", _NOTE, required=False)), durable=True),
+           (Field("id", _ID), TypedText("note", _NOTE, required=False)), durable=True),
     Action("stop_reason", say("Record why it ended"), say("Possible until the run is signed off"),
-           (Text("reason", _REASON, required=False), Number("stop", _NUMBER, required=False)), durable=True),
+           (TypedText("reason", _REASON, required=False), Number("stop", _NUMBER, required=False)), durable=True),
     Action("sign_off", say("Sign off"), say("The score sheet of a run that is over becomes final"), durable=True),
     Action("submit", say("Submit the sheet"), say("The judge's own sheet is locked"),
            (Field("judge", _JUDGE), Field("device", _DEVICE, required=False)), durable=True, roles=JUDGES),
     Action("settle", say("Settle"), say("The head referee gives the item on which judges differ its value"),
-           (*_VALUE, Text("reason", _REASON, required=False)), durable=True),
+           (*_VALUE, TypedText("reason", _REASON, required=False)), durable=True),
     Action("hand_back", say("Hand back: look again"), say("The judge looks again, and submits again"),
-           (Field("judge", _JUDGE), Text("reason", _REASON, required=False)), durable=True),
+           (Field("judge", _JUDGE), TypedText("reason", _REASON, required=False)), durable=True),
     Action("withdraw_sheet", say("Withdraw the sheet"),
            say("The judge's sheet no longer counts; another can take its place"),
-           (Field("judge", _JUDGE), Text("reason", _REASON, required=False)), durable=True),
+           (Field("judge", _JUDGE), TypedText("reason", _REASON, required=False)), durable=True),
     Action("waive", say("Do not wait for missing judges"), say("The run is scored with the sheets that are there"),
-           (Text("reason", _REASON, required=False),), durable=True),
+           (TypedText("reason", _REASON, required=False),), durable=True),
     Action("publish", say("Publish as provisional"),
            say("Objections are possible for some time; -1: as the benchmarks file says"),
            (Number("seconds", say("Time for objections"), required=False, low=BY_THE_FILE_S, unit="s",
                    default=BY_THE_FILE_S),), durable=True),
     Action("object", say("Enter an objection"), say("To a provisional result"),
-           (Text("by", say("Who objects"), required=False), Text("text", _TEXT, required=False)), durable=True),
+           (TypedText("by", say("Who objects"), required=False), TypedText("text", _TEXT, required=False)),
+           durable=True),
     Action("answer", say("Answer the objection"), say("The sheet is corrected separately"),
            (Number("number", _NUMBER, low=1), Toggle("upheld", say("Upheld"), required=False),
-            Text("text", _TEXT, required=False)), durable=True),
+            TypedText("text", _TEXT, required=False)), durable=True),
 )
 ENTRIES: Dict[str, Action] = {action.name: action for action in _ENTRIES}
 EVERY: Dict[str, Action] = {**ACTIONS, **ENTRIES}

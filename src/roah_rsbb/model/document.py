@@ -9,8 +9,8 @@ from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.public import Public, PublicResult, PublicRun
 from roah_rsbb.model.reason import Said
 from roah_rsbb.model.results import RunLine, UnsavedParts
-from roah_rsbb.model.schedule import ScheduledEvent
-from roah_rsbb.model.zone import Zone
+from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.model.zone import ZoneSeen
 
 # The identity of a box that shows an earlier run begins with it.
 REPLAY = "REPLAY "
@@ -28,7 +28,7 @@ class TabletSeen(NamedTuple):
     position_y: float = 0.0  # metres
 
 
-class BoxState(NamedTuple):
+class BoxSeen(NamedTuple):
     """The box itself."""
 
     uuid: str  # identity of this start of the core
@@ -59,17 +59,17 @@ class RobotSeen(NamedTuple):
 class Document(NamedTuple):
     """What the faces show of a box."""
 
-    box: BoxState
+    box: BoxSeen
     robots: Dict[str, RobotSeen]  # by "<robot> of team <team>"
-    zones: Dict[str, Zone]  # by their names
-    schedule: Dict[str, ScheduledEvent]  # by their ids; see `events`
+    zones: Dict[str, ZoneSeen]  # by their names
+    schedule: Dict[str, EventSeen]  # by their ids; see `events`
     results: Dict[str, RunLine]  # by their identities; see `runs`
     judging: Dict[str, Judging]  # of the runs that are not signed off, by their identities
     public: Public = Public()
     public_runs: Dict[str, PublicRun] = {}  # by their zones
     public_results: Dict[str, PublicResult] = {}  # by the identities of the runs
 
-    def events(self) -> Tuple[ScheduledEvent, ...]:
+    def events(self) -> Tuple[EventSeen, ...]:
         """Return the events of all zones by their scheduled times."""
         order = {zone: place for place, zone in enumerate(self.box.zones)}
         return tuple(sorted(self.schedule.values(), key=lambda event: (

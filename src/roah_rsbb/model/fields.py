@@ -76,7 +76,7 @@ class Field:
 
 
 @dataclass(frozen=True)
-class Text(Field):
+class TypedText(Field):
     """A text that a person types. `cut`: a longer one is cut, because it must not prevent the action."""
 
     kind: ClassVar[str] = "text"
@@ -151,7 +151,7 @@ class Decimal(Field):
 
 
 @dataclass(frozen=True)
-class Pose(Field):
+class TypedPose(Field):
     """[x, y, theta] of a place: metres, and radians. In a text, which persons type, the direction is in degrees."""
 
     kind: ClassVar[str] = "pose"
@@ -228,15 +228,15 @@ class Team(Field):
 
 
 @dataclass(frozen=True)
-class Event(Field):
+class EventId(Field):
     """The id of an event of the schedule."""
 
     kind: ClassVar[str] = "event"
 
 
 # What a module may ask for.
-ASKED = (Toggle, Number, Decimal, Choice, Text, Pose)
-_KINDS: Dict[str, Type[Field]] = {kind.kind: kind for kind in (Field, Fixed, Robot, Team, Event, *ASKED)}
+ASKED = (Toggle, Number, Decimal, Choice, TypedText, TypedPose)
+_KINDS: Dict[str, Type[Field]] = {kind.kind: kind for kind in (Field, Fixed, Robot, Team, EventId, *ASKED)}
 
 
 def field_of(form: Mapping[str, Any]) -> Field:
@@ -244,7 +244,7 @@ def field_of(form: Mapping[str, Any]) -> Field:
     values: Dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in form.items()}
     kind = _KINDS.get(values.pop("kind", ""))
     if kind is None:
-        kind, values = Text, {name: values[name] for name in ("name", "label", "required") if name in values}
+        kind, values = TypedText, {name: values[name] for name in ("name", "label", "required") if name in values}
     made = kind(**{**values, "label": _label(values["label"])})
     for part in dataclasses.fields(made):
         value, wanted = getattr(made, part.name), part.type

@@ -15,7 +15,7 @@ import json
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.actions import ACTIONS
-from roah_rsbb.model.fields import Choice, Field, Text, form_of, form_text
+from roah_rsbb.model.fields import Choice, Field, TypedText, form_of, form_text
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import ScoreValue
 from roah_rsbb.model.scoring import ScoreGroup
@@ -39,7 +39,7 @@ def form_of_one(choices: Sequence[str], asks_text: bool) -> str:
     fields: List[Field] = [Choice("answer", ANSWER, choices=tuple(choices))] if choices else []
     if asks_text:
         name, label = ("text", ANOTHER) if choices else ("answer", ANSWER)
-        fields.append(Text(name, label, required=False, characters=MAX_ANSWER))
+        fields.append(TypedText(name, label, required=False, characters=MAX_ANSWER))
     return form_text(fields)
 
 

@@ -3,7 +3,7 @@
 from typing import NamedTuple, Optional
 
 
-class ScheduledEvent(NamedTuple):
+class EventSeen(NamedTuple):
     """An event of the schedule with its state and results. Times are UTC seconds."""
 
     id: str  # by which it is known, whatever else changes

@@ -84,7 +84,7 @@ class JudgesRule:
 
 
 @dataclass(frozen=True)
-class Choice:
+class ItemChoice:
     """One of the answers of an item of type choice."""
 
     name: str
@@ -101,7 +101,7 @@ class ScoringItem:
     points: Optional[Decimal] = None  # for a yes, for each one of a number, for each one of a jury's result
     least: Optional[Decimal] = None  # limits of a value; None: those of its type
     most: Optional[Decimal] = None
-    choices: Tuple[Choice, ...] = ()
+    choices: Tuple[ItemChoice, ...] = ()
     judges: Tuple[str, ...] = ()
     jury: JuryResult = JuryResult.MEAN
     needs: Tuple[Key, ...] = ()  # the item counts only if all of these are given

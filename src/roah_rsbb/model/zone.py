@@ -150,7 +150,7 @@ class Switches(NamedTuple):
     to_confirm: bool  # the robot has finished
 
 
-class Zone(NamedTuple):
+class ZoneSeen(NamedTuple):
     """A zone, its event and the run in it."""
 
     zone: str  # its name

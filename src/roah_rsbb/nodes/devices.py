@@ -16,7 +16,7 @@ from std_srvs.srv import Empty as EmptySrv
 from std_srvs.srv import EmptyResponse
 
 from roah_rsbb.devices.client import SmartIfClient
-from roah_rsbb.devices.home import OUTPUTS, BadValue, Home
+from roah_rsbb.devices.home import OUTPUTS, BadSetting, Home
 from roah_rsbb.msg import DevicesState, DevicesStatus
 from roah_rsbb.protocol import PERCENTAGES, SWITCHES
 from roah_rsbb.ros.command_line import run_node
@@ -84,7 +84,7 @@ class DevicesNode:
     def _call(self, response: type, do) -> object:
         try:
             self._ros.call(do)
-        except BadValue as error:
+        except BadSetting as error:
             raise rospy.ServiceException(str(error)) from None
         return response()
 

@@ -12,7 +12,7 @@ from typing import Callable, List, Optional
 from roah_rsbb.model.actions import ACTIONS, Row
 from roah_rsbb.model.fields import Choice
 from roah_rsbb.model.referee import Refused
-from roah_rsbb.model.zone import Zone
+from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.state import asked_in
 from roah_rsbb.referee.stopping import TypedStops
@@ -41,7 +41,7 @@ class GivenUp(Exception):
     """The operation needs a human referee."""
 
 
-class Automatic:
+class AutomaticAnswers:
     """Completes each manual operation with its first answer, and confirms switches without changes."""
 
     def __init__(self, link, note: Note) -> None:
@@ -52,14 +52,14 @@ class Automatic:
         self._in_a_row = 0
         self._not_before = 0.0
 
-    def look(self, zone: Zone) -> None:
+    def look(self, zone: ZoneSeen) -> None:
         """Complete what a running zone requests. Raises `GivenUp`."""
         if zone.operation and zone.operation != self._done:
             self._complete(zone)
         if zone.switches is not None and zone.switches.to_confirm:
             _ignoring_others(lambda: self._link.act("confirm_switches", zone.zone))
 
-    def _complete(self, zone: Zone) -> None:
+    def _complete(self, zone: ZoneSeen) -> None:
         text, now_s = zone.manual_operation, self._link.here_s()
         again = text == self._text
         if again and now_s < self._not_before:
@@ -92,7 +92,7 @@ class Typed:
         self._done: Optional[object] = None  # the completed request, which the zone shows a moment longer
         self._typed: List[str] = []
 
-    def look(self, zone: Zone) -> None:
+    def look(self, zone: ZoneSeen) -> None:
         """Show what a running zone requests, and pass on what was typed."""
         self._typed += self._lines()
         asked = _asked(zone)
@@ -109,7 +109,7 @@ class Typed:
         if not self._ahead:
             self._typed.clear()
 
-    def _take(self, zone: Zone, asked: object, line: str) -> None:
+    def _take(self, zone: ZoneSeen, asked: object, line: str) -> None:
         try:
             if zone.operation:
                 given = given_in(line, asked_in(zone))
@@ -121,7 +121,7 @@ class Typed:
             self._note(f"not done: {error}")
             self._asked = None  # ask again
 
-    def _enter(self, zone: Zone, line: str) -> bool:
+    def _enter(self, zone: ZoneSeen, line: str) -> bool:
         """Do an action of the module's row. Return whether the switches are confirmed."""
         word, *words = line.split() or [CONFIRM]
         action = next((one for one in ACTIONS.values() if one.row is Row.MODULE and one.words == word), None)
@@ -131,14 +131,14 @@ class Typed:
         return word == CONFIRM
 
 
-def _asked(zone: Zone) -> Optional[object]:
+def _asked(zone: ZoneSeen) -> Optional[object]:
     """Return the referee's current request in a form that can be compared."""
     if zone.operation:
         return zone.operation, zone.manual_operation, asked_in(zone)
     return "switches" if zone.switches is not None and zone.switches.to_confirm else None
 
 
-def _prompt(zone: Zone) -> str:
+def _prompt(zone: ZoneSeen) -> str:
     if not zone.operation:
         return "type 'switch NUMBER' for each switch that changed, 'damaged NUMBER', and an empty line to confirm"
     fields = asked_in(zone)

@@ -5,7 +5,7 @@ import time
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.document import Document
-from roah_rsbb.model.zone import SheetItem, Zone
+from roah_rsbb.model.zone import SheetItem, ZoneSeen
 from roah_rsbb.referee.state import asked_in, event_json, lines_of, operation_json, score_json, state_json, zones_of
 from roah_rsbb.ros import tail
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
@@ -57,7 +57,7 @@ def _of_box(old: Document, new: Document, utc_s: float, zone: Optional[str]) -> 
                 yield change("robot", what=what, team=robot.team, robot=robot.robot, skew_s=robot.skew)
 
 
-def _of_zone(old: Zone, new: Zone, utc_s: float) -> Iterator[Change]:
+def _of_zone(old: ZoneSeen, new: ZoneSeen, utc_s: float) -> Iterator[Change]:
     def change(kind: str, **facts: Any) -> Change:
         return Change(utc_s, kind, new.zone, facts)
 
@@ -84,11 +84,11 @@ def _of_zone(old: Zone, new: Zone, utc_s: float) -> Iterator[Change]:
     yield from _warnings(utc_s, new.zone, old.warnings, new.warnings)
 
 
-def _asked(zone: Zone) -> Any:
+def _asked(zone: ZoneSeen) -> Any:
     return zone.operation, zone.manual_operation, asked_in(zone)
 
 
-def _scores(old: Zone, new: Zone) -> Iterator[Dict[str, Any]]:
+def _scores(old: ZoneSeen, new: ZoneSeen) -> Iterator[Dict[str, Any]]:
     if new.identity != old.identity:
         return  # another run with a new sheet
     before = {(item.group, item.desc): item for item in old.items}
@@ -110,7 +110,7 @@ def _is_score_change(text: str, items: Sequence[SheetItem]) -> bool:
     return False
 
 
-def _module_scores(old: Zone, new: Zone) -> Iterator[Dict[str, Any]]:
+def _module_scores(old: ZoneSeen, new: ZoneSeen) -> Iterator[Dict[str, Any]]:
     """Yield the lines of a module's score that have another value."""
     before = {(score.group, score.name): score for score in old.module_scores}
     for score in new.module_scores:
@@ -134,7 +134,7 @@ def _warnings(utc_s: float, zone: str, old: Tuple[str, ...], new: Tuple[str, ...
         yield Change(utc_s, "warning", zone, {"text": text, "over": True})
 
 
-class Follower:
+class BoxFollower:
     """Follows the box through silences and restarts of the core. `link` is an open `roah_rsbb.referee.link.Link`, or
     behaves like one."""
 

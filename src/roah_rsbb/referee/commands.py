@@ -10,11 +10,11 @@ from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.scoring import Entered
-from roah_rsbb.model.zone import CONNECTED, IDLE, SheetItem, Zone
+from roah_rsbb.model.zone import CONNECTED, IDLE, SheetItem, ZoneSeen
 from roah_rsbb.referee import judges, sheets, view
 from roah_rsbb.referee.answers import Keyboard, Operations
 from roah_rsbb.referee.args import given_in
-from roah_rsbb.referee.changes import Change, Follower
+from roah_rsbb.referee.changes import BoxFollower, Change
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.output import Output
@@ -67,7 +67,7 @@ def _status(link: Link, options, output: Output) -> Exit:
 
 def _watch(link: Link, options, output: Output) -> Exit:
     zone = None if options.zone is None else _zone_name(link, options.zone)
-    follower, now = Follower(link, zone), link.now()
+    follower, now = BoxFollower(link, zone), link.now()
     if output.json:
         output.object({"utc_s": now.utc, "kind": "start", "zone": zone or "", "box": box_json(follower.box, now)})
     else:
@@ -245,7 +245,7 @@ def _zone_name(link: Link, word: str) -> str:
     return pick_zone(word, link.box.box.zones)
 
 
-def _zone(link: Link, options: Any) -> Zone:
+def _zone(link: Link, options: Any) -> ZoneSeen:
     return link.box.zones[_zone_name(link, options.zone)]
 
 

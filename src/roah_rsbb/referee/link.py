@@ -19,7 +19,7 @@ from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.ros_client import caller_name
-from roah_rsbb.ros.place import START, Places
+from roah_rsbb.ros.place import START, DoorPlaces
 
 # Time limits: for the document, for the answer to a call. A busy computer may take seconds.
 CORE_S, ANSWER_S = 6.0, 6.0
@@ -32,7 +32,7 @@ class Link(Client[Document]):
     """A box from afar. Call `start` and `open` first, and `close` at the end."""
 
     def __init__(self) -> None:
-        super().__init__(Document, Places().find, face=ROLE)
+        super().__init__(Document, DoorPlaces().find, face=ROLE)
         self.node = caller_name(ROLE)  # of this program, for the box's records
         self._seen = 0  # the news at the end of the last `next`
         self._last: Optional[Future[Answer]] = None  # the last call, which may have been interrupted

@@ -12,7 +12,7 @@ from roah_rsbb.referee.output import Output
 from roah_rsbb.referee.view import BOLD, Style
 from roah_rsbb.referee.words import BadWord, pick_zone
 from roah_rsbb.ros import refusals
-from roah_rsbb.ros.place import Places
+from roah_rsbb.ros.place import DoorPlaces
 from roah_rsbb.srv import PairDevice, PairedDevices, RevokeDevice, TeamCodes
 from roah_rsbb.wording.device import NO_WEB, encryption_text, role_text
 from roah_rsbb.wording.texts import escaped
@@ -25,7 +25,7 @@ ANSWER_S = 6.0
 def _call(link: Link, name: str, kind: type, *request: object) -> Any:
     """Call a service of the web pages' node; raises `Refused`, or `NoCore`."""
     try:
-        return ros_client.call(Places().master_uri, link.node, name, kind, *request, limit_s=ANSWER_S)
+        return ros_client.call(DoorPlaces().master_uri, link.node, name, kind, *request, limit_s=ANSWER_S)
     except ros_client.Late:
         raise NoCore(f"{name} did not answer within {ANSWER_S:.0f} s: {NO_WEB}") from None
     except ros_client.ServiceError as error:

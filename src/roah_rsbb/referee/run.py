@@ -11,9 +11,9 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
 
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.scoring import Entered
-from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, SheetItem, Zone
-from roah_rsbb.referee.answers import Automatic, GivenUp, Keyboard, Note, Operations, Typed
-from roah_rsbb.referee.changes import Change, Follower, news
+from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, SheetItem, ZoneSeen
+from roah_rsbb.referee.answers import AutomaticAnswers, GivenUp, Keyboard, Note, Operations, Typed
+from roah_rsbb.referee.changes import BoxFollower, Change, news
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.words import BadWord, EventWanted, pick_item, value_of
 from roah_rsbb.wording.sheets import END_REASONS
@@ -25,9 +25,9 @@ GIVE_UP_S = 60.0
 STEP_S = 1.0
 
 
-_ANSWERS: Dict[Operations, Callable[[Any, Note, Optional[Keyboard]], Union[Automatic, Typed, None]]] = {
+_ANSWERS: Dict[Operations, Callable[[Any, Note, Optional[Keyboard]], Union[AutomaticAnswers, Typed, None]]] = {
     Operations.OTHERS: lambda link, note, keyboard: None,
-    Operations.AUTOMATIC: lambda link, note, keyboard: Automatic(link, note),
+    Operations.AUTOMATIC: lambda link, note, keyboard: AutomaticAnswers(link, note),
     Operations.TYPED: lambda link, note, keyboard: Typed(link, note, keyboard.lines, ahead=not keyboard.is_terminal),
 }
 
@@ -49,7 +49,7 @@ class ScriptOutcome(NamedTuple):
 
     status: Exit
     text: str
-    zone: Optional[Zone] = None  # before the disconnect; None: there was no run
+    zone: Optional[ZoneSeen] = None  # before the disconnect; None: there was no run
 
 
 class _Failed(Exception):
@@ -71,7 +71,7 @@ class RunScript:
         self._answers = _ANSWERS[plan.operations](link, self._note, keyboard)
         self._plan = plan
         self._report = report
-        self._follower = Follower(link, plan.zone)
+        self._follower = BoxFollower(link, plan.zone)
         self._run = ""  # identity of our run; empty: not connected yet
         self._is_ours = False  # the core confirmed our connect
         self._unanswered = False  # a connect was sent, but the core did not answer it
@@ -318,7 +318,7 @@ class RunScript:
             return ScriptOutcome(Exit.NOT_COMPLETED, f"{text}; it could not be stopped: {error}{self._left_behind()}")
         return self._leave(Exit.NOT_COMPLETED, text)
 
-    def _not_stopped(self) -> Optional[Zone]:
+    def _not_stopped(self) -> Optional[ZoneSeen]:
         """Return the zone if its robots do not report STOP in time after the end of our run. Raises `NoCore`."""
         deadline = self._link.here_s() + NOT_DELIVERED_S
         while True:
@@ -357,7 +357,7 @@ class RunScript:
 
     # -- shared -------------------------------------------------------------------------------------
 
-    def _zone(self) -> Zone:
+    def _zone(self) -> ZoneSeen:
         zone = self._follower.box.zones.get(self._plan.zone)
         if zone is None:
             raise _Failed(Exit.NOT_COMPLETED, f"zone '{self._plan.zone}' is no longer in the schedule")

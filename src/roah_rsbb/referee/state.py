@@ -9,12 +9,12 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 from roah_rsbb.model.actions import ACTIONS, Row
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
-from roah_rsbb.model.fields import Choice, Field, Text, entered
+from roah_rsbb.model.fields import Choice, Field, TypedText, entered
 from roah_rsbb.model.reason import Said
 from roah_rsbb.model.records import ScoreValue
 from roah_rsbb.model.results import RunLine, RunSheet
-from roah_rsbb.model.schedule import ScheduledEvent
-from roah_rsbb.model.zone import Event, SheetItem, Zone
+from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.model.zone import Event, SheetItem, ZoneSeen
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.clock import clock_of, lines
 
@@ -41,17 +41,17 @@ def as_json(value: Any) -> Any:
 # -- what the terminal shows of a box ---------------------------------------------------------------
 
 
-def zones_of(box: Document) -> List[Zone]:
+def zones_of(box: Document) -> List[ZoneSeen]:
     """Return the zones in the order of the schedule."""
     return [box.zones[name] for name in box.box.zones if name in box.zones]
 
 
-def off_in(zone: Zone) -> Dict[str, Tuple[Said, ...]]:
+def off_in(zone: ZoneSeen) -> Dict[str, Tuple[Said, ...]]:
     """Return why each action is off, by its name, without those of benchmarking modules that nobody asks for."""
     return {name: action.off for name, action in zone.actions.items() if action.shown or name not in _OF_MODULES}
 
 
-def asked_in(zone: Zone) -> Tuple[Field, ...]:
+def asked_in(zone: ZoneSeen) -> Tuple[Field, ...]:
     """Return what the referee enters for the manual operation."""
     return entered(zone.fields("operation")) if zone.operation else ()
 
@@ -83,7 +83,7 @@ def box_json(box: Document, now: Now) -> Json:
     }
 
 
-def zone_json(zone: Zone, now: Now) -> Json:
+def zone_json(zone: ZoneSeen, now: Now) -> Json:
     """Return a zone, its event and its run at a moment. Unknown values are None or empty."""
     robot, of_all = zone.robot, zone.all_robots
     return {
@@ -106,7 +106,7 @@ def zone_json(zone: Zone, now: Now) -> Json:
     }
 
 
-def state_json(zone: Zone) -> Json:
+def state_json(zone: ZoneSeen) -> Json:
     """Return the states of a zone and its robot."""
     robot = zone.robot
     return {
@@ -116,19 +116,19 @@ def state_json(zone: Zone) -> Json:
     }
 
 
-def event_json(zone: Zone) -> Json:
+def event_json(zone: ZoneSeen) -> Json:
     """Return the event of a zone."""
     event: Event = zone.event
     return {"code": event.code, "name": event.name, "desc": event.desc, "team": event.team, "round": event.round,
             "run": event.run, "scheduled_utc_s": event.scheduled, "timeout_s": zone.timeout}
 
 
-def operation_json(zone: Zone) -> Json:
+def operation_json(zone: ZoneSeen) -> Json:
     """Return the manual operation, without its number. `choices`: of its first choice, the usual one first."""
     fields = asked_in(zone)
     choices = next((field.choices for field in fields if isinstance(field, Choice)), ())
     return {"text": zone.manual_operation, "choices": list(choices),
-            "asks_text": any(isinstance(field, Text) for field in fields), "fields": list(fields)}
+            "asks_text": any(isinstance(field, TypedText) for field in fields), "fields": list(fields)}
 
 
 def score_json(score: ScoreValue) -> Json:
@@ -169,12 +169,12 @@ def sheet_json(sheet: RunSheet) -> Json:
     }
 
 
-def scheduled_json(event: ScheduledEvent) -> Json:
+def scheduled_json(event: EventSeen) -> Json:
     """Return an event of the schedule."""
     return {**{name: value for name, value in event._asdict().items() if name != "id"}, "late_s": event.late_s}
 
 
-def _times_json(zone: Zone, mono: float) -> Json:
+def _times_json(zone: ZoneSeen, mono: float) -> Json:
     clock, shown = zone.clock, clock_of(zone.clock, zone.phase, mono)
     return {
         "text": lines(shown._replace(pause="")), "pause": shown.pause, "limit_s": clock.limit,

@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 
 from roah_rsbb.client.client import Answer
 from roah_rsbb.model.document import Document
-from roah_rsbb.model.zone import ENDED, RUNNING, Zone
+from roah_rsbb.model.zone import ENDED, RUNNING, ZoneSeen
 from roah_rsbb.referee.exits import Exit
 from roah_rsbb.referee.words import BadWord, is_all, pick_zone, stop_wanted
 from roah_rsbb.wording.stop import DONE, LOST, NOT_DELIVERED_S, Way, way, way_text
@@ -41,7 +41,7 @@ class StopLine(NamedTuple):
 class ZoneStop:
     """The STOP of one zone: what is known of it."""
 
-    def __init__(self, zone: str, sent_s: float, before: Optional[Zone] = None) -> None:
+    def __init__(self, zone: str, sent_s: float, before: Optional[ZoneSeen] = None) -> None:
         """`sent_s`: monotonic time; `before`: the zone as it was then."""
         self.zone = zone
         self.is_sent = False
@@ -50,7 +50,7 @@ class ZoneStop:
         self.answered_s: Optional[float] = None  # when the core answered, monotonic; None: it did not yet
         self.number = 0  # of the document that shows the effect
         self.refused: Tuple[str, ...] = ()
-        self.after: Optional[Zone] = None
+        self.after: Optional[ZoneSeen] = None
         self.trouble = ""
 
     def send(self, link: Any) -> None:

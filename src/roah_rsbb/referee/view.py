@@ -12,8 +12,8 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.fields import Field
 from roah_rsbb.model.records import ScoreValue, SheetPoints
-from roah_rsbb.model.schedule import ScheduledEvent
-from roah_rsbb.model.zone import CONNECTED, ENDED, RUNNING, Event, RobotInRun, SheetItem, Switches, Zone
+from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.model.zone import CONNECTED, ENDED, RUNNING, Event, RobotInRun, SheetItem, Switches, ZoneSeen
 from roah_rsbb.referee.changes import Change
 from roah_rsbb.referee.state import asked_in, lines_of, off_in, silence_s, zones_of
 from roah_rsbb.referee.words import command_of, form_words
@@ -68,7 +68,7 @@ def status(box: Document, now: Now, style: Style, only: Optional[str] = None) ->
 _STATE_COLOURS = {"running": GREEN, "connected": CYAN, "ended": YELLOW, "next": BOLD}
 
 
-def schedule_lines(events: Sequence[ScheduledEvent], style: Style) -> List[str]:
+def schedule_lines(events: Sequence[EventSeen], style: Style) -> List[str]:
     """Return a table of events, with the numbers that they have in their zones."""
     rows = [("Zone", "No.", "Scheduled", "Begins", "Late", "Event", "State", "Score", "Sheet")]
     rows += [_event_row(event, style.moments.in_utc) for event in events]
@@ -80,7 +80,7 @@ def schedule_lines(events: Sequence[ScheduledEvent], style: Style) -> List[str]:
     ]
 
 
-def _event_row(event: ScheduledEvent, in_utc: bool) -> Tuple[str, ...]:
+def _event_row(event: EventSeen, in_utc: bool) -> Tuple[str, ...]:
     begins = "" if event.state == "skipped" else times.formatted(event.begins_utc_s, "%H:%M", in_utc)
     estimate = "~" if event.state in ("next", "later", "connected") else ""
     return (
@@ -92,7 +92,7 @@ def _event_row(event: ScheduledEvent, in_utc: bool) -> Tuple[str, ...]:
     )
 
 
-def zone_lines(zone: Zone, now: Now, style: Style) -> List[str]:
+def zone_lines(zone: ZoneSeen, now: Now, style: Style) -> List[str]:
     """Return a zone in a few lines."""
     event = zone.event
     lines = [
@@ -116,7 +116,7 @@ def zone_lines(zone: Zone, now: Now, style: Style) -> List[str]:
     return [*lines, f"{_IN}allowed now: {', '.join(allowed) or 'nothing'}"]
 
 
-def zone_report(zone: Zone, now: Now, style: Style) -> List[str]:
+def zone_report(zone: ZoneSeen, now: Now, style: Style) -> List[str]:
     """Return a zone in full: also why each command is refused, its score sheet and its online data."""
     lines = zone_lines(zone, now, style)
     for command, reasons in off_in(zone).items():
@@ -147,7 +147,7 @@ def switches_line(switches: Switches, style: Style) -> str:
         else text
 
 
-def score_sheet(zone: Zone, style: Style) -> List[str]:
+def score_sheet(zone: ZoneSeen, style: Style) -> List[str]:
     """Return all scoring items with their numbers and values by group, then the benchmarking module's score."""
     lines = [f"Score sheet: {_which(zone.event)}", *item_lines(zone.items, zone.points, style)]
     if not zone.items:
@@ -166,7 +166,7 @@ def item_lines(items: Sequence[SheetItem], points: Optional[SheetPoints], style:
     return [*lines, f"{_IN}{style(BOLD, escaped(total))}"] if total else lines
 
 
-def _module_sheet(zone: Zone, style: Style) -> List[str]:
+def _module_sheet(zone: ZoneSeen, style: Style) -> List[str]:
     lines = ["Score of the benchmarking module"] if zone.module_scores else []
     for title, group in module_scores.by_group(zone.module_scores):
         lines.append(f"{_IN}{escaped(title)}")
@@ -199,12 +199,12 @@ def _which(event: Event) -> str:
     return sheets.run_name(escaped(event.code), escaped(event.team), event.round, event.run)
 
 
-def _phase(zone: Zone, style: Style) -> str:
+def _phase(zone: ZoneSeen, style: Style) -> str:
     word = escaped(sheets.phase(zone.phase, zone.end_reason))
     return style(_PHASE_COLOURS.get(zone.phase, BOLD), word)
 
 
-def _times(zone: Zone, now: Now, style: Style) -> List[str]:
+def _times(zone: ZoneSeen, now: Now, style: Style) -> List[str]:
     """Return the times of the run as the panels show them, and whether it is paused."""
     shown = clock_of(zone.clock, zone.phase, now.mono)
     pause = [style(YELLOW, escaped(shown.pause))] if shown.pause else []

@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 from roah_rsbb.core.scoring.points import number_of, text_of
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.model.actions import ACTIONS
-from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Pose, Text, Toggle
+from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Toggle, TypedPose, TypedText
 from roah_rsbb.model.scoring import MAX_VALUE, Entered, ScoreKind, ScoringItem
 from roah_rsbb.model.zone import Event, SheetItem
 from roah_rsbb.wording.suggestions import did_you_mean
@@ -184,7 +184,7 @@ def command_of(action: str) -> str:
 def other_answer(fields: Sequence[Field]) -> Optional[Field]:
     """Return the text of a form of a choice and a text, for an answer that is none of the choices; None: the form has
     other fields."""
-    if [type(field) for field in fields] == [Choice, Text] and not fields[1].required:
+    if [type(field) for field in fields] == [Choice, TypedText] and not fields[1].required:
         return fields[1]
     return None
 
@@ -208,7 +208,7 @@ def expected(field: Field) -> str:
     if isinstance(field, (Number, Decimal)):
         bounds = f"from {field.low}" if field.high == Number.high else f"{field.low:.12g} to {field.high:.12g}"
         return f"{bounds} {field.unit}".rstrip()
-    if isinstance(field, Pose):
+    if isinstance(field, TypedPose):
         return "x y direction, in m and degrees"
     return "yes / no" if isinstance(field, Toggle) else " / ".join(getattr(field, "choices", ("text",)))
 

@@ -31,7 +31,7 @@ _TIME_FORMAT = "%Y-%m-%dT%H:%M:%S.%f+00:00"
 _LICENCE_NAME = re.compile(r"[-a-zA-Z0-9._]+")
 
 
-class Field(NamedTuple):
+class Column(NamedTuple):
     """A column, as the data dictionary explains it."""
 
     name: str
@@ -45,10 +45,10 @@ class Table(NamedTuple):
 
     name: str
     description: str
-    fields: Tuple[Field, ...]
+    fields: Tuple[Column, ...]
 
 
-class Options(NamedTuple):
+class DatasetOptions(NamedTuple):
     """What the organisers choose."""
 
     names: Optional[Names] = None  # pseudonyms; None: real names
@@ -56,45 +56,46 @@ class Options(NamedTuple):
     title: str = ""
 
 
-_RUN_ID = Field("run_id", "string", "identity of the run: benchmark, private port, UTC of connecting", True)
-_ROBOT = Field("robot", "string", "name of the robot; empty: all robots of the run, or none")
+_RUN_ID = Column("run_id", "string", "identity of the run: benchmark, private port, UTC of connecting", True)
+_ROBOT = Column("robot", "string", "name of the robot; empty: all robots of the run, or none")
 _RUN_FIELDS = {
     "run_id": _RUN_ID,
-    "zone": Field("zone", "string", "zone of the arena", True),
-    "benchmark": Field("benchmark", "string", "code of the benchmark", True),
-    "team": Field("team", "string", "team; ALL: all robots at once", True),
-    "round": Field("round", "integer", "round of the schedule", True),
-    "run": Field("run", "integer", "run within the round", True),
-    "robots": Field("robots", "string", "names of the robots, separated by commas; empty: there was none"),
-    "scheduled": Field("scheduled", "datetime", "scheduled time"),
-    "counts": Field("counts", "string", "counts, counts_as_zero, or why the run does not count"),
-    "connected": Field("connected", "datetime", "when the robot was connected"),
-    "started": Field("started", "datetime", "last start; empty: never started"),
-    "disconnected": Field("disconnected", "datetime", "empty: still connected"),
-    "end_reason": Field("end_reason", "string", "why the run ended (docs/results.md, CSV); empty: never started, or "
+    "zone": Column("zone", "string", "zone of the arena", True),
+    "benchmark": Column("benchmark", "string", "code of the benchmark", True),
+    "team": Column("team", "string", "team; ALL: all robots at once", True),
+    "round": Column("round", "integer", "round of the schedule", True),
+    "run": Column("run", "integer", "run within the round", True),
+    "robots": Column("robots", "string", "names of the robots, separated by commas; empty: there was none"),
+    "scheduled": Column("scheduled", "datetime", "scheduled time"),
+    "counts": Column("counts", "string", "counts, counts_as_zero, or why the run does not count"),
+    "connected": Column("connected", "datetime", "when the robot was connected"),
+    "started": Column("started", "datetime", "last start; empty: never started"),
+    "disconnected": Column("disconnected", "datetime", "empty: still connected"),
+    "end_reason": Column("end_reason", "string", "why the run ended (docs/results.md, CSV); empty: never started, or "
                                                 "still running"),
-    "elapsed_s": Field("elapsed_s", "number", "seconds that counted; empty: never started, or still running"),
-    "signed_off": Field("signed_off", "datetime", "when the score sheet was signed off; empty: not signed off"),
-    "signed_off_by": Field("signed_off_by", "string", "who signed it off"),
+    "elapsed_s": Column("elapsed_s", "number", "seconds that counted; empty: never started, or still running"),
+    "signed_off": Column("signed_off", "datetime", "when the score sheet was signed off; empty: not signed off"),
+    "signed_off_by": Column("signed_off_by", "string", "who signed it off"),
 }
 _SCORE_FIELDS = {
-    "kind": Field("kind", "string", "item of the referee's sheet, points of a group, total points, phase of a task, or "
+    "kind": Column("kind", "string",
+                   "item of the referee's sheet, points of a group, total points, phase of a task, or "
                                     "value of the benchmarking module", True),
-    "group": Field("group", "string", "group of the sheet or of the module; empty: the whole run"),
-    "name": Field("name", "string", "item, phase or value"),
-    "unit": Field("unit", "string", "unit of the value; empty: none"),
-    "not_attempted": Field("not_attempted", "boolean", "the robot did not try, unlike a 0 that it earned"),
-    "corrected": Field("corrected", "boolean", "changed after the run"),
-    "changed": Field("changed", "datetime", "last change that was not withdrawn"),
-    "changed_by": Field("changed_by", "string", "who made it"),
-    "note": Field("note", "string", "note of that change; for a module's value, its description"),
-    "points": Field("points", "number", "points; empty: the sheet gives none"),
-    "ratings": Field("ratings", "string", "what each judge gave"),
+    "group": Column("group", "string", "group of the sheet or of the module; empty: the whole run"),
+    "name": Column("name", "string", "item, phase or value"),
+    "unit": Column("unit", "string", "unit of the value; empty: none"),
+    "not_attempted": Column("not_attempted", "boolean", "the robot did not try, unlike a 0 that it earned"),
+    "corrected": Column("corrected", "boolean", "changed after the run"),
+    "changed": Column("changed", "datetime", "last change that was not withdrawn"),
+    "changed_by": Column("changed_by", "string", "who made it"),
+    "note": Column("note", "string", "note of that change; for a module's value, its description"),
+    "points": Column("points", "number", "points; empty: the sheet gives none"),
+    "ratings": Column("ratings", "string", "what each judge gave"),
 }
 # A table column has one type, so values that are texts have a column of their own.
 _VALUE_FIELDS = (
-    Field("value", "number", "number; a yes is 1, a no is 0; empty: a text, or not known"),
-    Field("text", "string", "value that is a text"),
+    Column("value", "number", "number; a yes is 1, a no is 0; empty: a text, or not known"),
+    Column("text", "string", "value that is a text"),
 )
 _LINK_UNITS = {
     "seconds": "seconds since the previous sample", "received": "messages that were newer than all before",
@@ -113,30 +114,30 @@ TABLES = (
     Table("scores", "One row for each item of a score sheet, each sum, each phase and each value of a module.", (
         _RUN_ID, *(_SCORE_FIELDS[name] for name in SCORE_COLUMNS if name != "value"), *_VALUE_FIELDS)),
     Table("judges", "One row for each item of each judge who scored on a sheet of their own.", (
-        _RUN_ID, Field("judge", "string", "who judged", True), Field("group", "string", "group of the sheet", True),
-        Field("name", "string", "item", True), Field("proposal", "string", "value that the judge submitted", True),
-        Field("settled", "boolean", "the head referee decided the item", True),
-        Field("reason", "string", "reason of the head referee"))),
+        _RUN_ID, Column("judge", "string", "who judged", True), Column("group", "string", "group of the sheet", True),
+        Column("name", "string", "item", True), Column("proposal", "string", "value that the judge submitted", True),
+        Column("settled", "boolean", "the head referee decided the item", True),
+        Column("reason", "string", "reason of the head referee"))),
     Table("goals", "One row for each goal that the box sent to a robot, such as a waypoint.", (
-        _RUN_ID, Field("goal", "integer", "number of the goal within the run", True), _ROBOT,
-        Field("time", "datetime", "when the goal was sent", True), Field("text", "string", "the goal"),
-        Field("timeout_s", "number", "seconds that the robot had"),
-        Field("seconds", "number", "seconds that it took; empty: not ended"),
-        Field("result", "string", "result as the robot reported it"))),
+        _RUN_ID, Column("goal", "integer", "number of the goal within the run", True), _ROBOT,
+        Column("time", "datetime", "when the goal was sent", True), Column("text", "string", "the goal"),
+        Column("timeout_s", "number", "seconds that the robot had"),
+        Column("seconds", "number", "seconds that it took; empty: not ended"),
+        Column("result", "string", "result as the robot reported it"))),
     Table("events", "One row for each thing that happened in a run, in the order of time.", (
-        _RUN_ID, Field("time", "datetime", "when it happened", True), _ROBOT,
-        Field("subject", "string", "subject, as on the score sheet", True),
-        Field("by", "string", "who did it: a person, or a robot's address; empty: the box"),
-        Field("bad", "boolean", "a refused command, or a warning", True), Field("text", "string", "what happened"))),
+        _RUN_ID, Column("time", "datetime", "when it happened", True), _ROBOT,
+        Column("subject", "string", "subject, as on the score sheet", True),
+        Column("by", "string", "who did it: a person, or a robot's address; empty: the box"),
+        Column("bad", "boolean", "a refused command, or a warning", True), Column("text", "string", "what happened"))),
     Table("link", "One row for each second of a robot's link.", (
-        _RUN_ID, _ROBOT, Field("time", "datetime", "end of the second", True),
-        *(Field(name, "string" if name == "host" else "number", _LINK_UNITS[name]) for name in LinkSample._fields))),
+        _RUN_ID, _ROBOT, Column("time", "datetime", "end of the second", True),
+        *(Column(name, "string" if name == "host" else "number", _LINK_UNITS[name]) for name in LinkSample._fields))),
 )
 
 FILES = tuple(sorted((PACKAGE, README, SUMS, *(f"{table.name}.csv" for table in TABLES))))
 
 
-def write_dataset(folder: str, results: Iterable[RunResult], options: Options) -> None:
+def write_dataset(folder: str, results: Iterable[RunResult], options: DatasetOptions) -> None:
     """Write the data set into an existing folder. Old files are replaced when the new ones are complete."""
     with contextlib.ExitStack() as files:
         folder_of_drafts = files.enter_context(tempfile.TemporaryDirectory(prefix=".draft_", dir=folder))
@@ -145,7 +146,7 @@ def write_dataset(folder: str, results: Iterable[RunResult], options: Options) -
             os.replace(os.path.join(folder_of_drafts, name), os.path.join(folder, name))
 
 
-def _write_files(folder: str, results: Iterable[RunResult], options: Options) -> None:
+def _write_files(folder: str, results: Iterable[RunResult], options: DatasetOptions) -> None:
     with contextlib.ExitStack() as files:
         writers = []
         for table in TABLES:
@@ -262,7 +263,7 @@ _ROWS: Dict[str, _Rows] = {
 # -- package ----------------------------------------------------------------------------------------
 
 
-def _package(folder: str, options: Options) -> Dict[str, Any]:
+def _package(folder: str, options: DatasetOptions) -> Dict[str, Any]:
     package: Dict[str, Any] = {
         "profile": "tabular-data-package",
         "name": "roah-rsbb-results",
@@ -291,7 +292,7 @@ def _resource(folder: str, table: Table) -> Dict[str, Any]:
     }
 
 
-def _field(field: Field) -> Dict[str, Any]:
+def _field(field: Column) -> Dict[str, Any]:
     found: Dict[str, Any] = {"name": field.name, "type": field.type, "description": field.description}
     if field.type == "datetime":
         found["format"] = _TIME_FORMAT
@@ -304,7 +305,7 @@ _WHAT = "Runs, scores, goals, events and link quality of a competition, from the
 _ANONYMOUS = f"{_WHAT} Teams, robots, people, addresses and free texts have pseudonyms."
 
 
-def _readme(options: Options) -> str:
+def _readme(options: DatasetOptions) -> str:
     """Return the data dictionary for people."""
     lines = [
         f"# {one_line(options.title) or _TITLE}", "",

@@ -11,7 +11,7 @@ from roah_rsbb.results.runs import RunResult
 from roah_rsbb.wording.texts import value_text
 
 
-class RunEvent(NamedTuple):
+class SectionLine(NamedTuple):
     """One line of a section."""
 
     utc: float  # seconds
@@ -27,7 +27,7 @@ class Section(NamedTuple):
     """All events on one subject, in order."""
 
     title: str
-    events: Tuple[RunEvent, ...]
+    events: Tuple[SectionLine, ...]
 
 
 class Stretch(NamedTuple):
@@ -43,16 +43,16 @@ def sections(result: RunResult) -> List[Section]:
     return sections_of(in_order(result))
 
 
-def sections_of(events: Iterable[Tuple[str, RunEvent]]) -> List[Section]:
+def sections_of(events: Iterable[Tuple[str, SectionLine]]) -> List[Section]:
     """Return the sections of `in_order`, without the scores, which stand on the sheet."""
-    found: Dict[str, List[RunEvent]] = {title: [] for title in TITLES if title != SCORES}
+    found: Dict[str, List[SectionLine]] = {title: [] for title in TITLES if title != SCORES}
     for title, event in events:
         if title != SCORES:
             found[title].append(event)
     return [Section(title, tuple(shown)) for title, shown in found.items() if shown]
 
 
-def in_order(result: RunResult, with_scores: bool = False) -> Iterator[Tuple[str, RunEvent]]:
+def in_order(result: RunResult, with_scores: bool = False) -> Iterator[Tuple[str, SectionLine]]:
     """Return all events in their order, each with the title of its section. `with_scores`: also each score."""
     memory = _Memory()
     wordings = {**_WORDINGS, **_SCORE_WORDINGS} if with_scores else _WORDINGS
@@ -91,9 +91,9 @@ def _stretches(changes: List[Tuple[float, str]], end_utc: float) -> List[Stretch
     return found
 
 
-def _run_event(result: RunResult, entry: JournalEntry, text: str) -> RunEvent:
+def _run_event(result: RunResult, entry: JournalEntry, text: str) -> SectionLine:
     bad = entry.kind == kinds.NOTICE or (entry.kind in COMMANDS and "refused" in _dict(entry.value))
-    return RunEvent(entry.utc, entry.who, result.robot_at(entry.port), text, entry.kind, entry.port, bad)
+    return SectionLine(entry.utc, entry.who, result.robot_at(entry.port), text, entry.kind, entry.port, bad)
 
 
 _ROBOT_STATES = {state.value: state.name for state in RobotState}

@@ -13,7 +13,7 @@ _ENDS = ("PREPARE", "STOP")
 _WORKING = "WAITING_RESULT"
 
 
-class Goal(NamedTuple):
+class SentGoal(NamedTuple):
     """A goal that the box sent, such as a waypoint."""
 
     number: int  # 1, 2, … within the run
@@ -26,9 +26,9 @@ class Goal(NamedTuple):
     result: str = ""  # as the robot reported it
 
 
-def goals(result: RunResult) -> List[Goal]:
+def goals(result: RunResult) -> List[SentGoal]:
     """Return the goals of a run in their order."""
-    found: List[Goal] = []
+    found: List[SentGoal] = []
     current: Dict[Optional[int], int] = {}  # places in `found` by port
     begun: Dict[int, JournalEntry] = {}  # by place
     for entry in result.entries:
@@ -48,7 +48,7 @@ def goals(result: RunResult) -> List[Goal]:
     return found
 
 
-def _end(found: List[Goal], begun: Dict[int, JournalEntry], place: Optional[int], end: JournalEntry) -> None:
+def _end(found: List[SentGoal], begun: Dict[int, JournalEntry], place: Optional[int], end: JournalEntry) -> None:
     """End a goal on which the robot works."""
     if place in begun and found[place].seconds is None:
         begin = begun[place]
@@ -57,13 +57,13 @@ def _end(found: List[Goal], begun: Dict[int, JournalEntry], place: Optional[int]
         found[place] = found[place]._replace(seconds=seconds)
 
 
-def _goal(number: int, port: Optional[int], value: object, utc: float) -> Goal:
+def _goal(number: int, port: Optional[int], value: object, utc: float) -> SentGoal:
     try:
         parts = json.loads(value) if isinstance(value, str) else value
     except ValueError:
         parts = None
     if not isinstance(parts, dict):
-        return Goal(number, port, value_text(value), None, utc)
+        return SentGoal(number, port, value_text(value), None, utc)
     timeout = parts.get("timeout")
     is_number = isinstance(timeout, (int, float)) and timeout > 0
-    return Goal(number, port, value_text(parts.get("text") or ""), float(timeout) if is_number else None, utc)
+    return SentGoal(number, port, value_text(parts.get("text") or ""), float(timeout) if is_number else None, utc)

@@ -6,7 +6,7 @@ from roah_rsbb.model.records import ItemRecord, JudgeSheet, RunRecord, Settlemen
 from roah_rsbb.wording import sheets
 
 
-class JudgedItem(NamedTuple):
+class ItemProposals(NamedTuple):
     """An item with what each judge submitted."""
 
     item: ItemRecord  # as it counts
@@ -22,7 +22,7 @@ def submitted(record: RunRecord) -> Tuple[JudgeSheet, ...]:
     return tuple(found) if is_complete else ()
 
 
-def judged_items(record: RunRecord) -> Iterator[JudgedItem]:
+def judged_items(record: RunRecord) -> Iterator[ItemProposals]:
     """Return the items of a run with what its judges submitted; none if it has no judges."""
     judges = submitted(record)
     settled = {(s.group, s.desc): s for s in record.judging.settlements}
@@ -32,7 +32,7 @@ def judged_items(record: RunRecord) -> Iterator[JudgedItem]:
         values = {one.judge: sheets.in_words(each) for one in judges for each in one.items if each.key == item.key}
         settlement = settled.get(item.key)
         counts = settlement is not None and settlement.proposals == tuple(sorted(values.items()))
-        yield JudgedItem(item, tuple(values.get(s.judge, "") for s in judges), settlement if counts else None)
+        yield ItemProposals(item, tuple(values.get(s.judge, "") for s in judges), settlement if counts else None)
 
 
 def act_lines(record: RunRecord) -> List[Tuple[float, str, str]]:

@@ -8,12 +8,12 @@ States and times are the journal's, and scores and points come from the core's o
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
 from roah_rsbb.core.scoring.book import BookState, RunBook, form_of
-from roah_rsbb.core.scoring.points import Counted
+from roah_rsbb.core.scoring.points import CountedSheet
 from roah_rsbb.journal import kinds
 from roah_rsbb.model import run_log
 from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreValue
 from roah_rsbb.model.saved import BadState, thaw
-from roah_rsbb.results.events import TITLES, RunEvent, Stretch, box_states, in_order, robot_states
+from roah_rsbb.results.events import TITLES, SectionLine, Stretch, box_states, in_order, robot_states
 from roah_rsbb.results.runs import RobotPart, RunMoment, RunResult, clock_text, run_state_of, without_step
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.module_scores import by_group
@@ -38,7 +38,7 @@ Track = List[List[Any]]
 
 def replay_data(
     result: RunResult, moments: Sequence[RunMoment], in_utc: bool,
-    known_events: Optional[Sequence[Tuple[str, RunEvent]]] = None,
+    known_events: Optional[Sequence[Tuple[str, SectionLine]]] = None,
 ) -> Dict[str, Any]:
     """Return what the page needs, as JSON. `moments`: the states of the run; empty: they were not recorded.
     `known_events`: what `in_order` returns with the scores, if the caller has it."""
@@ -111,7 +111,7 @@ def _phases(record: RunRecord, known: Sequence[RunMoment]) -> Track:
     return _track(record.opened_utc, phases + closed)
 
 
-def _latest(events: Sequence[RunEvent]) -> List[List[Any]]:
+def _latest(events: Sequence[SectionLine]) -> List[List[Any]]:
     """Return for each kind and robot: the label, the robot, and the indices of the events."""
     found: Dict[Tuple[str, str], List[int]] = {}
     for index, event in enumerate(events):
@@ -173,7 +173,7 @@ def _sheet(record: RunRecord, known: Sequence[RunMoment]) -> Dict[str, Any]:
     return {"items": items, "values": values, "points": points}
 
 
-def _counted(record: RunRecord, known: Sequence[RunMoment]) -> Iterable[Tuple[float, Counted]]:
+def _counted(record: RunRecord, known: Sequence[RunMoment]) -> Iterable[Tuple[float, CountedSheet]]:
     """Return the score sheet after each of its changes."""
     form, last = form_of(record), None
     for moment in known:

@@ -12,7 +12,7 @@ from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.results.events import RunEvent
+from roah_rsbb.results.events import SectionLine
 from roah_rsbb.results.page import checksum, json_text
 from roah_rsbb.results.replay import NOT_SHOWN, replay_data
 from roah_rsbb.results.runs import RunResult, file_name, run_moments
@@ -45,7 +45,7 @@ def replay_name(number: int, record: RunRecord) -> str:
 
 def replay_of(
     reader: JournalReader, result: RunResult, parts: PageParts, in_utc: bool, warn: Callable[[str], None],
-    video: str = "", events: Optional[Sequence[Tuple[str, RunEvent]]] = None,
+    video: str = "", events: Optional[Sequence[Tuple[str, SectionLine]]] = None,
 ) -> str:
     """Return the page of a run. `video`: address of the video that it shows, if any; `events`: what `in_order` returns
     with the scores, if the caller has it."""

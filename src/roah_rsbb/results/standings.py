@@ -8,9 +8,9 @@ from types import MappingProxyType
 from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.scoring.counting import (
-    Choice,
     Numbers,
     Ruling,
+    RunChoice,
     Why,
     attempts_of,
     exact,
@@ -31,8 +31,8 @@ from roah_rsbb.rulebook.standing_rules import (
     Normalised,
     OfRuns,
     Overall,
-    Part,
     Rules,
+    StandingPart,
     StandingRules,
     day_of,
 )
@@ -84,7 +84,7 @@ class Standing(NamedTuple):
 
 
 def standings(
-    records: Sequence[RunRecord], rules: Dict[str, Rules], choice: Choice, titles: Mapping[str, str] = NO_TITLES
+    records: Sequence[RunRecord], rules: Dict[str, Rules], choice: RunChoice, titles: Mapping[str, str] = NO_TITLES
 ) -> List[Standing]:
     """Return the standings of all benchmarks with runs: in the order of the benchmarks, unknown ones last. Overall
     standings come first.
@@ -103,7 +103,7 @@ def standings(
 
 
 def public_standings(
-    records: Sequence[RunRecord], rules: Dict[str, Rules], choice: Choice, titles: Mapping[str, str]
+    records: Sequence[RunRecord], rules: Dict[str, Rules], choice: RunChoice, titles: Mapping[str, str]
 ) -> Tuple[PublicStanding, ...]:
     """Return the standings for the public; see `standings`."""
     return tuple(
@@ -112,7 +112,7 @@ def public_standings(
         for found in standings(records, rules, choice, titles) if found.lines)
 
 
-def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], choice: Choice) -> Standing:
+def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], choice: RunChoice) -> Standing:
     """Return the standing of one benchmark. `rules`: None if the rules' file does not name it."""
     remarks: List[str] = []
     records = [record for record in records if record.benchmark == code]
@@ -196,7 +196,7 @@ COUNTING = {
 
 
 def overall_standing(
-    overall: Overall, records: Sequence[RunRecord], rules: Mapping[str, Rules], choice: Choice
+    overall: Overall, records: Sequence[RunRecord], rules: Mapping[str, Rules], choice: RunChoice
 ) -> Standing:
     """Return an overall standing. A team that has no run in a benchmark, or is disqualified, gets 0 there."""
     remarks: List[str] = []
@@ -237,8 +237,8 @@ class _TeamsPart(NamedTuple):
 
 
 def _column(
-    part: Part, normalised: Normalised, records: Sequence[RunRecord], rules: Mapping[str, Rules], choice: Choice,
-    remarks: List[str],
+    part: StandingPart, normalised: Normalised, records: Sequence[RunRecord], rules: Mapping[str, Rules],
+    choice: RunChoice, remarks: List[str],
 ) -> Dict[str, _TeamsPart]:
     """Return what each team gets for one benchmark. A team that did not appear or withdrew gets 0."""
     records = [record for record in records if not part.day or day_of(record.scheduled) == part.day]

@@ -64,7 +64,7 @@ class Behaviour(abc.ABC):
     def on_devices(self, devices: fx.Devices) -> None:  # noqa: B027
         """The state of the home devices, initially and after changes."""
 
-    def on_tablet(self, tablet: fx.Tablet) -> None:  # noqa: B027
+    def on_tablet(self, tablet: fx.TabletIs) -> None:  # noqa: B027
         """The state of the tablet, initially and after changes."""
 
     def on_bell(self) -> None:  # noqa: B027
@@ -76,7 +76,7 @@ class Behaviour(abc.ABC):
     def on_tablet_position(self, x: float, y: float) -> None:  # noqa: B027
         """A position (metres) was selected on the tablet."""
 
-    def on_report(self, report: fx.Report) -> None:
+    def on_report(self, report: fx.ProblemIs) -> None:
         """A problem that the client noticed, or its end."""
         _log.log(logging.INFO if report.over else logging.WARNING, "%s", report.text)
 
@@ -216,7 +216,7 @@ class RobotClient:
             behaviour.stop(effect.why)
         elif isinstance(effect, fx.Devices):
             behaviour.on_devices(effect)
-        elif isinstance(effect, fx.Tablet):
+        elif isinstance(effect, fx.TabletIs):
             behaviour.on_tablet(effect)
         elif isinstance(effect, fx.BellRang):
             behaviour.on_bell()
@@ -224,7 +224,7 @@ class RobotClient:
             behaviour.on_tablet_call()
         elif isinstance(effect, fx.PositionSelected):
             behaviour.on_tablet_position(effect.x, effect.y)
-        elif isinstance(effect, fx.Report):
+        elif isinstance(effect, fx.ProblemIs):
             behaviour.on_report(effect)
 
     def _begin_phase(self, work: Callable[[], Awaitable[Any]], end: Callable[[Any], None]) -> None:

@@ -140,7 +140,7 @@ class DummyRobot(Behaviour):
         """Log it."""
         self._log.info("the tablet sends me to %.2f, %.2f", x, y)
 
-    def on_report(self, report: fx.Report) -> None:
+    def on_report(self, report: fx.ProblemIs) -> None:
         """Log it."""
         self._log.log(logging.INFO if report.over else logging.WARNING, "%s", report.text)
 

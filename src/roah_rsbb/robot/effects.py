@@ -93,7 +93,7 @@ class Devices:
 
 
 @dataclass(frozen=True)
-class Tablet:
+class TabletIs:
     """State of the tablet, at the first beacon and after changes. Times as in `Devices`; metres."""
 
     display_map: bool
@@ -135,7 +135,7 @@ class Problem(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Report:
+class ProblemIs:
     """A problem, reported once; `over`: it has ended."""
 
     problem: Problem
@@ -146,5 +146,5 @@ class Report:
 Effect = Union[
     SendBeacon, OpenChannel, CloseChannel, SendState, WouldSendState,
     BenchmarkIs, StateIs, Prepare, Execute, Stop,
-    Devices, Tablet, BellRang, TabletCalled, PositionSelected, Report,
+    Devices, TabletIs, BellRang, TabletCalled, PositionSelected, ProblemIs,
 ]

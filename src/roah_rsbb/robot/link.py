@@ -184,7 +184,7 @@ def _size(key: _Key) -> int:
 # -- the channel ------------------------------------------------------------------------------------
 
 # Limit for all strings of a message, which leaves room for short results. A longer result waits until the box has
-# acknowledged the strings (`Link.message`).
+# acknowledged the strings (`BoxLink.message`).
 STRINGS_BUDGET_BYTES = 500
 
 # Datagrams that arrive out of order do so within this time. If a STOP acknowledges older messages for longer, the box
@@ -192,7 +192,7 @@ STRINGS_BUDGET_BYTES = 500
 STALE_S = 2.0
 
 
-class Link:
+class BoxLink:
     """One private channel from opening to closing."""
 
     def __init__(self, host: str, port: int, now_mono: float, by_hand: bool = False) -> None:

@@ -215,4 +215,4 @@ class RobotProgress:
         if self._reported == (received, problem.name):
             return []
         self._reported = (received, problem.name)
-        return [fx.Report(problem, text)]
+        return [fx.ProblemIs(problem, text)]

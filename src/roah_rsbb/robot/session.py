@@ -15,9 +15,9 @@ from typing import List, Optional, Tuple, Union
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Result
-from roah_rsbb.robot.link import Link, wire_time
+from roah_rsbb.robot.link import BoxLink, wire_time
 from roah_rsbb.robot.machine import IllegalEvent, RobotProgress
-from roah_rsbb.robot.watch import BOX_STARTS_S, SILENCE_S, Home, OtherBoxes, Reports, Silence
+from roah_rsbb.robot.watch import BOX_STARTS_S, SILENCE_S, HomeWatch, OtherBoxes, Reports, Silence
 
 BEACON_PERIOD_S = 1.0
 
@@ -38,13 +38,13 @@ class Session:
         self.team = team
         self.robot = robot
         self.progress = RobotProgress()
-        self.link: Optional[Link] = None
+        self.link: Optional[BoxLink] = None
         self._box: Optional[str] = None  # address of the robot's box
         self._others = OtherBoxes()
         self._silence = Silence(SILENCE_S, now_mono + BOX_STARTS_S - SILENCE_S)  # of the box's beacon
         self._beacon_due = now_mono
         self._changed = False  # send to the box immediately
-        self._home = Home()
+        self._home = HomeWatch()
         self._reports = Reports()
         self._effects: List[fx.Effect] = []
 
@@ -132,7 +132,7 @@ class Session:
             return
         if self.link is None or not self.link.by_hand:
             self._drop("the box is overridden")
-            self.link = Link("", 0, now_mono, by_hand=True)
+            self.link = BoxLink("", 0, now_mono, by_hand=True)
         self._hear_state(now_mono, self.link, message)
 
     # Time.
@@ -167,7 +167,7 @@ class Session:
 
     # The run.
 
-    def _running(self, to_do: str) -> Link:
+    def _running(self, to_do: str) -> BoxLink:
         if self.link is None:
             raise IllegalEvent(f"cannot {to_do}: the box does not list this robot in a run")
         return self.link
@@ -177,11 +177,11 @@ class Session:
         self._changed = self._changed or any(isinstance(effect, fx.StateIs) for effect in effects)
         self._effects += effects
 
-    def _hear_state(self, now_mono: float, link: Link, message: pb.BenchmarkState) -> None:
+    def _hear_state(self, now_mono: float, link: BoxLink, message: pb.BenchmarkState) -> None:
         if not link.take(now_mono, message):
             return
         effects = self.progress.hear(message, goal_needed=not link.by_hand)
-        if any(isinstance(effect, fx.Report) for effect in effects):
+        if any(isinstance(effect, fx.ProblemIs) for effect in effects):
             link.sender.reply(now_mono)  # send the real state, so that the box can start again
         self._follow(effects)
 
@@ -205,10 +205,10 @@ class Session:
             )
             return
         if host != self._box:
-            self._box, self._home = host, Home()  # the first beacon of another box has old times
+            self._box, self._home = host, HomeWatch()  # the first beacon of another box has old times
         self._others.end()
         if self._silence.heard(now_mono):
-            self._effects.append(fx.Report(fx.Problem.NO_BOX, f"the box at {host} is received", over=True))
+            self._effects.append(fx.ProblemIs(fx.Problem.NO_BOX, f"the box at {host} is received", over=True))
         self._effects += self._home.see(beacon)
         link = self.link
         if link is not None:
@@ -219,7 +219,7 @@ class Session:
                 else f"the box at {host} gave this robot port {port}"
             )
         if port is not None:
-            self.link = Link(host, port, now_mono)
+            self.link = BoxLink(host, port, now_mono)
             self._effects.append(fx.OpenChannel(host, port))
 
     def _is_me(self, message: Union[pb.RobotBeacon, pb.BenchmarkingTeam]) -> bool:
@@ -259,15 +259,15 @@ class Session:
             "distinguish them. Stop one of them, or change its robot name",
         )
 
-    def _end_silence(self, now_mono: float, link: Link) -> None:
+    def _end_silence(self, now_mono: float, link: BoxLink) -> None:
         self._others.end()
         if link.silence.heard(now_mono):
             text = f"the box at {link.host} is received again on port {link.port}"
-            self._effects.append(fx.Report(fx.Problem.BOX_SILENT, text, over=True))
+            self._effects.append(fx.ProblemIs(fx.Problem.BOX_SILENT, text, over=True))
 
     def _begin_silences(self, now_mono: float) -> None:
         if self._silence.begins(now_mono):
-            self._effects.append(fx.Report(
+            self._effects.append(fx.ProblemIs(
                 fx.Problem.NO_BOX,
                 f"no beacon of a box for {SILENCE_S:.0f} s: check that the box runs on this network and public port, "
                 "and that no firewall blocks its broadcasts",
@@ -275,7 +275,7 @@ class Session:
         if self.link is not None and self.link.silence.begins(now_mono):
             # A box does not answer what it cannot decrypt.
             password = "" if self.link.decoded else f"team {self.team} has the same password in the box, and that "
-            self._effects.append(fx.Report(
+            self._effects.append(fx.ProblemIs(
                 fx.Problem.BOX_SILENT,
                 f"the box at {self.link.host} has sent nothing on port {self.link.port} for "
                 f"{SILENCE_S:.0f} s: check that {password}no firewall blocks this port",

@@ -9,9 +9,9 @@ from roah_rsbb.robot.effects import (
     Effect,
     PositionSelected,
     Problem,
-    Report,
-    Tablet,
+    ProblemIs,
     TabletCalled,
+    TabletIs,
 )
 
 # A box counts as silent after this time; it sends once a second on each channel.
@@ -85,17 +85,17 @@ class Reports:
     def __init__(self) -> None:
         self._reported: Set[Tuple[Problem, Hashable]] = set()
 
-    def once(self, problem: Problem, key: Hashable, text: str) -> List[Report]:
+    def once(self, problem: Problem, key: Hashable, text: str) -> List[ProblemIs]:
         """The report; empty if it was made before for this `problem` and `key`."""
         if (problem, key) in self._reported or len(self._reported) >= _MAX_REPORTED:
             return []
         self._reported.add((problem, key))
-        return [Report(problem, text)]
+        return [ProblemIs(problem, text)]
 
 
 class _Seen(NamedTuple):
     devices: Devices
-    tablet: Tablet
+    tablet: TabletIs
 
 
 class _Moments:
@@ -118,7 +118,7 @@ class _Moments:
         return before is not None and time > before
 
 
-class Home:
+class HomeWatch:
     """The devices and the tablet as the box's beacons show them.
 
     Beacons contain only the times of the latest ring, call and selected position. The first beacon gives old times, not
@@ -138,7 +138,7 @@ class Home:
                 beacon.devices_dimmer, beacon.devices_blinds,
                 beacon.devices_door_win_detect,
             ),
-            Tablet(
+            TabletIs(
                 beacon.tablet_display_map,
                 _wire_time(beacon.tablet_call_time), _wire_time(beacon.tablet_position_time),
                 beacon.tablet_position_x, beacon.tablet_position_y,

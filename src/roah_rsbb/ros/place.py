@@ -13,7 +13,7 @@ from http.client import HTTPException
 from typing import Any, Optional
 from xml.parsers.expat import ExpatError
 
-from roah_rsbb.document.place import NotFound, Place, read_place
+from roah_rsbb.document.place import DoorPlace, NotFound, read_place
 
 PARAM = "/roah_rsbb_door"
 # ROS's default, for a shell in which no setup file is sourced.
@@ -42,18 +42,18 @@ def _is_here(host: str) -> bool:
     return host != ""
 
 
-class Places:
+class DoorPlaces:
     """Finds the door of the box of a ROS master, in the file and in the parameter by turns."""
 
     def __init__(self, master_uri: Optional[str] = None) -> None:
         """`master_uri`: None: that of ROS_MASTER_URI."""
         self.master_uri = master_uri or os.environ.get("ROS_MASTER_URI", "") or MASTER_URI
-        self._tried: Optional[Place] = None  # the last one
-        self._of_master: Optional[Place] = None  # where the master said last that it is
+        self._tried: Optional[DoorPlace] = None  # the last one
+        self._of_master: Optional[DoorPlace] = None  # where the master said last that it is
 
-    def find(self) -> Place:
+    def find(self) -> DoorPlace:
         """Return where to try next; a place that was tried last only if there is no other. Raises `NotFound`."""
-        of_file: Optional[Place] = None
+        of_file: Optional[DoorPlace] = None
         path = file_of(self.master_uri)
         if path:
             with contextlib.suppress(NotFound):
@@ -76,7 +76,7 @@ class Places:
             why = "does not answer" if isinstance(error, socket.timeout) else f"cannot be reached ({error})"
             return f"ROS master at {self.master_uri} {why}: {START}, or set ROS_MASTER_URI to the box's computer"
         if code == 1 and isinstance(value, dict) and {"url", "token"} <= value.keys():
-            self._of_master = Place(str(value["url"]), str(value["token"]))
+            self._of_master = DoorPlace(str(value["url"]), str(value["token"]))
         else:
             self._of_master = None
         return (f"no core at the ROS master {self.master_uri}: {START}; or, if a box runs, start the launch again "

@@ -11,8 +11,8 @@ from roah_rsbb.model.scoring import (
     MAX_NUMBER,
     MAX_VALUE,
     TIME_LEFT,
-    Choice,
     GroupLimits,
+    ItemChoice,
     JuryResult,
     Key,
     ScoreKind,
@@ -185,7 +185,7 @@ class ScoringSection:
             self._report.error(got["max"].place, f"max {most} of {what}, whose min is {least}", "a max above the min")
         return least, most
 
-    def _choices(self, node: Node) -> Tuple[Choice, ...]:
+    def _choices(self, node: Node) -> Tuple[ItemChoice, ...]:
         """Read choices with points (a map), or without (a sequence)."""
         report = self._report
         if isinstance(node, Mapping) and len(node.pairs) > 1:
@@ -194,14 +194,14 @@ class ScoringSection:
                                                       MAX_NUMBER))
                 for key, value in node.pairs
             ]
-            return tuple(Choice(name, points) for name, points in found if name is not None)
+            return tuple(ItemChoice(name, points) for name, points in found if name is not None)
         if isinstance(node, Sequence) and len(node.items) > 1:
             places: Dict[str, Place] = {}
             for each in node.items:
                 name = text(report, each, "a choice")
                 if name is not None:
                     report.once(places, name, each.place, f"the choice {quote(name)} again", "each choice once")
-            return tuple(map(Choice, places))
+            return tuple(map(ItemChoice, places))
         if not isinstance(node, Unusable):
             report.error(node.place, f"{describe(node)} as choices" if isinstance(node, Scalar) else "too few choices",
                          "two or more, such as '{fully: 20, partly: 10}' or, without points, '[fully, partly]'")

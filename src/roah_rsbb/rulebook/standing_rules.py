@@ -82,7 +82,7 @@ class Normalised(enum.Enum):
     NO = "no"
 
 
-class Part(NamedTuple):
+class StandingPart(NamedTuple):
     """A benchmark in an overall standing."""
 
     benchmark: str  # code
@@ -100,7 +100,7 @@ class Overall(NamedTuple):
     """The rules of an overall standing."""
 
     name: str
-    parts: Tuple[Part, ...]
+    parts: Tuple[StandingPart, ...]
     normalised: Normalised = Normalised.BEST
     ties: Tuple[str, ...] = ()  # codes: where teams tie, the first of these benchmarks decides, then the next
 
@@ -230,7 +230,7 @@ def _overall(report: Report, node: Node, rules: Dict[str, Rules]) -> Optional[Ov
     return Overall(name, tuple(filter(None, parts)), Normalised(normalised), tuple(filter(None, ties)))
 
 
-def _part(report: Report, node: Node, normalised: Optional[str], rules: Dict[str, Rules]) -> Optional[Part]:
+def _part(report: Report, node: Node, normalised: Optional[str], rules: Dict[str, Rules]) -> Optional[StandingPart]:
     got = fields(report, node, "a benchmark of an overall standing", _PART, _PART_OPTIONAL)
     if got is None:
         return None
@@ -251,7 +251,7 @@ def _part(report: Report, node: Node, normalised: Optional[str], rules: Dict[str
         return None
     if code is None or weight is None or day is None or maximum is None:
         return None
-    return Part(code, weight, day, maximum)
+    return StandingPart(code, weight, day, maximum)
 
 
 def _day(report: Report, node: Node) -> Optional[str]:

@@ -69,7 +69,7 @@ class Mapping(Node):
     whole: bool
 
 
-class Explanation(NamedTuple):
+class ErrorInWords(NamedTuple):
     """An error in words, and whether its place is the beginning of the construct or where the parser stopped."""
 
     at_begin: bool
@@ -77,7 +77,7 @@ class Explanation(NamedTuple):
     expected: str
 
 
-_QUOTES = Explanation(
+_QUOTES = ErrorInWords(
     True,
     "a text that begins with a character that has a meaning in YAML",
     "quotes around a text that begins with one of @ ` % * & ! | > [ ] { } , # or a quote",
@@ -124,7 +124,7 @@ _OTHER = (
     "opening one")
 
 
-def explain(error: yaml.MarkedYAMLError, text: str, before: str) -> Explanation:
+def explain(error: yaml.MarkedYAMLError, text: str, before: str) -> ErrorInWords:
     """Explain PyYAML's `error` to an organiser. `before` is the line up to where the parser stopped.
 
     The explanation depends only on the two places that PyYAML reports: the beginning of the construct, and where the
@@ -134,28 +134,28 @@ def explain(error: yaml.MarkedYAMLError, text: str, before: str) -> Explanation:
     begin = "" if error.context_mark is None else text[error.context_mark.index:][:1]
     is_scanner = isinstance(error, yaml.scanner.ScannerError)
     if begin == "%" or (stopped == "%" and not before):
-        return Explanation(begin == "%", *_DIRECTIVE)
+        return ErrorInWords(begin == "%", *_DIRECTIVE)
     if begin in _FLOW:
-        return Explanation(True, *_FLOW[begin])
+        return ErrorInWords(True, *_FLOW[begin])
     if is_scanner and begin == '"' and "\\" in before[-2:]:
-        return Explanation(False, *_BACKSLASH)
+        return ErrorInWords(False, *_BACKSLASH)
     if is_scanner and begin in ("'", '"'):
-        return Explanation(True, *_OPEN_QUOTE)
+        return ErrorInWords(True, *_OPEN_QUOTE)
     if begin and begin in "*&!|>":
         return _QUOTES
     if is_scanner and begin:
-        return Explanation(True, *_NO_KEY)
+        return ErrorInWords(True, *_NO_KEY)
     if stopped == ":":
-        return Explanation(False, *(_SECOND_COLON if ": " in before else _COLON))
+        return ErrorInWords(False, *(_SECOND_COLON if ": " in before else _COLON))
     if is_scanner and stopped in _STOPPED_AT:
-        return Explanation(False, *_STOPPED_AT[stopped])
+        return ErrorInWords(False, *_STOPPED_AT[stopped])
     if before.rstrip().endswith(("'", '"')):
-        return Explanation(False, *_AFTER_QUOTE)
+        return ErrorInWords(False, *_AFTER_QUOTE)
     if stopped in _CLOSED:
-        return Explanation(False, *_CLOSED[stopped])
+        return ErrorInWords(False, *_CLOSED[stopped])
     if stopped and stopped in ",[{":
-        return Explanation(False, *_NO_VALUE)
-    return Explanation(False, *_OTHER)
+        return ErrorInWords(False, *_NO_VALUE)
+    return ErrorInWords(False, *_OTHER)
 
 
 class _Stop(Exception):

@@ -60,7 +60,7 @@ class BoxEnd:
         self._context, self._fingerprint = box_context(self.folder)
         self._on_event = on_event
         self._utc = utc
-        self._codes = codes.Codes(log_dir, utc)
+        self._codes = codes.PairingCode(log_dir, utc)
         self._lock = threading.Lock()  # of codes, the pairing and the channel
         self._channel: Optional[Channel] = None
         self._strangers = _Strangers()

@@ -37,7 +37,7 @@ def make_code(log_dir: str, now: Callable[[], float] = time.time) -> str:
     return code
 
 
-class Codes:
+class PairingCode:
     """The code as the box's end sees it. Call all methods in one thread at a time."""
 
     def __init__(self, log_dir: str, now: Callable[[], float] = time.time) -> None:

@@ -57,7 +57,7 @@ class State(enum.Enum):
     SUPERSEDED = "superseded"  # silent, for good
 
 
-class Superseded(NamedTuple):
+class SupersededBy(NamedTuple):
     """By which word the box was superseded."""
 
     pair: str
@@ -71,7 +71,7 @@ class Claim:
         """`sides`: this computer's side of each pair, by the pair's name."""
         self.epoch = epoch
         self.state = State.SUPERSEDED if is_superseded else State.ASKING if sides else State.ACTIVE
-        self.by: Optional[Superseded] = None
+        self.by: Optional[SupersededBy] = None
         self._cut = cut
         self._sides: Dict[str, Side] = dict(sides)
         self._unanswered: Set[str] = set(sides)
@@ -97,7 +97,7 @@ class Claim:
         self._unanswered.discard(pair)
         own = self.word(pair)
         if word.claims and own.claims and word.rank > own.rank:
-            self.state, self.by = State.SUPERSEDED, Superseded(pair, word)
+            self.state, self.by = State.SUPERSEDED, SupersededBy(pair, word)
         elif self.state is State.ASKING and not self._unanswered:
             self.state = State.ACTIVE
         return self.word(pair) if word.asks else None
@@ -121,7 +121,7 @@ class Claim:
         return [(pair, self.word(pair, asks=self.state is State.ASKING)) for pair in self._sides]
 
 
-class Silence:
+class BoxSilence:
     """How long the standby has not heard the box, in any way."""
 
     def __init__(self) -> None:

@@ -17,7 +17,7 @@ from typing import List, Optional, Tuple
 from roah_rsbb.arguments import Parser, read_by
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.tablet.radio import TabletRadio
-from roah_rsbb.tablet.state import TabletState
+from roah_rsbb.tablet.state import ShownTablet
 
 PROGRAM = "dummy_tablet"
 # Time limit of --once.
@@ -68,7 +68,7 @@ class DummyTablet:
     """The tablet, controlled by lines of text."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, host: str, port: int, bind: str) -> None:
-        self._state = TabletState()
+        self._state = ShownTablet()
         self._loop = loop
         self._heard = asyncio.Event()
         self._shown: Optional[bool] = None

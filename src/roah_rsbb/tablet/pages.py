@@ -8,7 +8,7 @@ import json
 from typing import Any, Dict, Optional
 
 from roah_rsbb.tablet.maps import Map
-from roah_rsbb.tablet.state import TabletState
+from roah_rsbb.tablet.state import ShownTablet
 
 HERE, CALL, PLACE = "here", "call", "place"
 
@@ -25,7 +25,7 @@ class Refusal(Exception):
 class Pages:
     """The pages of one tablet."""
 
-    def __init__(self, state: TabletState, plan: Optional[Map]) -> None:
+    def __init__(self, state: ShownTablet, plan: Optional[Map]) -> None:
         """`plan`: the map; None if there is none."""
         self._state = state
         self._map = plan

@@ -7,7 +7,7 @@ from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tablet.state import BoxPart, TabletState
+from roah_rsbb.tablet.state import BoxPart, ShownTablet
 
 
 class TabletRadio:
@@ -20,7 +20,7 @@ class TabletRadio:
     def __init__(
         self,
         loop: asyncio.AbstractEventLoop,
-        state: TabletState,
+        state: ShownTablet,
         on_box: Callable[[bool], None],
         on_complaint: Callable[[str], None],
         rsbb_host: str = "10.255.255.255",
@@ -86,7 +86,7 @@ class TabletRadio:
             self._on_box(self._state.on_box(self._loop.time(), said))
 
 
-def _beacon(state: TabletState) -> pb.TabletBeacon:
+def _beacon(state: ShownTablet) -> pb.TabletBeacon:
     call, place = state.call_time, state.position_time
     return pb.TabletBeacon(
         last_call=pb.Time(sec=call[0], nsec=call[1]), last_pos=pb.Time(sec=place[0], nsec=place[1]),

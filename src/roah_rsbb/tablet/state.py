@@ -22,7 +22,7 @@ class BoxPart(NamedTuple):
     position_time: WireTime
 
 
-class TabletState:
+class ShownTablet:
     """The state of one tablet, which all its pages show."""
 
     def __init__(self) -> None:

@@ -20,7 +20,7 @@ from roah_rsbb.tools.competition.files import FIREWALL, MODULES
 from roah_rsbb.tools.competition.firewall import TABLET_PORT
 from roah_rsbb.tools.interfaces import interfaces
 from roah_rsbb.tools.open_ports import listeners
-from roah_rsbb.tools.preflight_checks import Finding, Severity
+from roah_rsbb.tools.preflight_checks import Remark, Severity
 
 PROGRAM = "preflight"
 _DESCRIPTION = """\
@@ -84,7 +84,7 @@ def complete(options: argparse.Namespace, config_dir: str) -> None:
         options.log_dir = os.path.join(options.competition, "log") if options.competition else _LOG_DIR
 
 
-def findings(options: argparse.Namespace) -> List[Finding]:
+def findings(options: argparse.Namespace) -> List[Remark]:
     """Return the results of all checks, in the order in which an organiser would check."""
     files = {f"{name}_file": getattr(options, f"{name}_file") for name in FILES}
     own = interfaces()
@@ -105,7 +105,7 @@ def findings(options: argparse.Namespace) -> List[Finding]:
     return found
 
 
-def _check_venue(options: argparse.Namespace, files: Dict[str, str]) -> List[Finding]:
+def _check_venue(options: argparse.Namespace, files: Dict[str, str]) -> List[Remark]:
     from roah_rsbb.nodes.modules.check_ground_truth import look  # imported late: it needs the built messages
 
     loaded = venue.loaded_config(files)

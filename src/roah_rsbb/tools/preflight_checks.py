@@ -42,7 +42,7 @@ class Severity(enum.IntEnum):
     FAILED = 2
 
 
-class Finding(NamedTuple):
+class Remark(NamedTuple):
     """A line of the report."""
 
     level: Severity
@@ -50,17 +50,17 @@ class Finding(NamedTuple):
     remedy: str = ""
 
 
-def check_network(rsbb_host: str, found: List[Interface]) -> Finding:
+def check_network(rsbb_host: str, found: List[Interface]) -> Remark:
     """Check that robots can be reached at `rsbb_host`."""
     there_are = ", ".join(f"{i.broadcast} ({i.name}, {i.address})" for i in found if i.broadcast) or "none"
     for interface in found:
         if rsbb_host == interface.broadcast:
             if interface.address.startswith("127."):
-                return Finding(Severity.WARNING, f"rsbb_host {rsbb_host} reaches this computer only",
-                               f"good for a test; for robots in a network, use its broadcast address: {there_are}")
-            return Finding(Severity.OK, f"rsbb_host {rsbb_host} is the broadcast address of {interface.name}")
-    return Finding(Severity.FAILED, f"rsbb_host {rsbb_host} is not a broadcast address of this computer's networks",
-                   f"connect the network with the robots, or set rsbb_host to one of: {there_are}")
+                return Remark(Severity.WARNING, f"rsbb_host {rsbb_host} reaches this computer only",
+                              f"good for a test; for robots in a network, use its broadcast address: {there_are}")
+            return Remark(Severity.OK, f"rsbb_host {rsbb_host} is the broadcast address of {interface.name}")
+    return Remark(Severity.FAILED, f"rsbb_host {rsbb_host} is not a broadcast address of this computer's networks",
+                  f"connect the network with the robots, or set rsbb_host to one of: {there_are}")
 
 
 def list_firewall() -> Optional[str]:
@@ -79,7 +79,7 @@ def list_firewall() -> Optional[str]:
 
 def check_exposure(
     rsbb_host: str, found: List[Interface], listening: List[Listener], loaded: Optional[str], file: str
-) -> List[Finding]:
+) -> List[Remark]:
     """Check that the robots' network reaches nothing on this computer except the box.
 
     `listening`: all open TCP ports; `loaded`: see `list_firewall`; `file`: the firewall's file.
@@ -88,11 +88,11 @@ def check_exposure(
     if interface is None:
         return []
     if loaded and interface.name in firewall.loaded_for(loaded):
-        return [Finding(Severity.OK, f"the firewall is loaded: {interface.name} reaches only the box's ports")]
+        return [Remark(Severity.OK, f"the firewall is loaded: {interface.name} reaches only the box's ports")]
     remedy = f"load the firewall: sudo nft -f {file}"
     if loaded:
-        return [Finding(Severity.WARNING, f"the firewall is loaded, but not for {interface.name}",
-                        f"write that name into {file}, and load the file again: sudo nft -f {file}")]
+        return [Remark(Severity.WARNING, f"the firewall is loaded, but not for {interface.name}",
+                       f"write that name into {file}, and load the file again: sudo nft -f {file}")]
     if loaded is None:
         remedy += f", or check whether it is loaded: sudo nft list table inet {firewall.TABLE}"
     reached = [port for port in open_to(listening, interface.address) if port.port != firewall.TABLET_PORT]
@@ -100,21 +100,21 @@ def check_exposure(
     text = f"robots' network on {interface.name}: the box's firewall was not found there, and ROS has no password"
     if reached:
         text += f"; open now: TCP {shown}"
-    return [Finding(Severity.WARNING, text, remedy)]
+    return [Remark(Severity.WARNING, text, remedy)]
 
 
-def check_ports(bind_host: str, port: int) -> List[Finding]:
+def check_ports(bind_host: str, port: int) -> List[Remark]:
     """Check that the UDP ports are free."""
     taken = [number for number in range(port, port + PORTS + 1) if not _is_free(bind_host, number)]
     if not taken:
-        return [Finding(Severity.OK, f"UDP ports {port} to {port + PORTS} are free")]
+        return [Remark(Severity.OK, f"UDP ports {port} to {port + PORTS} are free")]
     if taken[0] == port:
-        return [Finding(Severity.FAILED, f"UDP port {port} is used by another program",
-                        f"end it ('ss -ulpn sport = :{port}' shows it; it may be a running box), or choose another "
-                        "rsbb_port")]
+        return [Remark(Severity.FAILED, f"UDP port {port} is used by another program",
+                       f"end it ('ss -ulpn sport = :{port}' shows it; it may be a running box), or choose another "
+                       "rsbb_port")]
     numbers = ", ".join(map(str, taken))
-    return [Finding(Severity.WARNING, f"UDP ports are used by other programs: {numbers}",
-                    "the box will skip them, but a firewall may not allow the ports that it uses instead")]
+    return [Remark(Severity.WARNING, f"UDP ports are used by other programs: {numbers}",
+                   "the box will skip them, but a firewall may not allow the ports that it uses instead")]
 
 
 def _is_free(bind_host: str, port: int) -> bool:
@@ -125,7 +125,7 @@ def _is_free(bind_host: str, port: int) -> bool:
     return True
 
 
-def check_other_box(rsbb_host: str, port: int, bind_host: str, seconds: float) -> Finding:
+def check_other_box(rsbb_host: str, port: int, bind_host: str, seconds: float) -> Remark:
     """Check that no other box transmits: listen for `seconds`, as the box itself does."""
     heard: List[str] = []
     loop = asyncio.new_event_loop()
@@ -141,14 +141,14 @@ def check_other_box(rsbb_host: str, port: int, bind_host: str, seconds: float) -
         loop.call_later(seconds, loop.stop)
         loop.run_forever()
     except OSError as error:
-        return Finding(Severity.FAILED, f"cannot listen to the network: {error}", "see the lines above")
+        return Remark(Severity.FAILED, f"cannot listen to the network: {error}", "see the lines above")
     finally:
         channel.close()
         loop.close()
     if heard:
-        return Finding(Severity.FAILED, f"another RSBB transmits from {heard[0]}",
-                       "end it: robots obey both. If it is your own box, it is already running")
-    return Finding(Severity.OK, f"no other RSBB was heard in {seconds:g} s")
+        return Remark(Severity.FAILED, f"another RSBB transmits from {heard[0]}",
+                      "end it: robots obey both. If it is your own box, it is already running")
+    return Remark(Severity.OK, f"no other RSBB was heard in {seconds:g} s")
 
 
 def is_synchronised() -> Optional[bool]:
@@ -160,17 +160,17 @@ def is_synchronised() -> Optional[bool]:
     return None if state < 0 else state != _TIME_ERROR
 
 
-def check_clock(synchronised: Optional[bool]) -> Finding:
+def check_clock(synchronised: Optional[bool]) -> Remark:
     """Check this computer's clock: robots whose clocks differ from it by 0.1 s cannot start."""
     if synchronised:
-        return Finding(Severity.OK, "this computer's clock is synchronised")
+        return Remark(Severity.OK, "this computer's clock is synchronised")
     what = "is not synchronised" if synchronised is False else "may not be synchronised: the system does not report it"
-    return Finding(Severity.WARNING, f"this computer's clock {what}",
-                   "synchronise it and all robots with one NTP server (chrony, systemd-timesyncd). Without the "
-                   "Internet, this computer can be that server")
+    return Remark(Severity.WARNING, f"this computer's clock {what}",
+                  "synchronise it and all robots with one NTP server (chrony, systemd-timesyncd). Without the "
+                  "Internet, this computer can be that server")
 
 
-def check_log_dir(log_dir: str, usage: Callable[[str], object] = shutil.disk_usage) -> List[Finding]:
+def check_log_dir(log_dir: str, usage: Callable[[str], object] = shutil.disk_usage) -> List[Remark]:
     """Check that logs can be written, and that the disk has enough space."""
     try:
         os.makedirs(log_dir, mode=0o750, exist_ok=True)
@@ -180,63 +180,63 @@ def check_log_dir(log_dir: str, usage: Callable[[str], object] = shutil.disk_usa
             os.fsync(trial.fileno())
         free = usage(log_dir).free
     except OSError as error:
-        return [Finding(Severity.FAILED, f"log_dir {log_dir} cannot be written: {error.strerror}",
-                        "choose another log_dir, or give this user write permission")]
-    found = [Finding(Severity.OK, f"log_dir {log_dir} can be written")]
+        return [Remark(Severity.FAILED, f"log_dir {log_dir} cannot be written: {error.strerror}",
+                       "choose another log_dir, or give this user write permission")]
+    found = [Remark(Severity.OK, f"log_dir {log_dir} can be written")]
     text = f"{free / 1024**3:.1f} GiB are free there"
     if free < ENOUGH_BYTES:
         level = Severity.FAILED if free < FULL_BYTES else Severity.WARNING
-        found.append(Finding(level, f"only {text}", "free some, or choose a log_dir on another disk"))
+        found.append(Remark(level, f"only {text}", "free some, or choose a log_dir on another disk"))
     else:
-        found.append(Finding(Severity.OK, text))
+        found.append(Remark(Severity.OK, text))
     return found
 
 
-def check_configuration(files: Dict[str, str], modules_dir: str) -> List[Finding]:
+def check_configuration(files: Dict[str, str], modules_dir: str) -> List[Remark]:
     """Check the configuration files. `files`: benchmarks_file, schedule_file, passwords_file."""
     try:
         loaded, warnings = config.load(files["benchmarks_file"], files["schedule_file"], files["passwords_file"])
     except config.ConfigErrors as errors:
-        return [Finding(Severity.FAILED, line, "") for line in str(errors).splitlines()]
+        return [Remark(Severity.FAILED, line, "") for line in str(errors).splitlines()]
     events = sum(len(zone.events) for zone in loaded.zones)
-    found = [Finding(Severity.OK, f"the configuration is valid: {len(loaded.zones)} zones, {events} events")]
-    found += [Finding(Severity.WARNING, warning, "") for warning in warnings]
+    found = [Remark(Severity.OK, f"the configuration is valid: {len(loaded.zones)} zones, {events} events")]
+    found += [Remark(Severity.WARNING, warning, "") for warning in warnings]
     return [*found, *_check_modules(loaded, modules_dir), _check_passwords(loaded)]
 
 
-def _check_modules(loaded: Config, modules_dir: str) -> List[Finding]:
+def _check_modules(loaded: Config, modules_dir: str) -> List[Remark]:
     """Check the parameters of the benchmarking modules that the schedule needs."""
     codes = scheduled_modules(loaded)
     if not codes:
         return []
     errors = module_errors(modules_dir, loaded)
     if errors:
-        return [Finding(Severity.FAILED, line, "") for line in errors]
-    return [Finding(Severity.OK, f"the parameters of the benchmarking modules are valid: {', '.join(codes)}")]
+        return [Remark(Severity.FAILED, line, "") for line in errors]
+    return [Remark(Severity.OK, f"the parameters of the benchmarking modules are valid: {', '.join(codes)}")]
 
 
-def _check_passwords(loaded: Config) -> Finding:
+def _check_passwords(loaded: Config) -> Remark:
     """Check that no team uses an included password, which is public."""
     taking_part = {event.team for zone in loaded.zones for event in zone.events}
     weak = sorted(team for team in taking_part if loaded.passwords.get(team) in SHIPPED_PASSWORDS)
     if weak:
-        return Finding(Severity.WARNING, f"passwords from the included passwords file: {', '.join(weak)}",
-                       "give each team a new password: anybody can read these")
-    return Finding(Severity.OK, "no team has a password from the included passwords file")
+        return Remark(Severity.WARNING, f"passwords from the included passwords file: {', '.join(weak)}",
+                      "give each team a new password: anybody can read these")
+    return Remark(Severity.OK, "no team has a password from the included passwords file")
 
 
-def check_player(command: str, installed: Callable[[str], Optional[str]] = shutil.which) -> Finding:
+def check_player(command: str, installed: Callable[[str], Optional[str]] = shutil.which) -> Remark:
     """Check that the bell and the timeout can be heard. `command`: the program that plays sounds."""
     if installed(command):
-        return Finding(Severity.OK, f"sounds are played by {command}")
-    return Finding(Severity.WARNING, f"{command} is not installed: neither the bell nor the timeout will be heard",
-                   "install alsa-utils, or set bell_ring_command and timeout_ring_command")
+        return Remark(Severity.OK, f"sounds are played by {command}")
+    return Remark(Severity.WARNING, f"{command} is not installed: neither the bell nor the timeout will be heard",
+                  "install alsa-utils, or set bell_ring_command and timeout_ring_command")
 
 
-def check_display(there_is_one: bool) -> Finding:
+def check_display(there_is_one: bool) -> Remark:
     """Check that the referee's window can open."""
     if there_is_one:
-        return Finding(Severity.OK, "windows can be opened here")
-    return Finding(Severity.WARNING, "no window can be opened here",
-                   "log in at a desktop, or let referees use other computers (roah_rsbb_client.launch) or a terminal "
-                   "(rosrun roah_rsbb referee)")
+        return Remark(Severity.OK, "windows can be opened here")
+    return Remark(Severity.WARNING, "no window can be opened here",
+                  "log in at a desktop, or let referees use other computers (roah_rsbb_client.launch) or a terminal "
+                  "(rosrun roah_rsbb referee)")

@@ -17,7 +17,7 @@ from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.registry import BELL, DEVICES, TABLET, BenchmarkKind
-from roah_rsbb.tools.preflight_checks import Finding, Severity
+from roah_rsbb.tools.preflight_checks import Remark, Severity
 
 CONNECT_S = 3.0
 
@@ -39,7 +39,7 @@ def _needing(loaded: Config, *uses: str) -> List[str]:
     return sorted(benchmark.code for benchmark in found if benchmark.profile.uses.intersection(uses))
 
 
-def check_tablet_port(loaded: Config, host: str, port: int) -> List[Finding]:
+def check_tablet_port(loaded: Config, host: str, port: int) -> List[Remark]:
     """Check that the tablet's page can be served, if a benchmark needs it."""
     codes = _needing(loaded, TABLET)
     if not codes:
@@ -48,24 +48,24 @@ def check_tablet_port(loaded: Config, host: str, port: int) -> List[Finding]:
                             f". The page is for {', '.join(codes)}")]
 
 
-def check_web_port(host: str, port: int) -> Finding:
+def check_web_port(host: str, port: int) -> Remark:
     """Check that the web pages can be served. Runs do not need them."""
     return _check_tcp_port(host, port, "the web pages", "web_port", Severity.WARNING, "")
 
 
-def _check_tcp_port(host: str, port: int, what: str, parameter: str, level: Severity, purpose: str) -> Finding:
+def _check_tcp_port(host: str, port: int, what: str, parameter: str, level: Severity, purpose: str) -> Remark:
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as trial:
         trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             trial.bind((host, port))
         except OSError as error:
-            return Finding(level, f"TCP port {port} of {what} cannot be used: {error.strerror}",
-                           f"end the program that uses it ('ss -tlpn sport = :{port}' shows it), or choose another "
-                           f"{parameter}{purpose}")
-    return Finding(Severity.OK, f"TCP port {port} of {what} is free")
+            return Remark(level, f"TCP port {port} of {what} cannot be used: {error.strerror}",
+                          f"end the program that uses it ('ss -tlpn sport = :{port}' shows it), or choose another "
+                          f"{parameter}{purpose}")
+    return Remark(Severity.OK, f"TCP port {port} of {what} is free")
 
 
-def check_devices(loaded: Config, host: str, port: int) -> List[Finding]:
+def check_devices(loaded: Config, host: str, port: int) -> List[Remark]:
     """Check that the controller of the home devices can be reached, if a benchmark needs it."""
     codes = _needing(loaded, DEVICES, BELL)
     if not codes:
@@ -74,14 +74,14 @@ def check_devices(loaded: Config, host: str, port: int) -> List[Finding]:
         socket.create_connection((host, port), CONNECT_S).close()
     except OSError as error:
         why = error.strerror or str(error) or "no answer"
-        return [Finding(Severity.FAILED, f"the SmartIF controller at {host}:{port} cannot be reached: {why}",
-                        f"switch it on, check its cable and smartif_host. The home devices are for {', '.join(codes)}")]
-    return [Finding(Severity.OK, f"the SmartIF controller at {host}:{port} can be reached")]
+        return [Remark(Severity.FAILED, f"the SmartIF controller at {host}:{port} cannot be reached: {why}",
+                       f"switch it on, check its cable and smartif_host. The home devices are for {', '.join(codes)}")]
+    return [Remark(Severity.OK, f"the SmartIF controller at {host}:{port} can be reached")]
 
 
-def check_ground_truth(loaded: Config, modules_dir: str, look: Look) -> List[Finding]:
+def check_ground_truth(loaded: Config, modules_dir: str, look: Look) -> List[Remark]:
     """Check that the motion-capture system sees the markers that the scheduled benchmarks need."""
-    found: List[Finding] = []
+    found: List[Remark] = []
     for path, subjects in _subjects_by_file(loaded, modules_dir).items():
         try:
             truth = load(path)
@@ -89,19 +89,19 @@ def check_ground_truth(loaded: Config, modules_dir: str, look: Look) -> List[Fin
             continue  # another check reports the errors
         if truth.source is not Source.MOTION_CAPTURE:
             who = "the referee enters all poses" if truth.source is Source.REFEREE else "poses are not scored"
-            found.append(Finding(Severity.OK, f"no motion capture in {path}: {who}"))
+            found.append(Remark(Severity.OK, f"no motion capture in {path}: {who}"))
             continue
         states = look(truth)
         if states is None:
-            found.append(Finding(Severity.WARNING, f"the markers of {path} were not checked: no ROS master",
-                                 "start roscore and the motion capture, then: rosrun roah_rsbb check_ground_truth "
-                                 + path))
+            found.append(Remark(Severity.WARNING, f"the markers of {path} were not checked: no ROS master",
+                                "start roscore and the motion capture, then: rosrun roah_rsbb check_ground_truth "
+                                + path))
             continue
         missing = [s for s in states if s.subject in subjects and s.pose is None]
-        found += [Finding(Severity.WARNING, f"marker not seen: {state.trouble}", f"its frame is in {path}")
+        found += [Remark(Severity.WARNING, f"marker not seen: {state.trouble}", f"its frame is in {path}")
                   for state in missing]
         if not missing:
-            found.append(Finding(Severity.OK, f"the motion capture sees all markers of {path}"))
+            found.append(Remark(Severity.OK, f"the motion capture sees all markers of {path}"))
     return found
 
 

@@ -41,7 +41,7 @@ class Process(NamedTuple):
     words: List[str]
 
 
-class Refused(Exception):
+class NotReconnected(Exception):
     """Nothing was changed. The text says why."""
 
 
@@ -108,7 +108,7 @@ def descendants(pid: int, processes: Sequence[Process]) -> List[int]:
     return found
 
 
-class Restart(NamedTuple):
+class RestartedProgram(NamedTuple):
     """A program to start again."""
 
     words: List[str]
@@ -116,10 +116,10 @@ class Restart(NamedTuple):
     environment: Dict[str, str]
 
 
-def restart_of(pid: int, uri: str) -> Restart:
+def restart_of(pid: int, uri: str) -> RestartedProgram:
     """Return how a program was started, with another master. Raises OSError."""
     environment = dict(entry.partition("=")[::2] for entry in _strings(pid, "environ"))
-    return Restart(_strings(pid, "cmdline"), os.readlink(f"/proc/{pid}/cwd"), {**environment, _MASTER: uri})
+    return RestartedProgram(_strings(pid, "cmdline"), os.readlink(f"/proc/{pid}/cwd"), {**environment, _MASTER: uri})
 
 
 def end(pid: int) -> None:
@@ -147,22 +147,22 @@ def _runs(pid: int) -> bool:
 
 
 def check_box(uri: str) -> None:
-    """Raise `Refused` if no box runs there."""
+    """Raise `NotReconnected` if no box runs there."""
     try:
         rosgraph.Master("/roah_rsbb_reconnect", uri).lookupService(SERVICE)
     except rosgraph.MasterException:
-        raise Refused(f"the ROS master at {uri} has no box yet: take over first") from None
+        raise NotReconnected(f"the ROS master at {uri} has no box yet: take over first") from None
     except (OSError, ValueError) as error:
-        raise Refused(f"no ROS master answers at {uri} ({error}): check the address") from None
+        raise NotReconnected(f"no ROS master answers at {uri} ({error}): check the address") from None
 
 
 def reconnect(uri: str) -> List[subprocess.Popen]:
-    """Restart all clients; returns them. Raises `Refused`."""
+    """Restart all clients; returns them. Raises `NotReconnected`."""
     check_box(uri)
     found = clients(own_processes())
     if not found:
-        raise Refused("no client, public display or rqt of yours runs here. Start it with: "
-                      f"{_MASTER}={uri} roslaunch roah_rsbb roah_rsbb_client.launch")
+        raise NotReconnected("no client, public display or rqt of yours runs here. Start it with: "
+                             f"{_MASTER}={uri} roslaunch roah_rsbb roah_rsbb_client.launch")
     restarts = [restart_of(process.pid, uri) for process in found]
     threads = [threading.Thread(target=end, args=(process.pid,)) for process in found]
     for thread in threads:
@@ -181,7 +181,7 @@ def main() -> None:
     options = _parser().parse_args()
     try:
         started = reconnect(uri_of(options.box))
-    except (Refused, OSError) as error:
+    except (NotReconnected, OSError) as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
         sys.exit(1)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C also reaches the started programs, for which this one waits

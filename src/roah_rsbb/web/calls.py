@@ -14,7 +14,7 @@ from roah_rsbb.web.commands import JUDGING, SHEET, STOP, Command, Outcome
 _RESULTS: Dict[str, Any] = {SHEET: RunSheet, JUDGING: JudgedRun}
 
 
-class Calls:
+class PageCalls:
     """Makes the calls. STOP has a connection of its own, so it waits for no other."""
 
     def __init__(self, client: "Client[Document]", node: str) -> None:

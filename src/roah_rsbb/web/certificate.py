@@ -18,7 +18,7 @@ class CertificateError(OSError):
     """The certificate cannot be used. The text names the remedy."""
 
 
-class Files(NamedTuple):
+class CertificateFiles(NamedTuple):
     """The files of a certificate, as PEM."""
 
     certificate: str  # with those that signed it, if there are any
@@ -28,7 +28,7 @@ class Files(NamedTuple):
 class Certificate:
     """The certificate of the pages. Call `renew` from time to time: the files may be replaced while it is in use."""
 
-    def __init__(self, files: Files) -> None:
+    def __init__(self, files: CertificateFiles) -> None:
         self._files = files
         self._stamps: List[Optional[Tuple[int, int, int]]] = []
         self._parsed: Optional[x509.Certificate] = None
@@ -71,7 +71,7 @@ class Certificate:
         return ""
 
 
-def _stamps(files: Files) -> List[Optional[Tuple[int, int, int]]]:
+def _stamps(files: CertificateFiles) -> List[Optional[Tuple[int, int, int]]]:
     """What changes when a file is replaced or written."""
     stamps: List[Optional[Tuple[int, int, int]]] = []
     for path in files:
@@ -83,7 +83,7 @@ def _stamps(files: Files) -> List[Optional[Tuple[int, int, int]]]:
     return stamps
 
 
-def _parse(files: Files) -> x509.Certificate:
+def _parse(files: CertificateFiles) -> x509.Certificate:
     """Read the certificate, and check that both files can be read."""
     data = b""
     for path in reversed(files):
@@ -107,7 +107,7 @@ def _new_context() -> ssl.SSLContext:
     return context
 
 
-def _load(context: ssl.SSLContext, files: Files) -> None:
+def _load(context: ssl.SSLContext, files: CertificateFiles) -> None:
     try:
         context.load_cert_chain(files.certificate, files.key, _no_password)
     except _HasPassword as error:

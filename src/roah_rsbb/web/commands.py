@@ -4,7 +4,7 @@ from typing import Any, Dict, NamedTuple, Tuple
 
 from roah_rsbb.model import fields as model_fields
 from roah_rsbb.model.actions import EVERY, JUDGES, MARK, STOP, Action
-from roah_rsbb.web.pairing import JUDGE, Session
+from roah_rsbb.web.pairing import JUDGE, DeviceSession
 
 MAX_TEXT = 500
 _MAX_WHOLE = 2**31 - 1
@@ -33,7 +33,7 @@ class Command(NamedTuple):
 
     name: str
     zone: str
-    session: Session
+    session: DeviceSession
     fields: Dict[str, Any]
 
 
@@ -46,7 +46,7 @@ class Outcome(NamedTuple):
     result: Any = None  # of a sheet `RunSheet`, of judges `JudgedRun`, else JSON
 
 
-def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:
+def command_of(name: str, body: Dict[str, Any], session: DeviceSession) -> Command:
     """Read a command; raises `BadCommand`. Fields that are missing are empty or 0."""
     action = None if name == STOP else EVERY.get(name)
     wanted = FIELDS.get(name) if action is None else SHOWN
@@ -93,7 +93,7 @@ def may(command: Command) -> bool:
     return grant.role != JUDGE or command.name == JUDGING
 
 
-def _of_session(action: Action, session: Session) -> Dict[str, str]:
+def _of_session(action: Action, session: DeviceSession) -> Dict[str, str]:
     """Return the values of fields that a device cannot choose: what a judge does is done under the name that was typed
     when the device was paired."""
     own = {"device": session.device, "role": session.grant.role}

@@ -8,10 +8,10 @@ import functools
 from typing import Iterable, List, Optional, Set
 
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.document import Document as BoxDocument
-from roah_rsbb.model.zone import Zone
+from roah_rsbb.model.document import Document
+from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.web import documents, zone_documents
-from roah_rsbb.web.numbered import Document, Key, Numbered
+from roah_rsbb.web.numbered import Key, Numbered, NumberedDocument
 from roah_rsbb.web.store import Store
 from roah_rsbb.wording import team_page
 
@@ -63,7 +63,7 @@ class Desk(Numbered):
                 self._make(document, language, name, now)
         return self.changes != before
 
-    def _make(self, document: BoxDocument, language: str, name: str, now: Now) -> None:
+    def _make(self, document: Document, language: str, name: str, now: Now) -> None:
         """Make the documents of a zone in a language, which texts have now."""
         zone = document.zones.get(name)
         if zone is None:  # it is gone
@@ -78,7 +78,7 @@ class Desk(Numbered):
         self._renew((CLOCK, language, name), (zone.clock, zone.phase, now.mono if counts else None),
                     lambda: zone_documents.clock_page(zone, now.mono))
 
-    def _zones(self) -> List[Zone]:
+    def _zones(self) -> List[ZoneSeen]:
         document = self.box.document
         return [] if document is None else [
             document.zones[name] for name in document.box.zones if name in document.zones]
@@ -90,7 +90,7 @@ class Desk(Numbered):
         return [*self._store.keys(documents.FIXED_TEXTS, language), (ZONES, language), (ZONE, language, zone),
                 (CLOCK, language, zone)]
 
-    def document(self, key: Key) -> Document:
+    def document(self, key: Key) -> NumberedDocument:
         """Return a document."""
         return self._store.document(key) if key[0] in documents.FIXED_TEXTS else super().document(key)
 

@@ -108,7 +108,7 @@ class Places(Generic[T]):
         return next(viewer for viewer, address in self._viewers.items() if address == crowded)
 
 
-class Connections(Generic[T]):
+class ConnectionPlaces(Generic[T]):
     """The places of connections. Those from addresses of paired devices have places of their own, so that no number of
     other computers can keep a referee out."""
 

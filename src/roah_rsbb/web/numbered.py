@@ -10,7 +10,7 @@ import uuid
 from typing import Any, Callable, Dict, NamedTuple, Optional, Protocol, Sequence, Set, Tuple
 
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.document import Document as BoxDocument
+from roah_rsbb.model.document import Document
 
 # A document's name first, then what distinguishes documents of this name, such as the language of the texts.
 Key = Tuple[str, ...]
@@ -31,17 +31,17 @@ def report_once(what: str, error: Exception) -> None:
         _log.error("%s. STOP and all other readers continue. Please report it", text, exc_info=error)
 
 
-class Document(NamedTuple):
+class NumberedDocument(NamedTuple):
     """A document."""
 
     number: int
     text: str  # JSON
 
 
-EMPTY = Document(0, "null")
+EMPTY = NumberedDocument(0, "null")
 
 
-class Box(Protocol):
+class BoxShown(Protocol):
     """The box that is shown: a `client.Client`."""
 
     @property
@@ -49,7 +49,7 @@ class Box(Protocol):
         """Why there is no connection to it; empty: there is one."""
 
     @property
-    def document(self) -> Optional[BoxDocument]:
+    def document(self) -> Optional[Document]:
         """The document; None: none has come yet."""
 
     @property
@@ -76,11 +76,11 @@ class NoBox:
 class Numbered:
     """Documents by key, made from the document of a box."""
 
-    def __init__(self, box: Box, session: str = "") -> None:
+    def __init__(self, box: BoxShown, session: str = "") -> None:
         self.box = box
         self.session = session or uuid.uuid4().hex  # of this process: numbers begin again with each
         self.changes = 0  # of all documents
-        self._documents: Dict[Key, Document] = {}
+        self._documents: Dict[Key, NumberedDocument] = {}
         self._pieces: Dict[Key, str] = {}  # parts of messages
         self._made_of: Dict[Key, Any] = {}
 
@@ -93,7 +93,7 @@ class Numbered:
         """Return the box's clock in UTC seconds, or None before it was heard."""
         return round(self.box.now().utc, 3) or None
 
-    def document(self, key: Key) -> Document:
+    def document(self, key: Key) -> NumberedDocument:
         """Return a document; before the core is heard it is empty."""
         return self._documents.get(key, EMPTY)
 
@@ -151,6 +151,6 @@ class Numbered:
         text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
         before = self.document(key)
         if text != before.text:
-            self._documents[key] = Document(before.number + 1, text)
+            self._documents[key] = NumberedDocument(before.number + 1, text)
             self.changes += 1
             self._pieces.pop(key, None)

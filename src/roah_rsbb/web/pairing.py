@@ -34,11 +34,11 @@ FILE = "web_sessions.json"
 MAX_NAME = 40
 
 
-class Refused(Exception):
+class NotPaired(Exception):
     """A device is not paired. The text is for its user."""
 
 
-class TooManyGuesses(Refused):
+class TooManyGuesses(NotPaired):
     """There were too many guesses of codes."""
 
 
@@ -53,7 +53,7 @@ class Grant(NamedTuple):
         return self.zone in ("", zone)
 
 
-class Session(NamedTuple):
+class DeviceSession(NamedTuple):
     """A paired device."""
 
     id: str
@@ -112,11 +112,11 @@ class Codes:
         self._guesses.was_right(address)
 
     def take(self, mono: float, typed: str) -> Grant:
-        """Use a code up, and return what it gives; raises `Refused`. Call `check_guess` first."""
+        """Use a code up, and return what it gives; raises `NotPaired`. Call `check_guess` first."""
         self._forget_old(mono)
         found = self._codes.pop(_hash(signs_of(typed)), None)
         if found is None:
-            raise Refused(tr(device.WRONG_CODE))
+            raise NotPaired(tr(device.WRONG_CODE))
         return found[0]
 
     def _forget_old(self, mono: float) -> None:
@@ -129,39 +129,39 @@ class Sessions:
     def __init__(self, save: Callable[[List[Dict[str, Any]]], None], saved: Iterable[Dict[str, Any]] = ()) -> None:
         """`save` keeps the sessions and raises OSError; `saved`: what it kept before."""
         self._save = save
-        self._sessions: Dict[str, Session] = {}  # by hash of the token, oldest first
+        self._sessions: Dict[str, DeviceSession] = {}  # by hash of the token, oldest first
         for record in saved:
             hashed, session = _session_of(record)
             self._sessions[hashed] = session
 
-    def listed(self, utc: float) -> List[Session]:
+    def listed(self, utc: float) -> List[DeviceSession]:
         """Return all sessions, oldest first."""
         self._forget_old(utc)
         return list(self._sessions.values())
 
     def check(self, utc: float, person: str) -> None:
-        """Raise `Refused` if a device of this person cannot be paired."""
+        """Raise `NotPaired` if a device of this person cannot be paired."""
         self._forget_old(utc)
         if len(self._sessions) >= MAX_SESSIONS:
-            raise Refused(tr(device.TOO_MANY_DEVICES))
+            raise NotPaired(tr(device.TOO_MANY_DEVICES))
         if not plain(person):
-            raise Refused(tr(device.NO_NAME))
+            raise NotPaired(tr(device.NO_NAME))
 
     def add(self, utc: float, grant: Grant, person: str, name: str, is_encrypted: bool = False) -> str:
-        """Pair a device of that name; returns its token. Raises `Refused`."""
+        """Pair a device of that name; returns its token. Raises `NotPaired`."""
         self.check(utc, person)
         token = secrets.token_urlsafe(TOKEN_BYTES)
         hashed = _hash_of(token, is_encrypted)
-        self._sessions[hashed] = Session(
+        self._sessions[hashed] = DeviceSession(
             secrets.token_hex(4), grant, plain(person), plain(name) or "browser", utc)
         try:
             self._write()
         except OSError as error:
             del self._sessions[hashed]
-            raise Refused(tr(device.NOT_SAVED, error=error)) from error
+            raise NotPaired(tr(device.NOT_SAVED, error=error)) from error
         return token
 
-    def of(self, utc: float, token: str, is_encrypted: bool = False) -> Optional[Session]:
+    def of(self, utc: float, token: str, is_encrypted: bool = False) -> Optional[DeviceSession]:
         """Return the session of a token, and note that its device was seen; None: it has none.
 
         Others may know a token that was given without encryption, so it has no session on encrypted pages.
@@ -173,7 +173,7 @@ class Sessions:
         session = self._sessions[hashed] = session._replace(seen_utc=utc)
         return session
 
-    def revoke(self, session_id: str) -> List[Session]:
+    def revoke(self, session_id: str) -> List[DeviceSession]:
         """End the pairing of a device; empty: of all. Returns which were ended.
 
         Raises OSError if that cannot be saved: the pairing has ended, but would be valid again after a restart.
@@ -206,7 +206,7 @@ def signs_of(typed: str) -> str:
     return "".join(sign for sign in typed.upper() if sign.isalnum())
 
 
-def _is_old(session: Session, utc: float) -> bool:
+def _is_old(session: DeviceSession, utc: float) -> bool:
     return utc - session.paired_utc > SESSION_VALID_S
 
 
@@ -218,11 +218,11 @@ def _hash_of(token: str, is_encrypted: bool) -> str:
     return _hash(f"https {token}" if is_encrypted else token)
 
 
-def _session_of(record: Dict[str, Any]) -> "tuple[str, Session]":
+def _session_of(record: Dict[str, Any]) -> "tuple[str, DeviceSession]":
     """Read a saved session; raises KeyError, TypeError or ValueError."""
     role, zone = str(record["role"]), str(record["zone"])
     if role not in ROLES or len(record["token_sha256"]) != 64:
         raise ValueError(record)
-    return record["token_sha256"], Session(
+    return record["token_sha256"], DeviceSession(
         str(record["id"]), Grant(role, zone), str(record["person"]), str(record["device"]),
         float(record["paired_utc"]), float(record["seen_utc"]))

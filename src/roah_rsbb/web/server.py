@@ -25,7 +25,7 @@ from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.guarded import FileHandler, Guarded, policy
 from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.numbered import Made, report_once
-from roah_rsbb.web.pairing import Codes, Guesses, Session, Sessions
+from roah_rsbb.web.pairing import Codes, DeviceSession, Guesses, Sessions
 from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind, set_headers
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.teams.codes import TeamCodes
@@ -175,7 +175,7 @@ class WebServer:
         """Return UTC seconds of this computer, for what outlives the process."""
         return time.time()
 
-    def revoke(self, session_id: str) -> List[Session]:
+    def revoke(self, session_id: str) -> List[DeviceSession]:
         """End the pairing of a device; empty: of all. Raises OSError as `Sessions.revoke` does."""
         try:
             return self.sessions.revoke(session_id)

@@ -14,7 +14,7 @@ from typing import Any, Callable, Dict, List, Optional
 
 from tornado import httpserver, iostream, netutil, web, websocket
 
-from roah_rsbb.web.limits import Connections
+from roah_rsbb.web.limits import ConnectionPlaces
 
 ANY_HOST = "0.0.0.0"
 MAX_MESSAGE_BYTES = 1024
@@ -51,7 +51,7 @@ class BoundedServer(httpserver.HTTPServer):
     def initialize(self, *args: Any, **options: Any) -> None:
         super().initialize(*args, max_body_size=_MAX_BODY_BYTES, max_header_size=_MAX_HEADER_BYTES,
                            idle_connection_timeout=IDLE_S, body_timeout=IDLE_S, **options)
-        self._waiting: Connections[iostream.IOStream] = Connections(lambda stream: stream.close())
+        self._waiting: ConnectionPlaces[iostream.IOStream] = ConnectionPlaces(lambda stream: stream.close())
 
     def handle_stream(self, stream: iostream.IOStream, address: Any) -> Any:
         """Accept a connection."""

@@ -6,7 +6,7 @@ from typing import ContextManager, Dict, Iterable, List, Optional, Set, Tuple
 from roah_rsbb.model.document import Document
 from roah_rsbb.web import documents
 from roah_rsbb.web.documents import TEXTS, Data
-from roah_rsbb.web.numbered import Box, Key, Numbered
+from roah_rsbb.web.numbered import BoxShown, Key, Numbered
 from roah_rsbb.wording import device
 from roah_rsbb.wording.language import Translate, in_language
 from roah_rsbb.wording.public import ALL_TEAMS
@@ -21,7 +21,7 @@ _NO_DAY = (0, 0, 0)
 class Store(Numbered):
     """The documents of the gateway."""
 
-    def __init__(self, box: Box, languages: Dict[str, Translate], title: str = "", session: str = "",
+    def __init__(self, box: BoxShown, languages: Dict[str, Translate], title: str = "", session: str = "",
                  logos: Optional[Dict[str, str]] = None) -> None:
         """`languages`: those besides English, by name such as ``de``. `title`: of the competition.
 

@@ -8,7 +8,7 @@ from typing import Any, Dict, Optional
 
 from tornado import httpserver, iostream
 
-from roah_rsbb.web.limits import Connections
+from roah_rsbb.web.limits import ConnectionPlaces
 from roah_rsbb.web.serving import IDLE_S, BoundedServer
 
 # The first byte of a connection with TLS: a handshake record.
@@ -24,7 +24,7 @@ class EncryptedServer(BoundedServer):
         self._context = context
         self._plain = plain
         self._silent: Dict[socket.socket, asyncio.TimerHandle] = {}  # connections that sent nothing yet
-        self._silent_places: Connections[socket.socket] = Connections(self._drop)
+        self._silent_places: ConnectionPlaces[socket.socket] = ConnectionPlaces(self._drop)
 
     def stop(self) -> None:
         """Stop listening, and close the connections that sent nothing yet."""

@@ -16,7 +16,7 @@ from roah_rsbb.web.commands import STOP as STOP_COMMAND
 from roah_rsbb.web.desk import NO_STOP, STOP
 from roah_rsbb.web.events import Reader
 from roah_rsbb.web.guarded import TOO_MANY_REQUESTS, Guarded
-from roah_rsbb.web.pairing import JUDGE, ORGANISER, SESSION_VALID_S, Refused, Session, TooManyGuesses, plain
+from roah_rsbb.web.pairing import JUDGE, ORGANISER, SESSION_VALID_S, DeviceSession, NotPaired, TooManyGuesses, plain
 from roah_rsbb.web.viewer import Viewer
 from roah_rsbb.web.zone_documents import own_sheet, sheet_page, side_by_side
 from roah_rsbb.wording import device
@@ -47,7 +47,7 @@ class OfDevice(Guarded):
             return super().is_allowed()
         return self._server.device_rates.allows(self._server.now(), session.id)
 
-    def session(self) -> Optional[Session]:
+    def session(self) -> Optional[DeviceSession]:
         """Return the session of the device; None: it is not paired."""
         token = self.get_cookie(self.cookie)
         session = None if not token else self._server.sessions.of(self._server.utc(), token, self.is_encrypted)
@@ -65,7 +65,7 @@ class OfDevice(Guarded):
         """The name of the session's cookie."""
         return ENCRYPTED_COOKIE if self.is_encrypted else COOKIE
 
-    def needed_session(self) -> Session:
+    def needed_session(self) -> DeviceSession:
         """Return the session of the device; refuses the request of one that is not paired."""
         session = self.session()
         if session is None:
@@ -158,7 +158,7 @@ class PairHandler(FromOwnPage):
             except TooManyGuesses as refused:
                 self.refuse(TOO_MANY_REQUESTS, str(refused))
                 return
-            except Refused as refused:
+            except NotPaired as refused:
                 self.refuse(403, str(refused))
                 return
         if before is not None:
@@ -277,7 +277,7 @@ class StopEventsHandler(DeviceEventsHandler):
         self._server.devices_changed()
 
 
-def described(session: Session) -> Dict[str, Any]:
+def described(session: DeviceSession) -> Dict[str, Any]:
     """Return what a device may know of its session."""
     return {"id": session.id, "role": session.grant.role, "zone": session.grant.zone, "person": session.person,
             "device": session.device}

@@ -8,7 +8,7 @@ from typing import List, Sequence, Tuple
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.judging import JudgedRun, Judging
 from roah_rsbb.model.results import RunLine, RunSheet
-from roah_rsbb.model.zone import RUNNING, Count, RunClock, SheetItem, Zone
+from roah_rsbb.model.zone import RUNNING, Count, RunClock, SheetItem, ZoneSeen
 from roah_rsbb.web.documents import Data
 from roah_rsbb.wording import judging, sheets, stop, todo
 from roah_rsbb.wording.clock import Figure, clock_of
@@ -22,7 +22,7 @@ _MARKS = {"idle": "○", "connected": "●", "running": "▶", "ended": "■"}
 MAX_UNSIGNED = 5
 
 
-def zone_page(zone: Zone, document: Document, utc_s: float) -> Data:
+def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
     """Return everything about a zone but its running times. `utc_s`: the box's clock, see `moment`."""
     event, actions, moments, task = zone.event, zone.actions, Moments(False), todo.todo(zone)
     runs = [run for run in document.runs() if run.zone == zone.zone]
@@ -75,7 +75,7 @@ def sheet_page(sheet: RunSheet) -> Data:
     return {"items": [item_page(item) for item in sheet.items], "points": sheets.points_of(sheet.points)}
 
 
-def clock_page(zone: Zone, mono: float) -> Data:
+def clock_page(zone: ZoneSeen, mono: float) -> Data:
     """Return the times of the run in a zone at a moment of the box's clock."""
     clock = clock_of(zone.clock, zone.phase, mono)
     return {"main": _figure(clock.main), "goal": None if clock.goal is None else _figure(clock.goal),
@@ -88,7 +88,7 @@ def counts(clock: RunClock) -> bool:
         isinstance(one, Count) and one.counting for one in clock)
 
 
-def zones_page(zones: Sequence[Zone]) -> List[Data]:
+def zones_page(zones: Sequence[ZoneSeen]) -> List[Data]:
     """Return all zones with their phases, and what each needs of its referee."""
     return [{"zone": zone.zone, "team": zone.event.team, "phase": sheets.phase(zone.phase), "todo": task.text,
              "is_urgent": _is_urgent(task)} for zone in zones for task in [todo.todo(zone)]]
@@ -98,7 +98,7 @@ def _is_urgent(task: todo.Todo) -> bool:
     return task.urgency >= todo.Urgency.LOOK
 
 
-def stop_page(zones: Sequence[Zone], has_all: bool) -> Data:
+def stop_page(zones: Sequence[ZoneSeen], has_all: bool) -> Data:
     """Return what STOP of a device needs, without a text. `zones`: those that it may stop; `has_all`: these are all
     zones."""
     return {"all": has_all, "zones": [

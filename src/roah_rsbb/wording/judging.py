@@ -36,7 +36,7 @@ OBJECTION_TIME = ENTRIES["publish"].fields[0].label
 _OBJECTION_MINUTES = (5, 10, 15, 30, 60)
 UPHOLD, REJECT = tr_later("Uphold the objection"), tr_later("Reject the objection")
 
-class Given(NamedTuple):
+class GivenInWords(NamedTuple):
     """What a judge gave an item."""
 
     judge: str
@@ -55,7 +55,7 @@ class Judged(NamedTuple):
     type: str
     outcome: str  # a word of `model.judging`
     shown: str  # the value that counts, in words
-    given: Tuple[Given, ...]
+    given: Tuple[GivenInWords, ...]
     who: str  # who settled it; empty: nobody
     reason: str
 
@@ -71,8 +71,8 @@ def _judged(one: JudgedItem, number: int) -> Judged:
     return Judged(
         number, item.group, item.desc, item.type, one.outcome,
         sheets.item_value(item.type, item.value, item.not_attempted, item.text),
-        tuple(Given(each.judge, sheets.item_value(item.type, each.value, each.not_attempted, each.text), each.value,
-                    each.text, each.not_attempted) for each in one.given),
+        tuple(GivenInWords(each.judge, sheets.item_value(item.type, each.value, each.not_attempted, each.text),
+                           each.value, each.text, each.not_attempted) for each in one.given),
         sheets.person(one.who), one.reason,
     )
 

@@ -6,14 +6,14 @@ Panel and terminal decorate these words and add none of their own.
 import enum
 from typing import Callable, Dict, Iterable, NamedTuple, Optional, Sequence
 
-from roah_rsbb.model.schedule import ScheduledEvent
+from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.language import tr, tr_later
 
 MINUTE_S, DAY_S = 60, 86400
 
-# By `ScheduledEvent.state`.
+# By `EventSeen.state`.
 _STATES = {
     "connected": tr_later("● connected"), "running": tr_later("▶ running"), "ended": tr_later("■ ended"),
     "next": tr_later("→ next"), "later": tr_later("later"), "skipped": tr_later("– skipped"),
@@ -25,7 +25,7 @@ _IN_ZONE = ("connected", "running", "ended")
 # -- words ------------------------------------------------------------------------------------------
 
 
-def state_text(event: ScheduledEvent) -> str:
+def state_text(event: EventSeen) -> str:
     """Return the state of an event."""
     end = with_counting(sheets.end_reason(event.end_reason), event.counts, only_unusual=True)
     if event.state == "done":
@@ -36,7 +36,7 @@ def state_text(event: ScheduledEvent) -> str:
     return text
 
 
-def sheet_text(event: ScheduledEvent) -> str:
+def sheet_text(event: EventSeen) -> str:
     """Return whether the score sheets of an event's runs that count are signed off; empty: no run is over."""
     if event.unsigned:
         return tr(sheets.NOT_SIGNED_OFF)
@@ -55,7 +55,7 @@ def delay_text(seconds: float) -> str:
     return tr("+{n} days", n=int(seconds // DAY_S))
 
 
-def summary(events: Sequence[ScheduledEvent]) -> str:
+def summary(events: Sequence[EventSeen]) -> str:
     """Return how many events are signed off, not signed off, to come and skipped."""
     unsigned = sum(event.unsigned for event in events)
     counts = (
@@ -87,7 +87,7 @@ class EventFilter(NamedTuple):
     day: str = ""  # YYYY-MM-DD
     show: Show = Show.ALL
 
-    def shows(self, event: ScheduledEvent, in_utc: bool = False) -> bool:
+    def shows(self, event: EventSeen, in_utc: bool = False) -> bool:
         """Return whether an event is shown."""
         return (
             self.zone in ("", event.zone) and self.team in ("", event.team)
@@ -95,7 +95,7 @@ class EventFilter(NamedTuple):
         )
 
 
-_SHOWN: Dict[Show, Callable[[ScheduledEvent], bool]] = {
+_SHOWN: Dict[Show, Callable[[EventSeen], bool]] = {
     Show.ALL: lambda event: True,
     Show.TO_COME: lambda event: event.state in _TO_COME,
     Show.UNSIGNED: lambda event: event.unsigned,
@@ -103,7 +103,7 @@ _SHOWN: Dict[Show, Callable[[ScheduledEvent], bool]] = {
 }
 
 
-def day_of(event: ScheduledEvent, in_utc: bool = False) -> str:
+def day_of(event: EventSeen, in_utc: bool = False) -> str:
     """Return the day of an event's scheduled time."""
     return times.formatted(event.scheduled_utc_s, "%Y-%m-%d", in_utc)
 
@@ -119,12 +119,12 @@ def moment_text(utc_s: float, with_day: bool, in_utc: bool = False) -> str:
 # -- choosing ---------------------------------------------------------------------------------------
 
 
-def left_unsigned(events: Iterable[ScheduledEvent], zone: str) -> Optional[ScheduledEvent]:
+def left_unsigned(events: Iterable[EventSeen], zone: str) -> Optional[EventSeen]:
     """Return the current event of a zone if its run is over and not signed off; None: nothing to confirm."""
     return next((event for event in events if event.zone == zone and event.current and event.unsigned), None)
 
 
-def why_not(events: Iterable[ScheduledEvent], chosen: ScheduledEvent) -> str:
+def why_not(events: Iterable[EventSeen], chosen: EventSeen) -> str:
     """Return why an event cannot become the current one of its zone; empty: it can."""
     current = next((event for event in events if event.zone == chosen.zone and event.current), None)
     if current is not None and current.state == "running":

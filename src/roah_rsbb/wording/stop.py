@@ -2,7 +2,7 @@
 
 import enum
 
-from roah_rsbb.model.zone import ENDED, Zone
+from roah_rsbb.model.zone import ENDED, ZoneSeen
 from roah_rsbb.wording.language import tr, tr_later
 
 # After this time (s) without an answer of the box, or of the robot, the referee must act.
@@ -60,7 +60,7 @@ def way(passed_s: float, box_has_it: bool, is_by_hand: bool, not_stopped: bool) 
     return Way.STOPPED
 
 
-def leaving(zone: Zone) -> str:
+def leaving(zone: ZoneSeen) -> str:
     """Return what the referee must know, and confirm, before they leave the run in a zone; empty: nothing. Ask for
     *disconnect*, *withdrawn* and *choose_event*: all of them leave a run."""
     if zone.phase != ENDED or not zone.not_stopped:

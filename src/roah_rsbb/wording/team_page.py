@@ -4,7 +4,7 @@ from typing import List, Optional
 
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document, RobotSeen
-from roah_rsbb.model.zone import IDLE, Zone
+from roah_rsbb.model.zone import IDLE, ZoneSeen
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.public import ALL_TEAMS, local_time
 from roah_rsbb.wording.said import tr_said
@@ -36,7 +36,7 @@ def _robot(robot: RobotSeen, now: Now) -> List[str]:
     return [heard, text]
 
 
-def _zone(zone: Zone, now: Now) -> str:
+def _zone(zone: ZoneSeen, now: Now) -> str:
     if zone.phase == IDLE:
         reasons = "; ".join(tr_said(reason) for reason in zone.off("connect"))
         if reasons:

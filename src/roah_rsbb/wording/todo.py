@@ -6,7 +6,7 @@ The core reports the facts; this module chooses the most urgent one.
 import enum
 from typing import NamedTuple, Sequence
 
-from roah_rsbb.model.zone import CONNECTED, ENDED, RUNNING, Zone
+from roah_rsbb.model.zone import CONNECTED, ENDED, RUNNING, ZoneSeen
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.said import tr_said
 
@@ -28,7 +28,7 @@ class Todo(NamedTuple):
     warnings: int = 0  # number of warnings, also if something else is more urgent
 
 
-def todo(zone: Zone) -> Todo:
+def todo(zone: ZoneSeen) -> Todo:
     """Return what to do now in a zone."""
     found = zone.unsaid
     if zone.manual_operation:
@@ -43,7 +43,7 @@ def todo(zone: Zone) -> Todo:
     return _step(zone)
 
 
-def _step(zone: Zone) -> Todo:
+def _step(zone: ZoneSeen) -> Todo:
     """Return what the run's phase requires."""
     if zone.phase == RUNNING:
         return Todo(Urgency.NONE, zone.module_status or tr("The robot is working"))

@@ -12,10 +12,10 @@ from roah_rsbb.devices.smartif import (
     TO_CONTROLLER,
     Busy,
     Changed,
-    Decoder,
     DeviceEvent,
     Garbage,
     Set,
+    SmartIfDecoder,
     encode,
 )
 
@@ -23,7 +23,7 @@ _LONGEST = 4096  # bytes that are read at once
 _KEPT = 2 * MAX_STRING + 16  # bytes that a decoder may keep at most
 
 
-def _feed(decoder: Decoder, data: bytes, messages: List) -> bool:
+def _feed(decoder: SmartIfDecoder, data: bytes, messages: List) -> bool:
     """Take some bytes as the client does; False: they are garbage."""
     try:
         found = decoder.feed(data)
@@ -42,13 +42,13 @@ def steps(data: bytes) -> Iterator[Step]:
     parsers = FROM_CONTROLLER if reader.flag() else TO_CONTROLLER
     cut, stream = 1 + reader.byte(), reader.rest()[:_LONGEST]
     at_once: List = []
-    whole = Decoder(parsers)
+    whole = SmartIfDecoder(parsers)
     understood: List[bool] = []
     yield lambda: understood.append(_feed(whole, stream, at_once))
     assert whole.pending < _KEPT or not understood[0]
 
     in_pieces: List = []
-    pieces = Decoder(parsers)
+    pieces = SmartIfDecoder(parsers)
     for begin in range(0, len(stream), cut):
         if not _feed(pieces, stream[begin:begin + cut], in_pieces):
             break

@@ -14,7 +14,7 @@ from roah_rsbb.robot import dummy
 from roah_rsbb.tablet import dummy as dummy_tablet
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages, Refusal, refusal_text
-from roah_rsbb.tablet.state import BoxPart, TabletState
+from roah_rsbb.tablet.state import BoxPart, ShownTablet
 
 _MOST_WORDS = 30
 _PLAN = Map(b"\x89PNG image", 200, 100, 0.05, (0.0, 0.0, 0.0), False)
@@ -75,7 +75,7 @@ class _Touched(dummy_tablet.DummyTablet):
     """The dummy tablet without a radio."""
 
     def __init__(self) -> None:
-        self._state = TabletState()
+        self._state = ShownTablet()
         self._reported = (False, False)
 
     def _touched(self) -> None:
@@ -95,7 +95,7 @@ def typed_steps(data: bytes) -> Iterator[Step]:
 def page_steps(data: bytes) -> Iterator[Step]:
     """A message of a browser to the tablet's server: it is done, or refused."""
     reader = Reader(data)
-    state = TabletState()
+    state = ShownTablet()
     if reader.flag():
         state.on_box(0.0, BoxPart(True, (0, 0), (0, 0)))
     pages = Pages(state, _PLAN if reader.flag() else None)

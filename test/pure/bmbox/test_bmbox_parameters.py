@@ -6,10 +6,10 @@ import pytest
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3
 from roah_rsbb.bmbox.framework.parameters import (
+    Amount,
     GoalTimeout,
     ListOf,
-    Number,
-    Pose,
+    PlanePose,
     Record,
     Seconds,
     Text,
@@ -23,8 +23,8 @@ from roah_rsbb.rulebook.errors import ConfigErrors
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "config" / "modules"
 FIELDS = {
-    "name": Text("mug"), "count": Whole("3", 1, 10), "share": Number("", "0.5", least=0.0, most=1.0, default=0.5),
-    "start": Pose(), "offset": Transform(), "wait": Seconds(default=8.0), "loud": YesNo("true", default=False),
+    "name": Text("mug"), "count": Whole("3", 1, 10), "share": Amount("", "0.5", least=0.0, most=1.0, default=0.5),
+    "start": PlanePose(), "offset": Transform(), "wait": Seconds(default=8.0), "loud": YesNo("true", default=False),
     "items": ListOf(Record({"id": Whole("1", 0, 99), "desc": Text("a mug")}), at_most=2),
 }
 GOOD = """\

@@ -15,7 +15,7 @@ from roah_rsbb.bmbox.hnf import HNF
 from roah_rsbb.bmbox.hopf import HOPF
 from roah_rsbb.bmbox.hpff import HPFF
 from roah_rsbb.bmbox.hppf import HPPF
-from roah_rsbb.model.fields import BadValue, Pose
+from roah_rsbb.model.fields import BadValue, TypedPose
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.model.reason import say
 
@@ -47,7 +47,7 @@ def conduct(r, *results):
         assert not r.failed, r.failed
         if r.asked.kind is RequestKind.REFEREE:
             asked.append(r.asked.text)
-            r.answer("1.0 0.5 0" if any(isinstance(field, Pose) for field in r.asked.fields) else "")
+            r.answer("1.0 0.5 0" if any(isinstance(field, TypedPose) for field in r.asked.fields) else "")
         else:
             r.result(left.pop(0) if left else "", seconds=10.0)
     return asked
@@ -86,7 +86,7 @@ def test_the_referee_enters_where_the_robot_is():
     r.result(seconds=10.0)
     assert r.asked.text == ("Measure the pose of the robot in the test bed. Enter x, y and its direction, in metres "
                             "and degrees: 1.25 0.40 90. Leave it empty to skip it")
-    assert r.asked.fields == (Pose("pose", say("Pose"), required=False),)
+    assert r.asked.fields == (TypedPose("pose", say("Pose"), required=False),)
     with pytest.raises(BadValue, match="Pose: x and y in metres, then the direction in degrees"):
         r.answer("left of the sofa")
     r.answer("1,3 0,9 -90")  # the waypoint is 1.0 0.5 0°: 0.5 m, a quarter turn

@@ -14,7 +14,7 @@ from helpers.toy_box import HOST, TOKEN, Bare, ToyBox
 from helpers.toy_document import LOW
 from roah_rsbb.box import door
 from roah_rsbb.document.calls import Caller, Waiting
-from roah_rsbb.document.place import NotFound, Place, new_token, read_place, write_place
+from roah_rsbb.document.place import DoorPlace, NotFound, new_token, read_place, write_place
 from roah_rsbb.model.reason import encode
 from roah_rsbb.web import serving
 from roah_rsbb.web.serving import DEFLATED_BYTES, ServeError, frame
@@ -379,7 +379,7 @@ def test_the_file_of_the_door_is_for_its_owner(tmp_path):
     path, token = tmp_path / "door.json", new_token()
     assert token != new_token() and len(token) > 30
     write_place(str(path), "ws://localhost:1/door", token)
-    assert read_place(str(path)) == Place("ws://localhost:1/door", token)
+    assert read_place(str(path)) == DoorPlace("ws://localhost:1/door", token)
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
 
 

@@ -7,7 +7,7 @@ from roah_rsbb.capture.decoding import BOX, PRIVATE_PORTS, TABLET, DatagramKind,
 from roah_rsbb.capture.output import DatagramFilter
 from roah_rsbb.capture.recording import Datagram
 from roah_rsbb.comm.ciphers import Cipher, Key
-from roah_rsbb.comm.frame import Reason, encode
+from roah_rsbb.comm.frame import FrameFault, encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 PORT = 6666
@@ -121,7 +121,7 @@ def test_every_team_has_its_own_password():
         for port in (6667, 6669) for password in ("1", "2", "3")
     }
     assert kinds[6667, "1"].kind is DatagramKind.MESSAGE and kinds[6667, "1"].team == "One"
-    assert kinds[6667, "2"].reason is kinds[6667, "3"].reason is Reason.UNDECRYPTABLE
+    assert kinds[6667, "2"].reason is kinds[6667, "3"].reason is FrameFault.UNDECRYPTABLE
     assert "it has the password of team Two" in kinds[6667, "2"].text
     assert "the given password does not fit" in kinds[6667, "3"].text
     assert kinds[6669, "3"].kind is DatagramKind.ENCRYPTED
@@ -134,7 +134,7 @@ def test_a_teams_own_password_counts_on_its_channel_and_no_other():
     own = decoder.decode(datagram(state(), port=6667, password="same"))
     assert (own.kind, own.team) == (DatagramKind.MESSAGE, "Team")
     other = decoder.decode(datagram(state(), port=6667, password="for the others"))
-    assert other.reason is Reason.UNDECRYPTABLE
+    assert other.reason is FrameFault.UNDECRYPTABLE
 
 
 def test_an_unlisted_port_is_known_by_the_password_that_fits():
@@ -149,7 +149,7 @@ def test_decrypted_bytes_that_are_not_a_message_are_an_error_also_with_the_passw
     plain = b"\x1a\x0a\x00\x28" + message.SerializePartialToString()
     data = b"\x02\x02\x00\x00" + (16 + len(plain) // 16 * 16 + 16).to_bytes(4, "big")
     entry = decoder.decode(datagram(data + Key(PASSWORD).encrypt(Cipher.AES_128_CBC, plain), port=6667))
-    assert entry.reason is Reason.INCOMPLETE
+    assert entry.reason is FrameFault.INCOMPLETE
 
 
 # -- the filter -------------------------------------------------------------------------------------

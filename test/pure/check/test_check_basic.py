@@ -7,10 +7,10 @@ import pytest
 from helpers.checked_robot import ROBOT, Checked, usual_robot
 from helpers.faulty_robots import Fragile, ends_in_goal
 from helpers.simulated_air import UTC0
-from roah_rsbb.check.box import AnotherBox
+from roah_rsbb.check.box import NetworkInUse
 from roah_rsbb.check.engine import BUSY_S, Engine, all_scenarios, scenarios_of
 from roah_rsbb.check.findings import Cause, Verdict
-from roah_rsbb.check.scenarios.scenario import Level
+from roah_rsbb.check.scenarios.scenario import Depth
 from roah_rsbb.comm import frame
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio import wire_convert
@@ -138,7 +138,7 @@ def test_the_check_does_not_run_beside_another_box(monkeypatch):
     def air(play):
         return play.network._make_peer.__self__
 
-    with pytest.raises(AnotherBox, match=r"127\.0\.0\.9.*: end that one, or give .* another public port"):
+    with pytest.raises(NetworkInUse, match=r"127\.0\.0\.9.*: end that one, or give .* another public port"):
         Checked(monkeypatch, lambda loop: None, during=other_box)
 
 
@@ -157,8 +157,8 @@ def test_a_robot_that_is_also_sent_to_another_robot_of_the_team_is_found_by_name
 
 
 def test_levels_and_names_of_scenarios():
-    assert [one.name for one in scenarios_of(Level.BASIC, ("HNF",))] == BASIC
-    assert [one.name for one in scenarios_of(Level.BASIC, ("HNF",), ["clock"])] == ["find", "clock"]
+    assert [one.name for one in scenarios_of(Depth.BASIC, ("HNF",))] == BASIC
+    assert [one.name for one in scenarios_of(Depth.BASIC, ("HNF",), ["clock"])] == ["find", "clock"]
     names = [one.name for one in all_scenarios()]
     assert len(names) == len(set(names))
 

@@ -6,7 +6,7 @@ from helpers import simulated_air
 from helpers.checked_robot import Checked, usual_robot
 from roah_rsbb.check.engine import all_scenarios, scenarios_of
 from roah_rsbb.check.findings import Verdict
-from roah_rsbb.check.scenarios.scenario import Level
+from roah_rsbb.check.scenarios.scenario import Depth
 from roah_rsbb.robot.dummy import DummyOptions
 from roah_rsbb.rulebook.registry import PROFILES
 
@@ -15,7 +15,7 @@ ALL = tuple(PROFILES)
 
 @pytest.mark.long
 def test_the_dummy_robot_passes_all_scenarios_within_eight_minutes(monkeypatch):
-    checked = Checked(monkeypatch, lambda loop: usual_robot(loop, DummyOptions(seed=1)), Level.FULL, benchmarks=ALL)
+    checked = Checked(monkeypatch, lambda loop: usual_robot(loop, DummyOptions(seed=1)), Depth.FULL, benchmarks=ALL)
     assert [(r.name, r.findings) for r in checked.engine.results if r.verdict is not Verdict.PASSED] == []
     assert [r.name for r in checked.engine.results] == [
         one.name for one in all_scenarios() if one.name != f"run-{ALL[0].lower()}"]
@@ -33,7 +33,7 @@ def test_no_bad_network_is_the_robots_fault(monkeypatch, seed):
 @pytest.mark.long
 def test_a_quick_robot_is_not_blamed(monkeypatch):
     """It prepares and executes at once, so some scenarios are not possible."""
-    checked = Checked(monkeypatch, lambda loop: usual_robot(loop, DummyOptions(0.0, 0.0, seed=1)), Level.FULL,
+    checked = Checked(monkeypatch, lambda loop: usual_robot(loop, DummyOptions(0.0, 0.0, seed=1)), Depth.FULL,
                       benchmarks=ALL)
     assert [f for f in checked.findings if f.verdict not in (Verdict.SKIPPED, Verdict.PASSED)] == []
 
@@ -45,7 +45,7 @@ def test_without_a_second_address_its_scenarios_are_skipped(monkeypatch):
 
 
 def test_only_the_given_benchmarks_are_run():
-    names = [one.name for one in scenarios_of(Level.FULL, ("HNF", "HWV"))]
+    names = [one.name for one in scenarios_of(Depth.FULL, ("HNF", "HWV"))]
     assert [name for name in names if name.startswith("run")] == ["run", "run-hwv"]
     assert "next-waypoint" in names and "goal-timeout" not in names and "burst" not in names
     assert "unknown-code" in names

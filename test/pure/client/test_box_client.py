@@ -13,7 +13,7 @@ from helpers.toy_document import LOW, Toy
 from roah_rsbb.box import door
 from roah_rsbb.client import client as client_file
 from roah_rsbb.client.client import UNANSWERED, Answer, Client
-from roah_rsbb.document.place import NotFound, Place
+from roah_rsbb.document.place import DoorPlace, NotFound
 
 __all__ = ["running"]
 
@@ -190,7 +190,7 @@ def test_what_is_not_on_the_disks_is_not_known(world):
 
 
 def test_a_call_without_a_connection_is_not_answered(world):
-    world.find = lambda: Place("ws://127.0.0.1:1/door", TOKEN)
+    world.find = lambda: DoorPlace("ws://127.0.0.1:1/door", TOKEN)
     assert world.answer(world.client().call("act")) == UNANSWERED
     assert world.box.done == []
 
@@ -298,7 +298,7 @@ def test_stop_looks_for_another_door_while_the_first_one_hangs(world, monkeypatc
     with socket.socket() as listening:
         listening.bind((HOST, 0))
         listening.listen()
-        places = [Place(f"ws://{HOST}:{listening.getsockname()[1]}/door", TOKEN)]
+        places = [DoorPlace(f"ws://{HOST}:{listening.getsockname()[1]}/door", TOKEN)]
         world.find = lambda: places.pop() if places else world.box.place
         client = world.client()
         world.until(lambda: client._place is not None)
@@ -331,11 +331,11 @@ def test_why_there_is_no_connection(world, monkeypatch):
     right, world.find = world.find, find
     client = world.client()
     world.until(lambda: client.why == "start the box")
-    world.find = lambda: Place(world.box.place.url, "wrong")
+    world.find = lambda: DoorPlace(world.box.place.url, "wrong")
     world.until(lambda: "refuses this program, whose token is another one" in client.why)
-    world.find = lambda: Place("ws://127.0.0.1:1/door", TOKEN)
+    world.find = lambda: DoorPlace("ws://127.0.0.1:1/door", TOKEN)
     world.until(lambda: "no connection to the box at ws://127.0.0.1:1/door" in client.why)
-    world.find = lambda: Place("nonsense", TOKEN)
+    world.find = lambda: DoorPlace("nonsense", TOKEN)
     world.until(lambda: "no connection to the box at nonsense" in client.why)
     world.find = lambda: 1 / 0
     world.until(lambda: "no connection to the box (division by zero)" in client.why)
@@ -363,7 +363,7 @@ def test_a_server_that_accepts_and_says_nothing_is_left(world, monkeypatch):
     with socket.socket() as listening:
         listening.bind((HOST, 0))
         listening.listen()
-        world.find = lambda: Place(f"ws://{HOST}:{listening.getsockname()[1]}/door", TOKEN)
+        world.find = lambda: DoorPlace(f"ws://{HOST}:{listening.getsockname()[1]}/door", TOKEN)
         client = world.client()
         world.until(lambda: "no connection to the box" in client.why)
 
@@ -379,7 +379,7 @@ def test_a_box_of_another_version_is_reported(world, message):
     asyncio.set_event_loop(world.running.loop)
     server = web.Application([("/door", Other)]).listen(0, HOST)
     (port,) = {sock.getsockname()[1] for sock in server._sockets.values()}
-    world.find = lambda: Place(f"ws://{HOST}:{port}/door", TOKEN)
+    world.find = lambda: DoorPlace(f"ws://{HOST}:{port}/door", TOKEN)
     client = world.client()
     world.until(lambda: "is of another version than this program" in client.why)
     assert client.document is None and client.is_old

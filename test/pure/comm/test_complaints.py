@@ -3,10 +3,10 @@
 import pytest
 
 from roah_rsbb.comm.complaints import OTHERS, Complaints, OnceASecond
-from roah_rsbb.comm.frame import BadDatagram, Reason
+from roah_rsbb.comm.frame import BadDatagram, FrameFault
 
-PASSWORD = BadDatagram(Reason.UNDECRYPTABLE, "the padding is wrong")
-SIZE = BadDatagram(Reason.SIZE, "3 bytes")
+PASSWORD = BadDatagram(FrameFault.UNDECRYPTABLE, "the padding is wrong")
+SIZE = BadDatagram(FrameFault.SIZE, "3 bytes")
 ROBOT = ("10.0.0.5", 6667)
 
 
@@ -17,7 +17,7 @@ def test_the_first_one_is_reported_at_once():
     assert "wrong password" in text
 
 
-@pytest.mark.parametrize("reason", list(Reason))
+@pytest.mark.parametrize("reason", list(FrameFault))
 def test_every_reason_has_a_likely_cause(reason):
     text = Complaints().add(0.0, "public channel", ROBOT, BadDatagram(reason, "detail"))
     assert ": detail. Likely " in text

@@ -11,7 +11,7 @@ from helpers import golden
 from helpers.examples import examples
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher, Key
-from roah_rsbb.comm.frame import BadDatagram, Reason
+from roah_rsbb.comm.frame import BadDatagram, FrameFault
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 KEY = Key(golden.PASSWORD)
@@ -19,32 +19,32 @@ FRAMES = [record for record in golden.load("frames") if record["channel"] == "pu
 
 # The recorded datagrams that kill or disturb the original, and what they are here.
 REASONS = {
-    "zero_length": Reason.TOO_SHORT,
-    "truncated_header_5": Reason.TOO_SHORT,
-    "header_only_8": Reason.TOO_SHORT,
-    "payload_size_too_big": Reason.SIZE,
-    "payload_size_too_small": Reason.SIZE,
-    "payload_size_excl_msg_header": Reason.SIZE,
-    "payload_size_little_endian": Reason.SIZE,
-    "unknown_msg_type": Reason.UNKNOWN_TYPE,
-    "benchmarking_team_toplevel": Reason.UNKNOWN_TYPE,
-    "encrypted_on_public": Reason.ENCRYPTED,
-    "unknown_cipher_on_public": Reason.UNKNOWN_CIPHER,
-    "plaintext_on_private_len_of_last_plain": Reason.PLAIN,
-    "unknown_cipher_on_private": Reason.UNKNOWN_CIPHER,
-    "wrong_cipher_id": Reason.UNDECRYPTABLE,
-    "bit_flip_iv": Reason.UNDECRYPTABLE,
-    "ciphertext_truncated_1": Reason.SIZE,
-    "cipher_iv_only": Reason.SIZE,
-    "cipher_iv_short": Reason.SIZE,
-    "encrypted_empty_plaintext": Reason.TOO_SHORT,
-    "encrypted_2byte_plaintext": Reason.TOO_SHORT,
-    "public_type_on_private": Reason.WRONG_CHANNEL,
-    "garbage_protobuf": Reason.MALFORMED,
-    "missing_required_time": Reason.INCOMPLETE,
-    "invalid_utf8": Reason.NOT_UTF8,
-    "version_0": Reason.OTHER_VERSION,
-    "version_255_reserved_set": Reason.OTHER_VERSION,
+    "zero_length": FrameFault.TOO_SHORT,
+    "truncated_header_5": FrameFault.TOO_SHORT,
+    "header_only_8": FrameFault.TOO_SHORT,
+    "payload_size_too_big": FrameFault.SIZE,
+    "payload_size_too_small": FrameFault.SIZE,
+    "payload_size_excl_msg_header": FrameFault.SIZE,
+    "payload_size_little_endian": FrameFault.SIZE,
+    "unknown_msg_type": FrameFault.UNKNOWN_TYPE,
+    "benchmarking_team_toplevel": FrameFault.UNKNOWN_TYPE,
+    "encrypted_on_public": FrameFault.ENCRYPTED,
+    "unknown_cipher_on_public": FrameFault.UNKNOWN_CIPHER,
+    "plaintext_on_private_len_of_last_plain": FrameFault.PLAIN,
+    "unknown_cipher_on_private": FrameFault.UNKNOWN_CIPHER,
+    "wrong_cipher_id": FrameFault.UNDECRYPTABLE,
+    "bit_flip_iv": FrameFault.UNDECRYPTABLE,
+    "ciphertext_truncated_1": FrameFault.SIZE,
+    "cipher_iv_only": FrameFault.SIZE,
+    "cipher_iv_short": FrameFault.SIZE,
+    "encrypted_empty_plaintext": FrameFault.TOO_SHORT,
+    "encrypted_2byte_plaintext": FrameFault.TOO_SHORT,
+    "public_type_on_private": FrameFault.WRONG_CHANNEL,
+    "garbage_protobuf": FrameFault.MALFORMED,
+    "missing_required_time": FrameFault.INCOMPLETE,
+    "invalid_utf8": FrameFault.NOT_UTF8,
+    "version_0": FrameFault.OTHER_VERSION,
+    "version_255_reserved_set": FrameFault.OTHER_VERSION,
 }
 # Bad for some original, good here: any cipher of the right key, all generations, any size.
 GOOD = {
@@ -88,7 +88,7 @@ def test_decodes_the_recorded_sessions(name):
 
 def test_a_plain_frame_of_an_empty_password_is_refused():
     record = golden.frame("rstate_private_empty_password_is_plain")
-    assert refused(record["frame"], "private").reason is Reason.PLAIN
+    assert refused(record["frame"], "private").reason is FrameFault.PLAIN
 
 
 @pytest.mark.parametrize("record", golden.load("bad_frames"), ids=lambda r: r["name"])
@@ -111,7 +111,7 @@ def test_the_payload_size_may_leave_out_iv_and_padding_and_nothing_else():
         try:
             frame.decode_private(datagram[:4] + struct.pack(">I", size) + datagram[8:], KEY)
         except BadDatagram as bad:
-            assert bad.reason is Reason.SIZE
+            assert bad.reason is FrameFault.SIZE
         else:
             accepted.append(size)
     assert accepted == [plain, real - 16, real]
@@ -122,7 +122,7 @@ def test_any_cipher_of_the_right_password(cipher):
     message = pb.BenchmarkState(benchmark_type="HWV", benchmark_state=pb.BenchmarkState.PREPARE)
     datagram = frame.encode(message, Cipher(cipher), KEY)
     assert frame.decode_private(datagram, KEY) == message
-    assert refused(datagram, "private", Key("wrong")).reason is Reason.UNDECRYPTABLE
+    assert refused(datagram, "private", Key("wrong")).reason is FrameFault.UNDECRYPTABLE
 
 
 @pytest.mark.long
@@ -131,20 +131,20 @@ def test_a_wrong_password_has_one_reason_whatever_the_padding():
     wrong = Key("wrong")
     datagrams = [frame.encode(message, Cipher.AES_128_CBC, KEY, iv.to_bytes(16, "big")) for iv in range(2000)]
     bad = [refused(datagram, "private", wrong) for datagram in datagrams]
-    assert {error.reason for error in bad} == {Reason.UNDECRYPTABLE}
+    assert {error.reason for error in bad} == {FrameFault.UNDECRYPTABLE}
     assert len({error.detail for error in bad}) == 2  # some paddings looked right
 
 
 def test_a_private_message_in_the_open_is_refused():
     state = pb.BenchmarkState(benchmark_type="HWV", benchmark_state=pb.BenchmarkState.STOP)
     bad = refused(frame.encode(state))
-    assert bad.reason is Reason.WRONG_CHANNEL
+    assert bad.reason is FrameFault.WRONG_CHANNEL
     assert "BenchmarkState" in bad.detail
 
 
 def test_a_frame_of_version_1_is_named():
     protobuf = pb.RobotBeacon(team_name="a", robot_name="b", time=pb.Time(sec=1, nsec=2)).SerializeToString()
-    assert refused(struct.pack(">HHI", 6666, 30, len(protobuf)) + protobuf).reason is Reason.VERSION_1
+    assert refused(struct.pack(">HHI", 6666, 30, len(protobuf)) + protobuf).reason is FrameFault.VERSION_1
 
 
 @pytest.mark.parametrize("protobuf, missing", [
@@ -153,7 +153,7 @@ def test_a_frame_of_version_1_is_named():
 ])
 def test_missing_fields_are_named(protobuf, missing):
     bad = refused(plain(protobuf))
-    assert bad.reason is Reason.INCOMPLETE
+    assert bad.reason is FrameFault.INCOMPLETE
     assert "RobotBeacon without " + missing in bad.detail
 
 
@@ -162,13 +162,13 @@ def test_an_unknown_state_is_a_missing_field():
     payload = struct.pack(">HH", 6666, 40) + state
     body = KEY.encrypt(Cipher.AES_128_ECB, payload)
     bad = refused(struct.pack(">BBHI", 2, 1, 0, len(body)) + body, "private")
-    assert bad.reason is Reason.INCOMPLETE
+    assert bad.reason is FrameFault.INCOMPLETE
     assert "RobotState without robot_state" in bad.detail
 
 
 def test_many_missing_fields_are_not_all_listed():
     bad = refused(plain(b"\x0a\x00" * 900, pb.RoahRsbbBeacon))
-    assert bad.reason is Reason.INCOMPLETE
+    assert bad.reason is FrameFault.INCOMPLETE
     assert len(bad.detail) < 300
 
 
@@ -176,23 +176,23 @@ GOOD_BEACON = b"\x0a\x01a\x12\x01b\x1a\x04\x08\x01\x10\x02"
 
 
 @pytest.mark.parametrize("protobuf, reason", [
-    (b"\x0a\x01a\x12\x02\xc3(" + GOOD_BEACON[6:], Reason.NOT_UTF8),
-    (b"\x0a\x03\xed\xa0\x80" + GOOD_BEACON[3:], Reason.NOT_UTF8),  # a surrogate
-    (GOOD_BEACON + b"\x0c", Reason.MALFORMED),  # a stray end of group: C++ would stop there in silence
-    (GOOD_BEACON + b"\x0b\x0c", Reason.MALFORMED),
-    (GOOD_BEACON + b"\x0f", Reason.MALFORMED),
-    (GOOD_BEACON + b"\x00\x00", Reason.MALFORMED),
-    (GOOD_BEACON + b"\x28" + b"\xff" * 10 + b"\x01", Reason.MALFORMED),
-    (GOOD_BEACON + b"\x28\xff", Reason.MALFORMED),
-    (GOOD_BEACON + b"\x29" + b"1234567", Reason.MALFORMED),
-    (GOOD_BEACON + b"\x2d" + b"123", Reason.MALFORMED),
-    (GOOD_BEACON + b"\x2a\xff\xff\xff\xff\x0f", Reason.MALFORMED),
-    (GOOD_BEACON + b"\xfa\xff\xff\xff\xff\xff\xff\xff\x7f\x00", Reason.MALFORMED),
-    (b"\x8a\x00\x01a" + GOOD_BEACON[3:], Reason.MALFORMED),  # a tag longer than need be
-    (GOOD_BEACON[:8] + b"\x05\x08\x01\x10\x02\x1c", Reason.MALFORMED),  # inside the time
-    (b"\x0b" * 65000, Reason.MALFORMED),
-    (b"\x08\x01" * 32000, Reason.MALFORMED),
-    (b"\xff" * 65000, Reason.MALFORMED),
+    (b"\x0a\x01a\x12\x02\xc3(" + GOOD_BEACON[6:], FrameFault.NOT_UTF8),
+    (b"\x0a\x03\xed\xa0\x80" + GOOD_BEACON[3:], FrameFault.NOT_UTF8),  # a surrogate
+    (GOOD_BEACON + b"\x0c", FrameFault.MALFORMED),  # a stray end of group: C++ would stop there in silence
+    (GOOD_BEACON + b"\x0b\x0c", FrameFault.MALFORMED),
+    (GOOD_BEACON + b"\x0f", FrameFault.MALFORMED),
+    (GOOD_BEACON + b"\x00\x00", FrameFault.MALFORMED),
+    (GOOD_BEACON + b"\x28" + b"\xff" * 10 + b"\x01", FrameFault.MALFORMED),
+    (GOOD_BEACON + b"\x28\xff", FrameFault.MALFORMED),
+    (GOOD_BEACON + b"\x29" + b"1234567", FrameFault.MALFORMED),
+    (GOOD_BEACON + b"\x2d" + b"123", FrameFault.MALFORMED),
+    (GOOD_BEACON + b"\x2a\xff\xff\xff\xff\x0f", FrameFault.MALFORMED),
+    (GOOD_BEACON + b"\xfa\xff\xff\xff\xff\xff\xff\xff\x7f\x00", FrameFault.MALFORMED),
+    (b"\x8a\x00\x01a" + GOOD_BEACON[3:], FrameFault.MALFORMED),  # a tag longer than need be
+    (GOOD_BEACON[:8] + b"\x05\x08\x01\x10\x02\x1c", FrameFault.MALFORMED),  # inside the time
+    (b"\x0b" * 65000, FrameFault.MALFORMED),
+    (b"\x08\x01" * 32000, FrameFault.MALFORMED),
+    (b"\xff" * 65000, FrameFault.MALFORMED),
 ])
 def test_malformed_protobufs(protobuf, reason, capfd):
     assert refused(plain(protobuf)).reason is reason
@@ -207,7 +207,7 @@ def test_a_message_that_ends_too_early(field):
 
 def test_text_in_inner_messages_is_checked():
     bad = refused(plain(b"\x0a\x08\x0a\x01\xff\x12\x01b\x18\x01", pb.RoahRsbbBeacon))
-    assert (bad.reason, bad.detail) == (Reason.NOT_UTF8, "team_name of RoahRsbbBeacon")
+    assert (bad.reason, bad.detail) == (FrameFault.NOT_UTF8, "team_name of RoahRsbbBeacon")
 
 
 @pytest.mark.parametrize("protobuf", [
@@ -280,4 +280,4 @@ def test_a_robots_message_has_room_for_a_datagram_of_strings_and_not_for_many_mo
     assert decode(frame.encode(state, Cipher.AES_128_CBC, KEY), "private") == state
     state.notifications.extend("x" for _ in range(100))
     bad = refused(frame.encode(state, Cipher.AES_128_CBC, KEY), "private")
-    assert (bad.reason, bad.detail) == (Reason.MALFORMED, "RobotState: it has more than 400 fields")
+    assert (bad.reason, bad.detail) == (FrameFault.MALFORMED, "RobotState: it has more than 400 fields")

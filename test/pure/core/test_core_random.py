@@ -15,7 +15,7 @@ from helpers.linked_world import FakeLink, World, assert_legal
 from helpers.random_events import ZONES, apply_event, random_competition, random_events
 from roah_rsbb.client.in_memory import InMemory
 from roah_rsbb.core import effects
-from roah_rsbb.core.link.timeline import Timeline, Verdict
+from roah_rsbb.core.link.timeline import Freshness, Timeline
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
@@ -195,10 +195,10 @@ def test_a_timeline_that_is_not_quiet_only_ever_rises(messages):
         mono += after
         verdict = timeline.judge(mono, time)
         is_newer = newest is None or time > newest
-        assert (verdict is Verdict.FRESH) is is_newer
-        if verdict is Verdict.CLOCK_SET_BACK:
+        assert (verdict is Freshness.FRESH) is is_newer
+        if verdict is Freshness.CLOCK_SET_BACK:
             assert mono - newest_mono >= 2.5
-        if verdict in (Verdict.FRESH, Verdict.CLOCK_SET_BACK):
+        if verdict in (Freshness.FRESH, Freshness.CLOCK_SET_BACK):
             newest, newest_mono = time, mono
 
 

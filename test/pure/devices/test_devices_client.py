@@ -9,7 +9,7 @@ from roah_rsbb.devices import client as client_module
 from roah_rsbb.devices.client import SmartIfClient
 from roah_rsbb.devices.dummy_server import DummyServer
 from roah_rsbb.devices.home import RING, Home
-from roah_rsbb.devices.smartif import TO_CONTROLLER, Busy, Changed, Decoder, DeviceEvent, encode
+from roah_rsbb.devices.smartif import TO_CONTROLLER, Busy, Changed, DeviceEvent, SmartIfDecoder, encode
 
 LIMIT_S = 10
 
@@ -81,7 +81,7 @@ class World:
         heard = []
         self.connections.append((reader, writer))
         self.heard.append(heard)
-        decoder = Decoder(TO_CONTROLLER)
+        decoder = SmartIfDecoder(TO_CONTROLLER)
         while self.reads:
             data = await reader.read(100)
             if not data:

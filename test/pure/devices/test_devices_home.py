@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from roah_rsbb.devices.home import OUTPUTS, BadValue, Home, device_of, is_ring
+from roah_rsbb.devices.home import OUTPUTS, BadSetting, Home, device_of, is_ring
 from roah_rsbb.devices.smartif import Changed, DeviceEvent, Set
 
 
@@ -31,7 +31,7 @@ def test_all_is_every_device_once():
 ])
 def test_other_values_are_refused_and_change_nothing(device, value):
     home = Home()
-    with pytest.raises(BadValue, match=f"{device} cannot be set to {value}: it takes 0 to {OUTPUTS[device].highest}"):
+    with pytest.raises(BadSetting, match=f"{device} cannot be set to {value}: it takes 0 to {OUTPUTS[device].highest}"):
         home.set(device, value)
     assert home.values == Home().values
 

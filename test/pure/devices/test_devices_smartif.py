@@ -11,10 +11,10 @@ from roah_rsbb.devices.smartif import (
     TO_CONTROLLER,
     Busy,
     Changed,
-    Decoder,
     DeviceEvent,
     Garbage,
     Set,
+    SmartIfDecoder,
     encode,
 )
 
@@ -44,13 +44,13 @@ def pieces(data, cuts):
 def test_messages_are_these_bytes(message, data):
     """Written out from docs/devices.md, "The SmartIF protocol"."""
     assert encode(message) == data
-    assert Decoder(TO_CONTROLLER if isinstance(message, Set) else FROM_CONTROLLER).feed(data) == [message]
+    assert SmartIfDecoder(TO_CONTROLLER if isinstance(message, Set) else FROM_CONTROLLER).feed(data) == [message]
 
 
 @examples()
 @given(st.lists(HEARD, max_size=6), st.lists(st.integers(0, 2000), max_size=8))
 def test_pieces_of_any_size_make_the_same_messages(messages, cuts):
-    decoder = Decoder(FROM_CONTROLLER)
+    decoder = SmartIfDecoder(FROM_CONTROLLER)
     data = b"".join(encode(message) for message in messages)
     assert [m for piece in pieces(data, cuts) for m in decoder.feed(piece)] == messages
     assert decoder.pending == 0
@@ -59,7 +59,7 @@ def test_pieces_of_any_size_make_the_same_messages(messages, cuts):
 @examples()
 @given(st.lists(SAID, max_size=6), st.lists(st.integers(0, 2000), max_size=8))
 def test_so_it_is_at_the_controllers_end(messages, cuts):
-    decoder = Decoder(TO_CONTROLLER)
+    decoder = SmartIfDecoder(TO_CONTROLLER)
     data = b"".join(encode(message) for message in messages)
     assert [m for piece in pieces(data, cuts) for m in decoder.feed(piece)] == messages
 
@@ -67,7 +67,7 @@ def test_so_it_is_at_the_controllers_end(messages, cuts):
 @examples()
 @given(st.binary(max_size=4000), st.lists(st.integers(0, 4000), max_size=8))
 def test_any_bytes_are_messages_or_garbage_and_nothing_grows(data, cuts):
-    decoder = Decoder(FROM_CONTROLLER)
+    decoder = SmartIfDecoder(FROM_CONTROLLER)
     for piece in pieces(data, cuts):
         try:
             decoder.feed(piece)
@@ -81,7 +81,7 @@ def test_any_bytes_are_messages_or_garbage_and_nothing_grows(data, cuts):
 def test_the_rest_of_an_incomplete_message_is_awaited(message, missing):
     data = encode(message)
     cut = max(0, len(data) - missing)
-    decoder = Decoder(FROM_CONTROLLER)
+    decoder = SmartIfDecoder(FROM_CONTROLLER)
     assert decoder.feed(data[:cut]) == []
     assert decoder.pending == cut
     assert decoder.feed(data[cut:]) == [message]
@@ -90,7 +90,7 @@ def test_the_rest_of_an_incomplete_message_is_awaited(message, missing):
 @examples()
 @given(st.lists(HEARD, max_size=4), st.binary(max_size=50))
 def test_messages_before_garbage_count(messages, more):
-    decoder = Decoder(FROM_CONTROLLER)
+    decoder = SmartIfDecoder(FROM_CONTROLLER)
     assert decoder.feed(b"".join(map(encode, messages)) + b"?" + more) == messages if messages else True
     with pytest.raises(Garbage, match=r"begins with b'\?': expected 'E', '1', '2'"):
         decoder.feed(b"" if messages else b"?" + more)
@@ -102,14 +102,14 @@ def test_messages_before_garbage_count(messages, more):
 ])
 def test_garbage_is_found_before_anything_is_waited_for(data, text):
     with pytest.raises(Garbage) as raised:
-        Decoder(FROM_CONTROLLER).feed(data)
+        SmartIfDecoder(FROM_CONTROLLER).feed(data)
     assert text in str(raised.value)
 
 
 @pytest.mark.parametrize("size", [MAX_STRING - 1, MAX_STRING])
 def test_long_texts_are_read(size):
     event = DeviceEvent("N", "a" * size, "b" * size)
-    assert Decoder(FROM_CONTROLLER).feed(encode(event) * 3) == [event] * 3
+    assert SmartIfDecoder(FROM_CONTROLLER).feed(encode(event) * 3) == [event] * 3
 
 
 @pytest.mark.parametrize("message", [Set("11", -1), Set("11", 2**32), Busy("x" * (MAX_STRING + 1))])

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from helpers.examples import examples
 from helpers.toy_document import BOXES, RESULTS, ZONES, Box, Result, Toy, Zone, changes
 from roah_rsbb.document import document
-from roah_rsbb.document.document import Followed, Follower, Gap, Written
+from roah_rsbb.document.document import DocumentReader, Followed, Gap, Written
 from roah_rsbb.document.written import BadDocument
 from roah_rsbb.model.clock import Now
 
@@ -22,7 +22,7 @@ class Reader:
     """A reader that takes messages only when the test says so."""
 
     def __init__(self):
-        self.follower = Follower()
+        self.follower = DocumentReader()
         self.followed = Followed(Toy)
 
     def take(self, written, is_lost=False):

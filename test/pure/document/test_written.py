@@ -9,7 +9,7 @@ from hypothesis import given
 from helpers.examples import examples
 from helpers.toy_document import LOW, PLAIN, ZONES, Box, Light, Robot, Toy, Zone
 from roah_rsbb.document.written import BadDocument, read, write
-from roah_rsbb.model.fields import Text
+from roah_rsbb.model.fields import TypedText
 from roah_rsbb.model.reason import Reason, say
 
 
@@ -70,10 +70,10 @@ def test_what_does_not_fit_is_refused_with_its_place(data, text):
 
 def test_a_field_of_another_kind_is_refused():
     class Form(NamedTuple):
-        field: Text
+        field: TypedText
 
     label = say("Reason")
-    assert read(Form, write(Form(Text("reason", label)))) == Form(Text("reason", label))
+    assert read(Form, write(Form(TypedText("reason", label)))) == Form(TypedText("reason", label))
     with pytest.raises(BadDocument, match="found a field of the kind toggle, expected text"):
         read(Form, {"field": {"kind": "toggle", "name": "reason", "label": "Reason"}})
 

@@ -6,7 +6,7 @@ import contextlib
 from helpers.simulated_air import Air, SimulatedLoop
 from roah_rsbb.check.engine import Engine, scenarios_of
 from roah_rsbb.check.play import Options, Play
-from roah_rsbb.check.scenarios.scenario import Level
+from roah_rsbb.check.scenarios.scenario import Depth
 from roah_rsbb.comm import channels
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy import DummyOptions, DummyRobot
@@ -26,7 +26,7 @@ def usual_robot(loop, options=USUAL, **settings):
 class Checked:
     """A check that has ended."""
 
-    def __init__(self, monkeypatch, make_robot=usual_robot, level=Level.BASIC, names=None, benchmarks=("HGTKMH",),
+    def __init__(self, monkeypatch, make_robot=usual_robot, level=Depth.BASIC, names=None, benchmarks=("HGTKMH",),
                  during=None, **options):
         """`make_robot(loop)` returns an object with a coroutine `run`, or None. `during(play)`: a coroutine beside."""
         self.loop = SimulatedLoop()

@@ -247,7 +247,7 @@ def _obedient(_original, _loop):
 
 def _no_memory(monkeypatch, loop):
     monkeypatch.setattr(runner.Seen, "__contains__", lambda seen, ciphertext: False)
-    return patched(link.Link, "take", _obedient)(monkeypatch, loop)
+    return patched(link.BoxLink, "take", _obedient)(monkeypatch, loop)
 
 
 def _ends(this):
@@ -361,13 +361,13 @@ def _bad_goal(_message):
 
 def _same_commands(monkeypatch, loop):
     kept = {}
-    original = link.Link.__init__
+    original = link.BoxLink.__init__
 
     def begin(this, *arguments, **fields):
         original(this, *arguments, **fields)
         this._commands = kept
 
-    monkeypatch.setattr(link.Link, "__init__", begin)
+    monkeypatch.setattr(link.BoxLink, "__init__", begin)
     return usual_robot(loop)
 
 
@@ -441,7 +441,7 @@ FAULTS = (
     Fault("a result without its pose", _value(DummyRobot, "_result", lambda this, form: "{class: cups, instance: a}"),
           ("run-hopf",), Cause.RESULT_INCOMPLETE),
     Fault("dimmer at 170 %", patched(
-        link.Link, "command_device", lambda original, loop: lambda this, name, value: (
+        link.BoxLink, "command_device", lambda original, loop: lambda this, name, value: (
             this._commands.update({f"devices_{name}": 170}) if name == "dimmer" else original(this, name, value))),
           ("run-hcfgac",), Cause.BAD_COMMAND),
     Fault("repeats the device commands of its last run", _same_commands, ("run-hcfgac", "burst"), Cause.OLD_COMMANDS,

@@ -2,7 +2,7 @@
 
 import json
 
-from roah_rsbb.model.fields import Choice, Decimal, Fixed, Number, Pose, Toggle
+from roah_rsbb.model.fields import Choice, Decimal, Fixed, Number, Toggle, TypedPose
 from roah_rsbb.model.modules import form_of_one
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.shown import Shown
@@ -10,7 +10,7 @@ from roah_rsbb.model.shown import Shown
 # What no module of this package asks for.
 ODD = (
     Toggle("held", say("Did the robot hold it?")), Number("drops", say("How often did it fall?"), high=9),
-    Choice("place", say("Where is it now?"), choices=("table", "floor")), Pose("pose", say("Pose of the cup")),
+    Choice("place", say("Where is it now?"), choices=("table", "floor")), TypedPose("pose", say("Pose of the cup")),
 )
 ODD_VALUES = {"held": True, "drops": 2, "place": "floor", "pose": "1.25 0,40 90"}
 ODD_ASKED = "Look at the cup, and measure where it is"

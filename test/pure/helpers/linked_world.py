@@ -129,7 +129,7 @@ class RadioRobot:
             self._next = self._end_of(mono, effect)
         elif isinstance(effect, fx.Stop):
             self._next = None
-        elif isinstance(effect, fx.Report):
+        elif isinstance(effect, fx.ProblemIs):
             self.troubles.append(effect)
 
 

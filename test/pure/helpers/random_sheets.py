@@ -4,8 +4,8 @@ from decimal import Decimal
 
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.model.scoring import (
-    Choice,
     GroupLimits,
+    ItemChoice,
     JuryResult,
     ScoreKind,
     ScoringItem,
@@ -35,7 +35,7 @@ def _item(chance, group, number, earlier):
     if kind is ScoreKind.CHOICE:
         given = chance.random() < 0.8
         fields["choices"] = tuple(
-            Choice(f"answer {n}", decimal(chance, -20, 50) if given else None) for n in range(chance.randint(2, 4)))
+            ItemChoice(f"answer {n}", decimal(chance, -20, 50) if given else None) for n in range(chance.randint(2, 4)))
         points = None
     elif kind is ScoreKind.RATING:
         fields.update(judges=tuple(f"judge {n}" for n in range(chance.randint(1, 5))), least=Decimal(0),

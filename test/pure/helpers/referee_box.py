@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence
 from helpers.forms import shown_form
 from roah_rsbb.model.actions import ACTIONS, Row
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.document import BoxState, Document, RobotSeen
+from roah_rsbb.model.document import BoxSeen, Document, RobotSeen
 from roah_rsbb.model.fields import Field
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.scoring import Entered
@@ -20,7 +20,7 @@ from roah_rsbb.model.zone import (
     RobotInRun,
     RunClock,
     SheetItem,
-    Zone,
+    ZoneSeen,
 )
 from roah_rsbb.referee.exits import NoCore
 
@@ -48,21 +48,21 @@ def off_as(off: Dict[str, Sequence[str]]) -> Dict[str, Shown]:
     return {name: Shown(tuple(reasons)) for name, reasons in off.items()}
 
 
-def zone(**fields: Any) -> Zone:
+def zone(**fields: Any) -> ZoneSeen:
     """A zone without a run. `off`: the reasons why actions are off, instead of `actions`."""
     off = fields.pop("off", dict.fromkeys(ACTIONS, ()))
-    default = Zone("Home A", EVENTS[0], state=("Robot ready",), actions=off_as(off), timeout=600.0,
-                   clock=RunClock(600.0))
+    default = ZoneSeen("Home A", EVENTS[0], state=("Robot ready",), actions=off_as(off), timeout=600.0,
+                       clock=RunClock(600.0))
     return default._replace(**fields)
 
 
-def running_zone(**fields: Any) -> Zone:
+def running_zone(**fields: Any) -> ZoneSeen:
     """A zone with a run that was started."""
     return zone(**{"phase": RUNNING, "identity": "HGTKMH-6667-1", "robot": ROBOT, "items": ITEMS,
                    "log_file": "/logs/run.bag", "clock": RUN_CLOCK, **fields})
 
 
-def asked(of: Zone, number: int, text: str, *fields: Field) -> Zone:
+def asked(of: ZoneSeen, number: int, text: str, *fields: Field) -> ZoneSeen:
     """A zone in which a manual operation is asked for; number 0: it is over."""
     shown = shown_form(number, fields, text) if number else Shown((), False)
     return of._replace(operation=number, manual_operation=text, actions={**of.actions, "operation": shown})
@@ -74,10 +74,10 @@ def robot(name: str = "mbot", team: str = "TestingTeam", skew: float = 0.0123,
     return RobotSeen(team, name, skew, silent_since)
 
 
-def box(*zones: Zone, robots: Sequence[RobotSeen] = (robot(),), **fields: Any) -> Document:
+def box(*zones: ZoneSeen, robots: Sequence[RobotSeen] = (robot(),), **fields: Any) -> Document:
     """A box with these zones, or one zone without a run. `fields`: of its state."""
     named = {one.zone: one for one in zones or (zone(),)}
-    state = BoxState("uuid-1", "127.255.255.255", 6666, zones=tuple(named))._replace(**fields)
+    state = BoxSeen("uuid-1", "127.255.255.255", 6666, zones=tuple(named))._replace(**fields)
     return Document(state, {f"{one.robot} of team {one.team}": one for one in robots}, named, {}, {}, {})
 
 
@@ -120,7 +120,7 @@ class FakeLink:
         """A manual operation is asked for, or over."""
         self._set(asked(self.zone, number, text, *fields))
 
-    def _set(self, new: Zone) -> None:
+    def _set(self, new: ZoneSeen) -> None:
         new = self._with_off(new)
         self.true_box = self.true_box._replace(zones={new.zone: new})
         if not self.time:
@@ -147,7 +147,7 @@ class FakeLink:
         self.change()
 
     @property
-    def zone(self) -> Zone:
+    def zone(self) -> ZoneSeen:
         """The zone as the core has it now."""
         return self.true_box.zones["Home A"]
 
@@ -272,7 +272,7 @@ class FakeLink:
         self.index += by
         self.change(event=EVENTS[self.index])
 
-    def _with_off(self, fresh: Zone) -> Zone:
+    def _with_off(self, fresh: ZoneSeen) -> ZoneSeen:
         index = EVENTS.index(fresh.event)
         idle = fresh.phase == IDLE
         own = {

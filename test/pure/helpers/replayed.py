@@ -14,7 +14,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import RequestKind, ScoreValue
 from roah_rsbb.model.public import PublicRun
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
-from roah_rsbb.model.zone import NOTHING, Zone
+from roah_rsbb.model.zone import NOTHING, ZoneSeen
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 
@@ -42,7 +42,7 @@ class Look(NamedTuple):
     """What the box showed at a moment."""
 
     now: Now
-    view: Zone
+    view: ZoneSeen
     desc: str
     explained: Tuple[PublicRun, ...]  # without what the robots say
 

@@ -2,8 +2,8 @@
 
 from helpers.commands import actions_shown
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.document import BoxState, Document
-from roah_rsbb.model.zone import Event, RobotInRun, Zone
+from roah_rsbb.model.document import BoxSeen, Document
+from roah_rsbb.model.zone import Event, RobotInRun, ZoneSeen
 
 NOW = 1_800_000_000.0  # 2027-01-15 08:00:00 UTC
 MONO = 500.0
@@ -12,7 +12,7 @@ EVENT = Event("kx2", "HCFGAC", "Task Benchmark 3", "Catering", "Alpha", 1, 2, NO
 
 def zone_of(name="Home", off=None, asked=None, team="Alpha", **fields):
     """A zone with a running run. `off`, `asked`: see `actions_shown`."""
-    return Zone(**{
+    return ZoneSeen(**{
         "zone": name, "event": EVENT._replace(team=team), "phase": "running", "identity": "run 1",
         "state": ("All OK for start",), "warnings": ("No message from the robot for 3 s",),
         "robot": RobotInRun("R", 6701, "GOAL_TX"), "not_stopped": ("R",),
@@ -31,7 +31,7 @@ class ShownBox:
 
     def show(self, *zones, warnings=(), **sections):
         """The box has these zones now."""
-        before = self.document or Document(BoxState("uuid", "", 0), {}, {}, {}, {}, {})
+        before = self.document or Document(BoxSeen("uuid", "", 0), {}, {}, {}, {}, {})
         self.document = before._replace(
             box=before.box._replace(zones=tuple(zone.zone for zone in zones), warnings=tuple(warnings)),
             zones={zone.zone: zone for zone in zones}, **sections)

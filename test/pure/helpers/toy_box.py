@@ -9,7 +9,7 @@ from helpers.toy_document import LOW, Box, Toy, Zone
 from roah_rsbb.box.door import Door
 from roah_rsbb.document.calls import Waiting
 from roah_rsbb.document.document import Written
-from roah_rsbb.document.place import Place
+from roah_rsbb.document.place import DoorPlace
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.referee import Refused
 
@@ -35,7 +35,7 @@ class ToyBox:
 
     @property
     def place(self):
-        return Place(f"ws://{HOST}:{self.port}/door", TOKEN)
+        return DoorPlace(f"ws://{HOST}:{self.port}/door", TOKEN)
 
     def now(self):
         """A monotonic clock that is not that of this computer."""

@@ -6,7 +6,7 @@ from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple
 
 from hypothesis import strategies as st
 
-from roah_rsbb.model.fields import Field, Number, Text
+from roah_rsbb.model.fields import Field, Number, TypedText
 from roah_rsbb.model.reason import Reason, say
 
 LOW = say("{robot} has {number} %")
@@ -72,7 +72,7 @@ _REASONS = st.one_of(
     st.just(PLAIN), st.builds(lambda robot, number: LOW(robot=robot, number=number), _TEXTS, st.integers(0, 9)),
     st.just(LOW(robot=PLAIN, number=1)))
 _ROBOTS = st.builds(Robot, _TEXTS, st.none() | st.floats(-9, 9), _REASONS)
-_FIELDS = st.sampled_from([Text("reason", say("Reason")), Number("seconds", say("How long"), True, 1, 600, "s")])
+_FIELDS = st.sampled_from([TypedText("reason", say("Reason")), Number("seconds", say("How long"), True, 1, 600, "s")])
 ZONES = st.builds(
     Zone, _TEXTS, st.sampled_from(Light), st.integers(0, 3), st.booleans(), st.text("ab\n", max_size=100),
     st.lists(_ROBOTS, max_size=2).map(tuple), st.lists(_REASONS, max_size=2).map(tuple),

@@ -8,7 +8,7 @@ from helpers.competition import run_record
 from helpers.journals import UTC0, Writer, spoil
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.contents import open_journal
-from roah_rsbb.journal.epochs import Standing, hand_over, raise_epoch, standing_in, superseded_value
+from roah_rsbb.journal.epochs import BoxEpoch, hand_over, raise_epoch, standing_in, superseded_value
 from roah_rsbb.journal.previous_session import read_previous_session
 from roah_rsbb.journal.reader import JournalReader
 
@@ -48,27 +48,27 @@ def box(tmp_path):
 
 
 def test_a_journal_of_which_nobody_took_over(box, tmp_path):
-    assert standing_in(box.path) == Standing(1)
-    assert standing_in(str(tmp_path / "missing")) == Standing(1)
+    assert standing_in(box.path) == BoxEpoch(1)
+    assert standing_in(str(tmp_path / "missing")) == BoxEpoch(1)
     (tmp_path / "nonsense").mkdir()
     (tmp_path / "nonsense" / "journal-000001-00000001.log").write_bytes(b"nonsense" * 1000)
-    assert standing_in(str(tmp_path / "nonsense")) == Standing(1)
+    assert standing_in(str(tmp_path / "nonsense")) == BoxEpoch(1)
 
 
 def test_a_takeover_raises_the_epoch(box):
     first = box.last
-    assert raise_epoch(box.path, UTC0 + 100.0, "second") == Standing(2, cut=first) == standing_in(box.path)
+    assert raise_epoch(box.path, UTC0 + 100.0, "second") == BoxEpoch(2, cut=first) == standing_in(box.path)
     assert open_journal(box.path).segments[-1].head.epoch == 2
     box.writes(lambda writer: writer.entry("/notification", "later"))
     second = box.last
-    assert raise_epoch(box.path, UTC0 + 200.0, "third") == Standing(3, cut=second) == standing_in(box.path)
+    assert raise_epoch(box.path, UTC0 + 200.0, "third") == BoxEpoch(3, cut=second) == standing_in(box.path)
 
 
 def test_the_epoch_of_a_segment_counts_even_if_its_entry_is_damaged(box):
     cut = box.last
     raise_epoch(box.path, UTC0 + 100.0, "second")
     spoil(box.path, b'{"epoch"')
-    assert open_journal(box.path).contents.standing == Standing(2, cut=cut)
+    assert open_journal(box.path).contents.standing == BoxEpoch(2, cut=cut)
 
 
 def test_a_standing_that_changes_while_it_is_looked_at(box):
@@ -78,13 +78,13 @@ def test_a_standing_that_changes_while_it_is_looked_at(box):
         writer.entry("/notification", "x" * 1000)
         assert not standing_in(box.path).is_superseded
     writer.entry(kinds.EPOCH, superseded_value(2, 1, "10.0.0.3"), port=None)
-    assert standing_in(box.path) == Standing(1, 2, 1, "10.0.0.3")
+    assert standing_in(box.path) == BoxEpoch(1, 2, 1, "10.0.0.3")
     writer.close()
-    assert standing_in(box.path) == Standing(1, 2, 1, "10.0.0.3")
+    assert standing_in(box.path) == BoxEpoch(1, 2, 1, "10.0.0.3")
     segment = max(pathlib.Path(box.path).glob("*.log"))
     content = segment.read_bytes()
     segment.write_bytes(content[:content.index(b'{"superseded_by"')])  # an earlier copy in its place
-    assert standing_in(box.path) == Standing(1)
+    assert standing_in(box.path) == BoxEpoch(1)
 
 
 def test_a_takeover_does_not_change_when_the_core_ended(box):
@@ -99,19 +99,19 @@ def test_a_superseded_box(box):
     box.superseded(2, cut)
     box.writes(lambda writer: writer.entry("/notification", "only here", identity=run_record().identity))
     standing = standing_in(box.path)
-    assert standing == Standing(1, 2, cut, "10.0.0.3") and standing.is_superseded
+    assert standing == BoxEpoch(1, 2, cut, "10.0.0.3") and standing.is_superseded
     assert box.only_here() == [(run_record().identity, 1)]
 
 
 def test_a_box_that_hands_over(box):
     cut = box.last
-    assert hand_over(box.path, UTC0, "10.0.0.3") == Standing(1, 2, cut, "10.0.0.3") == standing_in(box.path)
+    assert hand_over(box.path, UTC0, "10.0.0.3") == BoxEpoch(1, 2, cut, "10.0.0.3") == standing_in(box.path)
 
 
 def test_a_superseded_box_takes_over_again(box):
     box.superseded(2, cut=1)
     cut = box.last
-    assert raise_epoch(box.path, UTC0, "first") == Standing(3, cut=cut)
+    assert raise_epoch(box.path, UTC0, "first") == BoxEpoch(3, cut=cut)
     assert box.only_here() == []
     box.superseded(2, cut=1)  # late
     assert not standing_in(box.path).is_superseded

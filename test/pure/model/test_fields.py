@@ -10,10 +10,10 @@ from roah_rsbb.model.fields import (
     BadValue,
     Choice,
     Number,
-    Pose,
     Team,
-    Text,
     Toggle,
+    TypedPose,
+    TypedText,
     answered,
     field_of,
     form_of,
@@ -24,12 +24,12 @@ from roah_rsbb.model.reason import say
 
 SECONDS = Number("seconds", say("How long"), low=1, high=600)
 OPTIONAL = Number("entry", say("Entry"), required=False, low=-1, default=-1)
-REASON = Text("reason", say("Reason"), characters=10)
-CUT = Text("reason", say("Reason"), required=False, characters=10, cut=True)
+REASON = TypedText("reason", say("Reason"), characters=10)
+CUT = TypedText("reason", say("Reason"), required=False, characters=10, cut=True)
 WHO = Choice("who", say("Who"), required=False, choices=("team", "jury"))
 QUIET = Toggle("quiet", say("Quiet"), required=False)
 TEAM = Team("team", say("Team"))
-POSE, MAYBE = Pose("pose", say("Pose")), Pose("pose", say("Pose"), required=False)
+POSE, MAYBE = TypedPose("pose", say("Pose")), TypedPose("pose", say("Pose"), required=False)
 
 
 @pytest.mark.parametrize("field, value", [

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from helpers.forms import MEASURED, ODD, form
-from roah_rsbb.model.fields import Choice, Decimal, Fixed, Number, Robot, Text, Toggle, form_text
+from roah_rsbb.model.fields import Choice, Decimal, Fixed, Number, Robot, Toggle, TypedText, form_text
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
 from roah_rsbb.model.reason import say
 from roah_rsbb.nodes.modules.limits import (
@@ -60,7 +60,7 @@ def test_usual_values_stay_unchanged():
     ({"form": form_text([Number("a", say("A"), high=2**31)])}, "'a' is from 0 to 2147483648"),
     ({"form": form_text([Number("a", say("A"), default=2**31)])}, "'a' is from 0 to"),
     ({"form": form_text([Decimal("a", say("A"), high=float("nan"))])}, "'a' is from 0.0 to nan"),
-    ({"form": form_text([Text("a", say("A"), characters=1001)])}, "'a' has 1001 characters"),
+    ({"form": form_text([TypedText("a", say("A"), characters=1001)])}, "'a' has 1001 characters"),
     ({"form": form_text([Robot("a", say("A"))])}, "is a robot, which a module cannot ask for"),
     ({"form": form_text([Fixed("a", say("A"))])}, "is a fixed, which a module cannot ask for"),
     ({"form": form_text([Toggle("operation", say("A"))])}, "'operation' has a wrong name: names are of a to z"),

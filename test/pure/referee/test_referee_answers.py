@@ -10,7 +10,7 @@ from roah_rsbb.model.fields import Choice, form_of
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.zone import Switches
-from roah_rsbb.referee.answers import MAX_IN_A_ROW, Automatic, GivenUp, Operations, Typed
+from roah_rsbb.referee.answers import MAX_IN_A_ROW, AutomaticAnswers, GivenUp, Operations, Typed
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.run import RunScript, ScriptPlan
 
@@ -34,7 +34,7 @@ class Table:
         self.typed = []
         self.kind = kind
         self.answers = (
-            Automatic(self.link, self.notes.append) if kind is Automatic
+            AutomaticAnswers(self.link, self.notes.append) if kind is AutomaticAnswers
             else Typed(self.link, self.notes.append, self._lines, ahead)
         )
 
@@ -74,7 +74,7 @@ def test_an_answer_that_is_none_of_the_choices_is_the_text_of_the_form():
 
 
 def test_each_operation_is_completed_once_with_its_usual_answer():
-    table = Table(Automatic)
+    table = Table(AutomaticAnswers)
     table.asks(PLACE)
     table.asks(PLACE)  # an old message once more
     table.asks()
@@ -84,7 +84,7 @@ def test_each_operation_is_completed_once_with_its_usual_answer():
 
 
 def test_switches_are_confirmed_when_the_robot_has_finished():
-    table = Table(Automatic)
+    table = Table(AutomaticAnswers)
     table.asks(switches=TO_CONFIRM._replace(to_confirm=False))
     assert table.link.given == []
     table.asks(switches=TO_CONFIRM)
@@ -93,7 +93,7 @@ def test_switches_are_confirmed_when_the_robot_has_finished():
 
 @pytest.mark.parametrize("error", [Refused(["over"]), NoCore("gone")])
 def test_what_does_not_work_is_tried_again(error):
-    table = Table(Automatic)
+    table = Table(AutomaticAnswers)
     table.link.answers["operation"] = [error, None]
     table.asks(PLACE)
     assert (table.link.given, table.notes) == ([], [])
@@ -103,11 +103,11 @@ def test_what_does_not_work_is_tried_again(error):
 
 def test_what_only_a_human_can_measure_is_given_up():
     with pytest.raises(GivenUp, match="Look at the cup.*: Did the robot hold it.*, Pose of the cup"):
-        Table(Automatic).asks((1, ODD_ASKED, *ODD))
+        Table(AutomaticAnswers).asks((1, ODD_ASKED, *ODD))
 
 
 def test_the_same_thing_again_is_waited_for_and_not_for_ever():
-    table = Table(Automatic)
+    table = Table(AutomaticAnswers)
     table.asks(numbered(AGAIN, 1))
     for number in range(2, MAX_IN_A_ROW + 1):
         table.asks(numbered(AGAIN, number))
@@ -120,7 +120,7 @@ def test_the_same_thing_again_is_waited_for_and_not_for_ever():
 
 
 def test_something_else_in_between_is_patience():
-    table = Table(Automatic)
+    table = Table(AutomaticAnswers)
     for number in range(1, 40, 2):
         table.asks(numbered(AGAIN, number))
         table.asks(numbered(PLACE, number + 1))

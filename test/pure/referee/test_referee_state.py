@@ -9,7 +9,7 @@ from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import Choice, form_of
 from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints
 from roah_rsbb.model.results import HistoryEntry, RunEnd, RunLine, RunSheet
-from roah_rsbb.model.schedule import ScheduledEvent
+from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.shown import Shown
 from roah_rsbb.model.zone import AllRobots, Count, RunClock, SheetItem, Switches
 from roah_rsbb.referee.state import as_json, box_json, scheduled_json, sheet_json, zone_json, zones_of
@@ -136,7 +136,7 @@ def test_a_sheet_as_json():
 
 
 def test_an_event_of_the_schedule_as_json():
-    event = ScheduledEvent("e1", 1, "Home A", "HWV", "Welcoming", "T", 1, 1, UTC0, UTC0 + 60.0, "later", False)
+    event = EventSeen("e1", 1, "Home A", "HWV", "Welcoming", "T", 1, 1, UTC0, UTC0 + 60.0, "later", False)
     made = as_json(scheduled_json(event))
     assert (made["late_s"], made["signed_utc_s"], "id" in made) == (60.0, None, False)
 
@@ -146,7 +146,7 @@ def test_the_documentation_names_every_field():
     whole = asked(running_zone(
         items=(SheetItem("G", "poster", "rating"),), module_scores=(ScoreValue("", "n", "1", ""),),
         switches=Switches((1,), 0, True), all_robots=AllRobots(1, 0, 0, 1, ("r",))), 1, "Place it")
-    event = ScheduledEvent("e1", 1, "Home A", "HWV", "Welcoming", "T", 1, 1, UTC0, UTC0, "later", False)
+    event = EventSeen("e1", 1, "Home A", "HWV", "Welcoming", "T", 1, 1, UTC0, UTC0, "later", False)
     made = [as_json(one) for one in (box_json(box(whole), NOW), sheet_json(SHEET), scheduled_json(event))]
     assert not {name for name in _names(made) - ACTIONS.keys() if f"`{name}`" not in text}
 

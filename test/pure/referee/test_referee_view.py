@@ -12,7 +12,7 @@ from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import Number, form_of
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints
-from roah_rsbb.model.schedule import ScheduledEvent
+from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.zone import AllRobots, SheetItem, Switches
 from roah_rsbb.referee import view
 from roah_rsbb.referee.args import parser
@@ -284,8 +284,8 @@ def test_what_robots_say_cannot_command_the_terminal():
 
 
 def _event(number, **fields):
-    event = ScheduledEvent(f"e{number}", number, "Home A", "HWV", "Welcoming", "Beta", 1, number, UTC0, UTC0 + 720.0,
-                           "later", False)
+    event = EventSeen(f"e{number}", number, "Home A", "HWV", "Welcoming", "Beta", 1, number, UTC0, UTC0 + 720.0,
+                      "later", False)
     return event._replace(**fields)
 
 

@@ -15,7 +15,7 @@ from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.link import LinkSample
 from roah_rsbb.model.records import ItemRecord, Rating
 from roah_rsbb.results.anonymous import names_of
-from roah_rsbb.results.dataset import FILES, TABLES, Options, write_dataset
+from roah_rsbb.results.dataset import FILES, TABLES, DatasetOptions, write_dataset
 from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.wording.texts import visible
 
@@ -31,7 +31,7 @@ def written(journal, folder, anonymous=False, **options):
     with JournalReader(journal) as reader:
         names = names_of(reader) if anonymous else None
         results = (run_result(reader, number, record, print) for number, record in enumerate(records(reader, print), 1))
-        write_dataset(str(folder), results, Options(names, **options))
+        write_dataset(str(folder), results, DatasetOptions(names, **options))
     assert sorted(os.listdir(str(folder))) == sorted(FILES)
     tables = {}
     for table in TABLES:

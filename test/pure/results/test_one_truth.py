@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from helpers.competition import BUMPS, OBJECTS, UTC0, competition, event
 from helpers.examples import examples
 from helpers.journaled import NO_LISTENING, JournaledDriver
-from roah_rsbb.core.scoring.counting import Choice, Why, attempts_of, rulings
+from roah_rsbb.core.scoring.counting import RunChoice, Why, attempts_of, rulings
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.core.views.schedule import schedule
@@ -32,7 +32,7 @@ from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
 from roah_rsbb.results.standings import index_page, public_standings, standings
 from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow
-from roah_rsbb.rulebook.standing_rules import Criterion, OfRuns, Overall, Part, Rules, StandingRules, Term
+from roah_rsbb.rulebook.standing_rules import Criterion, OfRuns, Overall, Rules, StandingPart, StandingRules, Term
 from roah_rsbb.wording.counting import counting_text
 
 CODES, ZONES, TEAMS = ("HGTKMH", "HWV"), ("a", "b"), ("Alpha", "Beta")
@@ -40,7 +40,7 @@ HOUR = 3600.0
 RANKING = StandingRules({"HGTKMH": Rules(OfRuns.BEST, (), (
     Criterion("Objects", True, (Term(item=OBJECTS.desc, weight=0.1),)),
     Criterion("Bumps", False, (Term(group=BUMPS.group),))))})
-RANKING.overall = (Overall("All", (Part("HGTKMH"), Part("HWV"))),)
+RANKING.overall = (Overall("All", (StandingPart("HGTKMH"), StandingPart("HWV"))),)
 
 ACTIONS = st.one_of(
     st.tuples(st.just("attempt"), st.sampled_from(ZONES), st.integers(0, 3), st.integers(0, 2)),
@@ -139,7 +139,7 @@ def test_all_say_the_same_of_each_run(tmp_path_factory, actions, rules):
     for action in actions:
         organised.act(*action)
     driver, config = organised.driver, organised.config()
-    choice = Choice(events=dict(zip(CODES, rules)))
+    choice = RunChoice(events=dict(zip(CODES, rules)))
     with JournalReader(driver.journal.path) as reader:
         known = records(reader, pytest.fail)
         truth = {ruling.record.identity: ruling for ruling in rulings(known, RANKING, choice)}

@@ -18,7 +18,7 @@ from roah_rsbb.results.export import exported, result_rows, safe
 from roah_rsbb.results.paper import blank_front, front_of
 from roah_rsbb.results.runs import RunResult
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
-from roah_rsbb.results.standings import Choice, number_text, standings
+from roah_rsbb.results.standings import RunChoice, number_text, standings
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.wording.sheets import points_text
 
@@ -45,7 +45,7 @@ def test_points_are_the_same_everywhere(seed):
     chance = random.Random(seed)
     form = random_form(chance)
     records = [_record(chance, form, number, team) for number, team in enumerate(TEAMS)]
-    (standing,) = standings(records, {}, Choice(signed_off=True))
+    (standing,) = standings(records, {}, RunChoice(signed_off=True))
     best = {line.team: line.numbers for line in standing.lines}
     assert sorted(line.team for line in standing.lines) == sorted(TEAMS)
     for number, record in enumerate(records, 1):

@@ -4,7 +4,7 @@ import dataclasses
 
 from helpers.competition import event
 from helpers.results_of import UTC0, task_record
-from roah_rsbb.core.scoring.counting import Choice, rulings, with_events
+from roah_rsbb.core.scoring.counting import RunChoice, rulings, with_events
 from roah_rsbb.model.records import SignOff
 from roah_rsbb.results.checklist import check_lines, checklist, summary
 from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow, ZonePlan
@@ -22,7 +22,7 @@ def planned(run, scheduled, zone="tbm"):
 
 
 def lines(plans, *records, counting=CountingAttempt.LAST, **rules):
-    choice = Choice(events={"HGTKMH": EventRules(counting=counting, **rules)})
+    choice = RunChoice(events={"HGTKMH": EventRules(counting=counting, **rules)})
     return checklist(plans, rulings(with_events(records, plans), {}, choice), in_utc=True)
 
 

@@ -12,7 +12,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.anonymous import names_of
-from roah_rsbb.results.dataset import Options, write_dataset
+from roah_rsbb.results.dataset import DatasetOptions, write_dataset
 from roah_rsbb.results.export import exported
 from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
@@ -77,7 +77,7 @@ def test_the_data_set_has_a_row_for_each_proposal(jury, tmp_path, is_anonymous):
     folder = tmp_path / "set"
     folder.mkdir()
     _read(jury, lambda result, reader: write_dataset(
-        str(folder), [result], Options(names_of(reader) if is_anonymous else None)))
+        str(folder), [result], DatasetOptions(names_of(reader) if is_anonymous else None)))
     with open(str(folder / "judges.csv"), encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert [(row["proposal"], row["settled"]) for row in rows if row["name"] == BUMPS.desc] == [

@@ -19,7 +19,7 @@ from helpers.results_of import (
 from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints, SignOff
 from roah_rsbb.results.standings import (
     WITHOUT_RULES,
-    Choice,
+    RunChoice,
     number_text,
     overall_standing,
     run_text,
@@ -37,8 +37,8 @@ from roah_rsbb.rulebook.standing_rules import (
     Normalised,
     OfRuns,
     Overall,
-    Part,
     Rules,
+    StandingPart,
     Term,
     read_rules,
 )
@@ -48,7 +48,7 @@ ACHIEVEMENTS = Criterion("Achievements", True, (Term(group=ACHIEVED),))
 PENALTIES = Criterion("Penalties", False, (Term(group=PENALIZED),))
 TASK = Rules(OfRuns.BEST, (DISQUALIFYING,), (ACHIEVEMENTS, PENALTIES))
 SIGNED = SignOff(1.0, "chief")
-ALL = Choice()
+ALL = RunChoice()
 
 
 def ranks(records, rules=TASK, choice=ALL, code="HGTKMH"):
@@ -75,7 +75,7 @@ def test_ties_share_a_rank_and_are_shown_as_ties():
     table = standing("HGTKMH", [
         task_record("A", 1, objects=1), task_record("C", 2, objects=2), task_record("B", 3, objects=2),
         task_record("D", 4),
-    ], TASK, Choice())
+    ], TASK, RunChoice())
     assert [(t.rank, t.tied, t.team) for t in table.lines] == [
         (1, True, "B"), (1, True, "C"), (3, False, "A"), (4, False, "D")
     ]
@@ -95,7 +95,7 @@ def test_disqualified_teams_rank_last():
         task_record("A", 1, door=1, objects=9, hits=1), task_record("B", 2, bumps=5), task_record("C", 3, hits=2),
     ])
     assert [(rank, team) for rank, team, _ in found] == [(1, "B"), (2, "A"), (2, "C")]
-    table = standing("HGTKMH", [task_record("A", 1, hits=1)], TASK, Choice())
+    table = standing("HGTKMH", [task_record("A", 1, hits=1)], TASK, RunChoice())
     assert "disqualified" in list(standing_lines(table))[2]
 
 
@@ -126,7 +126,7 @@ def test_a_missing_value_ranks_behind_every_value(value, more_is_better):
 def test_a_value_of_part_of_the_run_does_not_count_for_the_run():
     record = module_record("A", 1)._replace(module_scores=(ScoreValue("waypoint 1", "time", "5", "s"),))
     rules = Rules(OfRuns.BEST, (), (Criterion("Time", False, (Term(score="time"),)),))
-    table = standing("HNF", [record], rules, Choice())
+    table = standing("HNF", [record], rules, RunChoice())
     assert table.lines[0].numbers == (None,)
     assert f"run {record.identity} of team A has no 'time'" in table.remarks
 
@@ -149,25 +149,25 @@ SEVERAL = [
     (OfRuns.BEST, "A", (5.0, 2.0)), (OfRuns.MEAN, "B", (4.0, 0.0)), (OfRuns.MEDIAN, "B", (4.0, 0.0)),
 ])
 def test_best_mean_and_median_of_a_teams_runs(of_runs, first, numbers):
-    found = ranks(SEVERAL, choice=Choice(of_runs=of_runs))
+    found = ranks(SEVERAL, choice=RunChoice(of_runs=of_runs))
     assert found[0] == (1, first, numbers)
     assert found == ranks(SEVERAL, TASK._replace(of_runs=of_runs))
 
 
 def test_the_mean_of_several_runs():
-    [_, (_, _, numbers)] = ranks(SEVERAL, choice=Choice(of_runs=OfRuns.MEAN))
+    [_, (_, _, numbers)] = ranks(SEVERAL, choice=RunChoice(of_runs=OfRuns.MEAN))
     assert numbers == (3.0, pytest.approx(2 / 3))
-    table = standing("HGTKMH", SEVERAL, TASK, Choice())
+    table = standing("HGTKMH", SEVERAL, TASK, RunChoice())
     assert [line.best for line in table.lines] == [1, 0]
     assert [len(line.runs) for line in table.lines] == [3, 1]
-    assert standing("HGTKMH", SEVERAL, TASK, Choice(of_runs=OfRuns.MEAN)).lines[0].best is None
+    assert standing("HGTKMH", SEVERAL, TASK, RunChoice(of_runs=OfRuns.MEAN)).lines[0].best is None
 
 
 def test_a_run_that_is_disqualified_among_others():
     records = [task_record("A", 1, objects=4, hits=1), task_record("A", 2, objects=2, bumps=4)]
     assert ranks(records) == [(1, "A", (2.0, 4.0))]
-    assert ranks(records, choice=Choice(of_runs=OfRuns.MEAN)) == [(1, "A", (1.0, 4.0))]
-    assert not standing("HGTKMH", records, TASK, Choice()).lines[0].disqualified
+    assert ranks(records, choice=RunChoice(of_runs=OfRuns.MEAN)) == [(1, "A", (1.0, 4.0))]
+    assert not standing("HGTKMH", records, TASK, RunChoice()).lines[0].disqualified
 
 
 def test_what_has_no_value_is_left_out_of_the_mean():
@@ -191,7 +191,7 @@ def test_only_signed_off_runs_or_all():
     records = [task_record("A", 1, objects=5), task_record("A", 2, objects=1, sign_off=SIGNED), task_record("B", 3)]
     assert ranks(records)[0] == (1, "A", (5.0, 0.0))
     assert remarks(records).count("may still change") == 2
-    signed = Choice(signed_off=True)
+    signed = RunChoice(signed_off=True)
     assert ranks(records, choice=signed) == [(1, "A", (1.0, 0.0))]
     assert remarks(records, signed).count("does not count") == 2
 
@@ -201,32 +201,32 @@ def test_of_an_event_that_was_run_again_the_last_run_counts():
     again = task_record("A", 2, objects=1, round=first.round, run=first.run, scheduled=first.scheduled)
     assert ranks([again, first]) == [(1, "A", (1.0, 0.0))]
     assert f"run {first.identity} of team A was repeated" in remarks([first, again])
-    assert ranks([first, again], choice=Choice(without=(again.identity,))) == [(1, "A", (5.0, 0.0))]
+    assert ranks([first, again], choice=RunChoice(without=(again.identity,))) == [(1, "A", (5.0, 0.0))]
     never = again._replace(started_utc=0.0, end_reason="")
     assert ranks([first, never]) == [(1, "A", (5.0, 0.0))]
 
 
 def test_a_run_of_all_teams_has_no_standing():
     records = [task_record("ALL", 1, benchmark="HSUF", items=())]
-    [table] = standings(records, {}, Choice())
+    [table] = standings(records, {}, RunChoice())
     assert table.lines == ()
     assert table.remarks == ("all robots run at once: there is no score for each team",)
-    assert standings([records[0]._replace(started_utc=0.0)], {}, Choice()) == []
+    assert standings([records[0]._replace(started_utc=0.0)], {}, RunChoice()) == []
 
 
 def test_standings_of_all_benchmarks_in_their_order():
     never = task_record("A", 3, started_utc=0.0, benchmark="HWV")
     records = [module_record("A", 1, reached=1), task_record("A", 2), never]
-    assert [s.benchmark for s in standings(records, {"HGTKMH": TASK}, Choice())] == ["HGTKMH", "HNF"]
+    assert [s.benchmark for s in standings(records, {"HGTKMH": TASK}, RunChoice())] == ["HGTKMH", "HNF"]
 
 
 def test_a_run_says_whether_it_is_final():
-    table = standing("HGTKMH", [task_record("A", 1, hits=1)], TASK, Choice())
+    table = standing("HGTKMH", [task_record("A", 1, hits=1)], TASK, RunChoice())
     assert run_text(table.lines[0].runs[0]) == "round 1, run 1, disqualified, not signed off"
 
 
 def test_a_page_leads_to_the_sheets_and_marks_the_best_run():
-    markup = standing_markup(standing("HGTKMH", SEVERAL, TASK, Choice()), {SEVERAL[1].identity: "002.html"})
+    markup = standing_markup(standing("HGTKMH", SEVERAL, TASK, RunChoice()), {SEVERAL[1].identity: "002.html"})
     assert '<b><a href="002.html">round 1, run 2, not signed off: 5, 2</a></b>' in markup
     assert markup.count("<a ") == 1
 
@@ -338,18 +338,18 @@ def overall(*parts, **fields):
 
 
 HITS_OUT = BY_POINTS._replace(disqualified_by=(DISQUALIFYING,))
-TASK_PART = Part("HGTKMH", weight=Decimal(2))
+TASK_PART = StandingPart("HGTKMH", weight=Decimal(2))
 
 
 def test_an_overall_standing_relative_to_the_best_team():
-    assert overall(TASK_PART, Part("HWV")) == [
+    assert overall(TASK_PART, StandingPart("HWV")) == [
         (1, False, "B", (Fraction(8, 3), 2, Fraction(2, 3))), (2, False, "A", (Fraction(13, 5), Fraction(8, 5), 1)),
         (3, False, "C", (0, 0, 0)),
     ]
 
 
 def test_an_overall_standing_relative_to_a_maximum():
-    parts = TASK_PART._replace(maximum=Decimal(100)), Part("HWV", maximum=Decimal(12))
+    parts = TASK_PART._replace(maximum=Decimal(100)), StandingPart("HWV", maximum=Decimal(12))
     assert overall(*parts, normalised=Normalised.MAXIMUM) == [
         (1, False, "A", (Fraction(31, 20), Fraction(4, 5), Fraction(3, 4))), (2, False, "B", (1.5, 1.0, 0.5)),
         (3, False, "C", (0.0, 0.0, 0.0)),
@@ -357,13 +357,13 @@ def test_an_overall_standing_relative_to_a_maximum():
 
 
 def test_an_overall_standing_of_plain_numbers_over_days():
-    parts = Part("HWV", day="1970-01-01"), Part("HWV", Decimal("0.5"), "1970-01-02")
+    parts = StandingPart("HWV", day="1970-01-01"), StandingPart("HWV", Decimal("0.5"), "1970-01-02")
     assert overall(*parts, normalised=Normalised.NO) == [
         (1, False, "A", (7.5, 3.0, 4.5)), (2, False, "B", (6.0, 6.0, 0.0))]
 
 
 def test_ties_of_an_overall_standing():
-    parts = Part("HGTKMH"), Part("HWV", Decimal("0.2"), "1970-01-02")  # 0.8 + 0.2 and 1.0 + 0.0
+    parts = StandingPart("HGTKMH"), StandingPart("HWV", Decimal("0.2"), "1970-01-02")  # 0.8 + 0.2 and 1.0 + 0.0
     assert [line[:3] for line in overall(*parts)] == [(1, True, "A"), (1, True, "B"), (3, False, "C")]
     assert [line[2] for line in overall(*parts, ties=("HGTKMH",))] == ["B", "A", "C"]
     assert [line[:3] for line in overall(*parts, ties=("HWV", "HGTKMH"))] == [
@@ -375,7 +375,7 @@ def test_equal_sums_tie_whatever_their_parts_are():
     days = [f"1970-01-0{day}" for day in (1, 2)]
     records = [pointed("A", 1, "235", scheduled=0.0), pointed("A", 2, "0", scheduled=DAY),
                pointed("B", 3, "100", scheduled=0.0), pointed("B", 4, "135", scheduled=DAY)]
-    parts = tuple(Part("HGTKMH", day=day, maximum=Decimal(7)) for day in days)
+    parts = tuple(StandingPart("HGTKMH", day=day, maximum=Decimal(7)) for day in days)
     table = overall_standing(Overall("Final", parts, Normalised.MAXIMUM), records, {}, ALL)
     assert [(line.rank, line.tied, line.team) for line in table.lines] == [(1, True, "A"), (1, True, "B")]
     lines = list(standing_lines(table))
@@ -400,7 +400,7 @@ def test_a_number_is_rounded_for_the_eye(number, text):
 
 def test_an_overall_standing_names_the_runs_that_count_and_every_team():
     records = [*TWO_DAYS, attempt(9, "D", "withdrawn")._replace(started_utc=0.0)]
-    table = overall_standing(Overall("All", (TASK_PART, Part("HWV"))), records, {"HGTKMH": HITS_OUT}, ALL)
+    table = overall_standing(Overall("All", (TASK_PART, StandingPart("HWV"))), records, {"HGTKMH": HITS_OUT}, ALL)
     assert [(line.team, [run.record.identity[:-15] for run in line.runs]) for line in table.lines] == [
         ("B", ["HGTKMH-6668", "HWV-6671"]), ("A", ["HGTKMH-6667", "HWV-6672"]), ("C", ["HGTKMH-6669"]), ("D", [])]
     assert [line.split()[-1] for line in list(standing_lines(table))[2:6]] == ["2", "2", "1", "0"]
@@ -409,7 +409,7 @@ def test_an_overall_standing_names_the_runs_that_count_and_every_team():
 
 def test_a_benchmark_without_positive_numbers_counts_nothing():
     records = [pointed("A", 1, "-1"), pointed("B", 2, "0")]
-    table = overall_standing(Overall("All", (Part("HGTKMH"), Part("HWV"))), records, {}, ALL)
+    table = overall_standing(Overall("All", (StandingPart("HGTKMH"), StandingPart("HWV"))), records, {}, ALL)
     assert [line.numbers for line in table.lines] == [(0.0, 0.0, 0.0)] * 2
     assert table.remarks == ("HGTKMH counts 0: no team has more than 0", "HWV has no runs yet")
 
@@ -430,8 +430,8 @@ def test_an_overall_standing_is_read_and_comes_first(tmp_path):
     rules = rules_of(tmp_path, OVERALL)
     assert list(rules) == ["HGTKMH"]
     assert rules.overall == (Overall("All days", (
-        Part("HGTKMH", Decimal(2), "", Decimal(500)), Part("HWV", Decimal(1), "2026-11-28", Decimal("20.5"))),
-        Normalised.MAXIMUM, ("HWV",)),)
+        StandingPart("HGTKMH", Decimal(2), "", Decimal(500)),
+        StandingPart("HWV", Decimal(1), "2026-11-28", Decimal("20.5"))), Normalised.MAXIMUM, ("HWV",)),)
     first, *others = standings(TWO_DAYS, rules, ALL)
     lines = list(standing_lines(first))
     assert lines[0] == ("All days: weighted sum of the benchmarks, each relative to its maximum; in a tie HWV")
@@ -466,7 +466,7 @@ def attempt(number, team="A", end_reason="completed", **marks):
 
 
 def counting(**rules):
-    return Choice(events={"HGTKMH": EventRules(**rules)})
+    return RunChoice(events={"HGTKMH": EventRules(**rules)})
 
 
 ATTEMPTS = [attempt(1, objects=2), attempt(2, objects=5, bumps=1), attempt(3, objects=3)]

@@ -84,7 +84,7 @@ class Replay:
                 self.channels.append((effect.host, effect.port))
             elif isinstance(effect, fx.CloseChannel):
                 self.channels.append(None)
-            elif isinstance(effect, fx.Report):
+            elif isinstance(effect, fx.ProblemIs):
                 self.reports.append(effect)
             elif isinstance(effect, fx.SendState):
                 self.sent = effect.message
@@ -181,8 +181,8 @@ def test_the_home_is_published_when_it_changes(name):
             sent["devices_dimmer"], sent["devices_blinds"], sent.get("devices_door_win_detect", False),
         ) for sent in beacons
     )
-    assert [effect for effect in effects if isinstance(effect, fx.Tablet)] == _news(
-        fx.Tablet(
+    assert [effect for effect in effects if isinstance(effect, fx.TabletIs)] == _news(
+        fx.TabletIs(
             sent["tablet_display_map"], _wire_time(sent["tablet_call_time"]),
             _wire_time(sent["tablet_position_time"]), sent["tablet_position_x"], sent["tablet_position_y"],
         ) for sent in beacons

@@ -71,7 +71,7 @@ def test_a_robot_that_is_not_listed_any_more_halts_and_beacons_again(linked):
 def test_a_port_that_does_not_exist_is_reported_once(bench, port):
     for _ in range(3):
         bench.beacon(port=port)
-    assert [report.problem for report in bench.take_news(fx.Report, fx.OpenChannel)] == [fx.Problem.CHANNEL]
+    assert [report.problem for report in bench.take_news(fx.ProblemIs, fx.OpenChannel)] == [fx.Problem.CHANNEL]
 
 
 def test_a_channel_that_cannot_be_opened_is_tried_again_and_reported_once(bench):
@@ -80,10 +80,10 @@ def test_a_channel_that_cannot_be_opened_is_tried_again_and_reported_once(bench)
         bench.session.channel_failed("port 6667 is in use")
         bench.poll()
         bench.run(1)
-    news = bench.take_news(fx.OpenChannel, fx.Report)
+    news = bench.take_news(fx.OpenChannel, fx.ProblemIs)
     assert news.count(fx.OpenChannel(BOX, PORT)) == 3
-    assert [effect for effect in news if isinstance(effect, fx.Report)] == [
-        fx.Report(fx.Problem.CHANNEL, "port 6667 is in use")
+    assert [effect for effect in news if isinstance(effect, fx.ProblemIs)] == [
+        fx.ProblemIs(fx.Problem.CHANNEL, "port 6667 is in use")
     ]
 
 

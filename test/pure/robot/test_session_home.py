@@ -12,7 +12,7 @@ from roah_rsbb.robot import effects as fx
 def test_devices_and_tablet_are_published_when_they_change(bench):
     bench.beacon(devices_bell=pb.Time(sec=5, nsec=0), tablet_call_time=pb.Time(sec=6, nsec=0))
     # What was before the first beacon is no ring now.
-    assert [type(effect) for effect in bench.take_news()] == [fx.Devices, fx.Tablet, fx.OpenChannel]
+    assert [type(effect) for effect in bench.take_news()] == [fx.Devices, fx.TabletIs, fx.OpenChannel]
     same = {"devices_bell": pb.Time(sec=5, nsec=0), "tablet_call_time": pb.Time(sec=6, nsec=0)}
     bench.beacon(**same)
     assert bench.take_news() == []

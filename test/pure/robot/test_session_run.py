@@ -84,8 +84,8 @@ def test_what_cannot_follow_stops_the_robot_and_is_reported_once(linked, prepare
     linked.take_sent()
     for _ in range(5):
         linked.box_says(BoxState.WAITING_RESULT)
-    news = linked.take_news(fx.Report, fx.Stop)
-    assert [type(effect) for effect in news] == ([fx.Stop, fx.Report] if prepared else [fx.Report])
+    news = linked.take_news(fx.ProblemIs, fx.Stop)
+    assert [type(effect) for effect in news] == ([fx.Stop, fx.ProblemIs] if prepared else [fx.ProblemIs])
     assert news[-1].problem is fx.Problem.UNEXPECTED_STATE
     assert linked.state is RobotState.STOP
     assert linked.sent[0][0] == linked.now, "the box hears at once that it has to begin again"
@@ -93,7 +93,7 @@ def test_what_cannot_follow_stops_the_robot_and_is_reported_once(linked, prepare
     assert linked.state is RobotState.PREPARING
     linked.take_news()
     linked.box_says(BoxState.WAITING_RESULT)
-    assert len(linked.take_news(fx.Report)) == 1, "it passed, so it is news again"
+    assert len(linked.take_news(fx.ProblemIs)) == 1, "it passed, so it is news again"
 
 
 def test_a_straggler_moves_nothing(linked):
@@ -172,7 +172,7 @@ def test_the_last_goal_is_not_an_error_after_a_request_of_the_referee_or_a_modul
     assert linked.state is asked and linked.take_news() == []
     linked.run(2)
     linked.box_says(late, "HNF", acknowledge=newest)
-    assert linked.take_news(fx.Report), "after so long it is not a delayed message: report the robot's state to the box"
+    assert linked.take_news(fx.ProblemIs), "after so long it is no delayed message: report the robot's state to the box"
 
 
 def test_the_result_waits_for_strings_that_no_message_carried_yet(linked):
@@ -228,7 +228,7 @@ def test_an_override_closes_the_channel_and_ignores_the_box(linked):
     linked.box_says(BoxState.STOP)
     linked.run(20)
     assert linked.state is RobotState.PREPARING
-    assert linked.take_news(fx.OpenChannel, fx.Report) == []
+    assert linked.take_news(fx.OpenChannel, fx.ProblemIs) == []
     linked.session.override(linked.now, None)
     linked.poll()
     assert linked.state is RobotState.STOP and linked.session.progress.benchmark is None

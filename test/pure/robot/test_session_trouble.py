@@ -17,10 +17,10 @@ def test_no_box_is_reported_once_and_its_return_too(bench):
     bench.run(20)
     assert [(report.problem, report.over) for report in bench.take_news()] == [(fx.Problem.NO_BOX, False)]
     bench.beacon(port=None)
-    reports = bench.take_news(fx.Report)
+    reports = bench.take_news(fx.ProblemIs)
     assert [(report.problem, report.over) for report in reports] == [(fx.Problem.NO_BOX, True)]
     bench.run(5.1)
-    assert len(bench.take_news(fx.Report)) == 1
+    assert len(bench.take_news(fx.ProblemIs)) == 1
 
 
 def test_a_box_silent_on_the_private_channel_is_reported_once(linked):
@@ -29,7 +29,7 @@ def test_a_box_silent_on_the_private_channel_is_reported_once(linked):
         if second < 3:
             linked.box_says(BoxState.PREPARE)
         linked.run(1)
-    reports = linked.take_news(fx.Report)
+    reports = linked.take_news(fx.ProblemIs)
     assert [(report.problem, report.over) for report in reports] == [(fx.Problem.BOX_SILENT, False)]
     assert BOX in reports[0].text and str(PORT) in reports[0].text and "password" not in reports[0].text
     assert linked.state is RobotState.PREPARING, "a bad network ends no run"
@@ -41,7 +41,7 @@ def test_a_box_that_has_never_answered_may_have_another_password(linked):
     for _ in range(6):
         linked.beacon()
         linked.run(1)
-    report, = linked.take_news(fx.Report)
+    report, = linked.take_news(fx.ProblemIs)
     assert report.problem is fx.Problem.BOX_SILENT
     assert "the same password in the box" in report.text and "firewall" in report.text
 
@@ -51,7 +51,7 @@ def test_a_wrong_password_is_reported_once_and_not_taken_for_silence(linked):
         linked.beacon()
         linked.session.private_undecodable(linked.now, BOX)
         linked.run(1)
-    reports = linked.take_news(fx.Report)
+    reports = linked.take_news(fx.ProblemIs)
     assert [report.problem for report in reports] == [fx.Problem.WRONG_PASSWORD]
     assert "password of team Team" in reports[0].text
 
@@ -61,7 +61,7 @@ def test_a_bad_datagram_from_elsewhere_or_after_good_ones_is_not_a_wrong_passwor
     linked.box_says(BoxState.STOP)
     linked.session.private_undecodable(linked.now, BOX)
     linked.poll()
-    assert linked.take_news(fx.Report) == []
+    assert linked.take_news(fx.ProblemIs) == []
 
 
 @pytest.mark.parametrize("private", [False, True])
@@ -108,7 +108,7 @@ def test_another_box_changes_nothing_while_ours_is_heard(linked, port):
         linked.beacon()
         linked.beacon(port=port, host=OTHER_BOX, devices_switch_1=True)
         linked.run(1)
-    reports = [effect for effect in linked.take_news(fx.Report) if effect.problem is fx.Problem.ANOTHER_BOX]
+    reports = [effect for effect in linked.take_news(fx.ProblemIs) if effect.problem is fx.Problem.ANOTHER_BOX]
     assert len(reports) == 1 and OTHER_BOX in reports[0].text and BOX in reports[0].text
     assert linked.state is RobotState.EXECUTING
     assert linked.take_news(fx.Devices, fx.CloseChannel, fx.OpenChannel) == []

@@ -5,8 +5,8 @@ import socket
 
 import pytest
 
-from roah_rsbb.document.place import Place, write_place
-from roah_rsbb.ros.place import Places, file_of
+from roah_rsbb.document.place import DoorPlace, write_place
+from roah_rsbb.ros.place import DoorPlaces, file_of
 
 
 @pytest.fixture(autouse=True)
@@ -29,7 +29,8 @@ def test_the_file_is_not_that_of_a_master_on_another_computer(uri):
 def test_a_box_on_another_computer_is_not_taken_for_the_one_here(monkeypatch):
     here = "http://127.0.0.1:11411"
     write_place(file_of(here), "ws://127.0.0.1:1/door", "of the box here")
-    there = Places("http://192.0.2.1:11411")
-    monkeypatch.setattr(there, "_ask", lambda: setattr(there, "_of_master", Place("ws://192.0.2.1:2/door", "there")))
+    there = DoorPlaces("http://192.0.2.1:11411")
+    monkeypatch.setattr(there, "_ask",
+                        lambda: setattr(there, "_of_master", DoorPlace("ws://192.0.2.1:2/door", "there")))
     assert there.find().token == "there"
-    assert Places(here).find().token == "of the box here"
+    assert DoorPlaces(here).find().token == "of the box here"

@@ -6,7 +6,7 @@ import pytest
 
 from helpers.simulated_day import Behaviour, Day, make_competition
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.results.standings import Choice, standings
+from roah_rsbb.results.standings import RunChoice, standings
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.standing_rules import read_rules
 
@@ -142,7 +142,7 @@ def found(folder, records):
 def standings_of(folder, records):
     """The standings by code, as the box computes them."""
     events = {code: benchmark.rules for code, benchmark in load_benchmarks(f"{folder}/benchmarks.yaml").items()}
-    found = standings(records, read_rules(f"{folder}/standings.yaml"), Choice(events=events))
+    found = standings(records, read_rules(f"{folder}/standings.yaml"), RunChoice(events=events))
     return {standing.benchmark: standing for standing in found}
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from helpers.config_files import line_of
 from roah_rsbb.model.scoring import (
-    Choice,
     GroupLimits,
+    ItemChoice,
     JuryResult,
     ScoreKind,
     ScoringItem,
@@ -42,7 +42,7 @@ def test_the_example_of_the_docs(files):
     assert objects == ScoringItem("Table", "Objects in the dishwasher", ScoreKind.UINT, Decimal(20), most=Decimal(5))
     assert empty == ScoringItem("Table", "Table is empty", ScoreKind.BOOL, Decimal(30), needs=(objects.key,))
     assert opens.choices == (
-        Choice("alone", Decimal(50)), Choice("with help", Decimal(10)), Choice("not at all", Decimal(0)))
+        ItemChoice("alone", Decimal(50)), ItemChoice("with help", Decimal(10)), ItemChoice("not at all", Decimal(0)))
     assert (drops.points, water.kind, water.points, water.most) == (
         Decimal(-10), ScoreKind.DECIMAL, Decimal("-2.5"), Decimal(10))
     assert show == ScoringItem("Jury", "Presentation", ScoreKind.RATING, Decimal(2), Decimal(0), Decimal(10),
@@ -56,7 +56,7 @@ def test_the_example_of_the_docs(files):
 @pytest.mark.parametrize("item, expected", [
     ("type: int, desc: d, min: -5, max: 5", ScoringItem("G", "d", ScoreKind.INT, None, Decimal(-5), Decimal(5))),
     ("type: choice, desc: d, choices: [a, b]",
-     ScoringItem("G", "d", ScoreKind.CHOICE, choices=(Choice("a"), Choice("b")))),
+     ScoringItem("G", "d", ScoreKind.CHOICE, choices=(ItemChoice("a"), ItemChoice("b")))),
     ("type: rating, desc: d, judges: [Anna, Ben], max: 5, min: 1, jury: median",
      ScoringItem("G", "d", ScoreKind.RATING, None, Decimal(1), Decimal(5), judges=("Anna", "Ben"),
                  jury=JuryResult.MEDIAN)),

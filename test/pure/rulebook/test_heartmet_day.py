@@ -8,7 +8,7 @@ import pytest
 
 from helpers.simulated_day import Behaviour, Day, make_competition
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.results.standings import Choice, standings
+from roah_rsbb.results.standings import RunChoice, standings
 from roah_rsbb.rulebook.standing_rules import read_rules
 
 pytestmark = pytest.mark.long
@@ -124,7 +124,7 @@ def test_goals_are_json(played):
 
 def test_the_standings(competition, played):
     _, records = played
-    found = standings(records, read_rules(f"{competition}/standings.yaml"), Choice(signed_off=True))
+    found = standings(records, read_rules(f"{competition}/standings.yaml"), RunChoice(signed_off=True))
     overall, *found = found
     assert [(line.rank, line.team) for line in overall.lines] == [(1, "Ada"), (2, "Bea"), (3, "Dot"), (4, "Cyd")]
     # Shares of the best. Bea: 0.7 + 10/15 + 4/8 + 5/5. Dot: 0.8 + 12/15 + 0 + 3/5. Cyd: 0.7 + 10/15 + 4/8 + 0.

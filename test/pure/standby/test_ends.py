@@ -561,7 +561,7 @@ def test_somebody_between_both_ends(ends, monkeypatch):
 
 
 def test_a_box_that_does_not_know_the_code(ends, monkeypatch):
-    monkeypatch.setattr("roah_rsbb.standby.codes.Codes.take", lambda *_: "0" * 64)
+    monkeypatch.setattr("roah_rsbb.standby.codes.PairingCode.take", lambda *_: "0" * 64)
     with pytest.raises(CannotPair, match="is not the box that shows this code"):
         ends.pair()
     assert read_box(str(ends.far)) is None

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from helpers.examples import examples
-from roah_rsbb.standby.pair import ASK_AGAIN_S, ASK_S, AWAY_S, SAY_S, Claim, Side, Silence, State, Word
+from roah_rsbb.standby.pair import ASK_AGAIN_S, ASK_S, AWAY_S, SAY_S, BoxSilence, Claim, Side, State, Word
 
 STEP_S = 0.05
 # Two boxes that hear each other are active at the same time for at most this long.
@@ -314,7 +314,7 @@ def test_another_pair():
 
 def test_a_box_that_was_never_heard_is_not_silent():
     """The standby may have been started first, or on another network."""
-    silence = Silence()
+    silence = BoxSilence()
     assert not silence.lasts(1000.0, 5.0)
     silence.hear(1000.0)
     assert not silence.lasts(1004.0, 5.0)

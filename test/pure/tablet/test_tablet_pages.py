@@ -7,7 +7,7 @@ import pytest
 
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import SAME_CALL_S, UNANSWERED_S, Pages, Refusal
-from roah_rsbb.tablet.state import BOX_SILENT_S, NEVER, BoxPart, TabletState
+from roah_rsbb.tablet.state import BOX_SILENT_S, NEVER, BoxPart, ShownTablet
 
 PLAN = Map(b"png", 200, 100, 0.05, (-1.0, -2.0, 0.0), True)
 SILENT = BoxPart(False, NEVER, NEVER)
@@ -16,7 +16,7 @@ NS = 1_451_556_000_123_456_789
 
 @pytest.fixture
 def state():
-    made = TabletState()
+    made = ShownTablet()
     made.on_box(100.0, SILENT)
     return made
 
@@ -79,7 +79,7 @@ def test_nothing_is_sent_while_the_box_is_silent(pages, state):
 
 
 def test_before_the_first_beacon_the_box_is_silent():
-    pages = Pages(TabletState(), None)
+    pages = Pages(ShownTablet(), None)
     assert shown(pages)["box"] is False
     with pytest.raises(Refusal):
         pages.do(100.0, NS, '{"do": "call"}')

@@ -16,7 +16,7 @@ from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.tablet import dummy
 from roah_rsbb.tablet.radio import TabletRadio
-from roah_rsbb.tablet.state import NEVER, TabletState
+from roah_rsbb.tablet.state import NEVER, ShownTablet
 
 BROADCAST, BOX = "127.255.255.255", "127.0.0.1"
 
@@ -61,7 +61,7 @@ def box(request, running):
 @pytest.fixture
 def tablet(running, box):
     """A radio at the box's own address, its state, and the effect of the box's beacons."""
-    state = TabletState()
+    state = ShownTablet()
     news = []
     made = TabletRadio(running.loop, state, news.append, lambda text: None, BROADCAST, box.port, box.host)
     made.state, made.news = state, news

@@ -15,7 +15,7 @@ from roah_rsbb.tablet import state as state_module
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages
 from roah_rsbb.tablet.server import MAX_MESSAGES_A_SECOND, MAX_PAGES, TabletServer
-from roah_rsbb.tablet.state import NEVER, BoxPart, TabletState
+from roah_rsbb.tablet.state import NEVER, BoxPart, ShownTablet
 from roah_rsbb.web import limits
 from roah_rsbb.web.limits import Rates
 
@@ -29,7 +29,7 @@ class Served(HttpClients):
 
     def __init__(self, running, plan=PLAN):
         self.running = running
-        self.state = TabletState()
+        self.state = ShownTablet()
         self.touches = []
         self.presence = []
         self.hears_box()
@@ -219,7 +219,7 @@ def test_without_a_map_no_image_is_served(running):
 
 
 def test_a_port_in_use_is_said_with_its_remedy(served):
-    state = TabletState()
+    state = ShownTablet()
     second = TabletServer(
         served.running.loop, Pages(state, None), None, FOLDER, NAMES, lambda: None, lambda there: None)
     with pytest.raises(OSError, match="choose another tablet_port") as raised:
@@ -233,7 +233,7 @@ def test_a_port_in_use_is_said_with_its_remedy(served):
 
 def test_an_address_of_another_machine_is_said(served):
     second = TabletServer(
-        served.running.loop, Pages(TabletState(), None), None, FOLDER, NAMES, lambda: None, lambda there: None)
+        served.running.loop, Pages(ShownTablet(), None), None, FOLDER, NAMES, lambda: None, lambda there: None)
     with pytest.raises(OSError, match="tablet_host"):
         second.open("192.0.2.1", 0)
 

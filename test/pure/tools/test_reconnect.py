@@ -8,7 +8,7 @@ import time
 import pytest
 
 from roah_rsbb.tools import reconnect
-from roah_rsbb.tools.reconnect import Process, Refused, clients, descendants, is_client
+from roah_rsbb.tools.reconnect import NotReconnected, Process, clients, descendants, is_client
 
 URI = "http://10.0.0.3:11311"
 LIMIT_S = 60.0
@@ -70,12 +70,12 @@ def wait_lines(file, count):
 
 def test_nothing_is_ended_without_a_box(monkeypatch):
     monkeypatch.setattr(reconnect, "clients", lambda all_: pytest.fail("they are not asked for"))
-    with pytest.raises(Refused, match="no ROS master answers"):
+    with pytest.raises(NotReconnected, match="no ROS master answers"):
         reconnect.reconnect("http://127.0.0.1:1")
 
 
 def test_nothing_to_restart(monkeypatch):
     monkeypatch.setattr(reconnect, "check_box", lambda uri: None)
     monkeypatch.setattr(reconnect, "clients", lambda all_: [])
-    with pytest.raises(Refused, match="ROS_MASTER_URI=http://10.0.0.3:11311 roslaunch"):
+    with pytest.raises(NotReconnected, match="ROS_MASTER_URI=http://10.0.0.3:11311 roslaunch"):
         reconnect.reconnect(reconnect.uri_of("10.0.0.3"))

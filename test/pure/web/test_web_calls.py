@@ -11,9 +11,9 @@ from roah_rsbb.document.written import write
 from roah_rsbb.model.judging import JudgedRun, Judging
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.results import RunLine, RunSheet
-from roah_rsbb.web.calls import Calls, call_of
+from roah_rsbb.web.calls import PageCalls, call_of
 from roah_rsbb.web.commands import Outcome, command_of
-from roah_rsbb.web.pairing import REFEREE, Grant, Session
+from roah_rsbb.web.pairing import REFEREE, DeviceSession, Grant
 
 WHO = {"by": "Anna, Linux", "node": "/web"}
 RUN = {"zone": "Home", "run": "run 1"}
@@ -40,12 +40,12 @@ class Client:
 
 
 def command(name, **body):
-    session = Session("id", Grant(REFEREE, "Home"), "Anna", "Linux", 0.0)
+    session = DeviceSession("id", Grant(REFEREE, "Home"), "Anna", "Linux", 0.0)
     return command_of(name, {"zone": "Home", "identity": "run 1", **body}, session)
 
 
 def outcome(client, name="stop", **body):
-    return asyncio.new_event_loop().run_until_complete(Calls(client, "/web").carry_out(command(name, **body)))
+    return asyncio.new_event_loop().run_until_complete(PageCalls(client, "/web").carry_out(command(name, **body)))
 
 
 def test_stop_has_its_own_way():

@@ -14,7 +14,7 @@ from roah_rsbb.web.commands import FIELDS, BadCommand, Outcome, command_of, may
 from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.limits import Rates
 from roah_rsbb.web.numbered import NoBox
-from roah_rsbb.web.pairing import SESSION_VALID_S, Grant, Session, Sessions
+from roah_rsbb.web.pairing import SESSION_VALID_S, DeviceSession, Grant, Sessions
 from roah_rsbb.web.server import NOT_PAIRED, WebServer
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.writing import COOKIE, DeviceEventsHandler
@@ -24,7 +24,7 @@ MARK = {"zone": "Home", "identity": "run", "id": "1", "group": "g", "desc": "d",
 
 
 def session(role="referee", zone="Home", person="Anna"):
-    return Session("1", Grant(role, zone), person, "iPhone", 0.0)
+    return DeviceSession("1", Grant(role, zone), person, "iPhone", 0.0)
 
 
 # -- who may do what --------------------------------------------------------------------------------

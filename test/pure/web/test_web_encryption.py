@@ -18,7 +18,7 @@ from roah_rsbb import durable
 from roah_rsbb.rulebook.errors import Place, Report
 from roah_rsbb.tools.competition import certificate as maker
 from roah_rsbb.web import limits
-from roah_rsbb.web.certificate import Certificate, CertificateError, Files
+from roah_rsbb.web.certificate import Certificate, CertificateError, CertificateFiles
 from roah_rsbb.web.pairing import Grant, Sessions
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
@@ -33,7 +33,7 @@ OTHER = maker.make([HOST], TODAY)
 @pytest.fixture
 def files(tmp_path):
     maker.write(str(tmp_path), MADE)
-    return Files(str(tmp_path / maker.CERTIFICATE), str(tmp_path / maker.KEY))
+    return CertificateFiles(str(tmp_path / maker.CERTIFICATE), str(tmp_path / maker.KEY))
 
 
 class Served(HttpClients):

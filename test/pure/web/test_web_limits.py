@@ -3,7 +3,7 @@
 import pytest
 
 from roah_rsbb.web import limits
-from roah_rsbb.web.limits import MAX_ADDRESSES, MAX_CONNECTIONS, MAX_KNOWN, Connections, Places, Rates, is_own_host
+from roah_rsbb.web.limits import MAX_ADDRESSES, MAX_CONNECTIONS, MAX_KNOWN, ConnectionPlaces, Places, Rates, is_own_host
 
 NAMES = frozenset({"localhost", "box", "box.local", "box.example.org"})
 
@@ -65,7 +65,7 @@ def test_the_address_with_most_viewers_loses_its_oldest():
 
 def test_one_address_that_takes_all_places_loses_its_own():
     closed = []
-    connections = Connections(closed.append)
+    connections = ConnectionPlaces(closed.append)
     for n in range(MAX_CONNECTIONS):
         connections.add(f"attacker {n}", "10.0.0.1")
     for n in range(6):
@@ -75,7 +75,7 @@ def test_one_address_that_takes_all_places_loses_its_own():
 
 def test_no_number_of_addresses_takes_the_places_of_paired_devices():
     closed = []
-    connections = Connections(closed.append)
+    connections = ConnectionPlaces(closed.append)
     connections.add("first", "10.0.0.1")
     connections.know("first", "10.0.0.1")
     for n in range(5 * MAX_CONNECTIONS):
@@ -89,7 +89,7 @@ def test_no_number_of_addresses_takes_the_places_of_paired_devices():
 
 
 def test_the_list_of_paired_devices_addresses_is_limited():
-    connections = Connections(lambda connection: None)
+    connections = ConnectionPlaces(lambda connection: None)
     for n in range(2 * MAX_KNOWN):
         connections.know(None, str(n))
         connections.know(None, "10.0.0.1")

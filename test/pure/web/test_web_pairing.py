@@ -8,7 +8,7 @@ import pytest
 
 from roah_rsbb.web import pairing
 from roah_rsbb.web.kept_file import open_kept
-from roah_rsbb.web.pairing import CODE_VALID_S, FILE, SESSION_VALID_S, Codes, Grant, Refused, Sessions, TooManyGuesses
+from roah_rsbb.web.pairing import CODE_VALID_S, FILE, SESSION_VALID_S, Codes, Grant, NotPaired, Sessions, TooManyGuesses
 
 GRANT = Grant("referee", "Home")
 UTC = 1_700_000_000.0
@@ -21,7 +21,7 @@ def test_a_code_is_for_one_device():
     codes = Codes()
     code = codes.make(0.0, GRANT)
     assert codes.take(1.0, code) == GRANT
-    with pytest.raises(Refused, match="was used"):
+    with pytest.raises(NotPaired, match="was used"):
         codes.take(1.0, code)
 
 
@@ -34,7 +34,7 @@ def test_a_code_may_be_typed_in_other_ways(typed):
 def test_a_code_becomes_too_old():
     codes = Codes()
     early, late = codes.make(0.0, GRANT), codes.make(1.0, GRANT)
-    with pytest.raises(Refused):
+    with pytest.raises(NotPaired):
         codes.take(CODE_VALID_S, early)
     assert codes.take(CODE_VALID_S, late) == GRANT
 
@@ -49,7 +49,7 @@ def test_codes_cannot_be_mistaken_and_differ():
 def test_too_many_codes_push_out_the_oldest():
     codes = Codes()
     made = [codes.make(0.0, GRANT) for _ in range(pairing.MAX_CODES + 1)]
-    with pytest.raises(Refused):
+    with pytest.raises(NotPaired):
         codes.take(0.0, made[0])
     assert codes.take(0.0, made[1]) == GRANT
 
@@ -153,7 +153,7 @@ def test_a_pairing_that_cannot_be_saved_is_refused_and_an_end_of_one_counts():
     sessions = Sessions(kept.save)
     token = sessions.add(UTC, GRANT, "Anna", "iPhone")
     kept.error = OSError("disk full")
-    with pytest.raises(Refused, match="disk full"):
+    with pytest.raises(NotPaired, match="disk full"):
         sessions.add(UTC, GRANT, "Bert", "iPad")
     assert len(sessions.listed(UTC)) == 1
     with pytest.raises(OSError):
@@ -163,7 +163,7 @@ def test_a_pairing_that_cannot_be_saved_is_refused_and_an_end_of_one_counts():
 
 @pytest.mark.parametrize("person", ["", "  ", "\n\t\0"])
 def test_a_person_needs_a_name(person):
-    with pytest.raises(Refused, match="your name"):
+    with pytest.raises(NotPaired, match="your name"):
         Sessions(Kept().save).add(UTC, GRANT, person, "iPhone")
 
 
@@ -179,7 +179,7 @@ def test_there_is_a_limit_of_devices(monkeypatch):
     sessions = Sessions(Kept().save)
     sessions.add(UTC, GRANT, "Anna", "")
     sessions.add(UTC, GRANT, "Bert", "")
-    with pytest.raises(Refused, match="Too many devices"):
+    with pytest.raises(NotPaired, match="Too many devices"):
         sessions.add(UTC, GRANT, "Cora", "")
     sessions.add(UTC + SESSION_VALID_S + 1.0, GRANT, "Cora", "")  # the others have ended
 
@@ -220,6 +220,6 @@ def test_a_link_in_the_place_of_the_draft_is_not_followed(tmp_path):
     target = tmp_path / "passwords.yaml"
     target.write_text("secret")
     (tmp_path / f"{FILE}.new").symlink_to(target)
-    with pytest.raises(Refused):
+    with pytest.raises(NotPaired):
         open_sessions(tmp_path, pytest.fail).add(UTC, GRANT, "Anna", "iPhone")
     assert target.read_text() == "secret"

@@ -10,7 +10,7 @@ from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox, event, result, run, standing
 from helpers.shown_box import MONO, NOW, zone_of
 from roah_rsbb.model.document import RobotSeen
-from roah_rsbb.model.schedule import ScheduledEvent
+from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.zone import RobotInRun
 from roah_rsbb.web.kept_file import open_kept
 from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant
@@ -111,7 +111,7 @@ def test_what_a_team_reads_in_its_run():
 
 def test_the_next_event_with_its_estimated_time():
     def line(team, state, begins):
-        return ScheduledEvent(f"{team} {begins}", 1, "Lab", "HWV", "Visitors", team, 1, 1, NOW, begins, state, False)
+        return EventSeen(f"{team} {begins}", 1, "Lab", "HWV", "Visitors", team, 1, 1, NOW, begins, state, False)
     events = [line(TEAM, "done", NOW - 50.0), line("Others", "next", NOW + 5.0),
               line(TEAM, "later", NOW + 900.0), line(TEAM, "later", NOW + 300.0)]
     found = facts_of(box(events=events))[-1]

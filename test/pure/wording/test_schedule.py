@@ -3,7 +3,7 @@
 import pytest
 
 from helpers.time_zones import local_time
-from roah_rsbb.model.schedule import ScheduledEvent
+from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.wording import schedule, times
 from roah_rsbb.wording.schedule import EventFilter, Show
 
@@ -12,7 +12,7 @@ DAY0 = 1_800_000_000.0 - 1_800_000_000.0 % 86400
 
 def line(zone="A", state="later", identity="", **fields):
     """An event of the schedule."""
-    return ScheduledEvent(**{
+    return EventSeen(**{
         "id": "", "number": 1, "zone": zone, "code": "HNF", "benchmark": "Navigation", "team": "Beta", "round": 1,
         "run": 1, "scheduled_utc_s": DAY0, "begins_utc_s": DAY0, "state": state, "identity": identity,
         "current": state in ("next", "running", "connected", "ended"), **fields})

@@ -18,7 +18,7 @@ from support.robots import BROADCAST, RSBB_PORT
 from support.waiting import LIMIT_S, happened, wait_until
 
 from roah_rsbb import msg, srv
-from roah_rsbb.model.schedule import ScheduledEvent
+from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.msg import CoreToGui, CoreToPublic, Score
 
 CORE = "/roah_rsbb_core"
@@ -134,11 +134,11 @@ class TestLatched(unittest.TestCase):
 class TestSchedule(BoxCase):
     ZONE = "Functionality Benchmarks"
 
-    def events(self) -> List[ScheduledEvent]:
+    def events(self) -> List[EventSeen]:
         self.box.wait_current()
         return [event for event in self.box.document.events() if event.zone == self.ZONE]
 
-    def choose(self, listed: ScheduledEvent, **other: object) -> None:
+    def choose(self, listed: EventSeen, **other: object) -> None:
         fields = {"zone": listed.zone, "team": listed.team, "event": listed.id, **other}
         self.box.act("choose_event", fields.pop("zone"), **fields)
 

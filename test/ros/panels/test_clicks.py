@@ -16,7 +16,7 @@ from support.waiting import happened, wait_until
 
 from roah_rsbb.client.client import Client
 from roah_rsbb.model.document import Document
-from roah_rsbb.ros.place import Places
+from roah_rsbb.ros.place import DoorPlaces
 from roah_rsbb.srv import String
 
 INSIDE = str(pathlib.Path(__file__).resolve().parents[1] / "support" / "inside")
@@ -30,7 +30,7 @@ COMPLETE = "ManualOperationPanel/0"
 class TestClicks(unittest.TestCase):
     def setUp(self) -> None:
         self.window: Dict[str, Any] = {}
-        self.box = Client(Document, Places().find, happened)
+        self.box = Client(Document, DoorPlaces().find, happened)
         self.box.start()
         self.addCleanup(self.box.close)
         self.addCleanup(rospy.Subscriber("/test/window", StringMsg, self._on_window).unregister)

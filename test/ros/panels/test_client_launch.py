@@ -21,7 +21,7 @@ from support.robots import RSBB_PORT
 from support.waiting import LIMIT_S
 
 from roah_rsbb.rqt.app.panel_list import PANELS
-from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.client import RefereeClient
 
 ROS_TESTS = pathlib.Path(__file__).resolve().parents[1]
 PURE_TESTS = ROS_TESTS.parent / "pure"
@@ -60,8 +60,8 @@ class TestPrograms(unittest.TestCase):
 
     def test_a_core_that_was_killed_is_found_again(self) -> None:
         core = self.start_core()
-        client = Client.acquire()
-        self.addCleanup(Client.release)
+        client = RefereeClient.acquire()
+        self.addCleanup(RefereeClient.release)
         wait_until(lambda: not client.model.is_old, "the core is heard")
         core.kill()
         wait_until(lambda: client.model.is_old, "it is gone")

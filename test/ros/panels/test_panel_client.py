@@ -37,7 +37,7 @@ from roah_rsbb.nodes.core.reload import Reloaded
 from roah_rsbb.rqt.app.panel_list import PANELS, load
 from roah_rsbb.rqt.app.window import Window
 from roah_rsbb.rqt.model import calls
-from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.panels.active_robots import COLUMNS, ActiveRobotsPanel
 from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.log_display import LogDisplayPanel
@@ -411,7 +411,7 @@ class TestPlugins(CoreCase):
         for plugin in opened:
             plugin.shutdown_plugin()
             plugin.panel.close()
-        self.assertIsNone(Client._shared)
+        self.assertIsNone(RefereeClient._shared)
         # A busy master may take longer than the client waits for it at its end.
         wait_until(lambda: "/devices/state" not in dict(rosgraph.Master("/t").getSystemState()[1]), "it has left")
 

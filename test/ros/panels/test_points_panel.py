@@ -9,14 +9,14 @@ from support.window_case import WindowCase, in_sight
 
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.model.referee import RunName
-from roah_rsbb.model.scoring import Choice, JuryResult, ScoreKind, ScoringItem
+from roah_rsbb.model.scoring import ItemChoice, JuryResult, ScoreKind, ScoringItem
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
 
 OBJECTS = ScoringItem("Table", "Objects in the dishwasher", ScoreKind.UINT, Decimal(20), most=Decimal(5))
 EMPTY = ScoringItem("Table", "Table is empty", ScoreKind.BOOL, Decimal(30), needs=(OBJECTS.key,))
 OPENS = ScoringItem("Table", "Opens the dishwasher", ScoreKind.CHOICE, choices=(
-    Choice("alone", Decimal(50)), Choice("with help", Decimal(10)), Choice("not at all", Decimal(0))))
+    ItemChoice("alone", Decimal(50)), ItemChoice("with help", Decimal(10)), ItemChoice("not at all", Decimal(0))))
 HEIGHT = ScoringItem("Table", "Steps up or down", ScoreKind.INT, Decimal("-1.5"), Decimal(-2), Decimal(2))
 DROPS = ScoringItem("Penalties", "Drops an object", ScoreKind.UINT, Decimal(-10))
 WATER = ScoringItem("Penalties", "Water on the floor (l)", ScoreKind.DECIMAL, Decimal("-2.5"), most=Decimal(10))

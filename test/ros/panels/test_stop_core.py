@@ -13,7 +13,7 @@ from support.robots import CONFIG
 from roah_rsbb.client import client
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rqt.app.window import Window
-from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.model.zone_parameter import NAME
 from roah_rsbb.rqt.qt import QSettings
 from roah_rsbb.wording import stop
@@ -32,7 +32,7 @@ class TestCore(OwnCoreCase):
         self.window = Window(QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
         self.addCleanup(self.window.close)
         self.addCleanup(self.window.shutdown)
-        self.client, self.strip = Client._shared, self.window.strip
+        self.client, self.strip = RefereeClient._shared, self.window.strip
         show(self.window, 900, 500)
         self.a_robot = self.robot(self.box.last_zone(self.zone).team)
         self.begin()

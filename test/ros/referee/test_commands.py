@@ -273,7 +273,7 @@ class TestNoCore(unittest.TestCase):
     def test_without_a_master_uri_it_is_the_default_of_ros(self) -> None:
         with unittest.mock.patch.dict(os.environ):
             del os.environ["ROS_MASTER_URI"]
-            self.assertEqual(place.Places().master_uri.rstrip("/"), rosgraph.get_master_uri(argv=[]).rstrip("/"))
+            self.assertEqual(place.DoorPlaces().master_uri.rstrip("/"), rosgraph.get_master_uri(argv=[]).rstrip("/"))
 
     def test_a_master_that_hangs(self) -> None:
         with self.mute() as port, unittest.mock.patch.object(place, "ANSWER_S", SOON_S):

@@ -9,10 +9,10 @@ from std_msgs.msg import Empty
 
 from helpers.commands import given_with
 from roah_rsbb.client.client import Client
-from roah_rsbb.document.place import NotFound, Place
+from roah_rsbb.document.place import DoorPlace, NotFound
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.document import Document
-from roah_rsbb.model.zone import AllRobots, RobotInRun, Zone
+from roah_rsbb.model.zone import AllRobots, RobotInRun, ZoneSeen
 from roah_rsbb.msg import CoreToGui, CoreToPublic, Score, ZoneState
 from roah_rsbb.ros import refusals
 from roah_rsbb.ros.place import PARAM
@@ -42,7 +42,7 @@ class NoAnswer(AssertionError):
 class SeenZone:
     """A zone of the document (`model.zone.Zone`), with the fields of the robot, or the robots, in its run."""
 
-    def __init__(self, zone: Zone) -> None:
+    def __init__(self, zone: ZoneSeen) -> None:
         self._zone = zone
 
     def __getattr__(self, name: str) -> Any:
@@ -87,12 +87,12 @@ class BoxClient:
         for subscriber in self._subscribers:
             subscriber.unregister()
 
-    def _find(self) -> Place:
+    def _find(self) -> DoorPlace:
         try:
             found = rospy.get_param(f"{self._prefix}{PARAM}")
         except KeyError:
             raise NotFound("there is no core") from None
-        return Place(found["url"], found["token"])
+        return DoorPlace(found["url"], found["token"])
 
     def _on_document(self) -> None:
         if self.document is not None:

@@ -7,7 +7,7 @@ import rospy
 
 from roah_rsbb.client import client
 from roah_rsbb.rqt.model import zone_parameter
-from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.panels.benchmark_control import BenchmarkControlPanel
 from roah_rsbb.rqt.widgets.stop_strip import StopStrip
 from support.fakes.core import FakeCore
@@ -39,8 +39,8 @@ class CoreCase(unittest.TestCase):
 
     def open(self, kind: type):
         """Open one panel, until the test ends."""
-        self.client = Client.acquire()
-        self.addCleanup(Client.release)
+        self.client = RefereeClient.acquire()
+        self.addCleanup(RefereeClient.release)
         panel = kind(self.client)
         self.addCleanup(panel.close)
         self.addCleanup(panel.shutdown)

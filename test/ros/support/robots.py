@@ -87,11 +87,11 @@ class _Gated(Behaviour):
         self._robot.devices = devices
         happened()
 
-    def on_tablet(self, tablet: fx.Tablet) -> None:
+    def on_tablet(self, tablet: fx.TabletIs) -> None:
         self._robot.tablet = tablet
         happened()
 
-    def on_report(self, report: fx.Report) -> None:
+    def on_report(self, report: fx.ProblemIs) -> None:
         self._robot.reports.append(report.problem)
         happened()
 
@@ -114,7 +114,7 @@ class Robot:
         self.result: Any = None  # that it will send
         self.reports: List[fx.Problem] = []
         self.devices: Optional[fx.Devices] = None
-        self.tablet: Optional[fx.Tablet] = None
+        self.tablet: Optional[fx.TabletIs] = None
         self._network = network
         self._prepares = prepares
         self._gates: Dict[str, asyncio.Future] = {}

@@ -5,7 +5,7 @@ import tempfile
 from PyQt5 import sip
 
 from roah_rsbb.rqt.app.window import Window
-from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.qt import QDialog, QRect, QSettings
 from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
 from support import gui_testing
@@ -32,7 +32,7 @@ class WindowCase(CoreCase):
         self.addCleanup(folder.cleanup)
         self.window = Window(QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
         self.addCleanup(self.end)
-        self.client = Client._shared
+        self.client = RefereeClient._shared
         self.window.move(0, 0)
         show(self.window, *self.SIZE)
         self.control = self.panel("BenchmarkControlPanel")

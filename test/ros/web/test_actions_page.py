@@ -9,7 +9,7 @@ from support.fakes.gateway import FakeGateway
 
 from helpers.forms import ODD, ODD_ASKED
 from roah_rsbb.model.actions import ACTIONS, EVERY, Action, Row
-from roah_rsbb.model.fields import Choice, Number, Text, Toggle
+from roah_rsbb.model.fields import Choice, Number, Toggle, TypedText
 from roah_rsbb.model.reason import say
 from web.test_stop_page import CLICKED
 
@@ -17,7 +17,7 @@ SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
 NEW = {
     "extend": Action(
         "extend", say("More time"), say("Give the run more time"),
-        (Number("seconds", say("How long"), low=1, high=600, unit="s"), Text("reason", say("Reason")),
+        (Number("seconds", say("How long"), low=1, high=600, unit="s"), TypedText("reason", say("Reason")),
          Choice("who", say("Who asked"), required=False, choices=("team", "jury")),
          Toggle("quiet", say("Without a sound"), required=False))),
     "call_jury": Action("call_jury", say("Call the jury"), say("The jury comes to this zone"), row=Row.CLOCK),

@@ -2,7 +2,7 @@
 
 import math
 
-from roah_rsbb.box.assembly import CoreAssembly, Machine, Place
+from roah_rsbb.box.assembly import BoxPlace, CoreAssembly, Machine
 from roah_rsbb.box.driver import Outputs
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.seen import Seen
@@ -91,7 +91,7 @@ class Box:
         network = Network(BROADCAST, 6666, computer.host, Cipher.AES_128_CBC, False, 1024)
         outputs = Outputs(lambda: None, lambda: None, lambda wish: None, self._log, self._bug)
         ports = PortRecord(self.storage.folder, lambda work: process.loop.call_later(self.storage.sync_s(), work))
-        place = Place(self.storage.folder, network, self.standby_port)
+        place = BoxPlace(self.storage.folder, network, self.standby_port)
         core = CoreAssembly(
             process.loop, machine, place, self.config, 0, self.settings, "", self.storage.open_journal(process), ports,
             lambda *parts: RunLogs(self, *parts), outputs, self._ask_standby, world.air.peer_maker(process),

@@ -84,7 +84,7 @@ FAULTS = (
     Fault("a refusal has no reason", "core/actions/running.py",
           "return [STARTED]", "return ['']"),
     Fault("a late message counts", "core/link/timeline.py",
-          "        return Verdict.STALE\n", "        return Verdict.FRESH\n"),
+          "        return Freshness.STALE\n", "        return Freshness.FRESH\n"),
     Fault("one old message is enough for a clock that was set back", "core/link/timeline.py",
           "if self._rising >= RISING and mono - self.state.newest_mono >= QUIET_S:",
           "if self._rising >= 1 and mono >= self.state.newest_mono:"),

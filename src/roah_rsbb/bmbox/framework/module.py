@@ -13,11 +13,10 @@ from typing import Any, Callable, Dict, Generator, List, NamedTuple, Optional, S
 import yaml
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose2D, Pose3, Source, normalised, seen_from
-from roah_rsbb.bmbox.framework.parameters import Field
+from roah_rsbb.bmbox.framework.parameters import Parameter
 from roah_rsbb.bmbox.framework.results import BadResult, Kind, read_record
 from roah_rsbb.bmbox.framework.score import Score, Value
-from roah_rsbb.model.fields import Field as AskedField
-from roah_rsbb.model.fields import Pose, form_of, form_text
+from roah_rsbb.model.fields import Field, TypedPose, form_of, form_text
 from roah_rsbb.model.modules import (
     OutcomeKind,
     Request,
@@ -49,7 +48,7 @@ class Disconnected(RunEnded):
     """The referee left the run."""
 
 
-class Watch(NamedTuple):
+class GoalWatch(NamedTuple):
     """A function that is called periodically during a goal."""
 
     look: Callable[[float], None]  # its argument: seconds since the robot began to execute
@@ -60,7 +59,7 @@ class Ask(NamedTuple):
     """What a module waits for. The runner numbers the request."""
 
     request: Request
-    watch: Optional[Watch] = None
+    watch: Optional[GoalWatch] = None
     measure: Optional[Callable[[], Any]] = None  # NOTE: makes the value to be recorded
 
     def __await__(self) -> Generator["Ask", RequestOutcome, RequestOutcome]:
@@ -82,7 +81,7 @@ class Module:
 
     CODE = ""
     FILE = ""  # path of a competition's own rules
-    PARAMETERS: Dict[str, Field] = {}
+    PARAMETERS: Dict[str, Parameter] = {}
     SCORES: Dict[str, Value] = {}  # of the whole run
     EACH: Dict[str, Value] = {}  # of each goal, person, item …
     SUBJECTS: Tuple[str, ...] = ()  # whose poses it needs, for `check_ground_truth`
@@ -110,7 +109,7 @@ class Module:
 
     # -- asking -------------------------------------------------------------------------------------
 
-    async def ask(self, text: str, *fields: AskedField) -> Dict[str, Any]:
+    async def ask(self, text: str, *fields: Field) -> Dict[str, Any]:
         """Ask the referee to do something and to fill in a form (`roah_rsbb.model.fields`). The run's time is paused.
 
         Returns the values by the names of the fields.
@@ -154,7 +153,7 @@ class Module:
             0, RequestKind.GOAL, text, goal=text_of_goal, pose=None if pose is None else tuple(map(float, pose)),
             initial_state=tuple(initial_state), switches=tuple(switches), timeout=float(limit),
         )
-        outcome = await Ask(asked, None if watch is None else Watch(watch, every))
+        outcome = await Ask(asked, None if watch is None else GoalWatch(watch, every))
         if watch is not None:
             self.kept = await self.note(lambda: self.kept)  # replayed after a restart
         return GoalOutcome(
@@ -211,7 +210,7 @@ class Module:
         skip = ". Leave it empty to skip it" if may_skip else ""
         given = await self.ask(
             f"Measure the pose of the {subject} {where}. Enter x, y and its direction, in metres and degrees: "
-            f"1.25 0.40 90{skip}", Pose("pose", POSE, required=not may_skip))
+            f"1.25 0.40 90{skip}", TypedPose("pose", POSE, required=not may_skip))
         if given["pose"] is None:
             return None
         x, y, theta = given["pose"]

@@ -13,7 +13,7 @@ import types
 from typing import Dict, List, Optional, Type
 
 from roah_rsbb.bmbox.framework.module import Module
-from roah_rsbb.bmbox.framework.parameters import Field
+from roah_rsbb.bmbox.framework.parameters import Parameter
 from roah_rsbb.bmbox.framework.score import Value
 from roah_rsbb.rulebook.errors import Place, Report, quote
 from roah_rsbb.rulebook.registry import CODE
@@ -81,7 +81,7 @@ def _check(report: Report, place: Place, kind: Type[Module]) -> None:
     """Check what the rules declare."""
     if not inspect.iscoroutinefunction(kind.execute) or kind.execute is Module.execute:
         report.error(place, f"no rules in {kind.__name__}", "a method 'async def execute(self)'")
-    for name, of, example in (("PARAMETERS", Field, "Seconds()"), ("SCORES", Value, 'Value("Reached")'),
+    for name, of, example in (("PARAMETERS", Parameter, "Seconds()"), ("SCORES", Value, 'Value("Reached")'),
                               ("EACH", Value, 'Value("Time", "s")')):
         declared = getattr(kind, name)
         if not isinstance(declared, dict):

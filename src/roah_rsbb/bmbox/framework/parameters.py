@@ -18,7 +18,7 @@ from roah_rsbb.rulebook.yaml_lines import Node, read_yaml
 MAX_SECONDS = 86400.0
 
 
-class Field:
+class Parameter:
     """One parameter. `example` appears in error messages. With a `default`, the file may omit the parameter."""
 
     def __init__(self, example: str, default: Any = None) -> None:
@@ -35,7 +35,7 @@ class Field:
         raise NotImplementedError
 
 
-class Number(Field):
+class Amount(Parameter):
     """A number with a unit, greater than `above` or at least `least`, and at most `most`."""
 
     def __init__(self, unit: str, example: str, above: Optional[float] = None, least: Optional[float] = None,
@@ -47,7 +47,7 @@ class Number(Field):
         return yaml_fields.number(report, node, what, **self._range)
 
 
-class Seconds(Number):
+class Seconds(Amount):
     """A duration greater than 0."""
 
     def __init__(self, example: str = "120", default: Optional[float] = None) -> None:
@@ -60,7 +60,7 @@ class GoalTimeout(Seconds):
     is_optional = True
 
 
-class Whole(Field):
+class Whole(Parameter):
     """A whole number from `least` to `most`."""
 
     def __init__(self, example: str, least: int, most: int, default: Optional[int] = None) -> None:
@@ -71,14 +71,14 @@ class Whole(Field):
         return yaml_fields.integer(report, node, what, self._least, self._most)
 
 
-class Text(Field):
+class Text(Parameter):
     """A text in one line."""
 
     def read(self, report: Report, node: Optional[Node], what: str) -> Optional[str]:
         return yaml_fields.text(report, node, what)
 
 
-class YesNo(Field):
+class YesNo(Parameter):
     """true or false."""
 
     def read(self, report: Report, node: Optional[Node], what: str) -> Optional[bool]:
@@ -86,10 +86,10 @@ class YesNo(Field):
         return None if word is None else word == "true"
 
 
-class ListOf(Field):
+class ListOf(Parameter):
     """A list of at least one `item`."""
 
-    def __init__(self, item: Field, at_most: int = 1000) -> None:
+    def __init__(self, item: Parameter, at_most: int = 1000) -> None:
         super().__init__(f"[{item.example}]")
         self._item, self._at_most = item, at_most
 
@@ -104,7 +104,7 @@ class ListOf(Field):
         return None if None in found else found
 
 
-class _Coordinates(Field):
+class _Coordinates(Parameter):
     """A list of coordinates in metres; the last one is an angle in radians."""
 
     def __init__(self, example: str, kind: type, default: Any = None) -> None:
@@ -129,7 +129,7 @@ def _coordinate(report: Report, node: Node, what: str, name: str) -> Optional[fl
     return yaml_fields.number(report, node, what, "metres", least=-FARTHEST_M, most=FARTHEST_M)
 
 
-class Pose(_Coordinates):
+class PlanePose(_Coordinates):
     """A pose in the plane, [x, y, theta]: metres and radians."""
 
     def __init__(self, example: str = "[1.5, 2.0, 1.57]", default: Optional[Pose2D] = None) -> None:
@@ -143,10 +143,10 @@ class Transform(_Coordinates):
         super().__init__(example, Pose3, default)
 
 
-class Record(Field):
+class Record(Parameter):
     """A map with these fields. They become attributes of its value."""
 
-    def __init__(self, fields: Dict[str, Field]) -> None:
+    def __init__(self, fields: Dict[str, Parameter]) -> None:
         super().__init__("{" + ", ".join(f"{name}: {field.example}" for name, field in fields.items()) + "}")
         self._fields = fields
 
@@ -162,7 +162,7 @@ class Record(Field):
         return None if None in found.values() else SimpleNamespace(**found, **omitted)
 
 
-def read_parameters(path: str, code: str, fields: Dict[str, Field]) -> SimpleNamespace:
+def read_parameters(path: str, code: str, fields: Dict[str, Parameter]) -> SimpleNamespace:
     """Read the parameters of a benchmark's module as attributes; raises ConfigErrors with all errors.
 
     If all parameters are optional, the file may be missing.

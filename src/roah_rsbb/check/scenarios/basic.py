@@ -5,7 +5,7 @@ from typing import Tuple
 
 from roah_rsbb.check.findings import Cause, Verdict
 from roah_rsbb.check.play import EXECUTING_S, GaveUp, Play, goals_of
-from roah_rsbb.check.scenarios.scenario import Level, Scenario
+from roah_rsbb.check.scenarios.scenario import Depth, Scenario
 from roah_rsbb.core.link.skew import within
 from roah_rsbb.core.robots import MAX_NAME
 from roah_rsbb.protocol import RobotState
@@ -108,12 +108,12 @@ async def stop_executing(play: Play, code: str) -> None:
 
 
 SCENARIOS: Tuple[Scenario, ...] = (
-    Scenario("find", "Find the robot", find, Level.BASIC, needs_robot=False),
-    Scenario("beacon", "The robot's beacon", beacon, Level.BASIC),
-    Scenario("clock", "The robot's clock", clock, Level.BASIC),
-    Scenario("channel", "Open and leave the private channel", channel, Level.BASIC),
-    Scenario("run", "A whole run", run, Level.BASIC),
-    Scenario("stop-preparing", "STOP in PREPARING", stop_preparing, Level.BASIC),
-    Scenario("stop-waiting", "STOP in WAITING_GOAL", stop_waiting, Level.BASIC),
-    Scenario("stop-executing", "STOP in EXECUTING, and start again", stop_executing, Level.BASIC),
+    Scenario("find", "Find the robot", find, Depth.BASIC, needs_robot=False),
+    Scenario("beacon", "The robot's beacon", beacon, Depth.BASIC),
+    Scenario("clock", "The robot's clock", clock, Depth.BASIC),
+    Scenario("channel", "Open and leave the private channel", channel, Depth.BASIC),
+    Scenario("run", "A whole run", run, Depth.BASIC),
+    Scenario("stop-preparing", "STOP in PREPARING", stop_preparing, Depth.BASIC),
+    Scenario("stop-waiting", "STOP in WAITING_GOAL", stop_waiting, Depth.BASIC),
+    Scenario("stop-executing", "STOP in EXECUTING, and start again", stop_executing, Depth.BASIC),
 )

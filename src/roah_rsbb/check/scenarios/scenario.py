@@ -6,7 +6,7 @@ from typing import Awaitable, Callable, NamedTuple
 from roah_rsbb.check.play import Play
 
 
-class Level(enum.Enum):
+class Depth(enum.Enum):
     """How thorough a check is."""
 
     BASIC = "basic"
@@ -19,7 +19,7 @@ class Scenario(NamedTuple):
     name: str
     title: str
     run: Callable[[Play, str], Awaitable[None]]  # the play, and the benchmark's code
-    level: Level = Level.FULL
+    level: Depth = Depth.FULL
     code: str = ""  # the benchmark; empty: the first of --benchmarks
     needs_robot: bool = True  # skip it if the robot was not found
     bad_network: bool = False  # the scenario makes the network bad, so times and losses are not judged

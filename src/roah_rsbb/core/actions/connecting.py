@@ -98,7 +98,7 @@ class GiveUp(ZoneAction):
         self._connections.leave(now, zone, by)
 
 
-class NoShow(GiveUp):
+class RecordNoShow(GiveUp):
     """The team did not appear."""
 
     name = "no_show"

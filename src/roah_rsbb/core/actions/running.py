@@ -54,7 +54,7 @@ class Start(ZoneAction):
         zone.run.start(now)
 
 
-class Stop(ZoneAction):
+class StopRun(ZoneAction):
     """Stop the run. A call that names the run has a way of its own (`ScoreDesk.stop`)."""
 
     name = "stop"
@@ -103,7 +103,7 @@ class Pause(ZoneAction):
         zone.run.pause(now, True)
 
 
-class Resume(ZoneAction):
+class ResumeClock(ZoneAction):
     """Let the clock of the run continue."""
 
     name = "resume"

@@ -19,7 +19,7 @@ _OF_NUMBERS = {
 }
 
 
-class Value(NamedTuple):
+class ItemValue(NamedTuple):
     """A value of an item."""
 
     value: int = 0
@@ -27,12 +27,12 @@ class Value(NamedTuple):
     not_attempted: bool = False
 
 
-def value_of(record: ItemRecord) -> Value:
+def value_of(record: ItemRecord) -> ItemValue:
     """Return the value of an item on a sheet."""
-    return Value(0, "", True) if record.not_attempted else Value(record.value, record.text)
+    return ItemValue(0, "", True) if record.not_attempted else ItemValue(record.value, record.text)
 
 
-def agreed(agreement: Agreement, item: ScoringItem, given: Sequence[Value]) -> Optional[Value]:
+def agreed(agreement: Agreement, item: ScoringItem, given: Sequence[ItemValue]) -> Optional[ItemValue]:
     """Return the value that follows from the judges' values by the rule; None: the head referee must settle it.
 
     A rating has its own rule for its jury, so here its judges only need to have rated. Whether the robot attempted an
@@ -45,7 +45,7 @@ def agreed(agreement: Agreement, item: ScoringItem, given: Sequence[Value]) -> O
     is_mixed = any(value.not_attempted for value in given)
     if item.kind is ScoreKind.RATING:
         text = "" if is_mixed else jury_text(item, [value.text for value in given])
-        return None if not text else Value(whole_part(text), text)
+        return None if not text else ItemValue(whole_part(text), text)
     if agreement is Agreement.ALL_AGREE:
         return None
     if agreement is Agreement.MAJORITY or item.kind not in NUMBERS:
@@ -54,8 +54,8 @@ def agreed(agreement: Agreement, item: ScoringItem, given: Sequence[Value]) -> O
     return None if is_mixed else _middle(_OF_NUMBERS[agreement], item, given)
 
 
-def _middle(jury: JuryResult, item: ScoringItem, given: Sequence[Value]) -> Value:
+def _middle(jury: JuryResult, item: ScoringItem, given: Sequence[ItemValue]) -> ItemValue:
     text = jury_text(item.with_jury(jury), [value.text or str(value.value) for value in given])
     if item.kind in WHOLE:
-        return Value(int(Decimal(text).to_integral_value(ROUND_HALF_UP)))
-    return Value(whole_part(text), text)
+        return ItemValue(int(Decimal(text).to_integral_value(ROUND_HALF_UP)))
+    return ItemValue(whole_part(text), text)

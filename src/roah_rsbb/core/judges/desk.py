@@ -4,7 +4,7 @@ from typing import Callable, List, NamedTuple, Optional, Tuple, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Outbox
-from roah_rsbb.core.judges.judges import Verdict
+from roah_rsbb.core.judges.judges import ItemVerdict
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRun, RunBook
 from roah_rsbb.core.scoring.desk import (
@@ -21,7 +21,7 @@ from roah_rsbb.model.referee import Refused, RunName, checked_note, checked_who
 from roah_rsbb.model.scoring import SheetForm
 
 
-class Judging(NamedTuple):
+class RunJudging(NamedTuple):
     """What a judge or the head referee may see of a run's judges now."""
 
     record: RunRecord  # has the sheets of all judges: show those of others only if `is_complete`
@@ -30,7 +30,7 @@ class Judging(NamedTuple):
     agreement: str
     missing: int
     is_complete: bool
-    verdicts: Tuple[Verdict, ...]  # empty: not complete
+    verdicts: Tuple[ItemVerdict, ...]  # empty: not complete
     active: Tuple[JudgeSheet, ...]  # the sheets that were not withdrawn, by the judges' names
     own: Optional[JudgeSheet]
     own_items: Tuple[ItemRecord, ...]
@@ -47,20 +47,20 @@ class JudgeDesk:
 
     # -- looking ------------------------------------------------------------------------------------
 
-    def judging(self, now: Now, name: RunName, judge: str = "") -> Judging:
+    def judging(self, now: Now, name: RunName, judge: str = "") -> RunJudging:
         """Return the judging of a run, with the sheet of `judge` (empty: of nobody). Raises `Refused`."""
         return self._judging(now, self._scores.named(name), checked_who(judge))
 
-    def unsigned(self, now: Now) -> List[Judging]:
+    def unsigned(self, now: Now) -> List[RunJudging]:
         """Return the judging of all runs with judges, or with a published result, that are not signed off."""
         return [self._judging(now, run) for run in self._scores.unsigned()
                 if run.book.judges.rule is not None or run.book.publication.state.published is not None]
 
-    def _judging(self, now: Now, run: Union[ZoneRun, FinishedRun], judge: str = "") -> Judging:
+    def _judging(self, now: Now, run: Union[ZoneRun, FinishedRun], judge: str = "") -> RunJudging:
         judges = run.book.judges
         rule = judges.rule
         has_own = rule is not None and bool(judge)
-        return Judging(
+        return RunJudging(
             run.record if isinstance(run, FinishedRun) else run.record(now), 0 if rule is None else rule.count,
             "" if rule is None else rule.agreement.value, judges.missing(), judges.is_complete(), judges.verdicts(),
             judges.active(), judges.own_sheet(judge) if has_own else None, judges.own_items(judge) if has_own else (),

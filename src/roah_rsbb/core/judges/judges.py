@@ -13,7 +13,7 @@ rule decides again. Verdicts therefore do not depend on the order in which the j
 from dataclasses import dataclass, field
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.judges.agreement import Value, agreed, value_of
+from roah_rsbb.core.judges.agreement import ItemValue, agreed, value_of
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
@@ -58,12 +58,12 @@ LATE = say("{missing} of {count} judges have not submitted ({names}): wait for t
            "wait")
 
 
-class Verdict(NamedTuple):
+class ItemVerdict(NamedTuple):
     """What became of an item that the judges scored."""
 
     item: ScoringItem
     proposals: Tuple[Tuple[str, str], ...]  # each judge with the value in words, by name
-    value: Optional[Value]  # None: the judges differ, and nobody settled it
+    value: Optional[ItemValue]  # None: the judges differ, and nobody settled it
     ratings: Tuple[Tuple[str, str], ...] = ()  # of a rating: what the run's sheet takes for each of its judges
     who: str = ""  # who decided it
     role: str = ""
@@ -187,11 +187,11 @@ class Judges:
         """Whether the items get their verdicts, and all may see the sheets."""
         return self.rule is not None and (self.state.waiver is not None or not self.missing())
 
-    def verdicts(self) -> Tuple[Verdict, ...]:
+    def verdicts(self) -> Tuple[ItemVerdict, ...]:
         """Return what became of each item; empty: sheets are missing that the head referee waits for."""
         return tuple(self._verdict(item) for item in self._form.items) if self.is_complete() else ()
 
-    def differences(self) -> Tuple[Verdict, ...]:
+    def differences(self) -> Tuple[ItemVerdict, ...]:
         """Return the items that the head referee must settle."""
         return tuple(v for v in self.verdicts() if v.value is None and v.proposals)
 
@@ -308,17 +308,17 @@ class Judges:
     def _proposals(self, key: Key) -> Tuple[Tuple[str, str], ...]:
         return tuple((judge, sheets.in_words(item)) for judge, item in self._records(key))
 
-    def _verdict(self, item: ScoringItem) -> Verdict:
+    def _verdict(self, item: ScoringItem) -> ItemVerdict:
         assert self.rule is not None, "it has judges"
         records, proposals = self._records(item.key), self._proposals(item.key)
         settled = next((s for s in reversed(self.state.settlements) if (s.group, s.desc) == item.key), None)
         if settled is not None and settled.proposals == proposals:
-            value = Value(settled.value, settled.text, settled.not_attempted)
+            value = ItemValue(settled.value, settled.text, settled.not_attempted)
             ratings = tuple((judge, settled.text) for judge in item.judges)
-            return Verdict(item, proposals, value, ratings, settled.who, "referee", settled.reason)
+            return ItemVerdict(item, proposals, value, ratings, settled.who, "referee", settled.reason)
         value_agreed = agreed(self.rule.agreement, item, [value_of(record) for _, record in records])
         who = ", ".join(judge for judge, _ in records)
-        return Verdict(item, proposals, value_agreed, _ratings(item, records), who, "judge")
+        return ItemVerdict(item, proposals, value_agreed, _ratings(item, records), who, "judge")
 
 
 def _ratings(item: ScoringItem, records: Tuple[Tuple[str, ItemRecord], ...]) -> Tuple[Tuple[str, str], ...]:

@@ -10,7 +10,7 @@ from typing import Callable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.link.record import LinkRecorder
 from roah_rsbb.core.link.skew import THE_ROBOT, SkewEstimate, SkewSample, skew_off, within
-from roah_rsbb.core.link.timeline import Timeline, TimelineState, Verdict
+from roah_rsbb.core.link.timeline import Freshness, Timeline, TimelineState
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.link import LinkSample
 from roah_rsbb.model.messages import RobotReport
@@ -54,7 +54,7 @@ JUMPED = say("Robot's clock jumped forward by {time} s")
 NOT_STOPPED = say("Robot has not stopped yet: it reports {state}")
 
 
-class Silence(enum.Enum):
+class Silent(enum.Enum):
     """What is known of a robot that has been silent for too long."""
 
     NO_ANSWER = enum.auto()  # it was never heard on its private channel
@@ -64,7 +64,7 @@ class Silence(enum.Enum):
     GONE = enum.auto()  # nothing at all was received from it for `GONE_S`
 
 
-class HeardReport(NamedTuple):
+class TakenReport(NamedTuple):
     """The result of taking a message."""
 
     fresh: bool
@@ -73,7 +73,7 @@ class HeardReport(NamedTuple):
     notices: Tuple[str, ...]
 
 
-STALE = HeardReport(False, False, False, ())
+STALE = TakenReport(False, False, False, ())
 
 
 @dataclass
@@ -107,7 +107,7 @@ class RobotLink:
         self._old = 0  # messages since the last fresh one that were not newer than it
         self._old_mono = float("-inf")  # when the last of them arrived
         self._looks = 0  # at this silence; see `deadline`
-        self._reported: Optional[Silence] = None  # at the last of them
+        self._reported: Optional[Silent] = None  # at the last of them
         self._step: Optional[str] = None
         self._step_mono = 0.0
         self._rival: Optional[str] = None
@@ -164,15 +164,15 @@ class RobotLink:
         latest_ns = round((heard.utc + self._allowed_skew) * 1e9)
         self._timeline.begin_after(heard.mono, min(wire_ns(time), latest_ns))
 
-    def hear(self, now: Now, host: str, report: RobotReport) -> HeardReport:
+    def hear(self, now: Now, host: str, report: RobotReport) -> TakenReport:
         """Judge a message from `host`, and keep it if it is fresh."""
         if self._is_elsewhere(now, host):
             return STALE._replace(notices=self._note_rival(now, host))
         verdict = self._timeline.judge(now.mono, wire_ns(report.time))
-        if verdict in (Verdict.DUPLICATE, Verdict.STALE):
+        if verdict in (Freshness.DUPLICATE, Freshness.STALE):
             self._old += 1
             self._old_mono = now.mono
-            self.record.old(duplicate=verdict is Verdict.DUPLICATE)
+            self.record.old(duplicate=verdict is Freshness.DUPLICATE)
             return STALE
         notices = self._note_clock(now, verdict, report)
         new_host = host != self.host
@@ -183,7 +183,7 @@ class RobotLink:
         self._old = 0
         self._looks, self._reported = 0, None
         self._bad = None
-        return HeardReport(True, new_host, state_changed, tuple(notices))
+        return TakenReport(True, new_host, state_changed, tuple(notices))
 
     def hear_copy(self, now: Now, host: str, count: int = 1) -> Tuple[str, ...]:
         """Handle copies of messages that arrived before, the last from `host`. Return notices.
@@ -222,7 +222,7 @@ class RobotLink:
         while due is not None and now.mono >= due:
             silence = self.silence(now)
             assert silence is not None, "its deadline is over"
-            if self._looks == 0 or (silence in (Silence.BEACONS_ONLY, Silence.GONE) and silence is not self._reported):
+            if self._looks == 0 or (silence in (Silent.BEACONS_ONLY, Silent.GONE) and silence is not self._reported):
                 notices.append(self._silence_text(now, silence))
             self._reported = silence
             self._looks += 1
@@ -237,7 +237,7 @@ class RobotLink:
         """
         if self._looks == 0:
             return self._silent_from()
-        if self.last_heard is None or self._last_beacon is None or self._reported is Silence.GONE:
+        if self.last_heard is None or self._last_beacon is None or self._reported is Silent.GONE:
             return None
         return self._heard_mono() + GONE_S if self._looks == 1 else self._gone_from()
 
@@ -245,19 +245,19 @@ class RobotLink:
         """Whether the robot has been silent for too long."""
         return now.mono >= self._silent_from()
 
-    def silence(self, now: Now) -> Optional[Silence]:
+    def silence(self, now: Now) -> Optional[Silent]:
         """Return what is known of a robot that has been silent for too long; None: it has not."""
         if not self.is_silent(now):
             return None
         if self.last_heard is None:
-            return Silence.NO_ANSWER
+            return Silent.NO_ANSWER
         if self._last_beacon is not None:
             beacon = self._last_beacon()
             if beacon is not None and beacon > self.last_heard.mono and now.mono - beacon <= SILENT_S:
-                return Silence.BEACONS_ONLY
+                return Silent.BEACONS_ONLY
             if now.mono >= self._gone_from():
-                return Silence.GONE
-        return Silence.OLD_ONLY if self._old >= OLD_REPORTED else Silence.NO_MESSAGE
+                return Silent.GONE
+        return Silent.OLD_ONLY if self._old >= OLD_REPORTED else Silent.NO_MESSAGE
 
     def warnings(self, now: Now) -> List[str]:
         """Return the referee's current warnings about the robot and its link."""
@@ -300,10 +300,10 @@ class RobotLink:
         signs = [self._heard_mono(), self._old_mono]
         return max(signs if beacon is None else [*signs, beacon]) + GONE_S
 
-    def _silence_text(self, now: Now, silence: Silence) -> str:
+    def _silence_text(self, now: Now, silence: Silent) -> str:
         if self.last_heard is None:
             return NO_ANSWER
-        text = {Silence.OLD_ONLY: OLD_ONLY, Silence.BEACONS_ONLY: BEACONS_ONLY, Silence.GONE: GONE}.get(silence, SILENT)
+        text = {Silent.OLD_ONLY: OLD_ONLY, Silent.BEACONS_ONLY: BEACONS_ONLY, Silent.GONE: GONE}.get(silence, SILENT)
         return text(time=times.in_sentence(now.mono - self.last_heard.mono))
 
     def _is_elsewhere(self, now: Now, host: str) -> bool:
@@ -325,12 +325,12 @@ class RobotLink:
         self._moved, self._moved_mono = MOVED(before=before, host=host), now.mono
         return [self._moved]
 
-    def _note_clock(self, now: Now, verdict: Verdict, report: RobotReport) -> List[str]:
+    def _note_clock(self, now: Now, verdict: Freshness, report: RobotReport) -> List[str]:
         """Take the skew sample, and update the link record. Return what to report of the robot's clock."""
         sample = wire_seconds(report.time) - now.utc
         before = self.skew
         step: Optional[str] = None
-        if verdict is Verdict.CLOCK_SET_BACK:
+        if verdict is Freshness.CLOCK_SET_BACK:
             step = SET_BACK if before is None else SET_BACK_BY(time=f"{before - sample:.3f}")
         elif before is not None and self._skew.count >= SURE_SAMPLES and sample - before > JUMP_S:
             step = JUMPED(time=f"{sample - before:.3f}")

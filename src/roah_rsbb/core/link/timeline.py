@@ -20,7 +20,7 @@ QUIET_S = 2.5
 RISING = 3
 
 
-class Verdict(enum.Enum):
+class Freshness(enum.Enum):
     """What to do with a message."""
 
     FRESH = "fresh"
@@ -49,21 +49,21 @@ class Timeline:
         """Start from a time that came at `mono` (s) on another channel."""
         self._accept(mono, time_ns)
 
-    def judge(self, mono: float, time_ns: int) -> Verdict:
+    def judge(self, mono: float, time_ns: int) -> Freshness:
         """Judge a message that arrived at `mono` (s) and carries `time_ns`. An accepted one moves the timeline."""
         newest = self.state.newest
         if newest is None or time_ns > newest:
             self._accept(mono, time_ns)
-            return Verdict.FRESH
+            return Freshness.FRESH
         if time_ns in (newest, self._candidate):
-            return Verdict.DUPLICATE
+            return Freshness.DUPLICATE
         is_rising = self._candidate is not None and time_ns > self._candidate
         self._rising = self._rising + 1 if is_rising else 1
         self._candidate = time_ns
         if self._rising >= RISING and mono - self.state.newest_mono >= QUIET_S:
             self._accept(mono, time_ns)
-            return Verdict.CLOCK_SET_BACK
-        return Verdict.STALE
+            return Freshness.CLOCK_SET_BACK
+        return Freshness.STALE
 
     def _accept(self, mono: float, time_ns: int) -> None:
         self.state.newest = time_ns

@@ -104,7 +104,7 @@ class Countdown:
         return now.mono if self.state.paused_at is None else self.state.paused_at
 
 
-class RunClock(Countdown):
+class RunCountdown(Countdown):
     """Counts from the first start to the timeout. It keeps counting after a stop (docs/protocol.md, "State
     machines"), unless the rules say otherwise."""
 

@@ -13,7 +13,7 @@ from roah_rsbb.core.effects import Level
 from roah_rsbb.core.modules.presence import Driver, Modules
 from roah_rsbb.core.modules.texts import goal_json, result_text, scores_json
 from roah_rsbb.core.runs.machine import Reaction, react
-from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, GoalState, RunningGoal, Switches, SwitchesState
+from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, GoalState, NumberedSwitches, RunningGoal, SwitchesState
 from roah_rsbb.core.runs.run import EXECUTING, FELL_BACK, Assignment, Run, RunContext, RunState
 from roah_rsbb.core.scoring.book import Marked
 from roah_rsbb.model import run_log
@@ -74,7 +74,7 @@ class FunctionalityRun(Run):
         """`state` and `of_module` belong to a run that continues after a restart of the core."""
         super().__init__(now, assignment, context, state)
         self.of_module = of_module or FunctionalityState(0)
-        self.switches = None if self.of_module.switches is None else Switches(self.of_module.switches)
+        self.switches = None if self.of_module.switches is None else NumberedSwitches(self.of_module.switches)
         goal = self.of_module.goal
         self._goal = None if goal is None else RunningGoal(self.of_module.steps[-1].request, goal)
         self._modules = modules
@@ -144,7 +144,7 @@ class FunctionalityRun(Run):
         self._answer_referee(now, RequestOutcome(OutcomeKind.DONE, values=text, ended_utc=now.utc))
 
     @property
-    def entering(self) -> Optional[Switches]:
+    def entering(self) -> Optional[NumberedSwitches]:
         """The switches that the referee enters; None: there are none now."""
         return self.switches if self.phase is Phase.RUNNING else None
 
@@ -311,7 +311,7 @@ class FunctionalityRun(Run):
         self.of_module.goal = self._goal.state
         if request.initial_state:
             self.of_module.switches = SwitchesState(request.initial_state)
-            self.switches = Switches(self.of_module.switches)
+            self.switches = NumberedSwitches(self.of_module.switches)
         self._emit(effects.RunLogged(self.port, run_log.GOAL, goal_json(request)))
         self._set_pauses(now)
         self._set_state(now, BoxState.PREPARE, NEW_GOAL)

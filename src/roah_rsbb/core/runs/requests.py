@@ -56,7 +56,7 @@ class SwitchesState:
     damaged: int = 0
 
 
-class Switches:
+class NumberedSwitches:
     """The switches as the referee sees them, numbered from 1."""
 
     def __init__(self, state: SwitchesState) -> None:

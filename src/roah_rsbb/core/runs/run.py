@@ -16,7 +16,7 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Effect, How, Level
 from roah_rsbb.core.link.link import LinkState, RobotLink
 from roah_rsbb.core.robots import RobotId
-from roah_rsbb.core.runs.clock import CountdownState, RunClock, SavingWatch
+from roah_rsbb.core.runs.clock import CountdownState, RunCountdown, SavingWatch
 from roah_rsbb.core.runs.device_commands import DeviceCommands, DeviceCommandsState
 from roah_rsbb.core.runs.machine import Reaction, react
 from roah_rsbb.core.runs.online_data import MAX_SAID, Said, Strings, StringsBudget, receive, said, with_line
@@ -169,8 +169,8 @@ class ZoneRun(abc.ABC):
         self.state = state
         self.zone = zone
         self.event = event
-        self.clock = RunClock(event.benchmark.total_timeout, settings.after_stop_duration, state.clock,
-                              stops=rules.restarts is Restarts.CLOCK_STOPS)
+        self.clock = RunCountdown(event.benchmark.total_timeout, settings.after_stop_duration, state.clock,
+                                  stops=rules.restarts is Restarts.CLOCK_STOPS)
         self.times = RunTimes(rules, state.times)
         self.book = RunBook(event.benchmark.form, state.book)
         self._display_size = settings.display_log_size

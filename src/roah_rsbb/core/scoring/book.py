@@ -9,9 +9,9 @@ import itertools
 from dataclasses import dataclass, field
 from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.judges.judges import Judges, JudgesState, Verdict
+from roah_rsbb.core.judges.judges import ItemVerdict, Judges, JudgesState
 from roah_rsbb.core.judges.publication import Publication, PublicationState
-from roah_rsbb.core.scoring.points import Counted, counted
+from roah_rsbb.core.scoring.points import CountedSheet, counted
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, value_text
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
@@ -74,7 +74,7 @@ class RunBook:
         self.judges = Judges(form, self.state.judging)
         self.publication = Publication(form, self.state.publication)
         self._over = over
-        self._counted: Optional[Tuple[Tuple[ItemRecord, ...], float, str, Counted]] = None
+        self._counted: Optional[Tuple[Tuple[ItemRecord, ...], float, str, CountedSheet]] = None
 
     # -- starts and ends ----------------------------------------------------------------------------
 
@@ -158,7 +158,7 @@ class RunBook:
         text = score_text(after.group, after.desc, value_text(before), value_text(after))
         return Marked(after, ("Correction: " if self._over else "") + text + (f" ({note})" if note else ""))
 
-    def counted(self, end_reason: str) -> Counted:
+    def counted(self, end_reason: str) -> CountedSheet:
         """Return the items with their points. `end_reason`: name of an `EndReason`; empty: the run has not ended."""
         items, elapsed_s = self.sheet.items(), self.state.elapsed_s if end_reason else 0.0
         last = self._counted
@@ -178,7 +178,7 @@ class RunBook:
         )
 
 
-def _marks_of(verdict: Verdict) -> List[Mark]:
+def _marks_of(verdict: ItemVerdict) -> List[Mark]:
     """Return the marks that enter a verdict into the run's sheet."""
     mark = Mark(*verdict.item.key, note=verdict.reason, role=verdict.role)
     if verdict.value is None:

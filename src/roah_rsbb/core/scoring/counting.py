@@ -171,7 +171,7 @@ class Ruling(NamedTuple):
         return self.why is not Why.ZERO and is_disqualified(self.record, rules)
 
 
-class Choice(NamedTuple):
+class RunChoice(NamedTuple):
     """Which runs may count."""
 
     signed_off: bool = False  # of those that count, only the ones whose sheet is signed off
@@ -180,7 +180,7 @@ class Choice(NamedTuple):
     events: Mapping[str, EventRules] = NO_EVENT_RULES  # which attempts at an event count, by the benchmarks' codes
 
 
-ANY = Choice()
+ANY = RunChoice()
 
 # Identifies a team's attempts at an event.
 AttemptsKey = Tuple[str, str, object]
@@ -238,7 +238,7 @@ class Counted(NamedTuple):
 class Counting:
     """Decides what counts, for a caller that asks often: again only about the events of which a run changed."""
 
-    def __init__(self, choice: Choice = ANY) -> None:
+    def __init__(self, choice: RunChoice = ANY) -> None:
         self._choice = choice
         self._decided: Dict[AttemptsKey, _Decided] = {}
 
@@ -262,7 +262,7 @@ class Counting:
         return Counted([found[record.identity] for record in records], results)
 
 
-def rulings(records: Iterable[RunRecord], ranking: Mapping[str, Rules], choice: Choice = ANY) -> List[Ruling]:
+def rulings(records: Iterable[RunRecord], ranking: Mapping[str, Rules], choice: RunChoice = ANY) -> List[Ruling]:
     """Return whether each of the runs counts, in their order. They must be all runs of their events.
 
     `ranking`: how runs compare, by the benchmarks' codes.
@@ -270,7 +270,7 @@ def rulings(records: Iterable[RunRecord], ranking: Mapping[str, Rules], choice: 
     return Counting(choice).look(list(records), ranking, choice.events).rulings
 
 
-def _decided(attempts: List[RunRecord], rules: Rules, event: EventRules, choice: Choice) -> _Decided:
+def _decided(attempts: List[RunRecord], rules: Rules, event: EventRules, choice: RunChoice) -> _Decided:
     why = _of_attempts(attempts, rules, event, choice)
     found = [Ruling(record, why[record.identity]) for record in attempts]
     if choice.signed_off:
@@ -304,7 +304,7 @@ def _without_id(record: RunRecord) -> Tuple[object, ...]:
 
 
 def _of_attempts(
-    attempts: Sequence[RunRecord], rules: Rules, event: EventRules, choice: Choice
+    attempts: Sequence[RunRecord], rules: Rules, event: EventRules, choice: RunChoice
 ) -> Dict[str, Why]:
     """Rule on the attempts of a team at an event, the oldest first."""
     reasons = [_why_not(record, choice) for record in attempts]
@@ -332,7 +332,7 @@ def _worth(record: RunRecord, rules: Rules) -> Tuple[object, ...]:
     return sort_key(numbers_of(record, rules), is_disqualified(record, rules), rules.criteria)
 
 
-def _why_not(record: RunRecord, choice: Choice) -> Optional[Why]:
+def _why_not(record: RunRecord, choice: RunChoice) -> Optional[Why]:
     """Return why a run cannot count, whatever other attempts there are; None: it can."""
     if not record.started_utc and record.end_reason not in NOT_RUN_WORDS:
         return Why.NEVER_STARTED if record.closed_utc else Why.NOT_OVER

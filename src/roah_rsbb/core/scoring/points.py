@@ -26,7 +26,7 @@ _LAST_DECIMAL = Decimal(1).scaleb(-MAX_DECIMALS)
 ZERO = Decimal(0)
 
 
-class Counted(NamedTuple):
+class CountedSheet(NamedTuple):
     """A score sheet with its points."""
 
     items: Tuple[ItemRecord, ...]
@@ -70,13 +70,13 @@ def jury_text(item: ScoringItem, ratings: Sequence[str]) -> str:
     return text_of(_rounded(mean))
 
 
-def counted(form: SheetForm, items: Sequence[ItemRecord], elapsed_s: float, end_reason: str) -> Counted:
+def counted(form: SheetForm, items: Sequence[ItemRecord], elapsed_s: float, end_reason: str) -> CountedSheet:
     """Return the items and the sheet with their points.
 
     `elapsed_s`: counted seconds until the end; `end_reason`: why the run ended, empty if it did not.
     """
     if not form.has_points:
-        return Counted(tuple(items), None)
+        return CountedSheet(tuple(items), None)
     known = {item.key: item for item in form.items}
     records = {item.key: item for item in items}
     given = _given(known, records)
@@ -95,7 +95,7 @@ def counted(form: SheetForm, items: Sequence[ItemRecord], elapsed_s: float, end_
     if form.rules.time_left is not None:
         sums[TIME_LEFT] = _time_left(form, given, elapsed_s, end_reason)
     total = _limited(_sum(sums.values()), form.rules.least, form.rules.most)
-    return Counted(
+    return CountedSheet(
         tuple(i._replace(points=text_of(points[i.key])) if i.key in points else i for i in items),
         SheetPoints(text_of(total), tuple(GroupPoints(name, text_of(number)) for name, number in sums.items())),
     )

@@ -8,7 +8,7 @@ from roah_rsbb.core.views import sheets, views
 from roah_rsbb.core.views.public import NOTHING_ALLOWED, Publicity, PublicViews
 from roah_rsbb.core.views.schedule import EventLine, ScheduleView, events_shown
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.document import BoxState, Document
+from roah_rsbb.model.document import BoxSeen, Document
 from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.model.results import RunLine, UnsavedParts
@@ -24,7 +24,7 @@ class Documents:
         may see."""
         self._box, self._uuid, self._host = box, uuid, host
         self._views, self._schedule, self._public = views.ZoneViews(box), ScheduleView(box), PublicViews(box, publicity)
-        self.last = Document(BoxState(uuid, host, 0), {}, {}, {}, {}, {})
+        self.last = Document(BoxSeen(uuid, host, 0), {}, {}, {}, {}, {})
         self._events: Optional[Sequence[EventLine]] = None  # of which the last schedule was made
         self._revision: Optional[int] = None  # of the box, to which the sections belong that only events change
         self._lines: Dict[str, Tuple[RunRecord, Why, RunLine]] = {}  # by identity

@@ -12,7 +12,7 @@ from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.online_data import MAX_SAID
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRun
-from roah_rsbb.core.scoring.counting import Choice
+from roah_rsbb.core.scoring.counting import RunChoice
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import OutcomeKind, RequestKind
@@ -27,7 +27,7 @@ from roah_rsbb.model.public import (
     RobotText,
 )
 from roah_rsbb.model.records import ItemRecord, Phase, RunRecord, grouped
-from roah_rsbb.model.zone import Zone as ZoneShown
+from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.registry import GoalForm
@@ -40,7 +40,7 @@ MAX_FINISHED = 40
 _KINDS = {"bool": "bool", "uint": "count", "int": "count", "decimal": "count"}
 _NOT_SHOWN = frozenset(("choice", "rating"))
 
-Ranked = Callable[[Sequence[RunRecord], StandingRules, Choice, Mapping[str, str]], Tuple[PublicStanding, ...]]
+Ranked = Callable[[Sequence[RunRecord], StandingRules, RunChoice, Mapping[str, str]], Tuple[PublicStanding, ...]]
 
 
 class PublicResults(enum.Enum):
@@ -72,7 +72,7 @@ class PublicViews:
         self._ranked: Tuple[object, ...] = ()  # of what the standings were made
         self._standings: Tuple[PublicStanding, ...] = ()
 
-    def runs(self, zones: Mapping[str, ZoneShown]) -> Dict[str, PublicRun]:
+    def runs(self, zones: Mapping[str, ZoneSeen]) -> Dict[str, PublicRun]:
         """Return all runs by their zones. `zones`: as the referees see them now."""
         found = {}
         for zone in self._box.zones.values():
@@ -125,7 +125,7 @@ class PublicViews:
             self._ranked = made_of
             self._standings = self._publicity.ranked(
                 [ruling.record for ruling in ruled], finished.ranking,
-                Choice(signed_off=True, events=finished.event_rules()), finished.titles())
+                RunChoice(signed_off=True, events=finished.event_rules()), finished.titles())
         return self._standings
 
 
@@ -157,7 +157,7 @@ def _group(name: str, items: Sequence[ItemRecord]) -> PublicGroup:
         sum(item.not_attempted for item in items))
 
 
-def _run(zone: str, run: ZoneRun, shown: ZoneShown, publicity: Publicity) -> PublicRun:
+def _run(zone: str, run: ZoneRun, shown: ZoneSeen, publicity: Publicity) -> PublicRun:
     event, benchmark = run.event, run.event.benchmark
     goals, has_outcomes = _outcomes(run), publicity.results is not PublicResults.NONE
     return PublicRun(

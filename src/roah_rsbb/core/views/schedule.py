@@ -17,7 +17,7 @@ from roah_rsbb.core.views.sheets import sums_of_record
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import RAN_TO_THE_END, Phase, RunRecord
-from roah_rsbb.model.schedule import ScheduledEvent as Scheduled
+from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent, ZonePlan
 
 # The longest time in seconds in which the next robot gets ready. A longer gap is a break.
@@ -90,19 +90,19 @@ class ScheduleView:
         return self._lines
 
 
-def events_shown(lines: Iterable[EventLine]) -> Dict[str, Scheduled]:
+def events_shown(lines: Iterable[EventLine]) -> Dict[str, EventSeen]:
     """Return the events as the faces show them, by their ids."""
     numbers: Dict[str, int] = {}
-    found: Dict[str, Scheduled] = {}
+    found: Dict[str, EventSeen] = {}
     for line in sorted(lines, key=lambda line: line.event.scheduled):
         number = numbers[line.zone] = numbers.get(line.zone, 0) + 1
         found[line.event.id or f"{line.zone} {number}"] = _shown(line, number)
     return found
 
 
-def _shown(line: EventLine, number: int) -> Scheduled:
+def _shown(line: EventLine, number: int) -> EventSeen:
     event, benchmark = line.event, line.event.benchmark
-    found = Scheduled(
+    found = EventSeen(
         event.id, number, line.zone, benchmark.code, benchmark.desc or benchmark.name, event.team, event.round,
         event.run, event.scheduled, line.begins, line.state.value, line.current)
     if line.result is None:

@@ -4,8 +4,8 @@ import json
 import zlib
 from typing import Iterable, List, Optional, Sequence, Tuple
 
-from roah_rsbb.core.judges.desk import Judging as RunJudging
-from roah_rsbb.core.judges.judges import Verdict
+from roah_rsbb.core.judges.desk import RunJudging
+from roah_rsbb.core.judges.judges import ItemVerdict
 from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.core.scoring.points import text_of
 from roah_rsbb.model.judging import (
@@ -148,7 +148,7 @@ def judged_run(found: RunJudging) -> JudgedRun:
     )
 
 
-def _judged(verdict: Verdict, item: SheetItem, sheets: Tuple[JudgeSheet, ...]) -> JudgedItem:
+def _judged(verdict: ItemVerdict, item: SheetItem, sheets: Tuple[JudgeSheet, ...]) -> JudgedItem:
     given = [(sheet.judge, item) for sheet in sheets for item in sheet.items if item.key == verdict.item.key]
     outcome = DIFFER if given else NOT_JUDGED
     if verdict.value is not None:

@@ -8,18 +8,16 @@ from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.run import Run, ZoneRun
-from roah_rsbb.core.scoring.points import Counted
+from roah_rsbb.core.scoring.points import CountedSheet
 from roah_rsbb.core.views.sheets import sheet_items
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.document import BoxState, RobotSeen, TabletSeen
+from roah_rsbb.model.document import BoxSeen, RobotSeen, TabletSeen
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import Phase
 from roah_rsbb.model.results import UnsavedParts
-from roah_rsbb.model.zone import LATELY_S, AllRobots, Count, RobotInRun, RunClock, SheetItem, Switches
-from roah_rsbb.model.zone import Event as EventShown
-from roah_rsbb.model.zone import Zone as ZoneShown
+from roah_rsbb.model.zone import LATELY_S, AllRobots, Count, Event, RobotInRun, RunClock, SheetItem, Switches, ZoneSeen
 from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, Restarts, ScheduledEvent
 
@@ -47,10 +45,10 @@ class ScheduleLine(NamedTuple):
 
 def box_state(
     box: Box, now: Now, uuid: str, host: str, unsaved: Sequence[UnsavedParts] = (),
-) -> BoxState:
+) -> BoxSeen:
     """Return the box itself. `uuid`: identity of this start of the core; `host`: broadcast address in use."""
     tablet = box.tablet.state
-    return BoxState(
+    return BoxSeen(
         uuid=uuid,
         host=host,
         port=box.settings.rsbb_port,
@@ -109,13 +107,13 @@ class ZoneViews:
 
     def __init__(self, box: Box) -> None:
         self._box = box
-        self._kept: Dict[str, Tuple[object, ZoneShown]] = {}
+        self._kept: Dict[str, Tuple[object, ZoneSeen]] = {}
         self._idle: Tuple[object, ...] = ()  # of what the zones without a run were made
-        self._sheets: Dict[str, Tuple[Counted, Tuple[SheetItem, ...]]] = {}
+        self._sheets: Dict[str, Tuple[CountedSheet, Tuple[SheetItem, ...]]] = {}
 
     def look(
         self, now: Now, active: Optional[Mapping[str, RobotSeen]] = None, log_files: Mapping[int, str] = NO_FILES,
-    ) -> Dict[str, ZoneShown]:
+    ) -> Dict[str, ZoneSeen]:
         """Return all zones by their names, in the order of the schedule file. `active`: the active robots; None: they
         may have changed. `log_files`: path of each run's log by its port."""
         before, self._kept = self._kept, {}
@@ -123,14 +121,14 @@ class ZoneViews:
         idle = (active, box.revision, int(now.mono), box.listening_left(now) > 0.0, box.is_held, box.is_superseded)
         if active is None or not self._idle or self._idle[0] is not active or self._idle[1:] != idle[1:]:
             self._idle = idle
-        found: Dict[str, ZoneShown] = {}
+        found: Dict[str, ZoneSeen] = {}
         for zone in self._box.zones.values():
             found[zone.name] = self._look(zone, before.get(zone.name), now, log_files)
         return found
 
     def _look(
-        self, zone: Zone, before: Optional[Tuple[object, ZoneShown]], now: Now, log_files: Mapping[int, str],
-    ) -> ZoneShown:
+        self, zone: Zone, before: Optional[Tuple[object, ZoneSeen]], now: Now, log_files: Mapping[int, str],
+    ) -> ZoneSeen:
         run, last = zone.run, None if before is None else before[1]
         made_of: object = None
         if run is None:
@@ -152,10 +150,10 @@ class ZoneViews:
         self._kept[zone.name] = made_of, shown
         return shown
 
-    def _make(self, zone: Zone, now: Now) -> ZoneShown:
+    def _make(self, zone: Zone, now: Now) -> ZoneSeen:
         box, run = self._box, zone.run
         event, rules = zone.event, zone.event.benchmark.rules
-        found = ZoneShown(
+        found = ZoneSeen(
             zone=zone.name,
             event=event_shown(event),
             warnings=tuple(box.warnings_of(now, zone.name)),
@@ -185,7 +183,7 @@ class ZoneViews:
         )
         return _with_module(found, run) if isinstance(run, FunctionalityRun) else found
 
-    def _sheet(self, name: str, run: ZoneRun) -> Tuple[Counted, Tuple[SheetItem, ...]]:
+    def _sheet(self, name: str, run: ZoneRun) -> Tuple[CountedSheet, Tuple[SheetItem, ...]]:
         """Return the score sheet of a run, and its items as they are shown."""
         counted, kept = run.book.counted(_end(run)), self._sheets.get(name)
         if kept is None or kept[0] is not counted:
@@ -194,11 +192,11 @@ class ZoneViews:
         return kept
 
 
-def event_shown(event: ScheduledEvent) -> EventShown:
+def event_shown(event: ScheduledEvent) -> Event:
     """Return the event at which a zone is."""
     benchmark = event.benchmark
-    return EventShown(event.id, benchmark.code, benchmark.name, benchmark.desc, event.team, event.round, event.run,
-                      event.scheduled)
+    return Event(event.id, benchmark.code, benchmark.name, benchmark.desc, event.team, event.round, event.run,
+                 event.scheduled)
 
 
 def coming_events(box: Box) -> List[ScheduleLine]:
@@ -267,7 +265,7 @@ def _all_robots(run: AllRobotsRun, now: Now) -> AllRobots:
     return AllRobots(run.members()[0].port, *run.counts(), tuple(run.robots(now)))
 
 
-def _with_module(found: ZoneShown, run: FunctionalityRun) -> ZoneShown:
+def _with_module(found: ZoneSeen, run: FunctionalityRun) -> ZoneSeen:
     """Return a zone with what its benchmarking module asks for and reports."""
     asked = run.asked
     switches = run.switches if run.phase is Phase.RUNNING else None
@@ -283,7 +281,7 @@ def _with_module(found: ZoneShown, run: FunctionalityRun) -> ZoneShown:
     )
 
 
-def _idle_lines(box: Box, zone: Zone, view: ZoneShown, now: Now) -> List[str]:
+def _idle_lines(box: Box, zone: Zone, view: ZoneSeen, now: Now) -> List[str]:
     """Return the lines for the referee of a zone without a run, without warnings."""
     lines: List[str] = list(view.off("connect")) or [_ready(box.candidates.to_connect(now, zone))]
     if view.robots_to_choose:
@@ -291,7 +289,7 @@ def _idle_lines(box: Box, zone: Zone, view: ZoneShown, now: Now) -> List[str]:
     return lines + _attempt_lines(view)
 
 
-def _run_lines(run: ZoneRun, view: ZoneShown, now: Now) -> List[str]:
+def _run_lines(run: ZoneRun, view: ZoneSeen, now: Now) -> List[str]:
     """Return the lines for the referee of a run, without warnings."""
     lines: List[str] = [] if run.phase is Phase.CONNECTED else [run.desc]
     if run.phase is not Phase.RUNNING:
@@ -306,7 +304,7 @@ def _run_lines(run: ZoneRun, view: ZoneShown, now: Now) -> List[str]:
     return lines + run.status_lines(now) + _attempt_lines(view)
 
 
-def _attempt_lines(view: ZoneShown) -> List[str]:
+def _attempt_lines(view: ZoneSeen) -> List[str]:
     return [ATTEMPT(number=view.attempt, all=view.attempts)] if 0 < view.attempt <= view.attempts else []
 
 

@@ -24,7 +24,7 @@ from typing import Callable, List, Optional, Tuple
 import rospy
 from std_srvs.srv import Empty as EmptySrv
 
-from roah_rsbb.box.assembly import CoreAssembly, Machine, Place
+from roah_rsbb.box.assembly import BoxPlace, CoreAssembly, Machine
 from roah_rsbb.box.calls import BoxCalls, Disks
 from roah_rsbb.box.driver import Outputs
 from roah_rsbb.core.copies import NO_PORT
@@ -89,7 +89,7 @@ class CoreNode:
         self._others = OtherNodes(self._ros, box_uuid)
         self._core = CoreAssembly(
             self._ros.loop, Machine(boot_id(), os.getpid(), box_uuid, time.monotonic, time.time),
-            Place(params.log_dir, params.network, params.standby_port), self._configuration.content.config,
+            BoxPlace(params.log_dir, params.network, params.standby_port), self._configuration.content.config,
             self._configuration.version, params.settings, launch,
             lambda session, events, on_trouble: Journal(
                 params.log_dir, session, events, params.resume, on_trouble, lock),

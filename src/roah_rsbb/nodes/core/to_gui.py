@@ -5,7 +5,7 @@ from typing import Dict, Tuple
 from roah_rsbb.core.box import Box
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
-from roah_rsbb.model.zone import Zone
+from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.msg import CoreToGui, RobotInfo, ZoneState
 from roah_rsbb.nodes.core.score_convert import old_groups
 from roah_rsbb.ros.times import ros_duration, ros_time, ros_wire_time
@@ -16,7 +16,7 @@ class ToGui:
 
     def __init__(self, box: Box) -> None:
         self._box = box
-        self._zones: Dict[str, Tuple[Zone, ZoneState]] = {}
+        self._zones: Dict[str, Tuple[ZoneSeen, ZoneState]] = {}
 
     def message(self, now: Now, document: Document) -> CoreToGui:
         """Return the message of a moment; it is true until the next one is made. `document`: of the same moment; robots
@@ -46,7 +46,7 @@ class ToGui:
         )
 
 
-def _zone_state(zone: Zone) -> ZoneState:
+def _zone_state(zone: ZoneSeen) -> ZoneState:
     event, switches = zone.event, zone.switches
     return ZoneState(
         zone=zone.zone,

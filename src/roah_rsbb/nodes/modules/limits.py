@@ -9,7 +9,7 @@ import math
 import re
 from typing import Tuple
 
-from roah_rsbb.model.fields import ASKED, Choice, Decimal, Field, Number, Text, form_of
+from roah_rsbb.model.fields import ASKED, Choice, Decimal, Field, Number, TypedText, form_of
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, Request, ScoreValue
 
 # Characters and entries: more than any benchmark needs, and few enough not to slow down the box.
@@ -141,7 +141,7 @@ def _field_problem(field: Field, times: int) -> str:
     if isinstance(field, (Number, Decimal)) and not (
             -MAX_SIZE <= field.low <= field.high <= MAX_SIZE and abs(field.nothing or 0) <= MAX_SIZE):
         return f"is from {field.low} to {field.high}: at most from {-MAX_SIZE} to {MAX_SIZE} is possible"
-    if isinstance(field, Text) and not 1 <= field.characters <= MAX_TEXT:
+    if isinstance(field, TypedText) and not 1 <= field.characters <= MAX_TEXT:
         return f"has {field.characters} characters: 1 to {MAX_TEXT} are allowed"
     if isinstance(field, Choice) and not 1 <= len(field.choices) <= MAX_LIST:
         return f"has {len(field.choices)} choices: 1 to {MAX_LIST} are allowed"

@@ -41,7 +41,7 @@ SETTLE_S = 0.5
 ANY_RESULT = "done"
 
 
-class Requests(NamedTuple):
+class RobotRequests(NamedTuple):
     """Requests of the robot's programs. Each call returns immediately or raises with the reason."""
 
     end_prepare: Callable[[], None]
@@ -55,7 +55,7 @@ class Requests(NamedTuple):
 class CommInterface:
     """Topics and services under /roah_rsbb. Methods may be called from any thread and return immediately."""
 
-    def __init__(self, requests: Requests, types: Types) -> None:
+    def __init__(self, requests: RobotRequests, types: Types) -> None:
         """`types`: those of the generation that the team's code uses."""
         self._requests = requests
         self._types = types
@@ -104,7 +104,7 @@ class CommInterface:
                 switch_3=effect.switch_3, dimmer=effect.dimmer, blinds=effect.blinds,
                 door_win_detect=effect.door_win_detect,
             ))
-        elif isinstance(effect, fx.Tablet):
+        elif isinstance(effect, fx.TabletIs):
             self._publish("tablet", TabletState(
                 effect.display_map, ros_wire_time(effect.call_time), ros_wire_time(effect.position_time),
                 effect.position_x, effect.position_y,

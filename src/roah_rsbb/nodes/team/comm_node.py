@@ -19,7 +19,7 @@ from google.protobuf import text_format
 
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import password_in
-from roah_rsbb.nodes.team.comm_interface import CommInterface, Requests
+from roah_rsbb.nodes.team.comm_interface import CommInterface, RobotRequests
 from roah_rsbb.nodes.team.generations import DEFAULT, GENERATIONS, report_refused, types_of
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import WireTime
@@ -71,7 +71,7 @@ class CommNode:
         )
         self._session = self._runner.session
         session = self._session
-        self._interface = CommInterface(Requests(
+        self._interface = CommInterface(RobotRequests(
             end_prepare=lambda: self._ask(session.end_prepare),
             end_execute=lambda result: self._ask(lambda: session.end_execute(result)),
             add_string=lambda field, text: self._ask(lambda: session.add_string(field, text)),
@@ -108,7 +108,7 @@ class CommNode:
         self._session.progress.messages_saved = count
 
     def _on_effect(self, effect: fx.Effect) -> None:
-        if isinstance(effect, fx.Report):
+        if isinstance(effect, fx.ProblemIs):
             log = rospy.loginfo if effect.over else rospy.logwarn
             log("%s", effect.text)
         elif isinstance(effect, fx.Stop):

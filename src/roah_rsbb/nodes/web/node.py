@@ -33,7 +33,7 @@ from roah_rsbb.nodes.web.other import wait_for_other
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
-from roah_rsbb.ros.place import Places
+from roah_rsbb.ros.place import DoorPlaces
 from roah_rsbb.web.displays.listed import FILE as DISPLAYS_FILE
 from roah_rsbb.web.displays.listed import Displays
 from roah_rsbb.web.kept_file import open_kept
@@ -59,7 +59,7 @@ class WebPart:
         # These need tornado; see `main`.
         from roah_rsbb.client.client import Client
         from roah_rsbb.nodes.web.pairing import PairingServices
-        from roah_rsbb.web.calls import Calls
+        from roah_rsbb.web.calls import PageCalls
         from roah_rsbb.web.displays.logos import read_logos
         from roah_rsbb.web.server import WebServer
         from roah_rsbb.web.teams.requests import CODE, TEAM_PAGES
@@ -84,12 +84,13 @@ class WebPart:
         displays = open_kept(log_dir, DISPLAYS_FILE, Displays, {}, rospy.logerr, "set what the displays show again")
         self._certificate = _certificate(*files) if all(files) else None
         self._client: Client[Document] = Client(
-            Document, Places(rosgraph.get_master_uri()).find, lambda: self._server.follow(), self._ros.loop, "referee")
+            Document, DoorPlaces(rosgraph.get_master_uri()).find, lambda: self._server.follow(), self._ros.loop,
+            "referee")
         store = Store(
             self._client, _languages(resource / "languages"), title, logos=read_logos(logos, rospy.logwarn))
         self._why: Set[str] = set()  # it was not connected; these were logged
         self._server = WebServer(self._ros.loop, store, str(resource / "web"), own_names(names), sessions,
-                                 Calls(self._client, rospy.get_name()).carry_out,
+                                 PageCalls(self._client, rospy.get_name()).carry_out,
                                  self._certificate and self._certificate.context, displays, team_codes, team_pages)
         self._url = ""  # for paired devices
         PairingServices(self._ros, self._server, self._server.desk.zones, lambda: self._url)
@@ -155,9 +156,9 @@ def _languages(folder: pathlib.Path) -> dict:
 
 
 def _certificate(certificate: str, key: str) -> Any:
-    from roah_rsbb.web.certificate import Certificate, Files  # needs cryptography, which takes memory
+    from roah_rsbb.web.certificate import Certificate, CertificateFiles  # needs cryptography, which takes memory
 
-    return Certificate(Files(certificate, key))
+    return Certificate(CertificateFiles(certificate, key))
 
 
 class WebNode:

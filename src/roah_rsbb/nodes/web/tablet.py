@@ -17,7 +17,7 @@ from roah_rsbb.tablet import maps
 from roah_rsbb.tablet.pages import Pages
 from roah_rsbb.tablet.radio import TabletRadio
 from roah_rsbb.tablet.server import TabletServer
-from roah_rsbb.tablet.state import TabletState
+from roah_rsbb.tablet.state import ShownTablet
 from roah_rsbb.web.limits import own_names
 
 
@@ -36,7 +36,7 @@ class TabletPart:
         self._host = params.text("tablet_host", everywhere)
         params.done()
         plan = _load_map(map_file)
-        state = TabletState()
+        state = ShownTablet()
         self._radio = TabletRadio(
             ros.loop, state, self._on_box, lambda text: rospy.logwarn("%s", text), self._rsbb_host, rsbb_port,
             bind_host,

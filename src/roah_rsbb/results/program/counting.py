@@ -5,7 +5,7 @@ import contextlib
 import os
 from typing import Dict, Iterable, List, Optional, Sequence, TypeVar, Union
 
-from roah_rsbb.core.scoring.counting import Choice, Ruling, Why, attempts_of, rulings, with_events
+from roah_rsbb.core.scoring.counting import Ruling, RunChoice, Why, attempts_of, rulings, with_events
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results.program.journal import BENCHMARKS_FILE, RULES_FILE, SCHEDULE_FILE, warn
@@ -60,13 +60,13 @@ def _with_events(options: argparse.Namespace, known: Sequence[T]) -> List[T]:
     return list(known)
 
 
-def choice(options: argparse.Namespace, known: Iterable[Union[RunRecord, RunHead]]) -> Choice:
+def choice(options: argparse.Namespace, known: Iterable[Union[RunRecord, RunHead]]) -> RunChoice:
     """Return which runs may count, as the options say. Raises ConfigErrors, `NoSuchRun`."""
     identities = [record.identity for record in known]
     without = tuple(identities[find(identities, word)] for word in getattr(options, "without", ()))
     of_runs = OfRuns(options.of_runs) if getattr(options, "of_runs", None) else None
     events = {code: benchmark.rules for code, benchmark in benchmarks(options).items()}
-    return Choice(getattr(options, "signed_off", False), without, of_runs, events)
+    return RunChoice(getattr(options, "signed_off", False), without, of_runs, events)
 
 
 def ruled(options: argparse.Namespace, known: Sequence[RunRecord]) -> List[Ruling]:

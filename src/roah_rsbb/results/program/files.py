@@ -83,7 +83,7 @@ def export(options: argparse.Namespace) -> int:
         if options.dataset:
             os.makedirs(options.dataset, exist_ok=True)
             names = names_of(reader) if options.anonymous else None
-            write_dataset(options.dataset, results(), dataset.Options(names, options.licence, options.title))
+            write_dataset(options.dataset, results(), dataset.DatasetOptions(names, options.licence, options.title))
             print(f"the data set of {len(chosen)} runs is in {options.dataset}")
         if options.mcap:
             os.makedirs(options.mcap, exist_ok=True)

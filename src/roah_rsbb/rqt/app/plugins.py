@@ -5,7 +5,7 @@ from typing import Type
 from rqt_gui_py.plugin import Plugin
 
 from roah_rsbb.rqt.app.panel_list import PANELS, load, plugin_name
-from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QMainWindow, QTimer
 
@@ -18,7 +18,7 @@ class PanelPlugin(Plugin):
     def __init__(self, context) -> None:
         super().__init__(context)
         self.setObjectName(type(self).__name__)
-        self.panel = self.PANEL(Client.acquire())
+        self.panel = self.PANEL(RefereeClient.acquire())
         if context.serial_number() > 1:
             self.panel.setWindowTitle(f"{self.panel.windowTitle()} ({context.serial_number()})")
         context.add_widget(self.panel)
@@ -34,7 +34,7 @@ class PanelPlugin(Plugin):
 
     def shutdown_plugin(self) -> None:
         self.panel.shutdown()
-        Client.release()
+        RefereeClient.release()
 
     def save_settings(self, plugin_settings, instance_settings) -> None:
         self.panel.save_settings(instance_settings)

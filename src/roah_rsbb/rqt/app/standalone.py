@@ -8,7 +8,7 @@ from functools import partial
 from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.app.application import PanelSettings
 from roah_rsbb.rqt.app.panel_list import load
-from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.qt import QMainWindow, QSettings
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.language import tr
@@ -26,7 +26,7 @@ class PanelWindow(QMainWindow):
         kind = load(name)
         self._settings = settings
         self._of_panel = PanelSettings(settings, kind.__name__)
-        self._panel = kind(Client.acquire())
+        self._panel = kind(RefereeClient.acquire())
         self.setCentralWidget(self._panel)
         self._panel.client.add_strip(self)
         self.setWindowTitle(f"{tr(kind.TITLE)} – RoAH RSBB")
@@ -42,7 +42,7 @@ class PanelWindow(QMainWindow):
         self._panel.save_settings(self._of_panel)
         self._settings.sync()
         self._panel.shutdown()
-        Client.release()
+        RefereeClient.release()
 
 
 def main(name: str) -> None:

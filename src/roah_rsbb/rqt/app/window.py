@@ -6,7 +6,7 @@ from typing import Dict
 from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.app.application import PanelSettings
 from roah_rsbb.rqt.app.panel_list import PANELS, load
-from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QApplication, QDockWidget, QMainWindow, QSettings, Qt
@@ -30,7 +30,7 @@ class Window(QMainWindow):
         self._of_launch = of_launch
         self.setWindowTitle(tr("RoAH RSBB – referee"))
         self.setObjectName("RoahRsbbWindow")
-        client = Client.acquire()
+        client = RefereeClient.acquire()
         self._model = client.model
         self._title = MarkedTitle(self)
         self._model.updated.connect(self._mark)
@@ -58,7 +58,7 @@ class Window(QMainWindow):
             panel.save_settings(PanelSettings(self._settings, name))
             panel.shutdown()
         self._settings.sync()
-        Client.release()
+        RefereeClient.release()
 
     def _mark(self) -> None:
         self._title.show(self._model.is_replay)

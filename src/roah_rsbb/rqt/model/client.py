@@ -26,10 +26,10 @@ from roah_rsbb.wording.times import Moments
 TIMES_IN_UTC = "times_in_utc"
 
 
-class Client:
+class RefereeClient:
     """A referee's client. Call rospy.init_node first."""
 
-    _shared: Optional["Client"] = None
+    _shared: Optional["RefereeClient"] = None
     _users = 0
 
     def __init__(self) -> None:
@@ -50,14 +50,14 @@ class Client:
         return add_strip(window, self.model, self.stops)
 
     @classmethod
-    def acquire(cls) -> "Client":
+    def acquire(cls) -> "RefereeClient":
         """Return the client of this process; the first call creates it. Call `release` once for each call."""
         if cls._shared is None:
             # In rqt, whose application is not ours.
             log_failures()
             collect_here()
             language.install()
-            cls._shared = Client()
+            cls._shared = RefereeClient()
             cls._shared.model.start()
         cls._users += 1
         return cls._shared

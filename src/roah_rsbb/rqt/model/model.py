@@ -5,12 +5,12 @@ from typing import Callable, List, Optional
 
 from roah_rsbb.client.client import Client
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.document import BoxState, Document
+from roah_rsbb.model.document import BoxSeen, Document
 from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.results import RunLine, UnsavedParts
-from roah_rsbb.model.zone import RUNNING, Zone
+from roah_rsbb.model.zone import RUNNING, ZoneSeen
 from roah_rsbb.msg import DevicesState, DevicesStatus
-from roah_rsbb.ros.place import Places
+from roah_rsbb.ros.place import DoorPlaces
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.wording import clock, judging, superseded
 from roah_rsbb.wording.language import tr
@@ -40,7 +40,7 @@ class Model(QObject):
         self._zone_parameter = zone_parameter
         self._is_coming = False
         self._came.connect(self._take)
-        self.afar = Client(Document, find or Places().find, self._on_change, face="referee")
+        self.afar = Client(Document, find or DoorPlaces().find, self._on_change, face="referee")
         self.document: Optional[Document] = None
         self.number = 0  # of the document
         self.devices: Optional[DevicesState] = None
@@ -67,7 +67,7 @@ class Model(QObject):
     # -- for panels ---------------------------------------------------------------------------------
 
     @property
-    def box(self) -> Optional[BoxState]:
+    def box(self) -> Optional[BoxSeen]:
         """The box itself; None: nothing heard yet."""
         return None if self.document is None else self.document.box
 
@@ -139,11 +139,11 @@ class Model(QObject):
         return "" if zone is None else zone.identity
 
     @property
-    def zone(self) -> Optional[Zone]:
+    def zone(self) -> Optional[ZoneSeen]:
         """That zone; None: nothing heard yet, or the schedule has no such zone."""
         return self.zone_of(self.zone_name)
 
-    def zone_of(self, zone_name: str) -> Optional[Zone]:
+    def zone_of(self, zone_name: str) -> Optional[ZoneSeen]:
         """Return a zone; None: not known."""
         return None if self.document is None else self.document.zones.get(zone_name)
 

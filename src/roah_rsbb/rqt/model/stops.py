@@ -30,7 +30,7 @@ NONE_RUNS = tr_later("No zone is running")
 OTHERS_RUN = tr_later("Nothing is running in {zone}. Running: {zones}. Choose one of them, or hold STOP ALL")
 
 
-class Target(NamedTuple):
+class StopTarget(NamedTuple):
     """What STOP stops now."""
 
     zone: str = ""  # empty: nothing
@@ -42,18 +42,18 @@ def stoppable(model: Model) -> List[str]:
     return [] if model.is_replay or model.is_superseded else model.running_zones()
 
 
-def target_of(model: Model) -> Target:
+def target_of(model: Model) -> StopTarget:
     """Return what STOP stops: the run of the zone that is shown, else the only run."""
     shown, running = model.zone_name, stoppable(model)
     if model.is_replay or model.is_superseded:
-        return Target(why_off=tr((replay if model.is_replay else superseded).NO_COMMANDS))
+        return StopTarget(why_off=tr((replay if model.is_replay else superseded).NO_COMMANDS))
     if shown in running:
-        return Target(shown)
+        return StopTarget(shown)
     if len(running) == 1:
-        return Target(running[0])
+        return StopTarget(running[0])
     if running:
-        return Target(why_off=tr(OTHERS_RUN, zone=shown, zones=", ".join(running)))
-    return Target(why_off=tr(NOT_HEARD if model.document is None else NONE_RUNS))
+        return StopTarget(why_off=tr(OTHERS_RUN, zone=shown, zones=", ".join(running)))
+    return StopTarget(why_off=tr(NOT_HEARD if model.document is None else NONE_RUNS))
 
 
 @dataclass
@@ -96,11 +96,11 @@ class Stops(QObject):
         self._timer.stop()
         self._calls.forget(self)
 
-    def target(self) -> Target:
+    def target(self) -> StopTarget:
         """Return what STOP stops now."""
         target, (pressed, mono) = target_of(self._model), self._pressed
         if target.zone not in ("", self._model.zone_name) and time.monotonic() - mono < SAME_S:
-            return Target(pressed)
+            return StopTarget(pressed)
         return target
 
     def stop(self, zones: Iterable[str]) -> None:

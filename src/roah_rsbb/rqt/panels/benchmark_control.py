@@ -9,12 +9,12 @@ from typing import Any, Dict, FrozenSet, Optional, Tuple
 from roah_rsbb.model.actions import ACTIONS, Action
 from roah_rsbb.model.fields import Team, entered
 from roah_rsbb.model.results import RunLine
-from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, Zone
+from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, ZoneSeen
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.fetched import run_sheets
 from roah_rsbb.rqt.panels.history import why_fixed
 from roah_rsbb.rqt.panels.more_commands import ActionForm, MoreMenu, RuleButtons, what_text, why_off
-from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel, ask, keep_true
+from roah_rsbb.rqt.panels.panel import SILENT, AnswerLine, Panel, ask, keep_true
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
 from roah_rsbb.rqt.qt import (
     QComboBox,
@@ -29,7 +29,7 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import basic, phases
 from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
-from roah_rsbb.rqt.widgets.run_times import RunTimes
+from roah_rsbb.rqt.widgets.run_times import TimesWidget
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
 from roah_rsbb.wording import sheets, stop
 from roah_rsbb.wording.language import tr, tr_later
@@ -44,7 +44,7 @@ REASON_TIP = tr_later(
 class StopReasonLine(QLineEdit):
     """The field for the reason of the last end in the zone. It shows what is saved, until another run is connected."""
 
-    def __init__(self, panel: Panel, answer: Answer) -> None:
+    def __init__(self, panel: Panel, answer: AnswerLine) -> None:
         super().__init__(panel)
         self._panel = panel
         self._answer = answer
@@ -133,9 +133,9 @@ class BenchmarkControlPanel(Panel):
         self._highlight = QTimer(self, singleShot=True, timeout=lambda: basic.set_style(self._zones, ""))
         self._event: Dict[str, QLabel] = {}
         self._phase = basic.Badge(1.8)
-        self.times = RunTimes()
+        self.times = TimesWidget()
         self.state = basic.Notices(1.3)
-        self._answer = Answer()
+        self._answer = AnswerLine()
         self.reason = StopReasonLine(self, self._answer)
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
         self.rules = RuleButtons(self._ask)
@@ -231,7 +231,7 @@ class BenchmarkControlPanel(Panel):
         self.more.show_zone(zone, self._silent(zone))  # its menu may just have closed
         self._start_key.forget()
 
-    def _silent(self, zone: Optional[Zone]) -> str:
+    def _silent(self, zone: Optional[ZoneSeen]) -> str:
         return tr(NO_ZONE) if zone is None else self.model.why_old(tr(SILENT))
 
     def where(self) -> str:
@@ -266,7 +266,7 @@ class BenchmarkControlPanel(Panel):
         text = f"{tr(NO_ZONE)} ({self.model.zone_name})" if heard else tr("Waiting for the core")
         self.state.show_lines([(line, False) for line in (text, self.model.why) if line])
 
-    def _show_event(self, zone: Zone) -> None:
+    def _show_event(self, zone: ZoneSeen) -> None:
         event, moments = zone.event, self.client.moments
         self._event["name"].setText(f"{event.code}  {event.desc}")
         self._event["team"].setText(event.team)
@@ -276,12 +276,12 @@ class BenchmarkControlPanel(Panel):
         )
         self._event["facts"].setToolTip(tr("Scheduled: {time}", time=moments.tip(event.scheduled)))
 
-    def _show_state(self, zone: Zone) -> None:
+    def _show_state(self, zone: ZoneSeen) -> None:
         """Show the zone's warnings, those of the box, which concern every referee, then the zone's other lines."""
         self.state.show_lines([(tr_said(text), True) for text in (*zone.unsaid, *self.model.box.warnings)]
                               + [(tr_said(line), False) for line in zone.state])
 
-    def _show_button(self, name: str, zone: Optional[Zone]) -> None:
+    def _show_button(self, name: str, zone: Optional[ZoneSeen]) -> None:
         reasons = why_off(zone, name, self._silent(zone) if self.model.document else tr("Waiting for the core"))
         tone = None if zone is None or stop.leaving(zone) else NEXT_STEP.get((zone.phase, name))
         self.buttons[name].allow(not reasons, reasons, tone)
@@ -332,7 +332,7 @@ class BenchmarkControlPanel(Panel):
         else:
             self._send(action, zone.zone)
 
-    def _send_if_same(self, action: Action, asked: Zone, given: Optional[Dict[str, Any]] = None) -> None:
+    def _send_if_same(self, action: Action, asked: ZoneSeen, given: Optional[Dict[str, Any]] = None) -> None:
         """Do an action if the zone is still at the event and the run that the referee was asked about. The core checks
         it again."""
         now = self.model.zone
@@ -371,6 +371,6 @@ class BenchmarkControlPanel(Panel):
         self.client.calls.act(self, action.name, zone, run, {**team, **(given or {})}, done, seen)
 
 
-def _subject(zone: Zone) -> Tuple[str, str, str, str]:
+def _subject(zone: ZoneSeen) -> Tuple[str, str, str, str]:
     """Return what an action in a zone is about."""
     return zone.zone, zone.event.team, zone.event.id, zone.identity

@@ -13,7 +13,7 @@ import rospy
 from std_srvs.srv import Empty
 
 from roah_rsbb.rqt.model.calls import CallOutcome
-from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
+from roah_rsbb.rqt.panels.panel import AnswerLine, Panel, ask
 from roah_rsbb.rqt.qt import QGridLayout, QHBoxLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
@@ -56,7 +56,7 @@ class CoreStatusPanel(Panel):
             grid.addWidget(value, row, 2 * column + 1)
             grid.setColumnStretch(2 * column + 1, 1)
         self.body.addLayout(grid)
-        self._answer = Answer()
+        self._answer = AnswerLine()
         self.body.addWidget(self._answer)
         self.exit = basic.CommandButton(
             tr("Exit …"), tr("End this client or the whole RSBB. You are asked first."), 1.0)

@@ -12,7 +12,7 @@ from std_srvs.srv import Empty
 
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.edits import Edits
-from roah_rsbb.rqt.panels.panel import Answer, Panel
+from roah_rsbb.rqt.panels.panel import AnswerLine, Panel
 from roah_rsbb.rqt.qt import (
     QFrame,
     QHBoxLayout,
@@ -210,7 +210,7 @@ class DevicesPanel(Panel):
         area.setFrameShape(QFrame.NoFrame)
         area.setWidget(inside)
         self.body.addWidget(area, 1)
-        self._answer = Answer()
+        self._answer = AnswerLine()
         self.body.addWidget(self._answer)
 
     def _add(self, device: str, row: DeviceRow) -> None:

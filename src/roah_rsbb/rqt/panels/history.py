@@ -3,13 +3,13 @@
 from typing import Collection, List, Optional
 
 from roah_rsbb.model.results import HistoryEntry, RunLine, RunSheet
-from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.model.fetched import run_sheets
 from roah_rsbb.rqt.model.model import Model
-from roah_rsbb.rqt.panels.panel import Answer
+from roah_rsbb.rqt.panels.panel import AnswerLine
 from roah_rsbb.rqt.qt import QDialog, QHBoxLayout, QPoint, Qt, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.rqt.widgets.rows import Row, Rows
+from roah_rsbb.rqt.widgets.rows import Rows, TableRow
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
@@ -29,7 +29,7 @@ def why_fixed(summary: Optional[RunLine], model: Model) -> str:
 class History(QWidget):
     """The entries of one sheet, newest first."""
 
-    def __init__(self, client: Client, owner: object, answer: Answer) -> None:
+    def __init__(self, client: RefereeClient, owner: object, answer: AnswerLine) -> None:
         """`owner`: owns the calls; `answer`: shows their outcome."""
         super().__init__()
         self._client = client
@@ -78,14 +78,14 @@ class History(QWidget):
         basic.show_dialog(NoteDialog(self, f"{what}?", text, tr("Why"), tr("Withdraw"), send))
 
 
-def _history_rows(sheet: RunSheet, unsaved: Collection[int], moments: Moments) -> List[Row]:
+def _history_rows(sheet: RunSheet, unsaved: Collection[int], moments: Moments) -> List[TableRow]:
     rows = []
     for entry in reversed(sheet.history):
         words = sheets.entry_texts(entry, moments.time_of_day)
         notes = "; ".join(mark + text for mark, text in (
             ("⚠ ", tr(sheets.NOT_SAVED) if entry.number in unsaved else ""), ("✎ ", words.correction), ("", words.note),
             ("✘ ", words.withdrawn)) if text)
-        rows.append(Row(
+        rows.append(TableRow(
             entry.number, (words.number, words.when, words.who, words.item, words.change, notes),
             bold=entry.correction, off=bool(entry.withdrawn_utc_s),
             tips=("", moments.tip(entry.utc_s), sheets.node_of(entry.who), "", "", sheets.node_of(entry.withdrawn_by)),
@@ -96,7 +96,7 @@ def _history_rows(sheet: RunSheet, unsaved: Collection[int], moments: Moments) -
 class HistoryDialog(QDialog):
     """The history of one run, in a window of its own."""
 
-    def __init__(self, parent: QWidget, client: Client, zone: str, identity: str) -> None:
+    def __init__(self, parent: QWidget, client: RefereeClient, zone: str, identity: str) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WA_DeleteOnClose)
         self.setWindowTitle(tr("History of the score sheet – {zone}", zone=zone))
@@ -104,7 +104,7 @@ class HistoryDialog(QDialog):
         self._client = client
         self._identity = identity
         self._sheets = run_sheets(self, client.calls, self._on_update)
-        answer = Answer()
+        answer = AnswerLine()
         self.history = History(client, self, answer)
         column = QVBoxLayout(self)
         column.addWidget(self.history, 1)

@@ -15,7 +15,7 @@ from roah_rsbb.rqt.panels.results import SIGN_OFF, ask_sign_off
 from roah_rsbb.rqt.qt import QComboBox, QHBoxLayout, QPushButton, QSignalBlocker, Qt, QTabWidget, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.judge_dialogs import ChoiceDialog, ObjectionDialog, PublishDialog, ReasonDialog, SettleDialog
-from roah_rsbb.rqt.widgets.rows import Row, Rows
+from roah_rsbb.rqt.widgets.rows import Rows, TableRow
 from roah_rsbb.wording import judging, sheets
 from roah_rsbb.wording.judging import Judged
 from roah_rsbb.wording.language import tr, tr_later
@@ -119,7 +119,7 @@ class JudgesPanel(RefereePanel):
         self._objections = () if answer is None else judging.objections_of(answer)
         self._show_items(one)
         self.objections.show_rows([_objection_row(each, self.client.moments.short) for each in self._objections]
-                                  or [Row(None, ("", "", "", tr(NO_OBJECTIONS), ""))])
+                                  or [TableRow(None, ("", "", "", tr(NO_OBJECTIONS), ""))])
         waiting = sum(each.answered_utc_s is None for each in self._objections)
         self.tabs.setTabText(1, f"{tr('Objections')} ({len(self._objections)})" + (" ⚠" if waiting else ""))
         self._show_buttons(one)
@@ -164,14 +164,14 @@ class JudgesPanel(RefereePanel):
         rows, group = [], None
         for item in self._judged:
             given = {each.judge: each.shown for each in item.given}
-            rows.append(Row((item.group, item.item), (
+            rows.append(TableRow((item.group, item.item), (
                 "" if item.group == group else item.group, item.item,
                 *(given.get(judge, "") for judge in self._judges), judging.outcome_text(item),
                 judging.settled_text(item),
             ), bold=item.outcome == judging.DIFFER))
             group = item.group
         if not rows and one is not None:
-            rows = [Row(None, ("", tr(judging.WAITING if one.count else judging.NO_JUDGES), "", ""))]
+            rows = [TableRow(None, ("", tr(judging.WAITING if one.count else judging.NO_JUDGES), "", ""))]
         self.items.show_rows(rows)
         if self._item() is None:
             with QSignalBlocker(self.items):
@@ -300,7 +300,7 @@ def _line(*buttons: QPushButton) -> QHBoxLayout:
     return line
 
 
-def _objection_row(one: ObjectionLine, when: Callable[[float], str]) -> Row:
+def _objection_row(one: ObjectionLine, when: Callable[[float], str]) -> TableRow:
     answer = judging.answer_text(one)
-    return Row(one.number, (str(one.number), when(one.utc_s), one.by, one.text, answer), bold=not answer,
-               tips=("", "", one.who, "", one.answered_by))
+    return TableRow(one.number, (str(one.number), when(one.utc_s), one.by, one.text, answer), bold=not answer,
+                    tips=("", "", one.who, "", one.answered_by))

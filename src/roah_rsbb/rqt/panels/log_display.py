@@ -2,7 +2,7 @@
 
 import re
 
-from roah_rsbb.model.zone import Zone
+from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.rqt.panels.text_panel import TextPanel
 from roah_rsbb.rqt.qt import QColor, QSyntaxHighlighter, QTextCharFormat, QTextDocument
 from roah_rsbb.rqt.widgets import basic
@@ -45,5 +45,5 @@ class LogDisplayPanel(TextPanel):
         super().__init__(client)
         self._colours = LevelColours(self.view.document())
 
-    def text_of(self, zone: Zone) -> str:
+    def text_of(self, zone: ZoneSeen) -> str:
         return zone.log

@@ -6,7 +6,7 @@ from roah_rsbb.model.fields import Choice, Field, entered, fixed
 from roah_rsbb.model.zone import UNKNOWN
 from roah_rsbb.rqt.panels.collapsing import scoring_in
 from roah_rsbb.rqt.panels.more_commands import FieldEditors
-from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel
+from roah_rsbb.rqt.panels.panel import SILENT, AnswerLine, Panel
 from roah_rsbb.rqt.qt import QApplication, QHBoxLayout, QLabel, QLineEdit, QScrollArea, Qt, QTimer, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.language import tr, tr_later
@@ -56,7 +56,7 @@ class ManualOperationPanel(Panel):
         self._asked.addWidget(self.form)
         area.setWidget(asked)
         self.body.addWidget(area, 1)
-        self._answer = Answer()
+        self._answer = AnswerLine()
         self.body.addWidget(self._answer)
         self._line = QHBoxLayout()
         self.body.addLayout(self._line)

@@ -8,7 +8,7 @@ from roah_rsbb.model.actions import ACTIONS, Action, Row
 from roah_rsbb.model.fields import (
     BadValue,
     Choice,
-    Event,
+    EventId,
     Field,
     Number,
     Robot,
@@ -17,7 +17,7 @@ from roah_rsbb.model.fields import (
     fixed,
     read,
 )
-from roah_rsbb.model.zone import Zone
+from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.rqt.qt import (
     QAction,
     QCheckBox,
@@ -54,7 +54,7 @@ def what_text(action: Action, zone: str) -> str:
     return tr(action.what, zone=zone) if action.what else tr("{command} in {zone}", command=tr(action.label), zone=zone)
 
 
-def why_off(zone: Optional[Zone], name: str, silent: str) -> Sequence[str]:
+def why_off(zone: Optional[ZoneSeen], name: str, silent: str) -> Sequence[str]:
     """Return why an action is off now; empty: it is on. `silent`: why nothing is possible; empty: the core is heard."""
     if zone is None or silent:
         return [silent or tr("Waiting for the core")]
@@ -63,7 +63,7 @@ def why_off(zone: Optional[Zone], name: str, silent: str) -> Sequence[str]:
 
 def is_offered(action: Action) -> bool:
     """Whether a form can offer all fields of an action. Robots and events are chosen elsewhere."""
-    return not any(isinstance(field, (Event, Robot)) for field in action.fields)
+    return not any(isinstance(field, (EventId, Robot)) for field in action.fields)
 
 
 class FieldEditors(QWidget):
@@ -159,7 +159,7 @@ class RuleButtons(QWidget):
             self.buttons[action.name] = button
         self.hide()
 
-    def show_zone(self, zone: Optional[Zone], silent: str) -> None:
+    def show_zone(self, zone: Optional[ZoneSeen], silent: str) -> None:
         """Show what is possible now. `silent`: why nothing is; empty: the core is heard."""
         is_visible = False
         for name, button in self.buttons.items():
@@ -202,7 +202,7 @@ class MoreMenu(QToolButton):
         self._line.setVisible(False)
         self.setMenu(self._menu)
 
-    def show_zone(self, zone: Optional[Zone], silent: str) -> None:
+    def show_zone(self, zone: Optional[ZoneSeen], silent: str) -> None:
         """Show what is possible now. An open menu does not change its entries, only what is possible."""
         robots = () if zone is None or silent else zone.robots_to_choose
         if robots != self._robots and not self._menu.isVisible():

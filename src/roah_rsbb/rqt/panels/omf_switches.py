@@ -4,7 +4,7 @@ from typing import Dict, List, Optional
 
 from roah_rsbb.model.actions import MAX_DAMAGED
 from roah_rsbb.model.zone import Switches
-from roah_rsbb.rqt.panels.panel import SILENT, Answer, Panel
+from roah_rsbb.rqt.panels.panel import SILENT, AnswerLine, Panel
 from roah_rsbb.rqt.qt import QGridLayout, QHBoxLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.language import tr, tr_later
@@ -32,7 +32,7 @@ class OmfSwitchesPanel(Panel):
             grid.addWidget(button, *divmod(index, COLUMNS))
         self.body.addLayout(grid)
         self.body.addLayout(self._damaged_line())
-        self._answer = Answer()
+        self._answer = AnswerLine()
         self.body.addWidget(self._answer)
         self.complete = basic.CommandButton(
             tr("✔ Confirm switches"), tr("Confirm that the entries are correct"), 1.5)

@@ -1,6 +1,6 @@
 """Online Data: the robot's reports during the run (docs/referee.md, "Online Data")."""
 
-from roah_rsbb.model.zone import Zone
+from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.rqt.panels.text_panel import TextPanel
 from roah_rsbb.wording.language import tr_later
 
@@ -12,5 +12,5 @@ class OnlineDataPanel(TextPanel):
     TAB = tr_later("Online")
     NOTHING = tr_later("No online data from the robot yet")
 
-    def text_of(self, zone: Zone) -> str:
+    def text_of(self, zone: ZoneSeen) -> str:
         return zone.online_data

@@ -3,7 +3,7 @@
 import math
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.model.zone import Zone
+from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.rqt.model.stops import NONE_RUNS, NOT_HEARD
 from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import (
@@ -91,7 +91,7 @@ class ZoneTile(QFrame):
         self.todo.settle()
         self.setMinimumHeight(round((COMPACT_EMS if compact else HIGH_EMS) * factor * basic.em()))
 
-    def show_zone(self, zone: Zone, todo: Todo, chosen: bool, old: bool) -> None:
+    def show_zone(self, zone: ZoneSeen, todo: Todo, chosen: bool, old: bool) -> None:
         """Show the zone. `chosen`: the other panels show it; `old`: the core is silent."""
         event = zone.event
         self._texts = (f"{CHOSEN if chosen else ''}{zone.zone}", event.team,
@@ -111,7 +111,7 @@ class ZoneTile(QFrame):
         basic.set_style(self, f"ZoneTile {{ border: {border}; border-radius: 0.3em; }}"
                                 "ZoneTile:focus { border-style: dashed; }")
 
-    def show_clock(self, zone: Zone, clock: Optional[Clock], old: bool) -> None:
+    def show_clock(self, zone: ZoneSeen, clock: Optional[Clock], old: bool) -> None:
         """Show the time and the phase; see `show_zone`."""
         figure = known(clock).main
         self.countdown.setText(f"({figure.text})" if old else marked(figure))
@@ -261,14 +261,14 @@ class OverviewPanel(CollapsingPanel):
         old = self.model.is_old
         self.head.show_text(f"({text})" if old else text, basic.IDLE if old else tone)
 
-    def _beep(self, zone: Zone) -> None:
+    def _beep(self, zone: ZoneSeen) -> None:
         """Beep once for each request to the referee, also in zones that the other panels do not show."""
         call = (zone.identity, zone.operation)
         if self._calls.get(zone.zone) != call:
             self._calls[zone.zone] = call
             QApplication.beep()
 
-    def _build(self, zones: List[Zone]) -> None:
+    def _build(self, zones: List[ZoneSeen]) -> None:
         """Create the tiles again: the schedule has other zones."""
         for tile in self.tiles.values():
             self._grid.removeWidget(tile)

@@ -5,7 +5,7 @@ from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.rqt.model import failures
 from roah_rsbb.rqt.model.calls import CallOutcome, Done, RefereeName
-from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.model.model import Model, same
 from roah_rsbb.rqt.qt import (
     QApplication,
@@ -86,7 +86,7 @@ class Panel(QWidget):
     # everywhere, or keeps what it shows.
     WORKS_BEHIND = False
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: RefereeClient) -> None:
         super().__init__()
         self.client = client
         self.model = client.model
@@ -310,7 +310,7 @@ LINES = 2
 DONE_MS = 4000
 
 
-class Answer(QLabel):
+class AnswerLine(QLabel):
     """The line in which a panel shows the result of the last command."""
 
     def __init__(self) -> None:
@@ -403,9 +403,9 @@ class RefereeLine(QLineEdit):
 class RefereePanel(Panel):
     """Base of panels whose records carry the referee's name. A subclass calls `add_last_line`."""
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: RefereeClient) -> None:
         super().__init__(client)
-        self._answer = Answer()
+        self._answer = AnswerLine()
         self.referee = RefereeLine(client.referee)
         client.referee.changed.connect(self.redraw)
 

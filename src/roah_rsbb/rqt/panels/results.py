@@ -9,10 +9,10 @@ from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt.model.calls import Done
 from roah_rsbb.rqt.model.fetched import run_sheets
 from roah_rsbb.rqt.panels.history import History, why_fixed
-from roah_rsbb.rqt.panels.panel import Answer, Panel, RefereePanel, ask
+from roah_rsbb.rqt.panels.panel import AnswerLine, Panel, RefereePanel, ask
 from roah_rsbb.rqt.qt import QLabel, QPushButton, QSignalBlocker, QSplitter, Qt, QTabWidget, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.rqt.widgets.rows import Row, Rows
+from roah_rsbb.rqt.widgets.rows import Rows, TableRow
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog, ScoreDialog
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.counting import with_counting
@@ -80,7 +80,7 @@ class ResultsPanel(RefereePanel):
             self._zone = zone
             self._answer.clear_answer()
         rows = [_run_row(run, self.client.moments) for run in runs]
-        self.runs.show_rows(rows or [Row(None, ("", tr(NO_RUNS), "", "", "", ""))])
+        self.runs.show_rows(rows or [TableRow(None, ("", tr(NO_RUNS), "", "", "", ""))])
         if self.runs.chosen is None and runs:
             with QSignalBlocker(self.runs):
                 self.runs.choose(runs[0].identity)
@@ -103,9 +103,9 @@ class ResultsPanel(RefereePanel):
         self.items.show_rows([] if sheet is None else _item_rows(sheet))
         self.history.show_sheet(summary, sheet, self._why_off(summary, sheet))
         self.stops.show_rows([] if sheet is None else [
-            Row(end.number, (
-                str(end.number), moments.time_of_day(end.utc_s), sheets.person(end.who) or "–",
-                tr_said(end.desc), sheets.stop_reason(end.reason, end.reason_by, end.who),
+            TableRow(end.number, (
+                     str(end.number), moments.time_of_day(end.utc_s), sheets.person(end.who) or "–",
+                     tr_said(end.desc), sheets.stop_reason(end.reason, end.reason_by, end.who),
             ), tips=("", moments.tip(end.utc_s), sheets.node_of(end.who), "", sheets.node_of(end.reason_by)))
             for end in sheet.ends
         ])
@@ -195,7 +195,7 @@ class ResultsPanel(RefereePanel):
 
 
 def ask_sign_off(
-    panel: Panel, answer: Answer, summary: RunLine, name: str, then: Callable[[], None]
+    panel: Panel, answer: AnswerLine, summary: RunLine, name: str, then: Callable[[], None]
 ) -> None:
     """Ask before a score sheet becomes final; call `then()` if the referee confirms the score of that moment."""
     def confirmed() -> None:
@@ -238,9 +238,9 @@ def _sheet_state(run: RunLine, when: Optional[sheets.When] = None) -> str:
     return f"✎ {tr(sheets.CORRECTED)}, {state}" if run.corrected else state
 
 
-def _run_row(run: RunLine, moments: Moments) -> Row:
+def _run_row(run: RunLine, moments: Moments) -> TableRow:
     closed = run.closed_utc_s
-    return Row(run.identity, (
+    return TableRow(run.identity, (
         moments.short(closed) if closed else tr("now"), run.team,
         f"{run.code}, {sheets.turn(run.round, run.run)}", _state(run), run.score, _sheet_state(run),
     ), bold=not run.signed_utc_s, tips=(
@@ -248,21 +248,21 @@ def _run_row(run: RunLine, moments: Moments) -> Row:
     ))
 
 
-def _item_rows(sheet: RunSheet) -> List[Row]:
+def _item_rows(sheet: RunSheet) -> List[TableRow]:
     """Return the referee's items, then the module's scores, which cannot be changed here."""
-    rows: List[Row] = []
+    rows: List[TableRow] = []
     group = None
     for item in sheet.items:
         name, group = ("" if item.group == group else item.group), item.group
         value = sheets.item_value(item.type, item.value, item.not_attempted, item.text)
-        rows.append(Row((item.group, item.desc), (
+        rows.append(TableRow((item.group, item.desc), (
             name, f"{item.desc}{_ratings(item)}", value, _notes(item)
         ), bold=bool(sheets.is_marked(item.value, item.text) or item.not_attempted or item.corrected)))
     if sheet.points is not None:
-        rows.append(Row(None, ("", sheets.points_of(sheet.points), "", ""), bold=True))
+        rows.append(TableRow(None, ("", sheets.points_of(sheet.points), "", ""), bold=True))
     for name, lines in by_group(sheet.module_scores):
         rows += [
-            Row(None, (tr("Module: {name}", name=name) if index == 0 else "", line.name, line.value, ""))
+            TableRow(None, (tr("Module: {name}", name=name) if index == 0 else "", line.name, line.value, ""))
             for index, line in enumerate(lines)
         ]
     return rows

@@ -2,11 +2,11 @@
 
 from typing import Callable, List, Optional, Sequence
 
-from roah_rsbb.model.schedule import ScheduledEvent
-from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
+from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.rqt.panels.panel import AnswerLine, Panel, ask
 from roah_rsbb.rqt.qt import QAbstractItemView, QComboBox, QHBoxLayout, QSignalBlocker, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.rqt.widgets.rows import Row, Rows
+from roah_rsbb.rqt.widgets.rows import Rows, TableRow
 from roah_rsbb.wording import schedule, sheets, stop
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.schedule import EventFilter, Show
@@ -63,7 +63,7 @@ class SchedulePanel(Panel):
 
     def __init__(self, client) -> None:
         super().__init__(client)
-        self._events: Sequence[ScheduledEvent] = ()
+        self._events: Sequence[EventSeen] = ()
         self._shown: Optional[EventFilter] = None
         self._scroll = QTimer(self, singleShot=True, interval=0, timeout=self._scroll_to_current)
         self.zones, self.teams = FilterBox(tr("All zones")), FilterBox(tr("All teams"))
@@ -72,7 +72,7 @@ class SchedulePanel(Panel):
         self.rows = Rows([tr(column) for column in COLUMNS], stretched=(7,), wrapped=False)
         self.rows.horizontalHeader().setMaximumSectionSize(round(WIDEST_EMS * basic.em()))
         self.choose = basic.button(tr(CHOOSE), self._choose, 1.1, bold=True)
-        self._answer = Answer()
+        self._answer = AnswerLine()
         self._lay_out()
         for box in (self.zones, self.teams, self.days, self.shows):
             box.currentIndexChanged.connect(self.redraw)
@@ -108,7 +108,7 @@ class SchedulePanel(Panel):
         several_days = len({schedule.day_of(event, in_utc) for event in events}) > 1
         rows = [_row(event, several_days, self.client.moments) for event in events]
         nothing = tr(NO_EVENTS) if self._events else ""
-        self.rows.show_rows(rows or [Row(None, ("", "", "", nothing, "", "", "", "", ""))])
+        self.rows.show_rows(rows or [TableRow(None, ("", "", "", nothing, "", "", "", "", ""))])
         if rows and shown != self._shown:
             self._shown = shown
             self._scroll.start()  # once the rows have their heights
@@ -126,7 +126,7 @@ class SchedulePanel(Panel):
         self.choose.setEnabled(not why)
         self.choose.setToolTip(basic.tip(why or tr("Make it the current event of {zone}", zone=event.zone)))
 
-    def _chosen(self) -> Optional[ScheduledEvent]:
+    def _chosen(self) -> Optional[EventSeen]:
         return next((event for event in self._events if event.id == self.rows.chosen), None)
 
     # -- choosing -----------------------------------------------------------------------------------
@@ -153,7 +153,7 @@ class SchedulePanel(Panel):
         why = "" if found is None else stop.leaving(found)
         return f"{why}\n\n" if why else ""
 
-    def _send(self, event: ScheduledEvent, left: Optional[ScheduledEvent]) -> None:
+    def _send(self, event: EventSeen, left: Optional[EventSeen]) -> None:
         """Choose an event. `left`: the run that the referee leaves without a sign-off."""
         what = f"{event.zone}: {_name(event)}"
         document = self.model.document
@@ -169,21 +169,21 @@ class SchedulePanel(Panel):
                               self._answer.begin(what))
 
 
-def _subject(event: ScheduledEvent) -> tuple:
+def _subject(event: EventSeen) -> tuple:
     """Return what the referee chooses with an event."""
     return event.zone, event.code, event.team, event.round, event.run, event.scheduled_utc_s
 
 
-def _name(event: ScheduledEvent) -> str:
+def _name(event: EventSeen) -> str:
     return sheets.run_name(event.code, event.team, event.round, event.run)
 
 
-def _row(event: ScheduledEvent, several_days: bool, moments: Moments) -> Row:
+def _row(event: EventSeen, several_days: bool, moments: Moments) -> TableRow:
     """Return the row of an event. Estimated times have a mark that distinguishes them from facts."""
     has_begun = event.state in ("done", "running", "ended")
     begins = "" if event.state == "skipped" else schedule.moment_text(event.begins_utc_s, several_days, moments.in_utc)
     is_signed = bool(event.identity) and not event.unsigned
-    return Row(event.id, (
+    return TableRow(event.id, (
         schedule.moment_text(event.scheduled_utc_s, several_days, moments.in_utc),
         begins if has_begun or not begins else f"~ {begins}",
         schedule.delay_text(event.late_s), schedule.state_text(event), event.zone, event.team,

@@ -4,7 +4,7 @@ import time
 from typing import Callable, Hashable, Tuple
 
 from roah_rsbb.rqt.model import presses
-from roah_rsbb.rqt.panels.panel import Answer, Panel
+from roah_rsbb.rqt.panels.panel import AnswerLine, Panel
 from roah_rsbb.rqt.qt import QKeySequence, QShortcut, Qt
 from roah_rsbb.rqt.widgets.basic import CommandButton
 from roah_rsbb.wording.language import tr
@@ -14,7 +14,7 @@ class TwiceKey:
     """A key that gives a button's command when it is pressed twice, wherever the focus is."""
 
     def __init__(
-        self, panel: Panel, key: str, button: CommandButton, answer: Answer,
+        self, panel: Panel, key: str, button: CommandButton, answer: AnswerLine,
         what: Callable[[], Tuple[Hashable, str]], act: Callable[[], None],
     ) -> None:
         """`what()` returns the key's current command, on which both presses must agree, and its name."""

@@ -1,6 +1,6 @@
 """A panel with a growing text: the base of Online Data and Log Display."""
 
-from roah_rsbb.model.zone import Zone
+from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.ros.tail import added
 from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import QCheckBox, QFontDatabase, QPlainTextEdit, QTextCursor
@@ -36,7 +36,7 @@ class TextPanel(CollapsingPanel):
         self.body.addWidget(self.search)
         self.body.addWidget(self.follow)
 
-    def text_of(self, zone: Zone) -> str:
+    def text_of(self, zone: ZoneSeen) -> str:
         """Return the text that this panel shows."""
         raise NotImplementedError
 

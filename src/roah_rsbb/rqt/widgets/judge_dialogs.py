@@ -55,7 +55,7 @@ class SettleDialog(ScoreDialog):
         else:
             self.field.valueChanged.connect(self._choose)
 
-    def _take(self, given: judging.Given) -> None:
+    def _take(self, given: judging.GivenInWords) -> None:
         self.not_attempted.setChecked(given.not_attempted)
         if given.not_attempted:
             pass

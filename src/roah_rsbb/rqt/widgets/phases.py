@@ -2,7 +2,7 @@
 
 from typing import Dict, NamedTuple, Optional, Tuple
 
-from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, Zone
+from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, ZoneSeen
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.clock import Clock
@@ -25,7 +25,7 @@ _LOOKS: Dict[str, Tuple[str, basic.Tone]] = {
 UNKNOWN = PhaseLook("–", basic.IDLE)
 
 
-def shown(zone: Zone, clock: Optional[Clock] = None) -> PhaseLook:
+def shown(zone: ZoneSeen, clock: Optional[Clock] = None) -> PhaseLook:
     """Return the phase of a zone, with the reason if the run has ended or its `clock` is paused."""
     if zone.phase not in _LOOKS:
         return UNKNOWN

@@ -6,7 +6,7 @@ from roah_rsbb.rqt.qt import QAbstractItemView, QHeaderView, Qt, QTableWidget, Q
 from roah_rsbb.rqt.widgets import basic
 
 
-class Row(NamedTuple):
+class TableRow(NamedTuple):
     """A row of the table."""
 
     key: Hashable  # identifies the row; None: it cannot be chosen
@@ -39,7 +39,7 @@ class Rows(QTableWidget):
         for column in range(len(columns)):
             mode = QHeaderView.Stretch if column in stretched else QHeaderView.ResizeToContents
             self.horizontalHeader().setSectionResizeMode(column, mode)
-        self._rows: List[Row] = []
+        self._rows: List[TableRow] = []
 
     @property
     def chosen(self) -> Optional[Hashable]:
@@ -53,7 +53,7 @@ class Rows(QTableWidget):
         if key is not None and key in keys:
             self.selectRow(keys.index(key))
 
-    def show_rows(self, rows: List[Row]) -> None:
+    def show_rows(self, rows: List[TableRow]) -> None:
         """Replace the rows; the row with the chosen key stays chosen."""
         if rows == self._rows:
             return
@@ -86,7 +86,7 @@ class Rows(QTableWidget):
         """Return the texts of all rows."""
         return [row.texts for row in self._rows]
 
-    def _fill(self, index: int, row: Row) -> None:
+    def _fill(self, index: int, row: TableRow) -> None:
         font = self.font()
         font.setBold(row.bold)
         for column, text in enumerate(row.texts):

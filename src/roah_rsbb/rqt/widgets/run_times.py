@@ -52,7 +52,7 @@ class _Time(QWidget):
         self.figure.setEnabled(not is_old)
 
 
-class RunTimes(QWidget):
+class TimesWidget(QWidget):
     """All times of a run. Its size does not depend on them."""
 
     def __init__(self) -> None:

@@ -10,7 +10,7 @@ from typing import ClassVar, List, Optional, Sequence, Tuple
 
 from roah_rsbb.rqt.model import failures
 from roah_rsbb.rqt.model.model import Model
-from roah_rsbb.rqt.model.stops import NONE_RUNS, Stops, Target, brief_of, stoppable, text_of
+from roah_rsbb.rqt.model.stops import NONE_RUNS, Stops, StopTarget, brief_of, stoppable, text_of
 from roah_rsbb.rqt.qt import (
     QApplication,
     QColor,
@@ -261,7 +261,7 @@ class StopStrip(QWidget):
             # Where it is not visible, the line beside STOP has the space of both.
             self.others.setVisible(bool(self.others.whole) and not (brief and self._is_narrow()))
 
-    def _show_stop(self, target: Target) -> None:
+    def _show_stop(self, target: StopTarget) -> None:
         if self.stop.isDown() and not QApplication.mouseButtons() & Qt.LeftButton:
             self.stop.setDown(False)  # an open menu took the release
         if target.zone and target.zone != self._model.zone_name:
@@ -273,7 +273,7 @@ class StopStrip(QWidget):
             hint = tr(KEY_STOPS if is_heard else KEY_IS_DEAF, zone=target.zone)
         self.stop.show_target(bool(target.zone), hint)
 
-    def _way(self, target: Target) -> Tuple[str, basic.Tone]:
+    def _way(self, target: StopTarget) -> Tuple[str, basic.Tone]:
         """Return what the first line says: what the referee must know first."""
         now, sent = time.monotonic(), self._stops.sent()
         is_done = bool(sent) and sent[0].way in ways.DONE

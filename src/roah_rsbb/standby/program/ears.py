@@ -11,7 +11,7 @@ from typing import Callable, Dict, NamedTuple, Optional
 from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.comm.peer import Address, Peer
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.standby.pair import Side, Silence, Word
+from roah_rsbb.standby.pair import BoxSilence, Side, Word
 from roah_rsbb.standby.pairing import hashed
 from roah_rsbb.standby.partners import PairedBox
 from roah_rsbb.standby.program.network import answers, is_connected
@@ -45,7 +45,7 @@ class Ears:
         self._port = box.port
         self._network_of, self._epoch_of = network_of, epoch_of
         self._automatic, self._on_silence, self._on_state = automatic, on_silence, on_state
-        self._silence = Silence()
+        self._silence = BoxSilence()
         self._last_mono = time.monotonic()  # when the box was heard, or this began
         self._is_heard = threading.Event()
         self._connected_mono: Optional[float] = None  # since when this computer is connected, while the box is silent

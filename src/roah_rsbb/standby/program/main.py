@@ -52,7 +52,7 @@ from roah_rsbb.standby.program.ears import Automatic, Ears
 from roah_rsbb.standby.program.network import PING, NoAddress, give_back_address, is_own, take_address
 from roah_rsbb.standby.program.prepared import Prepared
 from roah_rsbb.standby.program.rehearsal import Failed, rehearse
-from roah_rsbb.standby.program.request import Answer, Requests, request
+from roah_rsbb.standby.program.request import Reply, Requests, request
 from roah_rsbb.standby.standby_end import CannotPair, StandbyEnd, is_alive, is_open, pair, rejoin
 from roah_rsbb.standby.words import rejoin_key
 from roah_rsbb.tools.preflight_checks import Severity, check_other_box
@@ -89,7 +89,7 @@ bind_host:=ADDRESS is also used to listen. docs/standby.md explains everything e
 """
 
 
-class Refused(Exception):
+class Denied(Exception):
     """The takeover is refused, or is not possible. The text has a reason in each line."""
 
 
@@ -148,11 +148,11 @@ def _sub_parser(prog: str, **options: Any) -> Parser:
 def _code(_options: argparse.Namespace, folder: str) -> int:
     own = os.path.join(folder, FOLDER)
     if not os.path.isdir(own) or not _is_held(os.path.join(folder, f"{FILE_NAME}.lock")):
-        raise Refused(f"no box with a standby_port runs with the log_dir {folder}. Start it with standby_port:="
-                      f"{DEFAULT_PORT}, or give its log_dir: --log-dir")
+        raise Denied(f"no box with a standby_port runs with the log_dir {folder}. Start it with standby_port:="
+                     f"{DEFAULT_PORT}, or give its log_dir: --log-dir")
     standing = _standing(folder)
     if standing.is_superseded:
-        raise Refused(f"this box is superseded: pair the standby with the box at {standing.by}")
+        raise Denied(f"this box is superseded: pair the standby with the box at {standing.by}")
     _check_owner(own)
     code, standby = codes.make_code(folder), read_standby(folder)
     port = _network_of_box(own).get("standby_port", str(DEFAULT_PORT))
@@ -172,7 +172,7 @@ def _check_owner(folder: str) -> None:
             name = pwd.getpwuid(owner).pw_name
         except KeyError:
             name = str(owner)
-        raise Refused(f"the box runs as user {name}, who alone can make a code: enter this command as that user")
+        raise Denied(f"the box runs as user {name}, who alone can make a code: enter this command as that user")
 
 
 # -- keeping the copy -----------------------------------------------------------------------------------
@@ -185,15 +185,15 @@ def _follow(options: argparse.Namespace, folder: str) -> int:
     host = _address(options.box) if options.box else ""
     if options.code:
         if not host:
-            raise Refused("give the address of the box, too")
+            raise Denied("give the address of the box, too")
         box = pair(folder, host, options.port, _asked_code() if options.code == ASK else options.code)
         print(f"Paired with the box at {box.host}", flush=True)
     elif box is None:
-        raise Refused("this standby is not paired: enter 'standby code' on the box, and here give the box's address "
-                      "and --code")
+        raise Denied("this standby is not paired: enter 'standby code' on the box, and here give the box's address "
+                     "and --code")
     elif read_standby(folder) is not None and not _standing(folder).is_superseded:
-        raise Refused("this computer took over, and is the box. To start it again: standby takeover. To make it the "
-                      "standby of another box: give that box's address and a new --code")
+        raise Denied("this computer took over, and is the box. To start it again: standby takeover. To make it the "
+                     "standby of another box: give that box's address and a new --code")
     elif host and (host, options.port) != (box.host, box.port):
         box = box._replace(host=host, port=options.port)
         write_box(folder, box)
@@ -204,11 +204,11 @@ def _automatic(options: argparse.Namespace) -> Optional[Automatic]:
     """Return when to take over without being asked; None: never. Refuses what is not possible here, before anything is
     changed."""
     if 0.0 < options.automatic < 2.0:
-        raise Refused("--automatic: give at least 2 s, as beacons come once a second; 0: never")
+        raise Denied("--automatic: give at least 2 s, as beacons come once a second; 0: never")
     if options.take_address and os.geteuid():
-        raise Refused("--take-address needs root")
+        raise Denied("--take-address needs root")
     if options.witness and not shutil.which(PING):
-        raise Refused("--witness needs the program ping: install iputils-ping")
+        raise Denied("--witness needs the program ping: install iputils-ping")
     return Automatic(options.automatic, options.witness) if options.automatic else None
 
 
@@ -216,7 +216,7 @@ def _asked_code() -> str:
     try:
         return input("The code that 'standby code' shows on the box: ")
     except EOFError:
-        raise Refused("there is no terminal to ask for the code: give --code CODE") from None
+        raise Denied("there is no terminal to ask for the code: give --code CODE") from None
 
 
 def _address(host: str) -> str:
@@ -224,22 +224,22 @@ def _address(host: str) -> str:
     try:
         return sockets.resolve(host, "")
     except OSError:
-        raise Refused(f"{host!r} is neither an IPv4 address nor a known host: give the box's address, such as "
-                      "192.168.1.2") from None
+        raise Denied(f"{host!r} is neither an IPv4 address nor a known host: give the box's address, such as "
+                     "192.168.1.2") from None
 
 
 def _has_journal(folder: str) -> bool:
     return bool(names_in(os.path.join(folder, FILE_NAME)))
 
 
-def _standing(folder: str) -> epochs.Standing:
+def _standing(folder: str) -> epochs.BoxEpoch:
     return epochs.standing_in(os.path.join(folder, FILE_NAME))
 
 
 def _rejoin(options: argparse.Namespace, folder: str) -> int:
     old = os.path.abspath(os.path.expanduser(options.old_log_dir))
     if old == folder:
-        raise Refused("OLD_LOG_DIR must not be the folder of the new copy: give another --log-dir")
+        raise Denied("OLD_LOG_DIR must not be the folder of the new copy: give another --log-dir")
     automatic = _automatic(options)
     _check_unused(old)
     _check_unused(folder)
@@ -263,20 +263,20 @@ def _keep_copy(
         taking_over.append(why)
         end.end()
 
-    def on_ask(anyway: bool, given: List[str]) -> Answer:
+    def on_ask(anyway: bool, given: List[str]) -> Reply:
         reasons = [] if anyway or ears.wait_silent(SILENT_S) else [f"The box at {box.host} is heard."]
         is_prepared = given in ([], list(arguments)) and prepared.is_for(launch_command(folder, arguments))
-        return Answer(reasons, is_prepared)
+        return Reply(reasons, is_prepared)
 
     def on_hand_over() -> bool:
         try:
             launch_command(folder, arguments)
-        except (Refused, OSError) as error:
+        except (Denied, OSError) as error:
             _show(f"the box hands over, but: {error}")
             return False
         return True
 
-    prepared = Prepared(lambda: launch_command(folder, arguments), Refused, _show)
+    prepared = Prepared(lambda: launch_command(folder, arguments), Denied, _show)
     ears = Ears(box, lambda: _network(folder, arguments) if _network_of_box(folder) else {},
                 lambda: _standing(folder).epoch, automatic,
                 lambda: take_over(f"Nothing was heard of the box for {automatic.silence_s:g} s: taking over"), _show)
@@ -327,7 +327,7 @@ def _give_back_address(folder: str) -> None:
     try:
         address = give_back_address(folder)
     except NoAddress as error:
-        raise Refused(f"this computer still has the address that it took over: {error}") from None
+        raise Denied(f"this computer still has the address that it took over: {error}") from None
     if address:
         print(f"This computer no longer has the address {address}, which it took over", flush=True)
 
@@ -336,18 +336,18 @@ def _check_unused(folder: str) -> None:
     for name in (LOCK, f"{FILE_NAME}.lock"):
         lock = os.path.join(folder, name)
         if _is_held(lock):
-            raise Refused(f"another program uses {folder} (process {_noted_pid(lock) or 'unknown'}): end it first. If "
-                          "it is the box, end its launch")
+            raise Denied(f"another program uses {folder} (process {_noted_pid(lock) or 'unknown'}): end it first. If "
+                         "it is the box, end its launch")
 
 
 @contextlib.contextmanager
 def _locked(folder: str) -> Iterator[TextIO]:
-    """Note that this program keeps the copy, also while the box is not connected. Raises `Refused`."""
+    """Note that this program keeps the copy, also while the box is not connected. Raises `Denied`."""
     with open(os.path.join(folder, LOCK), "a", encoding="ascii") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise Refused(f"another program keeps the copy in {folder}: end it first") from None
+            raise Denied(f"another program keeps the copy in {folder}: end it first") from None
         with contextlib.suppress(OSError):  # a standby whose disk is full is one, too
             os.truncate(file.fileno(), 0)
             os.write(file.fileno(), f"{os.getpid()}\n".encode("ascii"))
@@ -366,7 +366,7 @@ def status(folder: str) -> Iterator[str]:
     """Show what this computer is; yields sentences."""
     box, standby = read_box(folder), read_standby(folder)
     if not _has_journal(folder) and box is None:
-        raise Refused(f"{folder} is neither the log_dir of a box nor the folder of a copy: give another --log-dir")
+        raise Denied(f"{folder} is neither the log_dir of a box nor the folder of a copy: give another --log-dir")
     standing = _standing(folder)
     if standby is not None or box is None:
         yield from _status_of_box(standby, standing)
@@ -390,7 +390,7 @@ def _durable_of(folder: str) -> str:
     return "Scores and sign-offs are confirmed without waiting for the standby (durable: one)"
 
 
-def _status_of_box(standby: Optional[PairedStandby], standing: epochs.Standing) -> Iterator[str]:
+def _status_of_box(standby: Optional[PairedStandby], standing: epochs.BoxEpoch) -> Iterator[str]:
     if standing.is_superseded:
         yield f"This computer was the box. The one at {standing.by} took over"
     if standby is None:
@@ -429,8 +429,8 @@ def _takeover(options: argparse.Namespace, folder: str) -> int:
         return 0
     launch_command(folder, options.arguments)  # refuses if there is nothing to start
     if standing.is_superseded and not options.anyway:
-        raise Refused(f"this computer was the box, and the one at {standing.by} took over. If that one is lost, and "
-                      "the runs should continue from the journal here: --anyway")
+        raise Denied(f"this computer was the box, and the one at {standing.by} took over. If that one is lost, and "
+                     "the runs should continue from the journal here: --anyway")
     with request(folder, options.anyway, options.arguments) as found:
         if found is not None:
             heard = found.answer.reasons
@@ -439,8 +439,8 @@ def _takeover(options: argparse.Namespace, folder: str) -> int:
         else:
             heard = why_not(folder, _network(folder, options.arguments), options.listen)
         if heard:
-            raise Refused("\n".join([*heard, "Robots obey both boxes. If the box must not continue, switch it off. "
-                                     "To take over in any case: --anyway"]))
+            raise Denied("\n".join([*heard, "Robots obey both boxes. If the box must not continue, switch it off. "
+                                    "To take over in any case: --anyway"]))
         is_prepared = found is not None and found.answer.is_prepared
         if options.take_address and box is not None:
             _take_address_or_refuse(folder, box)
@@ -463,7 +463,7 @@ def _take_address_or_refuse(folder: str, box: PairedBox) -> None:
     try:
         print(f"This computer has the address {box.host} now, on {take_address(box.host, folder)}", flush=True)
     except NoAddress as error:
-        raise Refused(
+        raise Denied(
             f"the box's address cannot be taken over: {error}\nRobots that send to the box's address would not be "
             "heard by this computer. To take over without it, omit --take-address") from None
 
@@ -479,7 +479,7 @@ def _become_box(folder: str, box: Optional[PairedBox], arguments: Sequence[str])
     """Make this computer the box, with a higher epoch than the box before. Returns the command that starts the box, and
     what was printed. A box that is prepared begins when this returns."""
     if not durable.has_space(folder):
-        raise Refused(f"the disk is full: free space for {folder}, and take over again")
+        raise Denied(f"the disk is full: free space for {folder}, and take over again")
     command = launch_command(folder, arguments)
     lines = [last_moment(folder)]
     if drop_drafts(folder):
@@ -511,10 +511,10 @@ def _claim_again(folder: str, standby: PairedStandby, anyway: bool) -> int:
     """Let the box that was superseded be the box again, because the one that took over is lost."""
     _check_unused(folder)
     if not _standing(folder).is_superseded:
-        raise Refused(f"{folder} is the log_dir of a box from which nobody took over: start it with roslaunch")
+        raise Denied(f"{folder} is the log_dir of a box from which nobody took over: start it with roslaunch")
     if not anyway and is_open(standby.host, standby.port, ALIVE_S):
-        raise Refused(f"The box at {standby.host} answers. If it must not continue, switch it off. To take over in any "
-                      "case: --anyway")
+        raise Denied(f"The box at {standby.host} answers. If it must not continue, switch it off. To take over in any "
+                     "case: --anyway")
     standing = epochs.raise_epoch(os.path.join(folder, FILE_NAME), time.time(), socket.gethostname())
     print(f"Epoch {standing.epoch}. Start the box as before. What the other box recorded is not here", flush=True)
     return 0
@@ -534,9 +534,9 @@ def why_not(folder: str, network: Dict[str, str], listen_s: float) -> List[str]:
 
 
 def launch_command(folder: str, arguments: Sequence[str]) -> List[str]:
-    """Return the command that starts the box with the copy; writes its files. Raises `Refused` or OSError."""
+    """Return the command that starts the box with the copy; writes its files. Raises `Denied` or OSError."""
     if not _has_journal(folder):
-        raise Refused(f"there is no copy in {folder}: 'standby follow' has not been connected to the box yet")
+        raise Denied(f"there is no copy in {folder}: 'standby follow' has not been connected to the box yet")
     given = {argument.partition(":=")[0] for argument in arguments}
     # A box that hears the one before must not give up: that one stops.
     own = {"log_dir": folder, "resume": "always", "take_over": "true", **_network_of_box(folder),
@@ -549,8 +549,8 @@ def _write_files(folder: str) -> Dict[str, str]:
     """Write the configuration files of the box; returns the arguments with their paths."""
     kept = in_force.read_in_force(folder)
     if kept is None:
-        raise Refused(f"the copy in {folder} has no configuration: it is not complete. Use resume and the files of "
-                      "the competition with roslaunch, see docs/standby.md")
+        raise Denied(f"the copy in {folder} has no configuration: it is not complete. Use resume and the files of "
+                     "the competition with roslaunch, see docs/standby.md")
     os.makedirs(os.path.join(folder, CONFIGURATION), exist_ok=True)
     found = {"standings_file": "none"}
     for argument, text in zip(FILE_ARGUMENTS, kept.versions[kept.present].texts):
@@ -578,13 +578,13 @@ def _network(folder: str, arguments: Sequence[str]) -> Dict[str, str]:
 
 
 def end_follower(folder: str) -> None:
-    """End the program that keeps the copy. Raises `Refused`."""
+    """End the program that keeps the copy. Raises `Denied`."""
     paths = [os.path.join(folder, name) for name in (LOCK, f"{FILE_NAME}.lock")]
     deadline, asked = time.monotonic() + END_S, 0
     while not all(map(_is_free, paths)):
         pid = next(filter(None, map(_holder, paths)), 0)
         if not pid or time.monotonic() > deadline:
-            raise Refused(f"another program uses the copy in {folder} (process {pid}): end it first")
+            raise Denied(f"another program uses the copy in {folder} (process {pid}): end it first")
         if pid != asked:
             asked = pid
             os.kill(pid, signal.SIGTERM)
@@ -669,7 +669,7 @@ def main() -> None:
             os.makedirs(folder, exist_ok=True)
         acts = {"code": _code, "follow": _follow, "status": _status, "takeover": _takeover, "rejoin": _rejoin}
         sys.exit(acts[options.command](options, folder))
-    except (Refused, CannotPair, Lost, OSError, NewerFormat) as error:
+    except (Denied, CannotPair, Lost, OSError, NewerFormat) as error:
         for line in str(error).splitlines():
             print(f"{PROGRAM}: {line}", file=sys.stderr)
         sys.exit(1)

@@ -13,7 +13,7 @@ SOCKET = "standby.sock"
 TIMEOUT_S = 30.0
 
 
-class Answer(NamedTuple):
+class Reply(NamedTuple):
     """What the program that keeps the copy says to a request."""
 
     reasons: List[str]  # against a takeover
@@ -23,7 +23,7 @@ class Answer(NamedTuple):
 class Requests:
     """The end of the program that keeps the copy."""
 
-    def __init__(self, folder: str, on_ask: Callable[[bool, List[str]], Answer], on_go: Callable[[], None]) -> None:
+    def __init__(self, folder: str, on_ask: Callable[[bool, List[str]], Reply], on_go: Callable[[], None]) -> None:
         """`on_ask(anyway, arguments)` returns the answer. `anyway`: take over even if the box is heard; `arguments`: of
         the launch file. `on_go` makes this program take over. Both are called in threads. Raises OSError."""
         self._on_ask, self._on_go = on_ask, on_go
@@ -67,10 +67,10 @@ class Requests:
                 _write(file, {"lines": self._lines.get(timeout=TIMEOUT_S)})
 
 
-class Request:
+class TakeoverRequest:
     """A request to the program that keeps the copy."""
 
-    def __init__(self, file: Any, answer: Answer) -> None:
+    def __init__(self, file: Any, answer: Reply) -> None:
         self._file = file
         self.answer = answer
 
@@ -84,7 +84,7 @@ class Request:
 
 
 @contextlib.contextmanager
-def request(folder: str, anyway: bool, arguments: List[str]) -> Iterator[Optional[Request]]:
+def request(folder: str, anyway: bool, arguments: List[str]) -> Iterator[Optional[TakeoverRequest]]:
     """Ask the program that keeps the copy; None if it does not run."""
     with contextlib.ExitStack() as cleanup:
         found = None
@@ -95,7 +95,7 @@ def request(folder: str, anyway: bool, arguments: List[str]) -> Iterator[Optiona
                 connection.connect(path)
             file = cleanup.enter_context(connection.makefile("rw"))
             _write(file, {"anyway": anyway, "arguments": arguments})
-            found = Request(file, Answer(**_read(file)))
+            found = TakeoverRequest(file, Reply(**_read(file)))
         yield found
 
 

@@ -14,7 +14,7 @@ from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.rulebook.yaml_fields import choice, integer, text
 from roah_rsbb.rulebook.yaml_lines import Scalar
 from roah_rsbb.tools.competition.plan import Break, read_clock, read_day, read_time
-from roah_rsbb.tools.competition.rulebooks import Answer, Benchmarks
+from roah_rsbb.tools.competition.rulebooks import Benchmarks, RulebookAnswer
 
 # A competition usually has two zones (docs/organiser.md, "A first competition").
 _TASKS, _OTHERS = "Task Benchmarks", "Functionality Benchmarks"
@@ -248,7 +248,7 @@ class Missing(Exception):
 
 def known_answers(
     given: argparse.Namespace, report: Report, ask: Optional[Callable[[str], str]], say: Callable[[str], None],
-    hints: Dict[str, str], benchmarks: Benchmarks, usual: Dict[str, Answer],
+    hints: Dict[str, str], benchmarks: Benchmarks, usual: Dict[str, RulebookAnswer],
 ) -> Dict[str, object]:
     """Return the answer to each question by option (None: open), from options, the terminal (`ask`), or defaults.
 

@@ -32,7 +32,7 @@ _SHAPE = "a map 'title: ...' and the defaults of options, such as 'benchmarks: a
 Benchmarks = Mapping[str, Benchmark]  # by code, in the file's order
 
 
-class Answer(NamedTuple):
+class RulebookAnswer(NamedTuple):
     """The rulebook's answer to a question, and where it stands."""
 
     place: Place
@@ -45,7 +45,7 @@ class Rulebook(NamedTuple):
     folder: str
     config_dir: str  # of the files that it lacks
     benchmarks: Benchmarks
-    answers: Dict[str, Answer]  # by option
+    answers: Dict[str, RulebookAnswer]  # by option
 
     def path(self, name: str) -> str:
         """The path of a file: the rulebook's own, or the included one."""
@@ -82,7 +82,7 @@ def read_rulebook(report: Report, config_dir: str, name: Optional[str] = None) -
     return book._replace(benchmarks=BenchmarksFile(book.path(BENCHMARKS), report).by_code)
 
 
-def _answers(report: Report, path: str) -> Dict[str, Answer]:
+def _answers(report: Report, path: str) -> Dict[str, RulebookAnswer]:
     """Read the file of a rulebook; it may be missing."""
     if not os.path.lexists(path):
         return {}
@@ -91,12 +91,12 @@ def _answers(report: Report, path: str) -> Dict[str, Answer]:
     if got is None:
         return {}
     text(report, got.get("title"), "title")
-    found: Dict[str, Answer] = {}
+    found: Dict[str, RulebookAnswer] = {}
     for option, node in got.items():
         if option == "title" or isinstance(node, Unusable):
             continue
         if isinstance(node, Scalar) and node.text.strip():
-            found[option] = Answer(node.place, node.text)
+            found[option] = RulebookAnswer(node.place, node.text)
         else:
             report.error(node.place, f"{describe(node)} as {option}", f"a text, such as {ANSWERS[option]}")
     return found

@@ -59,7 +59,7 @@ class Display(NamedTuple):
     since_utc: float
 
 
-class Row(NamedTuple):
+class DisplayRow(NamedTuple):
     """A line of the organiser's list."""
 
     id: str
@@ -124,11 +124,11 @@ class Displays:
         """Return the ids of all displays that are open."""
         return list(dict.fromkeys(one.id for one in self._open.values()))
 
-    def rows(self) -> List[Row]:
+    def rows(self) -> List[DisplayRow]:
         """Return the organiser's list: by name, then by time."""
         newest = {one.id: one for one in self._open.values()}
         windows = collections.Counter(one.id for one in self._open.values())
-        rows = [Row(key, newest.get(key), windows[key], self._settings.get(key, NOTHING_SET))
+        rows = [DisplayRow(key, newest.get(key), windows[key], self._settings.get(key, NOTHING_SET))
                 for key in dict.fromkeys([*newest, *self._settings])]
         return sorted(rows, key=lambda row: (
             row.display is None, not row.name, row.name.casefold(),

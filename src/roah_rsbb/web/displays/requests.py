@@ -2,7 +2,7 @@
 
 from typing import Any, Dict
 
-from roah_rsbb.web.displays.listed import NOTHING_SET, SHOWS, Row, TooMany, setting_of
+from roah_rsbb.web.displays.listed import NOTHING_SET, SHOWS, DisplayRow, TooMany, setting_of
 from roah_rsbb.web.writing import OfOrganiser
 from roah_rsbb.wording import device
 from roah_rsbb.wording.language import tr
@@ -50,7 +50,7 @@ class DisplaysHandler(OfOrganiser):
                 self.finish({})
 
 
-def _row(row: Row) -> Dict[str, Any]:
+def _row(row: DisplayRow) -> Dict[str, Any]:
     display = row.display
     return {
         "id": row.id, "name": row.name, "windows": row.windows, "setting": row.setting._asdict(),

@@ -4,7 +4,7 @@ import random
 
 import pytest
 
-from roah_rsbb.core.link.timeline import QUIET_S, Timeline, Verdict
+from roah_rsbb.core.link.timeline import QUIET_S, Freshness, Timeline
 
 S = 1_000_000_000
 T0 = 1_800_000_000 * S
@@ -18,7 +18,7 @@ def _judged(*messages):
 
 def test_rising_times_are_fresh_however_close():
     timeline = Timeline()
-    assert [timeline.judge(0.0, T0 + ns) for ns in range(3)] == [Verdict.FRESH] * 3
+    assert [timeline.judge(0.0, T0 + ns) for ns in range(3)] == [Freshness.FRESH] * 3
 
 
 def test_a_doubled_and_an_overtaken_message():
@@ -89,5 +89,5 @@ def test_one_absurd_time_does_not_lock_the_robot_out(absurd):
     timeline.judge(0.0, T0)
     timeline.judge(1.0, absurd)
     verdicts = [timeline.judge(float(mono), T0 + mono * S) for mono in range(2, 10)]
-    assert verdicts[-1] is Verdict.FRESH
-    assert verdicts.count(Verdict.STALE) <= 3
+    assert verdicts[-1] is Freshness.FRESH
+    assert verdicts.count(Freshness.STALE) <= 3

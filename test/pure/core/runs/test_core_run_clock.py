@@ -2,7 +2,7 @@
 
 import pytest
 
-from roah_rsbb.core.runs.clock import RunClock, SavingWatch
+from roah_rsbb.core.runs.clock import RunCountdown, SavingWatch
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import RobotReport
@@ -14,7 +14,7 @@ def at(mono):
 
 
 def test_a_run_counts_from_its_start():
-    clock = RunClock(timeout=600.0, after_stop=120.0)
+    clock = RunCountdown(timeout=600.0, after_stop=120.0)
     assert clock.shown(at(50.0), ended=False) == 600.0
     assert clock.deadline() is None
     assert not clock.is_over(at(1e9))
@@ -27,7 +27,7 @@ def test_a_run_counts_from_its_start():
 
 
 def test_stopped_time_counts():
-    clock = RunClock(timeout=600.0, after_stop=120.0)
+    clock = RunCountdown(timeout=600.0, after_stop=120.0)
     clock.start(at(100.0))
     clock.stop(at(200.0))
     clock.start(at(300.0))
@@ -38,7 +38,7 @@ def test_stopped_time_counts():
 
 
 def test_after_a_stop_the_time_after_the_stop_is_left():
-    clock = RunClock(timeout=600.0, after_stop=120.0)
+    clock = RunCountdown(timeout=600.0, after_stop=120.0)
     clock.start(at(100.0))
     clock.stop(at(200.0))
     assert clock.shown(at(200.0), ended=True) == 120.0

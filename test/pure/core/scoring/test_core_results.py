@@ -8,7 +8,7 @@ from helpers.box_driver import BoxDriver, public_document
 from helpers.competition import BUMPS, DOOR, OBJECTS, UTC0, competition, event, run_record
 from roah_rsbb.core.scoring import book, counting
 from roah_rsbb.core.scoring.book import MAX_KEPT, FinishedRuns, left_behind
-from roah_rsbb.core.scoring.counting import Choice, Why, rulings
+from roah_rsbb.core.scoring.counting import RunChoice, Why, rulings
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.clock import Now
@@ -112,7 +112,7 @@ def test_a_run_counts_however_many_followed_it(monkeypatch):
     ]
 
     def ruled():
-        ruled = rulings(_runs(*attempts).records()[::-1], {}, Choice(events=rules))
+        ruled = rulings(_runs(*attempts).records()[::-1], {}, RunChoice(events=rules))
         return [(r.record.identity, r.why, r.numbers(BY_POINTS)) for r in ruled]
 
     expected = ruled()

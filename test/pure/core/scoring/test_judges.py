@@ -13,19 +13,19 @@ from helpers.examples import examples
 from helpers.jury import Jury, judged
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.judges.agreement import Value, agreed
+from roah_rsbb.core.judges.agreement import ItemValue, agreed
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.saved import freeze, thaw
-from roah_rsbb.model.scoring import Agreement, Choice, JuryResult, ScoreKind, ScoringItem
+from roah_rsbb.model.scoring import Agreement, ItemChoice, JuryResult, ScoreKind, ScoringItem
 
 WATER = ScoringItem("Table", "water", ScoreKind.DECIMAL, Decimal(1), Decimal(0), Decimal(10))
-HELP = ScoringItem("Table", "help", ScoreKind.CHOICE, choices=(Choice("none"), Choice("some")))
+HELP = ScoringItem("Table", "help", ScoreKind.CHOICE, choices=(ItemChoice("none"), ItemChoice("some")))
 SHOW = ScoringItem("Table", "show", ScoreKind.RATING, Decimal(1), Decimal(0), Decimal(10), judges=("1", "2", "3"))
 ITEMS = (DOOR, BUMPS, WATER, HELP, SHOW)
-NOT_ATTEMPTED = Value(not_attempted=True)
+NOT_ATTEMPTED = ItemValue(not_attempted=True)
 MAJORITY, MEAN, MEDIAN = Agreement.MAJORITY, Agreement.MEAN, Agreement.MEDIAN
 
 
@@ -33,29 +33,29 @@ MAJORITY, MEAN, MEDIAN = Agreement.MAJORITY, Agreement.MEAN, Agreement.MEDIAN
 
 
 def _values(item, *given_values):
-    return [v if isinstance(v, Value) else Value(v) if item.kind in (ScoreKind.BOOL, ScoreKind.UINT)
-            else Value(int(float(v)) if item is not HELP else 1, v) for v in given_values]
+    return [v if isinstance(v, ItemValue) else ItemValue(v) if item.kind in (ScoreKind.BOOL, ScoreKind.UINT)
+            else ItemValue(int(float(v)) if item is not HELP else 1, v) for v in given_values]
 
 
 @pytest.mark.parametrize("rule, item, values, result", [
-    (Agreement.ALL_AGREE, BUMPS, (3, 3, 3), Value(3)),
+    (Agreement.ALL_AGREE, BUMPS, (3, 3, 3), ItemValue(3)),
     (Agreement.ALL_AGREE, BUMPS, (3, 3, 4), None),
     (Agreement.ALL_AGREE, DOOR, (NOT_ATTEMPTED, NOT_ATTEMPTED), NOT_ATTEMPTED),
-    (MAJORITY, BUMPS, (3, 4, 3), Value(3)),
+    (MAJORITY, BUMPS, (3, 4, 3), ItemValue(3)),
     (MAJORITY, BUMPS, (3, 4), None),
     (MAJORITY, BUMPS, (3, 3, 4, 4), None),
     (MAJORITY, DOOR, (1, NOT_ATTEMPTED, NOT_ATTEMPTED), NOT_ATTEMPTED),
-    (MEAN, BUMPS, (3, 4), Value(4)),
-    (MEAN, BUMPS, (1, 2, 2), Value(2)),
-    (MEAN, WATER, ("1", "2.5"), Value(1, "1.75")),
+    (MEAN, BUMPS, (3, 4), ItemValue(4)),
+    (MEAN, BUMPS, (1, 2, 2), ItemValue(2)),
+    (MEAN, WATER, ("1", "2.5"), ItemValue(1, "1.75")),
     (MEAN, BUMPS, (3, NOT_ATTEMPTED), None),
-    (MEAN, DOOR, (1, 0, 1), Value(1)),
+    (MEAN, DOOR, (1, 0, 1), ItemValue(1)),
     (MEAN, DOOR, (1, 0), None),
-    (MEDIAN, BUMPS, (1, 9, 2), Value(2)),
-    (MEDIAN, WATER, ("1", "2", "9", "3"), Value(2, "2.5")),
-    (Agreement.WITHOUT_EXTREMES, BUMPS, (0, 4, 4, 50), Value(4)),
+    (MEDIAN, BUMPS, (1, 9, 2), ItemValue(2)),
+    (MEDIAN, WATER, ("1", "2", "9", "3"), ItemValue(2, "2.5")),
+    (Agreement.WITHOUT_EXTREMES, BUMPS, (0, 4, 4, 50), ItemValue(4)),
     (Agreement.WITHOUT_EXTREMES, HELP, ("none", "some"), None),
-    (Agreement.ALL_AGREE, SHOW, ("6", "7"), Value(6, "6.5")),
+    (Agreement.ALL_AGREE, SHOW, ("6", "7"), ItemValue(6, "6.5")),
     (Agreement.ALL_AGREE, SHOW, ("6", NOT_ATTEMPTED), None),
     (MEAN, BUMPS, (), None),
 ])
@@ -67,7 +67,7 @@ def test_values_become_one_by_the_rule(rule, item, values, result):
 
 def test_a_rating_keeps_the_rule_of_its_jury():
     item = SHOW.with_jury(JuryResult.MEDIAN)
-    assert agreed(Agreement.ALL_AGREE, item, _values(item, "1", "2", "9")) == Value(2, "2")
+    assert agreed(Agreement.ALL_AGREE, item, _values(item, "1", "2", "9")) == ItemValue(2, "2")
 
 
 # -- runs -------------------------------------------------------------------------------------------

@@ -19,13 +19,13 @@ from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.referee import MAX_WHO, Refused, RunName
 from roah_rsbb.model.saved import freeze, thaw
-from roah_rsbb.model.scoring import Choice, ScoreKind, ScoringItem
+from roah_rsbb.model.scoring import ItemChoice, ScoreKind, ScoringItem
 from roah_rsbb.rulebook.benchmarks import Benchmark
 
 CUPS = ScoringItem("Table", "cups", ScoreKind.UINT, most=Decimal(3))
 HEIGHT = ScoringItem("Table", "height", ScoreKind.INT, least=Decimal(-2), most=Decimal(2))
 WATER = ScoringItem("Table", "water", ScoreKind.DECIMAL, least=Decimal(0), most=Decimal(10))
-HELP = ScoringItem("Table", "help", ScoreKind.CHOICE, choices=(Choice("none"), Choice("some")))
+HELP = ScoringItem("Table", "help", ScoreKind.CHOICE, choices=(ItemChoice("none"), ItemChoice("some")))
 SHOW = ScoringItem("Table", "show", ScoreKind.RATING, judges=("Anna", "Ben"))
 ITEMS = (BUMPS, DOOR, CUPS, HEIGHT, WATER, HELP, SHOW)
 

@@ -17,8 +17,8 @@ from roah_rsbb.model.records import By, ItemRecord, RunRecord
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.saved import BadState, freeze, thaw
 from roah_rsbb.model.scoring import (
-    Choice,
     GroupLimits,
+    ItemChoice,
     JuryResult,
     ScoreKind,
     ScoringItem,
@@ -30,7 +30,7 @@ from roah_rsbb.model.scoring import (
 OBJECTS = ScoringItem("Table", "objects", ScoreKind.UINT, Decimal(20), most=Decimal(5))
 EMPTY = ScoringItem("Table", "empty", ScoreKind.BOOL, Decimal(30), needs=(OBJECTS.key,))
 OPENS = ScoringItem("Table", "opens", ScoreKind.CHOICE, choices=(
-    Choice("alone", Decimal(50)), Choice("with help", Decimal(10)), Choice("not at all", Decimal(0))))
+    ItemChoice("alone", Decimal(50)), ItemChoice("with help", Decimal(10)), ItemChoice("not at all", Decimal(0))))
 DROPS = ScoringItem("Penalties", "drops", ScoreKind.UINT, Decimal(-10))
 WATER = ScoringItem("Penalties", "water", ScoreKind.DECIMAL, Decimal("-2.5"), most=Decimal(10))
 SHOW = ScoringItem("Jury", "show", ScoreKind.RATING, Decimal(2), Decimal(0), Decimal(10), judges=("1", "2", "3"),
@@ -133,7 +133,7 @@ def test_a_choice_is_given_if_it_has_points(choice, points):
 
 
 def test_a_choice_without_points_is_given_if_one_is_chosen():
-    door = ScoringItem("Table", "door", ScoreKind.CHOICE, choices=(Choice("left"), Choice("right")))
+    door = ScoringItem("Table", "door", ScoreKind.CHOICE, choices=(ItemChoice("left"), ItemChoice("right")))
     needy = ScoringItem("Table", "needy", ScoreKind.BOOL, Decimal(5), needs=(door.key,))
     book = Book(SheetForm((door, needy))).set(needy, 1)
     assert (book.item(needy).points, book.item(door).points) == ("0", "")

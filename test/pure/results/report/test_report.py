@@ -33,7 +33,7 @@ from roah_rsbb.results.report.facts import facts_of, link_period_s
 from roah_rsbb.results.report.pages import PAGES
 from roah_rsbb.results.report.plots import Axes, plot
 from roah_rsbb.results.runs import records, run_result
-from roah_rsbb.results.standings import Choice, standings
+from roah_rsbb.results.standings import RunChoice, standings
 from roah_rsbb.rulebook.standing_rules import read_rules
 
 ROOT = pathlib.Path(__file__).resolve().parents[4]
@@ -196,7 +196,7 @@ def test_standings_are_those_of_the_scores(many, tmp_path):
     with open(str(tmp_path / "set" / "scores.csv"), encoding="utf-8", newline="") as file:
         scores = list(csv.DictReader(file))
     checked = 0
-    for standing in standings(known, rules, Choice()):
+    for standing in standings(known, rules, RunChoice()):
         assert [c.name for c in standing.criteria] == ["Achievements", "Penalties"]
         for run in itertools.chain.from_iterable(line.runs for line in standing.lines):
             for place, group in enumerate(("Achievements", "Penalized Behaviors")):

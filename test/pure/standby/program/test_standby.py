@@ -24,7 +24,7 @@ from roah_rsbb.standby.partners import PairedBox, PairedStandby, is_standby, rea
 from roah_rsbb.standby.program import main as standby
 from roah_rsbb.standby.program.ears import Automatic
 from roah_rsbb.standby.program.network import NoAddress
-from roah_rsbb.tools.preflight_checks import Finding, Severity
+from roah_rsbb.tools.preflight_checks import Remark, Severity
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def entered(folder, *words):
             pytest.raises(SystemExit) as end:
         standby.main()
     if end.value.code:
-        raise standby.Refused(errors.getvalue())
+        raise standby.Denied(errors.getvalue())
     return end.value.code
 
 
@@ -73,7 +73,7 @@ def test_the_box_starts_with_everything_that_was_copied(copied):
 
 
 def test_there_is_no_copy(tmp_path):
-    with pytest.raises(standby.Refused, match="there is no copy"):
+    with pytest.raises(standby.Denied, match="there is no copy"):
         standby.launch_command(str(tmp_path), [])
 
 
@@ -84,7 +84,7 @@ def test_each_way_in_which_the_box_is_heard_is_a_reason(copied, monkeypatch, ans
 
     def other_box(*given):
         asked.append(given)
-        return Finding(Severity.FAILED, "another RSBB transmits", "") if beacons else Finding(Severity.OK, "none", "")
+        return Remark(Severity.FAILED, "another RSBB transmits", "") if beacons else Remark(Severity.OK, "none", "")
 
     monkeypatch.setattr(standby, "read_box", lambda folder: PairedBox("10.1.0.2", 8083, "ff", "key"))
     monkeypatch.setattr(standby, "is_alive", lambda box, timeout: answers)
@@ -103,7 +103,7 @@ def test_a_takeover_needs_an_option_while_the_box_is_heard(copied, monkeypatch, 
         entered(copied.stick, "takeover", "--anyway")
         assert len(started) == 1
     else:
-        with pytest.raises(standby.Refused, match="The box answers.*\n.*--anyway"):
+        with pytest.raises(standby.Denied, match="The box answers.*\n.*--anyway"):
             entered(copied.stick, "takeover")
         assert not started
 
@@ -136,7 +136,7 @@ def test_the_address_can_be_taken_while_the_new_box_runs(copied, monkeypatch, ca
 def test_a_witness_needs_the_program_ping(copied, monkeypatch):
     monkeypatch.setattr(standby, "read_box", lambda _: PairedBox("203.0.113.2", 8083, "ff", "key"))
     monkeypatch.setattr(standby.shutil, "which", lambda name: None)
-    with pytest.raises(standby.Refused, match="install iputils-ping"):
+    with pytest.raises(standby.Denied, match="install iputils-ping"):
         entered(copied.stick, "follow", "--automatic", "5", "--witness", "203.0.113.1")
 
 
@@ -158,7 +158,7 @@ def test_options_that_are_not_possible_change_nothing(copied, monkeypatch, words
         monkeypatch.setattr(standby, name, lambda *_: pytest.fail("something was changed"))
     monkeypatch.setattr(standby.shutil, "which", lambda name: None)
     monkeypatch.setattr(standby.os, "geteuid", lambda: 1000)
-    with pytest.raises(standby.Refused, match=wrong[0] if wrong[0] != "--witness" else "ping"):
+    with pytest.raises(standby.Denied, match=wrong[0] if wrong[0] != "--witness" else "ping"):
         entered(copied.stick, *words, *wrong)
 
 
@@ -177,7 +177,7 @@ def test_the_program_that_keeps_the_copy_is_ended(copied, tmp_path):
 
 def test_another_program_that_uses_the_copy_is_not_ended(copied):
     folder = CopyFolder(str(copied.stick))
-    with pytest.raises(standby.Refused, match="another program uses the copy"):
+    with pytest.raises(standby.Denied, match="another program uses the copy"):
         standby.end_follower(str(copied.stick))
     folder.close()
 
@@ -214,10 +214,10 @@ def shown_code(folder, capsys):
 
 
 def test_a_code_is_made_when_it_is_asked_for(box, capsys):
-    assert codes.Codes(str(box)).valid() == ""
+    assert codes.PairingCode(str(box)).valid() == ""
     first, _ = shown_code(box, capsys)
     second, text = shown_code(box, capsys)
-    assert first != second and codes.Codes(str(box)).valid() == second
+    assert first != second and codes.PairingCode(str(box)).valid() == second
     assert text.endswith("rosrun roah_rsbb standby follow ADDRESS --code\n")
     assert (box / "standby" / "code.json").stat().st_mode & 0o777 == 0o600
 
@@ -232,26 +232,26 @@ def test_a_code_is_shown_with_all_that_the_second_computer_needs(box, capsys):
 
 def test_no_box_runs_for_which_a_code_could_be(box, copied):
     copied.writer.close()
-    with pytest.raises(standby.Refused, match="no box with a standby_port runs with the log_dir"):
+    with pytest.raises(standby.Denied, match="no box with a standby_port runs with the log_dir"):
         entered(box, "code")
     assert not (box / "standby" / "code.json").exists()
 
 
 def test_a_box_without_a_port_for_a_standby_has_no_code(copied):
-    with pytest.raises(standby.Refused, match="no box with a standby_port runs with the log_dir"):
+    with pytest.raises(standby.Denied, match="no box with a standby_port runs with the log_dir"):
         entered(copied.log_dir, "code")
 
 
 def test_a_superseded_box_has_no_code(box, monkeypatch):
-    monkeypatch.setattr(standby.epochs, "standing_in", lambda _: epochs.Standing(2, superseded_by=3, by="10.0.0.3"))
-    with pytest.raises(standby.Refused, match="pair the standby with the box at 10.0.0.3"):
+    monkeypatch.setattr(standby.epochs, "standing_in", lambda _: epochs.BoxEpoch(2, superseded_by=3, by="10.0.0.3"))
+    with pytest.raises(standby.Denied, match="pair the standby with the box at 10.0.0.3"):
         entered(box, "code")
 
 
 def test_only_the_user_of_the_box_makes_a_code(box, monkeypatch):
     """The box could not read that of another one."""
     monkeypatch.setattr(standby.os, "geteuid", lambda: os.getuid() + 1)
-    with pytest.raises(standby.Refused, match="enter this command as that user"):
+    with pytest.raises(standby.Denied, match="enter this command as that user"):
         entered(box, "code")
 
 
@@ -338,16 +338,16 @@ def test_the_program_that_keeps_the_copy_has_ended_with_the_box_that_it_prepared
 
 def test_two_programs_that_keep_one_copy(copied):
     with standby._locked(str(copied.stick)):
-        with pytest.raises(standby.Refused, match="another program keeps the copy"), standby._locked(str(copied.stick)):
+        with pytest.raises(standby.Denied, match="another program keeps the copy"), standby._locked(str(copied.stick)):
             pass
         assert standby._noted_pid(str(copied.stick / standby.LOCK)) == os.getpid()
-        with pytest.raises(standby.Refused, match=f"process {os.getpid()}"):
+        with pytest.raises(standby.Denied, match=f"process {os.getpid()}"):
             standby._check_unused(str(copied.stick))
 
 
 def test_a_copy_that_is_kept_is_not_paired_again(copied, monkeypatch):
     monkeypatch.setattr(standby, "pair", lambda *_: pytest.fail("the pair of the other program is replaced"))
-    with standby._locked(str(copied.stick)), pytest.raises(standby.Refused, match="another program uses"):
+    with standby._locked(str(copied.stick)), pytest.raises(standby.Denied, match="another program uses"):
         entered(copied.stick, "follow", "10.0.0.2", "--code", "AAAA-AAAA")
 
 
@@ -360,7 +360,7 @@ def test_the_new_box_is_not_made_a_standby_by_habit(copied, words, said):
     box = PairedBox("10.0.0.2", 8083, "ff", "key")
     write_box(folder, box)
     standby._become_box(folder, box, [])
-    with pytest.raises(standby.Refused, match=said):
+    with pytest.raises(standby.Denied, match=said):
         entered(folder, *words)
     assert not is_standby(folder)
 
@@ -384,7 +384,7 @@ def test_there_may_be_nobody_to_type_a_code(copied, monkeypatch):
         raise EOFError
 
     monkeypatch.setattr("builtins.input", end)
-    with pytest.raises(standby.Refused, match="give --code CODE"):
+    with pytest.raises(standby.Denied, match="give --code CODE"):
         entered(copied.stick, "follow", "10.0.0.2", "--code")
 
 
@@ -393,7 +393,7 @@ def test_a_superseded_box_can_be_a_standby_again(copied, monkeypatch):
     box = PairedBox("10.0.0.2", 8083, "ff", "key")
     write_box(folder, box)
     standby._become_box(folder, box, [])
-    monkeypatch.setattr(standby.epochs, "standing_in", lambda _: epochs.Standing(2, superseded_by=3))
+    monkeypatch.setattr(standby.epochs, "standing_in", lambda _: epochs.BoxEpoch(2, superseded_by=3))
     kept = []
     monkeypatch.setattr(standby, "_keep_copy", lambda *given: kept.append(given))
     entered(folder, "follow")
@@ -411,13 +411,13 @@ def test_another_address_of_the_box_is_remembered(copied, monkeypatch):
 @pytest.mark.parametrize("host", ["10.0.0.2:8083", "no such host", "a..b"])
 def test_an_invalid_address(copied, host):
     write_box(str(copied.stick), PairedBox("10.0.0.2", 8083, "ff", "key"))
-    with pytest.raises(standby.Refused, match="is neither an IPv4 address nor a known host"):
+    with pytest.raises(standby.Denied, match="is neither an IPv4 address nor a known host"):
         entered(copied.stick, "follow", host)
 
 
 @pytest.mark.parametrize("port", ["0", "99999", "-1", "x"])
 def test_an_invalid_port(tmp_path, port):
-    with pytest.raises(standby.Refused, match="is not a port from 1 to 65535"):
+    with pytest.raises(standby.Denied, match="is not a port from 1 to 65535"):
         entered(tmp_path, "follow", "10.0.0.2", f"--port={port}")
 
 
@@ -438,7 +438,7 @@ def test_the_copy_is_kept_if_the_address_cannot_be_taken(copied, monkeypatch):
     monkeypatch.setattr(standby, "take_address", refuse)
     monkeypatch.setattr(standby, "why_not", lambda *_: [])
     monkeypatch.setattr(standby, "end_follower", lambda _: pytest.fail("the copy is not kept any more"))
-    with pytest.raises(standby.Refused, match="omit --take-address"):
+    with pytest.raises(standby.Denied, match="omit --take-address"):
         entered(copied.stick, "takeover", "--take-address")
 
 
@@ -479,7 +479,7 @@ def test_the_torn_end_of_a_copy_is_no_damage(copied, capsys):
 
 def test_a_full_disk_is_no_place_for_a_takeover(copied, monkeypatch):
     monkeypatch.setattr(durable, "has_space", lambda folder: False)
-    with pytest.raises(standby.Refused, match="the disk is full: free space for"):
+    with pytest.raises(standby.Denied, match="the disk is full: free space for"):
         standby._become_box(str(copied.stick), None, [])
 
 
@@ -521,5 +521,5 @@ def test_the_status_of_a_box(copied):
     write_standby(folder, PairedStandby("stranger", "00", "10.0.0.66", 8083, False, 1e9, "laptop at 10.0.0.3"))
     assert list(standby.status(folder))[1] == (
         "It was paired on 2001-09-09 at 01:46:40 UTC, and replaced laptop at 10.0.0.3")
-    with pytest.raises(standby.Refused, match="--log-dir"):
+    with pytest.raises(standby.Denied, match="--log-dir"):
         list(standby.status(str(copied.log_dir / "standby")))

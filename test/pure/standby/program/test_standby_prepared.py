@@ -12,7 +12,7 @@ from roah_rsbb.standby.pair import Side
 from roah_rsbb.standby.partners import PairedBox, PairedStandby, is_standby, partners_of, write_box, write_standby
 from roah_rsbb.standby.program import prepared as module
 from roah_rsbb.standby.program.prepared import Prepared
-from roah_rsbb.standby.program.request import Answer, Requests, request
+from roah_rsbb.standby.program.request import Reply, Requests, request
 
 LIMIT_S = 60.0
 
@@ -79,7 +79,7 @@ def test_the_request_of_the_organiser(tmp_path):
 
     def on_ask(anyway, arguments):
         asked.append((anyway, arguments))
-        return Answer([] if anyway else ["The box is heard."], True)
+        return Reply([] if anyway else ["The box is heard."], True)
 
     def on_go():
         went.set()
@@ -87,7 +87,7 @@ def test_the_request_of_the_organiser(tmp_path):
 
     requests = Requests(str(folder), on_ask, on_go)
     with request(str(folder), False, ["gui:=none"]) as found:
-        assert found.answer == Answer(["The box is heard."], True)
+        assert found.answer == Reply(["The box is heard."], True)
     with request(str(folder), True, []) as found:
         assert found.answer.reasons == [] and not went.is_set()
         assert found.go() == ["Epoch 2"] and went.is_set()
@@ -101,14 +101,14 @@ def test_a_program_that_does_not_take_over(tmp_path):
     def on_go():
         raise OSError("no space left")
 
-    requests = Requests(str(tmp_path), lambda anyway, arguments: Answer([], True), on_go)
+    requests = Requests(str(tmp_path), lambda anyway, arguments: Reply([], True), on_go)
     with request(str(tmp_path), True, []) as found, pytest.raises(OSError, match="did not take over"):
         found.go()
     requests.close()
 
 
 def test_a_foreign_program_at_the_socket_harms_nobody(tmp_path):
-    requests = Requests(str(tmp_path), lambda anyway, arguments: Answer([], True), lambda: None)
+    requests = Requests(str(tmp_path), lambda anyway, arguments: Reply([], True), lambda: None)
     for nonsense in (b"\n", b"[]\n", b'{"anyway": 1}\n', b"\xff\n"):
         with socket.socket(socket.AF_UNIX) as stranger:
             stranger.connect(str(tmp_path / "standby.sock"))

@@ -42,7 +42,7 @@ from roah_rsbb.model.records import EndReason, ScoreValue
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.model.scoring import JudgesRule, ScoreKind, ScoringItem
-from roah_rsbb.model.zone import LATELY_S, AllRobots, RunClock, Switches, Zone
+from roah_rsbb.model.zone import LATELY_S, AllRobots, RunClock, Switches, ZoneSeen
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.place import PARAM, file_of
@@ -175,7 +175,7 @@ class FakeZone:
 
     @property
     def phase(self) -> str:
-        """As in `Zone`."""
+        """As in `ZoneSeen`."""
         run = self.run
         return "idle" if run is None else run.phase.value
 
@@ -205,7 +205,7 @@ class FakeZone:
         self._core.event(self._core.box.act, Target(self.name, identity), "mark", who, mark_with(mark))
 
     def end(self, reason: str) -> None:
-        """The run ends by itself; `reason` as in `Zone`."""
+        """The run ends by itself; `reason` as in `ZoneSeen`."""
         self._core.event(lambda now: self.run._end(now, EndReason[reason.upper()]))
 
     def pause(self, why: str) -> None:
@@ -228,7 +228,7 @@ class FakeZone:
             return False
         return True
 
-    def put_into(self, shown: Zone) -> Zone:
+    def put_into(self, shown: ZoneSeen) -> ZoneSeen:
         """Return the zone with what is published beside what the box says."""
         robot = shown.robot if self.robot is None or shown.robot is None else shown.robot._replace(robot=self.robot)
         lines = tuple(self.all_robots)

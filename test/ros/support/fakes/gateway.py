@@ -11,10 +11,10 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 from helpers.commands import actions_shown
 from helpers.forms import shown_form
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.document import BoxState, Document
+from roah_rsbb.model.document import BoxSeen, Document
 from roah_rsbb.model.fields import form_of
 from roah_rsbb.model.modules import form_of_one
-from roah_rsbb.model.zone import Count, Event, RobotInRun, RunClock, SheetItem, Zone
+from roah_rsbb.model.zone import Count, Event, RobotInRun, RunClock, SheetItem, ZoneSeen
 from roah_rsbb.web.commands import Command, Outcome
 from roah_rsbb.web.pairing import Grant
 from roah_rsbb.web.server import WebServer
@@ -95,7 +95,7 @@ class PlayedZone:
             given = fields["given"]
             self.values[index] = self.values[index] + int(given["added"]) if given["added"] else given["value"]
 
-    def shown(self) -> Zone:
+    def shown(self) -> ZoneSeen:
         """The zone as the core shows it."""
         off: Dict[str, List[str]] = {}
         if self.phase != "running":
@@ -105,7 +105,7 @@ class PlayedZone:
                 off[name] = [f"{name} is not possible in phase {self.phase}"]
         fields = self.form or form_of(form_of_one(self.choices, not self.choices))
         asked = shown_form(7, fields, self.operation) if self.operation else None
-        shown = Zone(
+        shown = ZoneSeen(
             self.name, EVENT, self.phase, state=("All OK",),
             warnings=tuple(filter(None, [self.is_moving and IGNORES_STOP, self.warning])),
             actions=actions_shown(off, ("pause", "resume", "next_phase", "previous_phase"), asked=asked),
@@ -203,7 +203,7 @@ class FakeGateway:
         if not self.is_silent:
             zones = {zone.name: zone.shown() for zone in self.zones}
             shown = dict.fromkeys([*zones, *self.sections.get("public_runs", {})])
-            box = BoxState("played", "", 0, zones=tuple(shown))
+            box = BoxSeen("played", "", 0, zones=tuple(shown))
             self.document = Document(box, {}, zones, {}, {}, {}, **self.sections)
             self.server.follow()
 
