@@ -12,7 +12,6 @@ from roah_rsbb import signs_of_life
 from roah_rsbb.client.client import OLD_S
 from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, CoreSilence, Signs, Watch
 from roah_rsbb.web import server
-from roah_rsbb.web.store import Store
 
 CORE = """
 import sys
@@ -211,6 +210,6 @@ def test_each_face_knows_before_the_core_is_ended():
     """The next core may be heard soon: a face that looks later would show nothing of it. Panels know after 0.7 s
     (test/ros/panels/test_benchmark_control.py)."""
     limits = {
-        "terminal": OLD_S, "pages": Store.SILENT_S + server.LOOK_S, "devices": OLD_S + server.LOOK_S,
+        "terminal": OLD_S, "pages": OLD_S + server.LOOK_S,
     }
     assert {face: limit for face, limit in limits.items() if limit > HUNG_S} == {}
