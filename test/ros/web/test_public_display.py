@@ -48,7 +48,7 @@ class Box(http.server.ThreadingHTTPServer):
 
     def browsers(self) -> List[int]:
         """The processes that show the page."""
-        return [each.pid for each in own_processes() if each.words[-1:] == [self.address + PAGE]]
+        return [each.pid for each in own_processes() if self.address + PAGE in each.words]
 
 
 class _Handler(http.server.BaseHTTPRequestHandler):
