@@ -17,7 +17,7 @@ PAGE = "display?layout=board"
 # The first one that works is used: Ubuntu has programs that only say how to install a browser.
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "firefox-esr", "firefox")
 SNAPS = "/snap/bin"
-ANSWER_S = 2.0
+ANSWER_S, VERSION_S = 2.0, 20.0
 # A profile that is new would welcome its user; one that was in use would ask whether to restore its pages.
 CHROMIUM = ("--kiosk", "--no-first-run", "--no-default-browser-check", "--disable-session-crashed-bubble",
             "--hide-crash-restore-bubble", "--noerrdialogs", "--disable-features=Translate", "--password-store=basic",
@@ -34,9 +34,15 @@ user_pref("datareporting.policy.dataSubmissionEnabled", false);
 
 def find() -> Optional[str]:
     """Return the path of a browser that works; None: there is none."""
-    paths = filter(None, map(shutil.which, BROWSERS))
-    return next((path for path in paths if not subprocess.run(
-        [path, "--version"], stdin=subprocess.DEVNULL, capture_output=True, check=False).returncode), None)
+    return next(filter(_works, filter(None, map(shutil.which, BROWSERS))), None)
+
+
+def _works(path: str) -> bool:
+    try:
+        return subprocess.run([path, "--version"], stdin=subprocess.DEVNULL, capture_output=True, check=False,
+                              timeout=VERSION_S).returncode == 0
+    except (OSError, subprocess.TimeoutExpired):
+        return False
 
 
 def is_firefox(program: str) -> bool:
@@ -69,15 +75,20 @@ def command(program: str, profile: str, number: int, screen: Screen, address: st
 
 def addresses(url: str, master: str) -> List[str]:
     """Return where the page may be: at the gateway's address, or at that of the ROS master's computer. A firewall may
-    protect the first one, which is in the robots' network."""
-    parts, host = urllib.parse.urlsplit(url), urllib.parse.urlsplit(master).hostname
-    return [f"{parts.scheme}://{one}:{parts.port}/{PAGE}" for one in (parts.hostname, host)] if url else []
+    protect the first one, which is in the robots' network. None: the gateway's address is none of a web page."""
+    try:
+        parts, host = urllib.parse.urlsplit(url), urllib.parse.urlsplit(master).hostname
+        if parts.scheme in ("http", "https") and parts.hostname and parts.port and ":" not in parts.hostname:
+            return [f"{parts.scheme}://{one}:{parts.port}/{PAGE}" for one in (parts.hostname, host)]
+    except ValueError:
+        pass
+    return []
 
 
 def answers(address: str) -> bool:
     """Whether a server is at an address."""
     parts = urllib.parse.urlsplit(address)
-    with contextlib.suppress(OSError):
+    with contextlib.suppress(OSError, UnicodeError):
         socket.create_connection((parts.hostname or "", parts.port or 0), ANSWER_S).close()
         return True
     return False

@@ -14,6 +14,8 @@ import signal
 import subprocess
 import threading
 import time
+import xmlrpc.client
+from http.client import HTTPException
 from typing import Any, List, Optional
 
 import rosgraph
@@ -26,7 +28,7 @@ from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.srv import UInt8, UInt8Response
 
 URL = "/roah_rsbb_web/url"  # the gateway's parameter
-ASK_S, LOOK_S, CLOSE_S = 2.0, 0.2, 2.0
+ASK_S, LOOK_S, CLOSE_S, REOPEN_S = 2.0, 0.2, 2.0, 1.0
 # A browser that ends sooner has failed; after this many failures in a row the program gives up.
 SHORT_LIFE_S, MAX_SHORT_LIVES = 5.0, 5
 _die_with_parent = ctypes.CDLL(None).prctl
@@ -71,10 +73,12 @@ class PublicDisplay:
                 if code is not None:
                     short_lives = short_lives + 1 if time.monotonic() - opened_mono < SHORT_LIFE_S else 0
                     if code == 0:
+                        rospy.loginfo("The window was closed, or its browser was told to end: the display ends")
                         return 0
                     if short_lives >= MAX_SHORT_LIVES:
                         raise CannotShow(f"{self._program} fails (exit code {code}): install another browser")
                     rospy.logwarn("The browser ended (exit code %d): it is opened again", code)
+                    time.sleep(REOPEN_S)
                 wanted = address, number = self._address, self._number
                 if address and (code is not None or wanted != opened):
                     self._close()
@@ -112,11 +116,14 @@ class PublicDisplay:
     def _ask(self) -> None:
         """Find out where the page is. While it does not answer, it stays where it was: it connects again by itself."""
         master = rosgraph.get_master_uri()
-        why = f"the box serves no pages (parameter {URL}): start it, without web:=false, and with 'sudo apt install "\
-              "python3-tornado' on its computer"
+        why = f"the box serves no pages yet (parameter {URL}). If it stays so, start it without web:=false, and with "\
+              "'sudo apt install python3-tornado' on its computer"
         try:
-            places = addresses(str(rospy.get_param(URL, "")), master)
-        except (OSError, rosgraph.MasterException):
+            url = str(rospy.get_param(URL, ""))
+            places = addresses(url, master)
+            if url and not places:
+                why = f"parameter {URL} is {url!r}, no address of a web page: restart the box's web gateway"
+        except (OSError, rosgraph.MasterException, xmlrpc.client.Error, HTTPException):
             places, why = [], f"the ROS master at {master} does not answer: start the box, or correct ROS_MASTER_URI"
         if self._address not in places:
             self._address = next(filter(answers, places), self._address)
@@ -126,6 +133,8 @@ class PublicDisplay:
             why = f"nothing answers at {' or '.join(places)}: check the network and the box"
         if why and why != self._said:
             rospy.logwarn("Waiting for the page of the public display: %s", why)
+        elif self._said and not why:
+            rospy.loginfo("The page of the public display is there: %s", self._address)
         self._said = why
 
 

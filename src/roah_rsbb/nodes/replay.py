@@ -7,13 +7,9 @@ core's services refuse every command.
 """
 
 import os
-import socket
 import sys
 import uuid
-import xmlrpc.client
-from http.client import HTTPConnection, HTTPException
-from typing import Any, Callable, List, Optional, Tuple
-from xml.parsers.expat import ExpatError
+from typing import Any, Callable, List, Tuple
 
 import rosgraph
 import rospy
@@ -30,20 +26,20 @@ from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuration, read_run
 from roah_rsbb.results.runs import NoSuchRun
 from roah_rsbb.ros import connections
+from roah_rsbb.ros.live_core import ANSWER_S, REPLAY, live_core
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.wording.replay import PREFIX
 
-NAME = "roah_rsbb_replay"
-GUI_TOPIC = "/core/to_gui"
 PERIOD_S = 0.1  # of the panels' messages, as in the core
 PUBLIC_EVERY = 5
 CLOCK_STEP_S = 1e-6  # from the clock of one message to that of the next, if no time passes
 CORE_EVERY = 20  # ticks between two looks for a core
 FASTEST = 64.0
-ANSWER_S, QUICK_ANSWER_S = 5.0, 0.5  # for a core's answer: before the replay, and while panels are served
 LONGEST_TICK_S = 2 * PERIOD_S
+# While panels are served, they wait for a core's answer. One that has started answers the next time.
+QUICK_ANSWER_S = 0.5
 
 _DESCRIPTION = """\
 Publishes what the core published in an earlier run, for training referees and for testing displays. Start panels and
@@ -59,46 +55,6 @@ RUN is a run's number in 'rosrun roah_rsbb results list', its identity, or the b
 must be running, and no core. The benchmarks and the schedule come from configuration.json beside the journal.
 The exit status is 1 if the run cannot be replayed, or if a core is running.
 """
-
-
-def live_core(is_serving: bool) -> Optional[str]:
-    """Return the node that publishes the core's topics, other than this one; None: there is none. Raises OSError.
-
-    A core that does not answer counts before the replay. Later (`is_serving`), panels wait for this call, and a core
-    that has started answers the next one.
-    """
-    master = rosgraph.Master(f"/{NAME}")
-    nodes = (node for topic, nodes in master.getSystemState()[0] if topic == GUI_TOPIC for node in nodes)
-    return next((node for node in nodes if node != f"/{NAME}" and _publishes(master, node, is_serving)), None)
-
-
-class _Impatient(xmlrpc.client.Transport):
-    """Calls time out."""
-
-    def __init__(self, answer_s: float) -> None:
-        super().__init__()
-        self._answer_s = answer_s
-
-    def make_connection(self, host: Any) -> HTTPConnection:
-        connection = super().make_connection(host)
-        connection.timeout = self._answer_s
-        return connection
-
-
-def _publishes(master: rosgraph.Master, node: str, is_serving: bool) -> bool:
-    """Whether a node publishes the core's topics. The master also lists nodes that have crashed. Another process,
-    even this one, may now use the port of such a node."""
-    try:
-        uri = master.lookupNode(node)
-        if uri == rospy.get_node_uri():
-            return False
-        transport = _Impatient(QUICK_ANSWER_S if is_serving else ANSWER_S)
-        topics = xmlrpc.client.ServerProxy(uri, transport).getPublications(f"/{NAME}")[2]
-        return GUI_TOPIC in [topic for topic, _ in topics]
-    except socket.timeout:
-        return not is_serving  # it hangs, or its network does, or this computer is very busy
-    except (OSError, HTTPException, xmlrpc.client.Error, ExpatError, ValueError, TypeError, rosgraph.MasterException):
-        return False
 
 
 def beside_a_core(node: str) -> str:
@@ -155,7 +111,7 @@ class ReplayNode:
         self._door.rate = self._speed if self._has_begun and not self._shown.is_over else 0.0
         try:
             self._shown.show(self._shown.now.utc + passed_s * self._speed)
-            core = live_core(is_serving=True) if self._ticks % CORE_EVERY == CORE_EVERY - 1 else None
+            core = live_core(REPLAY, QUICK_ANSWER_S, False) if self._ticks % CORE_EVERY == CORE_EVERY - 1 else None
         except CannotReplay as error:
             self._fail(str(error))
             return
@@ -205,13 +161,13 @@ def main() -> None:
         shown = ReplayedBox(run, configuration(log_dir, run, options.benchmarks_file, options.schedule_file))
         for text in warnings:
             print(f"replay: {text}", file=sys.stderr)
-        core = live_core(is_serving=False)
+        core = live_core(REPLAY, ANSWER_S, True)
     except (JournalError, NoSuchRun, CannotReplay, ConfigErrors) as error:
         sys.exit(f"replay: {error}")
     except OSError:
         sys.exit(f"replay: no ROS master answers at {rosgraph.get_master_uri()}: start one with 'roscore'")
     if core is not None:
         sys.exit(f"replay: {beside_a_core(core)}")
-    connections.init_node(NAME, disable_signals=True)
+    connections.init_node(REPLAY.lstrip("/"), disable_signals=True)
     rospy.loginfo("Replaying %s", run.name)
     sys.exit(ReplayNode(shown, options.speed).run())

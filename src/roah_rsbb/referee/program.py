@@ -9,14 +9,27 @@ import contextlib
 import os
 import signal
 import sys
+import time
 from typing import List
 
 from roah_rsbb.referee.args import parser
 from roah_rsbb.referee.exits import Exit
 
+ONE_WISH_S = 0.5  # between two signals
 
-def _interrupt(_number: int, _frame: object) -> None:
-    raise KeyboardInterrupt
+
+class Interrupts:
+    """Handles Ctrl-C and SIGTERM. Signals that come together are one wish: `timeout` and terminals send each to the
+    process and to its group."""
+
+    def __init__(self) -> None:
+        self._last_mono = float("-inf")
+
+    def __call__(self, _number: int, _frame: object) -> None:
+        now_mono = time.monotonic()
+        is_another, self._last_mono = now_mono - self._last_mono >= ONE_WISH_S, now_mono
+        if is_another:
+            raise KeyboardInterrupt
 
 
 def _hang_up(_number: int, _frame: object) -> None:
@@ -61,7 +74,10 @@ def main() -> None:
     # genpy (`pairing.py`) imports numpy for arrays that our messages do not have. That takes longer than a command.
     sys.modules.setdefault("numpy", None)  # type: ignore[arg-type]
     options = options_of(sys.argv[1:])
-    signal.signal(signal.SIGTERM, _interrupt)
+    interrupt = Interrupts()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, interrupt)
     if signal.getsignal(signal.SIGHUP) is signal.SIG_DFL:  # not under nohup
         signal.signal(signal.SIGHUP, _hang_up)
     status = carry_out(options)

@@ -116,7 +116,8 @@ def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], ch
     """Return the standing of one benchmark. `rules`: None if the rules' file does not name it."""
     remarks: List[str] = []
     records = [record for record in records if record.benchmark == code]
-    rules = rules_for(records, rules)
+    shown = [record for record in records if _is_shown(record, choice)]
+    rules = rules_for(shown, rules)
     of_runs = choice.of_runs or rules.of_runs
     ruled = rulings(records, {code: rules}, choice)
     if any(ruling.why is Why.ALL_ROBOTS for ruling in ruled):
@@ -131,10 +132,15 @@ def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], ch
     lines = [_team_line(team, runs, of_runs, rules.criteria) for team, runs in by_team.items()]
     if rules is DEFAULT and any(run.record.items for runs in by_team.values() for run in runs):
         remarks.append(WITHOUT_RULES)
-    units = tuple(_unit(criterion, records) for criterion in rules.criteria)
+    units = tuple(_unit(criterion, shown) for criterion in rules.criteria)
     return Standing(
         code, of_runs, rules.criteria, _ranked(lines, rules.criteria), tuple(dict.fromkeys(remarks)), units
     )
+
+
+def _is_shown(record: RunRecord, choice: RunChoice) -> bool:
+    """Whether anything of a run may be seen in a standing."""
+    return record.sign_off is not None or not choice.signed_off
 
 
 def standing_of_run(record: RunRecord, rules: Optional[Rules]) -> Standing:
@@ -245,7 +251,8 @@ def _column(
     found = standing(part.benchmark, records, rules.get(part.benchmark), choice)
     numbers = {line.team: Fraction(0) if line.disqualified else line.numbers[0] or Fraction(0) for line in found.lines}
     absent = {record.team: _TeamsPart(Fraction(0), ()) for record in records
-              if record.benchmark == part.benchmark and record.end_reason and record.team != ALL_TEAMS}
+              if record.benchmark == part.benchmark and record.end_reason and record.team != ALL_TEAMS
+              and _is_shown(record, choice)}
     remarks += [f"team {team} gets 0 for {part.name}: none of its runs counts" for team in absent
                 if team not in numbers]
     if not numbers:

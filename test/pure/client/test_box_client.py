@@ -412,7 +412,7 @@ def test_a_slow_client_gets_the_newest(world):
 def test_many_clients(world):
     clients = [world.client(loop=world.running.loop) for _ in range(40)]
     world.until(lambda: all(one.document is not None for one in clients))
-    futures = [one.call("act") for one in clients]
+    futures = [one.call("act", timeout_s=60.0) for one in clients]
     world.until(lambda: all(future.done() for future in futures))
     assert sorted(future.result().answer["count"] for future in futures) == list(range(1, 41))
     world.until(lambda: all(one.document == world.box.toy for one in clients))

@@ -66,4 +66,7 @@ def test_the_first_browser_that_works_is_used(tmp_path, monkeypatch):
 def test_the_page_is_at_the_gateway_or_at_the_computer_of_the_master():
     assert browser.addresses("https://10.0.0.1:8081/", "http://box:11311") == [
         "https://10.0.0.1:8081/display?layout=board", "https://box:8081/display?layout=board"]
-    assert browser.addresses("", "http://box:11311") == []
+    for url in ("", "http://box:99999/", "http://box:abc/", "http://[::1/", "http://[::1]:8081/", "http://box/",
+                "box:8081"):
+        assert browser.addresses(url, "http://box:11311") == [], url
+    assert not browser.answers(f"http://{'x' * 70}:80/") and not browser.answers("http://a..b:80/")

@@ -20,20 +20,19 @@ from support.waiting import wait_until
 
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.model.document import Document
-from roah_rsbb.nodes.replay import live_core
+from roah_rsbb.ros.live_core import REPLAY, live_core
 from roah_rsbb.wording.replay import PREFIX
 
 REASON = ("This is a replay of HGTKMH, team Alpha, round 1, run 1: nothing here is live, and commands have no effect")
 
 
 class TestLiveCore(unittest.TestCase):
-    def test_a_core_that_hangs_counts_only_before_the_replay(self) -> None:
+    def test_a_core_that_hangs_counts_only_if_that_is_wanted(self) -> None:
         with socket.create_server(("127.0.0.1", 0)) as hanging, \
-                mock.patch("rosgraph.Master") as master, \
-                mock.patch.multiple("roah_rsbb.nodes.replay", ANSWER_S=0.1, QUICK_ANSWER_S=0.1):
+                mock.patch("rosgraph.Master") as master:
             master().getSystemState.return_value = [[("/core/to_gui", ["/hanging"])], [], []]
             master().lookupNode.return_value = f"http://127.0.0.1:{hanging.getsockname()[1]}"
-            self.assertEqual([live_core(is_serving) for is_serving in (False, True)], ["/hanging", None])
+            self.assertEqual([live_core(REPLAY, 0.1, if_silent) for if_silent in (True, False)], ["/hanging", None])
 
 
 class TestReplay(OwnCoreCase):

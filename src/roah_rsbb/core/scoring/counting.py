@@ -120,11 +120,9 @@ def _module_number(score: ScoreValue) -> Optional[Fraction]:
     """A module's value as a number; None if it is missing or not a number."""
     try:
         value = json.loads(score.value)
-    except ValueError:
+        return exact(value) if isinstance(value, (bool, int, float)) and math.isfinite(value) else None
+    except (ValueError, OverflowError):
         return None
-    if not isinstance(value, (bool, int, float)) or not math.isfinite(value):
-        return None
-    return exact(value)
 
 
 # -- which runs count -------------------------------------------------------------------------------

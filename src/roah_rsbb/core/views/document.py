@@ -25,6 +25,7 @@ class Documents:
         self._box, self._uuid, self._host = box, uuid, host
         self._views, self._schedule, self._public = views.ZoneViews(box), ScheduleView(box), PublicViews(box, publicity)
         self.last = Document(BoxSeen(uuid, host, 0), {}, {}, {}, {}, {})
+        self.fault: Optional[Exception] = None  # why the last look has nothing new for the public
         self._events: Optional[Sequence[EventLine]] = None  # of which the last schedule was made
         self._revision: Optional[int] = None  # of the box, to which the sections belong that only events change
         self._lines: Dict[str, Tuple[RunRecord, Why, RunLine]] = {}  # by identity
@@ -42,10 +43,11 @@ class Documents:
             box=views.box_state(box, now, self._uuid, self._host, unsaved), robots=robots, zones=zones,
             schedule=last.schedule if events is self._events else _kept(last.schedule, events_shown(events)))
         has_changed = revision != self._revision
-        if has_changed or zones is not last.zones:
-            document = document._replace(public_runs=_kept(last.public_runs, self._public.runs(zones)))
         if has_changed:
-            document = self._after_events(document, now)
+            document = document._replace(
+                results=_kept(last.results, self._results(now)), judging=_kept(last.judging, self._judging(now)))
+        if has_changed or zones is not last.zones:
+            document = self._publicly(document, now, has_changed)
         self._revision, self._events = revision, events
         if document.box == last.box:
             document = document._replace(box=last.box)
@@ -55,12 +57,20 @@ class Documents:
             self.last = document
         return self.last
 
-    def _after_events(self, document: Document, now: Now) -> Document:
-        """Return the document with the sections that only events change."""
+    def _publicly(self, document: Document, now: Now, has_changed: bool) -> Document:
+        """Return the document with what the public may see. If that cannot be made, which is an error of this program,
+        the public sees what it saw before, and the referees see all else."""
         last = self.last
-        return document._replace(
-            results=_kept(last.results, self._results(now)), judging=_kept(last.judging, self._judging(now)),
-            public=self._public.others(now), public_results=_kept(last.public_results, self._public.results(now)))
+        try:
+            found = document._replace(public_runs=_kept(last.public_runs, self._public.runs(document.zones)))
+            if has_changed:
+                found = found._replace(public=self._public.others(now),
+                                       public_results=_kept(last.public_results, self._public.results(now)))
+        except Exception as error:
+            self.fault = error
+            return document
+        self.fault = None
+        return found
 
     def _results(self, now: Now) -> Dict[str, RunLine]:
         scores, before = self._box.scores, self._lines

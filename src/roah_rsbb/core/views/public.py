@@ -114,13 +114,13 @@ class PublicViews:
                      for zone, event in lines[:MAX_FOLLOWING])
 
     def _ranking(self, now: Now) -> Tuple[PublicStanding, ...]:
-        """Return the standings of the runs that are signed off. Such a run never changes."""
+        """Return the standings of the runs that are signed off. Such a run never changes; whether it counts may."""
         if self._publicity.results is not PublicResults.SCORES:
             return ()
         finished = self._box.finished
         ruled = self._box.scores.rulings(now)
-        counting = tuple(r.record.identity for r in ruled if r.counts and r.record.sign_off is not None)
-        made_of = counting, finished.ranking, finished.benchmarks
+        signed = tuple((r.record.identity, r.why) for r in ruled if r.record.sign_off is not None)
+        made_of = signed, finished.ranking, finished.benchmarks
         if self._ranked != made_of:
             self._ranked = made_of
             self._standings = self._publicity.ranked(

@@ -93,7 +93,7 @@ def sums_of_record(record: RunRecord) -> str:
 
 def timeless(record: RunRecord) -> RunRecord:
     """Return the record without values that change with time only."""
-    return record._replace(elapsed_s=0.0)
+    return record._replace(elapsed_s=0.0, phases=tuple(phase._replace(elapsed_s=0.0) for phase in record.phases))
 
 
 def _revision(record: RunRecord) -> int:

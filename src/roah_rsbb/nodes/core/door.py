@@ -18,7 +18,7 @@ from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import NOTHING_ALLOWED, Publicity
 from roah_rsbb.document.calls import Call
 from roah_rsbb.document.document import Written
-from roah_rsbb.document.place import new_token, write_place
+from roah_rsbb.document.place import NotFound, new_token, read_place, write_place
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.results import UnsavedParts
@@ -92,8 +92,9 @@ class BoxDoor:
         """End all connections. The file goes, so that nobody looks for a box that is over."""
         self._door.close()
         if self._path:
-            with contextlib.suppress(OSError):
-                os.unlink(self._path)
+            with contextlib.suppress(OSError, NotFound):
+                if read_place(self._path).token == self._token:  # another box may have written its own
+                    os.unlink(self._path)
 
     def changed(self) -> None:
         """Note that an event changed something: clients are sent it soon."""
@@ -122,6 +123,9 @@ class BoxDoor:
             self.document = self._documents.look(now, self._log_files(), self._unsaved())
             self._written.update(self.document, now)
             self._is_current = True
+            if self._documents.fault is not None:
+                rospy.logerr_throttle_identical(
+                    60.0, f"internal error, please report it: the public sees nothing new ({self._documents.fault!r})")
         except Exception as error:
             self._is_current = False
             rospy.logerr_throttle_identical(60.0, f"internal error, please report it: {error}", exc_info=True)

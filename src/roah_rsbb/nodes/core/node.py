@@ -45,6 +45,7 @@ from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.nodes.standing_by import CORE, wait_for_journal, wait_for_takeover
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.live_core import wait_for_other_core
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.ros.params import BadParams, Params
@@ -225,6 +226,7 @@ def main() -> None:
     """Run the node."""
     explain(__doc__)
     close_to_others()
+    wait_for_other_core()
     connections.init_node(CORE, disable_signals=True)
     sys.setswitchinterval(SWITCH_S)
     status = 0

@@ -11,6 +11,8 @@ from roah_rsbb.core.views.public import MAX_FINISHED, MAX_FOLLOWING, Publicity, 
 from roah_rsbb.model.modules import RequestKind, ScoreValue
 from roah_rsbb.model.records import ItemRecord, SignOff
 from roah_rsbb.model.referee import RunName
+from roah_rsbb.results.standings import public_standings
+from roah_rsbb.rulebook.standing_rules import Overall, StandingPart, StandingRules
 
 NONE, OUTCOMES, SCORES = PublicResults.NONE, PublicResults.OUTCOMES, PublicResults.SCORES
 
@@ -200,3 +202,33 @@ def test_while_nothing_happens_nothing_changes():
     assert now.public is before.public and now.public_runs is before.public_runs
     driver.command("stop")
     assert documents.look(driver.now).public_runs != before.public_runs
+
+
+def _ranked(records, rules, choice, titles):
+    rules = StandingRules()
+    rules.overall = (Overall("All", (StandingPart("HGTKMH"),)),)
+    return public_standings(records, rules, choice, titles)
+
+
+def test_a_standing_shows_nothing_of_runs_that_are_not_signed_off():
+    driver = BoxDriver()
+    documents = Documents(driver.box, "uuid", "", Publicity(SCORES, True, ranked=_ranked))
+    driver.executing()
+    driver.command("stop")
+    driver.command("disconnect")
+    assert documents.look(driver.now).public.standings == ()
+    _sign(driver)
+    assert [[rank.team for rank in one.ranks] for one in documents.look(driver.now).public.standings] == [
+        ["Alpha"], ["Alpha"]]
+
+
+def test_what_cannot_be_made_for_the_public_hides_nothing_from_the_referees():
+    def fails(*_):
+        raise OverflowError("too large")
+
+    driver = BoxDriver()
+    documents = Documents(driver.box, "uuid", "", Publicity(SCORES, ranked=fails))
+    driver.connected()
+    document = documents.look(driver.now)
+    assert (document.zones["tbm"].phase, document.public_runs) == ("connected", {})
+    assert isinstance(documents.fault, OverflowError)

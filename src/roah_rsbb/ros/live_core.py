@@ -1,0 +1,82 @@
+"""Finds the core that runs at the ROS master: a second one would take its place, and clients would lose their box."""
+
+import socket
+import sys
+import time
+import xmlrpc.client
+from http.client import HTTPConnection, HTTPException
+from typing import Any, Optional
+from xml.parsers.expat import ExpatError
+
+import rosgraph
+import rosgraph.names
+import rospy
+
+GUI_TOPIC = "/core/to_gui"
+REPLAY = "/roah_rsbb_replay"  # the node that shows an earlier run; it ends when a core starts
+ANSWER_S = 5.0
+LOOK_S = 1.0
+
+
+def live_core(name: str, answer_s: float, if_silent: bool, topic: str = GUI_TOPIC) -> Optional[str]:
+    """Return the node that publishes the core's topics, other than a replay; None: there is none. Raises OSError.
+
+    `name`: of the caller. `if_silent`: whether a core counts that does not answer within `answer_s` seconds.
+    """
+    master = rosgraph.Master(name)
+    nodes = (node for one, nodes in master.getSystemState()[0] if one == topic for node in nodes)
+    others = (node for node in nodes if node != REPLAY)
+    return next((node for node in others if _publishes(master, node, answer_s, if_silent, topic)), None)
+
+
+def wait_for_other_core() -> None:
+    """Return when no other core answers at this master: one that hangs still has the journal, which says how to end
+    it. Call it before the node is registered there. Ends the process if it is interrupted before."""
+    mappings, reported = rosgraph.names.load_mappings(sys.argv), ""
+    topic = rosgraph.names.resolve_name(mappings.get(GUI_TOPIC, GUI_TOPIC), "/")
+    try:
+        while True:
+            try:
+                other = live_core("/roah_rsbb_core", ANSWER_S, False, topic)
+            except (OSError, rosgraph.MasterException):  # the node waits for the master, or reports why not
+                other = None
+            if other is None:
+                break
+            if other != reported:
+                reported = other
+                print(f"roah_rsbb_core: the core {other} is running at this ROS master. This one takes nothing over, "
+                      f"but waits until that one has ended. If that is the wrong one, end it: 'rosnode kill {other}'. "
+                      "For a second box, use another ROS master", file=sys.stderr, flush=True)
+            time.sleep(LOOK_S)
+    except KeyboardInterrupt:
+        sys.exit(0)
+    if reported:
+        print("roah_rsbb_core: the other core has ended", file=sys.stderr, flush=True)
+
+
+class _Impatient(xmlrpc.client.Transport):
+    """Calls time out."""
+
+    def __init__(self, answer_s: float) -> None:
+        super().__init__()
+        self._answer_s = answer_s
+
+    def make_connection(self, host: Any) -> HTTPConnection:
+        connection = super().make_connection(host)
+        connection.timeout = self._answer_s
+        return connection
+
+
+def _publishes(master: rosgraph.Master, node: str, answer_s: float, if_silent: bool, topic: str) -> bool:
+    """Whether a node publishes the core's topics. The master also lists nodes that have crashed. Another process,
+    even this one, may now use the port of such a node."""
+    try:
+        uri = master.lookupNode(node)
+        if uri == rospy.get_node_uri():
+            return False
+        topics = xmlrpc.client.ServerProxy(uri, _Impatient(answer_s)).getPublications(REPLAY)[2]
+        return topic in [name for name, _ in topics]
+    except socket.timeout:
+        return if_silent  # it hangs, or its network does, or this computer is very busy
+    except (OSError, HTTPException, xmlrpc.client.Error, ExpatError, ValueError, TypeError, rosgraph.MasterException):
+        return False
