@@ -73,7 +73,7 @@ class PublicDisplay:
                 if code is not None:
                     short_lives = short_lives + 1 if time.monotonic() - opened_mono < SHORT_LIFE_S else 0
                     if code == 0:
-                        rospy.loginfo("The window was closed, or its browser was told to end: the display ends")
+                        rospy.loginfo("The window was closed, or its browser ended by itself: the display ends")
                         return 0
                     if short_lives >= MAX_SHORT_LIVES:
                         raise CannotShow(f"{self._program} fails (exit code {code}): install another browser")

@@ -1,1 +1,1 @@
-"""The gateway for browsers: pages and live data, fed with the core's public topics. No ROS (docs/web.md)."""
+"""The gateway for browsers: pages and live data, fed with the box's document. No ROS (docs/web.md)."""

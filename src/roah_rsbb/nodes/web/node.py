@@ -1,7 +1,7 @@
 """Node roah_rsbb_web: serves the public display and other pages to browsers, and live data to programs (docs/web.md).
 
-Reading is open: it shows the public topics of the core. Devices that are paired may do more, through the door of the
-box. It can end and start again at any time. If its port is taken, it logs this once with the remedy, and retries. While
+Everything comes through the door of the box. Reading is open: it shows what is public. Devices that are paired may do
+more. It can end and start again at any time. If its port is taken, it logs this once with the remedy, and retries. While
 another gateway runs, it waits and changes nothing. It also serves the tablet's page, on a port of its own
 (docs/tablet.md).
 
@@ -45,7 +45,7 @@ from roah_rsbb.web.teams.codes import FILE as CODES_FILE
 from roah_rsbb.web.teams.codes import TeamCodes
 from roah_rsbb.wording import catalogues
 
-# How often it is checked why paired devices cannot act.
+# How often it is checked why the pages show nothing new.
 WHY_S = 5.0
 # How often the files of the certificate are checked.
 CERTIFICATE_S = 60.0
@@ -107,14 +107,14 @@ class WebPart:
         self._client.close()
 
     def _say_why(self) -> None:
-        """Log once why paired devices are shown nothing of the box."""
+        """Log once why there is nothing new of the box."""
         self._ros.loop.call_later(WHY_S, self._say_why)
         why = self._client.why
         if not why:
             self._why.clear()
         elif why not in self._why:
             self._why.add(why)
-            rospy.logwarn("Paired devices cannot act: %s", why)
+            rospy.logwarn("The pages show nothing new, and paired devices cannot act: %s", why)
 
     def _open(self) -> None:
         if self._certificate is not None:
