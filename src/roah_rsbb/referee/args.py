@@ -334,7 +334,7 @@ def _run(commands) -> None:
     one = _add(
         commands, "run", "take a robot through a whole run: connect, start, score sheet, disconnect",
         [f"{PROG} run 'Home A'", f"{PROG} run 'Home A' --event HWV/1/2 --wait 300",
-         f"{PROG} run 'Home A' --score door=yes --score furniture=2 --keep",
+         f"{PROG} run 'Home A' --score door=yes --score 'moved furniture=2' --keep",
          f"{PROG} run 'Home A' --event HNF --operations typed", f"{PROG} run 'Home A' --team Beta --robot b2"],
     )
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
