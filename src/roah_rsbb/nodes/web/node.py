@@ -1,8 +1,8 @@
 """Node roah_rsbb_web: serves the public display and other pages to browsers, and live data to programs (docs/web.md).
 
 Everything comes through the door of the box. Reading is open: it shows what is public. Devices that are paired may do
-more. It can end and start again at any time. If its port is taken, it logs this once with the remedy, and retries. While
-another gateway runs, it waits and changes nothing. It also serves the tablet's page, on a port of its own
+more. It can end and start again at any time. If its port is taken, it logs this once with the remedy, and retries.
+While another gateway runs, it waits and changes nothing. It also serves the tablet's page, on a port of its own
 (docs/tablet.md).
 
 Parameters (private): web and tablet (what is served: the pages, and the tablet's page; default: only the pages);
