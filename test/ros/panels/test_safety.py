@@ -198,11 +198,11 @@ class TestBehind(WindowCase):
         """Note the name of a panel each time that it is drawn, and if nothing has changed since the last time."""
         panel, model = self.panel(name), self.client.model
         show = panel.show_model
-        last: List[tuple] = [(*panel.parts(), model.box, model.is_old)]
+        last: List[tuple] = [(*panel.parts(), model.box, model.is_old, model.why)]
 
         def draw() -> None:
             drawn.append(name)
-            last.append((*panel.parts(), model.box, model.is_old))
+            last.append((*panel.parts(), model.box, model.is_old, model.why))
             if all(part is before for part, before in zip(last[-1], last[-2])):
                 needless.append(name)
             show()
