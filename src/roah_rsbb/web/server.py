@@ -246,12 +246,14 @@ class WebServer:
     def _look(self) -> None:
         """Send the clock each second, and at once when the core falls silent or is heard again. Count clocks."""
         self._timer = self._loop.call_later(LOOK_S, self._look)
-        self.follow()
+        if self.devices and self.desk.look():
+            self._send_changes(self.devices)
         now = self.now()
         is_heard = self.store.is_heard
         if now < self._beat_due_mono and is_heard == self._was_heard:
             return
         self._was_heard, self._beat_due_mono = is_heard, now + BEAT_S
+        self.follow()  # it may be another day
         self._close_unpaired()
         self._to_each((*self.devices, *self.viewers), lambda viewer, made: viewer.beat(now, made))
 

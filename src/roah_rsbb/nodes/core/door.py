@@ -100,6 +100,10 @@ class BoxDoor:
         """Note that an event changed something: clients are sent it soon."""
         self._publish_within(GAP_S)
 
+    def called(self) -> None:
+        """Note that a referee has made a call, whose effect others wait for."""
+        self._publish_within(CALLS_GAP_S)
+
     def _publish_within(self, gap_s: float) -> None:
         due = max(self._loop.time(), self._sent_mono + gap_s)
         if self._soon is None or due < self._soon.when():
@@ -138,7 +142,7 @@ class BoxDoor:
                 return call(arguments, caller)
             finally:
                 self._look()
-                self._publish_within(CALLS_GAP_S)
+                self.called()
 
         return carried_out
 

@@ -114,7 +114,7 @@ class CoreNode:
     def _offer_calls(self, box_uuid: str) -> None:
         """Offer the box's calls: at its door, and as the original services."""
         core, box, ros = self._core, self._box, self._ros
-        calls = BoxCalls(box, self._event, Disks(core.journal.ticket, core.store.why_not_saved, core.standby.ask))
+        calls = BoxCalls(box, self._call, Disks(core.journal.ticket, core.store.why_not_saved, core.standby.ask))
         self._services = LoopServices(ros.loop, core.fence.check)
         CoreServices(box, self._services, calls)
         reload = Reloads(box, self._configuration, ros, self._event, self._use)
@@ -147,6 +147,12 @@ class CoreNode:
         self._services.close()
         self._core.close()
         self._ros.close()
+
+    def _call(self, method: Callable[..., object], *args: object) -> None:
+        try:
+            self._event(method, *args)
+        finally:
+            self._door.called()
 
     def _moment(self) -> Tuple[Now, Document]:
         self._core.fence.check()
