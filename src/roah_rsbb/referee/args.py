@@ -353,6 +353,7 @@ def _run(commands) -> None:
         "--score", metavar="ITEM=VALUE", action="append", default=[], type=_type("ITEM=VALUE", score_wanted),
         help="set a scoring item after the start; may be repeated",
     )
+    _by(one)
     one.add_argument("--keep", action="store_true", help="stay connected at the end")
     one.add_argument(
         "--operations", choices=[who.value for who in Operations], default=Operations.OTHERS.value,

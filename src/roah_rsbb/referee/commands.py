@@ -208,6 +208,7 @@ def _run(link: Link, options, output: Output) -> Exit:
     event = options.event
     if options.team:
         event = (event or EventWanted())._replace(team=options.team)
+    link.referee = options.referee
     plan = ScriptPlan(
         _zone_name(link, options.zone), options.wait, event, tuple(options.score), options.keep,
         Operations(options.operations), options.robot,

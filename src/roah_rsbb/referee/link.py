@@ -34,6 +34,7 @@ class Link(Client[Document]):
     def __init__(self) -> None:
         super().__init__(Document, DoorPlaces().find, face=ROLE)
         self.node = caller_name(ROLE)  # of this program, for the box's records
+        self.referee = ""  # who acts, where a call names nobody
         self._seen = 0  # the news at the end of the last `next`
         self._last: Optional[Future[Answer]] = None  # the last call, which may have been interrupted
 
@@ -81,17 +82,18 @@ class Link(Client[Document]):
             referee: str = "") -> None:
         """Do one of `model.actions.EVERY`; raises `Refused` with the core's reasons, or `NoCore`. `given`: the values
         of its fields; `run`: identity of the run that is meant, empty: whichever is there; `referee`: who does it."""
-        self._request("act", action=action, zone=zone, run=run, given=given or {}, by=referee)
+        self._request("act", action=action, zone=zone, run=run, given=given or {}, by=referee or self.referee)
 
     def stop_run(self, zone: str, identity: str) -> None:
         """Stop the run of that identity; raises as `act` does."""
-        self._answered(self.stop(zone, identity, None, ANSWER_S, node=self.node))
+        self._answered(self.stop(zone, identity, None, ANSWER_S, node=self.node, by=self.referee))
 
     def mark(self, zone: str, identity: str, item: SheetItem, entered: Entered, referee: str = "") -> None:
         """Mark an item in the run of that identity. The core applies the mark once, so it is sent again while the core
         does not answer, as while it restarts. Raises as `act` does."""
         mark = {"group": item.group, "desc": item.desc, **entered._asdict(), "role": ROLE, "id": str(uuid.uuid4())}
-        self._request("act", again=True, action=MARK, zone=zone, run=identity, given=mark, by=referee)
+        self._request("act", again=True, action=MARK, zone=zone, run=identity, given=mark,
+                      by=referee or self.referee)
 
     def reload(self, digest: str, referee: str) -> Dict[str, Any]:
         """Check the configuration files, or apply what was listed with this digest. Raises as `act` does."""

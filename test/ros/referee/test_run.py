@@ -5,6 +5,9 @@ import signal
 from support.box_case import BoxCase
 from support.referee_program import Referee, referee
 
+from roah_rsbb.document.written import read
+from roah_rsbb.model.results import RunSheet
+
 
 class TestRun(BoxCase):
     """The robot of zone Door's team is in the test's hand."""
@@ -17,8 +20,14 @@ class TestRun(BoxCase):
         self.addCleanup(run.close)
         return run
 
+    def last_sheet(self) -> RunSheet:
+        """The score sheet of the last run."""
+        self.box.wait_current()
+        run = next(run for run in self.box.document.runs() if run.zone == self.ZONE)
+        return read(RunSheet, self.box.ask("sheet", zone=self.ZONE, run=run.identity))
+
     def test_a_robot_completes_it(self) -> None:
-        run = self.start("--score", "kimble rings=yes", "--score", "false alarm=+2")
+        run = self.start("--score", "kimble rings=yes", "--score", "false alarm=+2", "--by", "Ada")
         run.event("note", text="waiting to connect: No robot of team Beta is active: none of its beacons arrives on "
                                f"UDP port {self.box.gui.port}")
         robot = self.robot("Beta")
@@ -34,17 +43,21 @@ class TestRun(BoxCase):
         self.assertEqual((result["ok"], result["end_reason"], result["robot"]), (True, "completed", "Robot"))
         self.assertEqual([(i["number"], i["value"]) for i in result["score"] if i["value"]], [(1, 1), (10, 2)])
         self.assertEqual(self.read_log(result["log_file"]).values("/visitor"), ["postman"])
+        sheet = self.last_sheet()
+        self.assertEqual({entry.who.partition(" ")[0] for entry in sheet.history}, {"Ada"})
         self.box.wait_details(self.ZONE, lambda d: d.phase == "idle", "it is disconnected")
 
     def test_an_interrupt_stops_the_robot(self) -> None:
         robot = self.robot("Beta")
-        run = self.start()
+        run = self.start("--by", "Ada")
         robot.wait_did("execute HWV")
         run.signal(signal.SIGINT)
         robot.wait_did("stop")
         self.assertEqual(run.event("result")["end_reason"], "stopped")
         self.assertEqual(run.wait_ended(), 130)
         self.box.wait_details(self.ZONE, lambda d: d.phase == "idle", "it is disconnected")
+        sheet = self.last_sheet()
+        self.assertTrue(sheet.ends[-1].who.startswith("Ada "), sheet.ends)
 
     def test_every_word_of_the_core_fits_the_program(self) -> None:
         done = referee("status", self.ZONE)
