@@ -112,8 +112,3 @@ class Public(NamedTuple):
     results: str = "none"  # what the organisers allow of results: none, outcomes or scores
     following: Tuple[PublicEvent, ...] = ()  # the events that have not begun, the soonest first
     standings: Tuple[PublicStanding, ...] = ()
-
-    @property
-    def shows_outcomes(self) -> bool:
-        """Whether the public may see how runs end."""
-        return self.results != "none"

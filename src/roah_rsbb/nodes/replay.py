@@ -9,7 +9,7 @@ core's services refuse every command.
 import os
 import sys
 import uuid
-from typing import Any, Callable, List, Tuple
+from typing import Any, Callable, List
 
 import rosgraph
 import rospy
@@ -18,7 +18,7 @@ from roah_rsbb.arguments import Parser, number
 from roah_rsbb.box.calls import BoxCalls
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.document import Document
+from roah_rsbb.model.document import REPLAY as PREFIX
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.nodes.core.door import BoxDoor
 from roah_rsbb.nodes.core.original_topics import OriginalTopics
@@ -30,7 +30,6 @@ from roah_rsbb.ros.live_core import ANSWER_S, REPLAY, live_core
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.rulebook.errors import ConfigErrors
-from roah_rsbb.wording.replay import PREFIX
 
 PERIOD_S = 0.1  # of the panels' messages, as in the core
 PUBLIC_EVERY = 5
@@ -80,7 +79,7 @@ class ReplayNode:
         calls = BoxCalls(box, self._event)
         self._door = BoxDoor(self._ros.loop, box, self._uuid, "", lambda: self._shown.now, dict, tuple, calls.named(),
                              lambda: None)
-        self._topics = OriginalTopics(self._ros, box, self._moment, PREFIX)
+        self._topics = OriginalTopics(self._ros, box, self._now, self._door.publish, PREFIX)
         CoreServices(box, LoopServices(self._ros.loop), calls)
 
     def run(self) -> int:
@@ -120,7 +119,6 @@ class ReplayNode:
         if core is not None:
             self._fail(beside_a_core(core))
             return
-        self._door.publish()
         self._topics.publish_to_gui()
         if self._ticks % PUBLIC_EVERY == 0:
             self._topics.publish_to_public()
@@ -129,9 +127,9 @@ class ReplayNode:
             rospy.loginfo("The run is over. Its last moment stays: end the replay with Ctrl-C")
         self._ticks += 1
 
-    def _moment(self) -> Tuple[Now, Document]:
+    def _now(self) -> Now:
         # Original panels mark a message as old if its clock did not advance: so it does, even if no time passes.
-        return self._shown.now.later(self._ticks * CLOCK_STEP_S), self._door.publish()
+        return self._shown.now.later(self._ticks * CLOCK_STEP_S)
 
     def _fail(self, text: str) -> None:
         rospy.logfatal("%s", text)

@@ -5,7 +5,7 @@ import sys
 import time
 import xmlrpc.client
 from http.client import HTTPConnection, HTTPException
-from typing import Any, Optional
+from typing import Any, Callable, Optional
 from xml.parsers.expat import ExpatError
 
 import rosgraph
@@ -32,26 +32,37 @@ def live_core(name: str, answer_s: float, if_silent: bool, topic: str = GUI_TOPI
 def wait_for_other_core() -> None:
     """Return when no other core answers at this master: one that hangs still has the journal, which says how to end
     it. Call it before the node is registered there. Ends the process if it is interrupted before."""
-    mappings, reported = rosgraph.names.load_mappings(sys.argv), ""
-    topic = rosgraph.names.resolve_name(mappings.get(GUI_TOPIC, GUI_TOPIC), "/")
+    topic = rosgraph.names.resolve_name(rosgraph.names.load_mappings(sys.argv).get(GUI_TOPIC, GUI_TOPIC), "/")
+
+    def other() -> Optional[str]:
+        try:
+            return live_core("/roah_rsbb_core", ANSWER_S, False, topic)
+        except (OSError, rosgraph.MasterException):  # the node waits for the master, or reports why not
+            return None
+
+    wait_while(other, "roah_rsbb_core: the core {name} is running at this ROS master. This one takes nothing over, but "
+                      "waits until that one has ended. If that is the wrong one, end it: 'rosnode kill {name}'. For a "
+                      "second box, use another ROS master", "roah_rsbb_core: the other core has ended")
+
+
+def wait_while(find: Callable[[], Optional[str]], waits: str, ended: str) -> None:
+    """Return when nothing is found any more. `find` returns the node that is waited for, and after a space what else is
+    known of it. If there is one, `waits` is printed ({other}: all of that, {name}: the node), and `ended` at the end.
+    Ends the process if it is interrupted before."""
+    reported = ""
     try:
         while True:
-            try:
-                other = live_core("/roah_rsbb_core", ANSWER_S, False, topic)
-            except (OSError, rosgraph.MasterException):  # the node waits for the master, or reports why not
-                other = None
+            other = find()
             if other is None:
                 break
             if other != reported:
                 reported = other
-                print(f"roah_rsbb_core: the core {other} is running at this ROS master. This one takes nothing over, "
-                      f"but waits until that one has ended. If that is the wrong one, end it: 'rosnode kill {other}'. "
-                      "For a second box, use another ROS master", file=sys.stderr, flush=True)
+                print(waits.format(other=other, name=other.partition(" ")[0]), file=sys.stderr, flush=True)
             time.sleep(LOOK_S)
     except KeyboardInterrupt:
         sys.exit(0)
     if reported:
-        print("roah_rsbb_core: the other core has ended", file=sys.stderr, flush=True)
+        print(ended, file=sys.stderr, flush=True)
 
 
 class _Impatient(xmlrpc.client.Transport):

@@ -1,6 +1,5 @@
 """Times for ROS messages. ROS times have a smaller range than the times that a clock or a robot may send."""
 
-import math
 
 import rospy
 
@@ -20,11 +19,6 @@ def ros_wire_time(wire_time: WireTime) -> rospy.Time:
     """Return a wire time as a ROS time, exactly, limited to its range."""
     nanoseconds = min(max(wire_ns(wire_time), 0), _MAX_TIME * 1_000_000_000)
     return rospy.Time(*divmod(nanoseconds, 1_000_000_000))
-
-
-def ros_limit(seconds: float) -> rospy.Duration:
-    """Return a time limit as a ROS duration; zero means no limit (infinity)."""
-    return rospy.Duration() if seconds == math.inf else ros_duration(seconds)
 
 
 def ros_duration(seconds: float) -> rospy.Duration:

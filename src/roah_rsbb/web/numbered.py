@@ -60,19 +60,6 @@ class BoxShown(Protocol):
         """Return the box's clocks."""
 
 
-class NoBox:
-    """A box that is never heard."""
-
-    document = None
-    is_old = True
-    why = "there is none"
-
-    @staticmethod
-    def now() -> Now:
-        """Return zeros."""
-        return Now(0.0, 0.0)
-
-
 class Numbered:
     """Documents by key, made from the document of a box."""
 

@@ -149,10 +149,13 @@ class WebServer:
 
     def follow(self) -> None:
         """Send what has changed in the box, or only with its clocks. Call it when the box has changed."""
-        if self.desk.look():
-            self._send_changes(self.devices)
+        self._follow_for_devices()
         if self.store.look():
             self.publish()
+
+    def _follow_for_devices(self) -> None:
+        if self.desk.look():
+            self._send_changes(self.devices)
 
     def _send_changes(self, readers: Iterable[Reader]) -> None:
         self._to_each(readers, lambda viewer, made: viewer.send_next(self.now(), made))
@@ -246,8 +249,8 @@ class WebServer:
     def _look(self) -> None:
         """Send the clock each second, and at once when the core falls silent or is heard again. Count clocks."""
         self._timer = self._loop.call_later(LOOK_S, self._look)
-        if self.devices and self.desk.look():
-            self._send_changes(self.devices)
+        if self.devices:
+            self._follow_for_devices()
         now = self.now()
         is_heard = self.store.is_heard
         if now < self._beat_due_mono and is_heard == self._was_heard:

@@ -15,10 +15,11 @@ from roah_rsbb.core.views import views
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import REPLAY as PREFIX
+from roah_rsbb.model.document import BoxSeen
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.zone import Count
 from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuration, read_run
-from roah_rsbb.wording.replay import PREFIX, is_replay
 
 # What depends on things that the journal does not have, or on the commands, which are off.
 NOT_COMPARED = {"actions", "state", "warnings", "module_status"}
@@ -131,8 +132,8 @@ def test_all_commands_are_refused_with_the_reason(played):
 
 
 def test_only_a_replay_is_marked_as_one():
-    assert is_replay(f"{PREFIX}1f691652")
-    assert not is_replay("1f691652-bd12-41b6-ba41-403569205c35")
+    assert BoxSeen(f"{PREFIX}1f691652", "", 0).is_replay
+    assert not BoxSeen("1f691652-bd12-41b6-ba41-403569205c35", "", 0).is_replay
 
 
 # -- judges -----------------------------------------------------------------------------------------

@@ -7,13 +7,13 @@ import pytest
 from tornado import httpclient, websocket
 
 from helpers.http_clients import HOST, HttpClients
+from helpers.public_box import PublicBox
 from roah_rsbb.model.judging import DIFFER, Given, JudgedItem, JudgedRun, Judging
 from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.web.commands import FIELDS, BadCommand, Outcome, command_of, may
 from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.limits import Rates
-from roah_rsbb.web.numbered import NoBox
 from roah_rsbb.web.pairing import SESSION_VALID_S, DeviceSession, Grant, Sessions
 from roah_rsbb.web.server import NOT_PAIRED, WebServer
 from roah_rsbb.web.store import Store
@@ -108,7 +108,7 @@ class Served(HttpClients):
         self.commands = []
         self.outcome = Outcome(result={"number": 3})
         self.sessions = Sessions(lambda records: None)
-        store = Store(NoBox(), GERMAN)
+        store = Store(PublicBox(), GERMAN)
         self.server = WebServer(running.loop, store, FOLDER, frozenset(), self.sessions, self.carry_out)
         self.port = self.server.open(HOST, 0)
         self.origin = f"http://{HOST}:{self.port}"

@@ -5,13 +5,13 @@ import json
 import pytest
 
 from helpers.forms import ODD, ODD_ASKED, shown_form
+from helpers.public_box import PublicBox
 from helpers.shown_box import MONO, NOW, ShownBox, zone_of
 from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.zone import Count, RunClock
 from roah_rsbb.web import zone_documents
 from roah_rsbb.web.desk import NO_STOP, STOP, Desk
-from roah_rsbb.web.numbered import NoBox
 from roah_rsbb.web.store import Store
 
 KEY = ("page.zone", "en", "Home")
@@ -160,7 +160,7 @@ def test_a_box_is_heard_while_its_document_is_current(desk):
     assert not desk.is_heard
     desk.box.is_old, desk.box.why = False, "the connection was lost just now"
     assert not desk.is_heard
-    unknown = Desk(Store(NoBox(), {}))
+    unknown = Desk(Store(PublicBox(), {}))
     assert not unknown.look() and not unknown.is_heard and unknown.clock() is None and unknown.zones() == []
     assert unknown.team_facts("Alpha", "en") is None
 

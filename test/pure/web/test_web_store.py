@@ -9,11 +9,11 @@ from helpers import catalogues
 from helpers.public_box import PublicBox, event, explanation, result, run, standing
 from helpers.shown_box import NOW
 from helpers.time_zones import local_time
+from roah_rsbb.model.document import REPLAY as PREFIX
 from roah_rsbb.web.documents import DATA, PAGE_EXPLAINED, TEXTS
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.viewer import Viewer
 from roah_rsbb.wording.catalogues import read, translation
-from roah_rsbb.wording.replay import PREFIX
 
 SCHEMAS = pathlib.Path(__file__).resolve().parents[3] / "resource" / "web" / "schemas"
 EVENTS = (event(after_s=900.0), event("Hall", "ALL"))

@@ -33,6 +33,7 @@ from support.gui_testing import (
 from support.panel_case import CoreCase
 
 from roah_rsbb.document.calls import Caller
+from roah_rsbb.model.document import REPLAY as PREFIX
 from roah_rsbb.nodes.core.reload import Reloaded
 from roah_rsbb.rqt.app.panel_list import PANELS, load
 from roah_rsbb.rqt.app.window import Window
@@ -50,7 +51,6 @@ from roah_rsbb.rqt.widgets.basic import ALARM, OLD
 from roah_rsbb.rqt.widgets.focus_ring import FocusRing
 from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
 from roah_rsbb.rqt.widgets.sheet_view import ARRANGEMENTS, SheetView
-from roah_rsbb.wording.replay import PREFIX
 
 PLUGIN_XML = pathlib.Path(__file__).resolve().parents[3] / "plugin.xml"
 

@@ -19,7 +19,7 @@ import sys
 import threading
 import time
 import uuid
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, List, Optional
 
 import rospy
 from std_srvs.srv import Empty as EmptySrv
@@ -34,7 +34,6 @@ from roah_rsbb.journal.file import DamagedJournal, Resume, boot_id
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.document import Document
 from roah_rsbb.nodes.core.configuration import Configuration, Content
 from roah_rsbb.nodes.core.door import BoxDoor
 from roah_rsbb.nodes.core.original_topics import OriginalTopics, TimeoutBell
@@ -125,7 +124,7 @@ class CoreNode:
     def run(self) -> None:
         """Run until shut down."""
         self._ros.loop.run_until_complete(self._core.ask())
-        self._topics = OriginalTopics(self._ros, self._box, self._moment)
+        self._topics = OriginalTopics(self._ros, self._box, self._now, self._door.publish)
         self._bell.open()
         self._others.open(self._core)
         gc.collect()
@@ -154,10 +153,10 @@ class CoreNode:
         finally:
             self._door.called()
 
-    def _moment(self) -> Tuple[Now, Document]:
+    def _now(self) -> Now:
+        """The moment of what is published: nothing leaves after a takeover."""
         self._core.fence.check()
-        document = self._door.publish()
-        return self._core.now(), document
+        return self._core.now()
 
     def _on_changed(self) -> None:
         if self._door is not None:
@@ -179,7 +178,7 @@ class CoreNode:
         self._ros.loop.call_later(GUI_PERIOD_S, self._tick)
         self._event(self._box.tick_if_due)
         self._signs.send()
-        todo: List[Callable[[], object]] = [self._door.publish, self._topics.publish_to_gui]
+        todo: List[Callable[[], object]] = [self._topics.publish_to_gui]
         if self._ticks % PUBLIC_EVERY == 0:
             todo.append(self._topics.publish_to_public)
         if self._ticks % JOURNAL_EVERY == 0:

@@ -2,7 +2,7 @@
 
 import asyncio
 import time
-from typing import Any, Callable, List, Optional, Tuple
+from typing import Any, Callable, List, Optional
 
 import rospy
 from std_msgs.msg import Empty
@@ -58,9 +58,12 @@ class OriginalTopics:
     """The topics for panels and the public display; they are made only while somebody subscribes. All methods but the
     constructor are called in the loop's thread."""
 
-    def __init__(self, ros: RosLoop, box: Box, moment: Callable[[], Tuple[Now, Document]], prefix: str = "") -> None:
-        """`moment` returns the box's clocks and its document of that moment; `prefix`: see `ToPublic`."""
-        self._moment = moment
+    def __init__(
+        self, ros: RosLoop, box: Box, now: Callable[[], Now], look: Callable[[], Document], prefix: str = "",
+    ) -> None:
+        """`now` returns the box's clocks; `look` sends clients of the door what has changed, and returns the document;
+        `prefix`: see `ToPublic`."""
+        self._now, self._look = now, look
         self._to_gui, self._to_public = ToGui(box), ToPublic(box, prefix)
         self._gui = LatchedTopic("/core/to_gui", CoreToGui, lambda: ros.post(self.publish_to_gui))
         self._public = LatchedTopic("/core/to_public", CoreToPublic, lambda: ros.post(self.publish_to_public))
@@ -71,14 +74,15 @@ class OriginalTopics:
         return self._gui.is_wanted or self._public.is_wanted
 
     def publish_to_gui(self) -> None:
-        """Publish for panels; they expect it ten times a second."""
+        """Look at the box, for clients of the door too, and publish for panels; they expect it ten times a second."""
+        document = self._look()
         if self._gui.is_wanted:
-            publish(self._gui, self._to_gui.message(*self._moment()))
+            publish(self._gui, self._to_gui.message(self._now(), document))
 
     def publish_to_public(self) -> None:
         """Publish for the public display, twice a second."""
         if self._public.is_wanted:
-            publish(self._public, self._to_public.message(self._moment()[0]))
+            publish(self._public, self._to_public.message(self._now()))
 
 
 class TimeoutBell:

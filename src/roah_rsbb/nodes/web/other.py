@@ -3,7 +3,6 @@ the first one if both have the same name."""
 
 import socket
 import sys
-import time
 from typing import Any, Dict, Optional
 
 import rosgraph
@@ -11,10 +10,11 @@ import rosgraph.names
 import rosgraph.network
 import rospy
 
+from roah_rsbb.ros.live_core import wait_while
+
 PAIR = "/web/pair"
 # A gateway that does not answer within this time hangs, but may continue.
 ANSWER_S = 2.0
-LOOK_S = 1.0
 
 
 def wait_for_other() -> None:
@@ -27,22 +27,10 @@ def wait_for_other() -> None:
     master = rosgraph.Master(name)
     if not _has_pages(master, name, mappings):
         return
-    reported = ""
-    try:
-        while True:
-            other = running(master, mappings.get(PAIR, PAIR))
-            if other is None:
-                break
-            if other != reported:
-                reported = other
-                print(f"roah_rsbb_web: another gateway is running: {other}. This one serves nothing and takes nothing "
-                      "over, but waits until that one has ended. If that is the wrong one, end it with "
-                      f"'rosnode kill {other.partition(' ')[0]}'", file=sys.stderr, flush=True)
-            time.sleep(LOOK_S)
-    except KeyboardInterrupt:
-        sys.exit(0)
-    if reported:
-        print("roah_rsbb_web: the other gateway has ended", file=sys.stderr, flush=True)
+    wait_while(lambda: running(master, mappings.get(PAIR, PAIR)),
+               "roah_rsbb_web: another gateway is running: {other}. This one serves nothing and takes nothing over, "
+               "but waits until that one has ended. If that is the wrong one, end it with 'rosnode kill {name}'",
+               "roah_rsbb_web: the other gateway has ended")
 
 
 def _has_pages(master: rosgraph.Master, name: str, mappings: Dict[str, Any]) -> bool:
