@@ -20,6 +20,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 sys.path[:0] = [str(ROOT / "test" / "ros"), str(ROOT / "test" / "pure")]
 
+import beside  # noqa: E402
 import comm_nodes  # noqa: E402
 import copying  # noqa: E402
 import flood  # noqa: E402
@@ -50,6 +51,9 @@ from roah_rsbb.srv import Zone  # noqa: E402
 WINDOW_ZONES = 20
 RESUMED = 10
 MANY_VIEWERS = 200
+REPEATING = 40  # robots
+# How many times the bare loop's load the core's may be, without and with a subscriber, by the robots' period (s).
+REPEAT_TARGETS = {load.ORIGINAL_PERIOD_S: (1.25, 1.4), load.PERIOD_S: (1.2, 1.2)}
 START_RUNS = 500
 FEW_RUNS = 100
 # Clients of the door, and phones.
@@ -74,7 +78,7 @@ class Extent(NamedTuple):
     flood_rounds: int  # of each kind
 
 
-QUICK = Extent(probes=36, starts=12, clicks=5, kills=2, takeovers=1, seconds=1.2, idle_seconds=1.0, runs=200,
+QUICK = Extent(probes=36, starts=12, clicks=5, kills=2, takeovers=1, seconds=2.0, idle_seconds=2.0, runs=200,
                reported_runs=50, flood_rounds=2)
 FULL = Extent(probes=300, starts=100, clicks=40, kills=10, takeovers=5, seconds=15.0, idle_seconds=10.0, runs=10_000,
               reported_runs=1000, flood_rounds=5)
@@ -151,7 +155,7 @@ class Bench:
     def hundred(self) -> None:
         """Load, reaction and a longer load with 100 robots."""
         with box_in_runs(100, idle=self._idle) as (box, fleet):
-            self._load("100 robots, 50 ms", box, fleet, cpu_target=70, memory_target=150)
+            self._load("100 robots, 50 ms", box, fleet, cpu_target=16, memory_target=150)
             fleet.keep_sending(load.PERIOD_S)
             waited, began = box.process.waited_s(), time.monotonic()
             taken = reaction.react(fleet, fleet.robots, self.extent.probes)
@@ -161,6 +165,31 @@ class Bench:
             self.results.add("reaction, 100 robots: waited for a core that others used", "% of the time", waited)
             if self.soak_minutes:
                 self._soak(box, fleet)
+
+    def repeats(self) -> None:
+        """The core in turns with a bare loop that only receives, decrypts, parses and answers once a second."""
+        results, seconds = self.results, self.extent.seconds
+        with box_in_runs(REPEATING, idle=self._unfollowed) as (box, fleet):
+            memory = box.process.memory_mb()
+            dropped = box.dropped()
+            for period_s, found in beside.compare(box, fleet, tuple(REPEAT_TARGETS), seconds).items():
+                name = f"{REPEATING} robots, {1.0 / period_s:g}/s each"
+                results.add(f"{name}: CPU of the bare loop", "% of a core", quantile(found.bare, 0.5))
+                for how, values, target in zip(("", ", with a subscriber"), (found.core, found.followed),
+                                               REPEAT_TARGETS[period_s]):
+                    results.add(f"{name}{how}: CPU", "% of a core", quantile(values, 0.5))
+                    results.add(f"{name}{how}: as much as the bare loop", "times", found.ratio(values), target)
+            results.add(f"{REPEATING} robots: memory grown", "MB", box.process.memory_mb() - memory, 5)
+            results.add(f"{REPEATING} robots: lost in the box", "datagrams", box.dropped() - dropped, 0)
+            fleet.keep_sending(load.PERIOD_S)
+            taken = reaction.react(fleet, fleet.robots, self.extent.probes)
+            results.add_spread(f"reaction, {REPEATING} robots at 50 ms", "ms", taken, {0.99: 5})
+
+    def _unfollowed(self, box: Box) -> None:
+        """Cost of robots without runs, without a subscriber."""
+        time.sleep(1.5)  # until the box has heard all robots
+        self.results.add(f"no run, {box.zones} zones and robots, no subscriber: CPU", "% of a core",
+                         box.process.cpu_percent(self.extent.idle_seconds), 1.8)
 
     def _soak(self, box: Box, fleet: Fleet) -> None:
         parts = [load.measure(box, fleet, self.soak_minutes * 30.0) for _ in range(2)]
@@ -461,7 +490,7 @@ def profile(robots: int, seconds: float) -> None:
 
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
-    "one", "door", "resume", "hung", "takeover", "copying", "hundred", "hostile", "floods",
+    "one", "door", "resume", "hung", "takeover", "copying", "repeats", "hundred", "hostile", "floods",
     "window", "web", "browser", "journal", "comm")}
 
 
