@@ -39,7 +39,10 @@ class Cipher(enum.IntEnum):
     @property
     def iv_size(self) -> int:
         """Bytes of the initialisation vector before the ciphertext: 16 for CBC, else 0."""
-        return BLOCK_SIZE if self in (Cipher.AES_128_CBC, Cipher.AES_256_CBC) else 0
+        return _IV_SIZES[self]
+
+
+_IV_SIZES = 0, 0, BLOCK_SIZE, 0, BLOCK_SIZE  # by number
 
 
 def cipher_by_label(label: str) -> Cipher:
@@ -54,40 +57,22 @@ def cipher_by_label(label: str) -> Cipher:
 class _Stream:
     """One direction of a cipher. It is set up once for all datagrams, because that takes longer than its use.
 
-    Each call continues the previous one. So in CBC mode the last block of ciphertext of the previous call acts as
-    initialisation vector. The first block is corrected for this.
+    Each call continues the previous one. So in CBC mode one more block comes first. Decrypted, the initialisation
+    vector gives a meaningless block, and then the plain text. Encrypted, a random block gives another random one, which
+    is the initialisation vector of what follows.
     """
 
-    __slots__ = ("_before", "_cipher", "_context", "_encrypts", "_lock")
+    __slots__ = ("_context", "_lock")
 
-    def __init__(self, aes: algorithms.AES, cipher: Cipher, encrypts: bool) -> None:
-        mode = modes.CBC(bytes(BLOCK_SIZE)) if cipher.iv_size else modes.ECB()
-        aes_cipher = _AesCipher(aes, mode, backend=_BACKEND)
+    def __init__(self, aes: algorithms.AES, cipher: Cipher, encrypts: bool, iv: bytes = bytes(BLOCK_SIZE)) -> None:
+        aes_cipher = _AesCipher(aes, modes.CBC(iv) if cipher.iv_size else modes.ECB(), backend=_BACKEND)
         self._context = aes_cipher.encryptor() if encrypts else aes_cipher.decryptor()
-        self._cipher, self._encrypts = cipher, encrypts
-        self._before = 0  # the latest block of ciphertext
         self._lock = threading.Lock()
 
-    def run(self, blocks: bytes, iv: bytes) -> bytes:
-        """Process whole blocks, from any thread; ValueError for wrong lengths."""
-        if not blocks or len(blocks) % BLOCK_SIZE:
-            raise ValueError(f"{len(blocks)} bytes are not whole blocks of {BLOCK_SIZE}")
-        if len(iv) != self._cipher.iv_size:
-            raise ValueError(f"{self._cipher.label} needs an IV of {self._cipher.iv_size} bytes, not {len(iv)}")
+    def run(self, blocks: bytes) -> bytes:
+        """Process whole blocks, from any thread."""
         with self._lock:
-            if not iv:
-                return self._context.update(blocks)
-            if self._encrypts:
-                done = self._context.update(self._correct(blocks, iv))
-                self._before = int.from_bytes(done[-BLOCK_SIZE:], "big")
-            else:
-                done = self._correct(self._context.update(blocks), iv)
-                self._before = int.from_bytes(blocks[-BLOCK_SIZE:], "big")
-            return done
-
-    def _correct(self, plain: bytes, iv: bytes) -> bytes:
-        first = int.from_bytes(plain[:BLOCK_SIZE], "big") ^ self._before ^ int.from_bytes(iv, "big")
-        return first.to_bytes(BLOCK_SIZE, "big") + plain[BLOCK_SIZE:]
+            return self._context.update(blocks)
 
 
 class Key:
@@ -125,28 +110,43 @@ class Key:
     def encrypt(self, cipher: Cipher, plain: bytes, iv: Optional[bytes] = None) -> bytes:
         """Return the initialisation vector (none for ECB) and the ciphertext of `plain` with PKCS#7 padding.
 
-        `iv` is for tests that compare bytes; the default is random.
+        `iv` is for tests that compare bytes; the default is random. ValueError for a wrong length of it.
         """
-        if iv is None:
-            iv = self._random_bytes(cipher.iv_size)
         padded = plain + _PADDINGS[BLOCK_SIZE - len(plain) % BLOCK_SIZE]
-        return iv + self._stream(cipher, encrypts=True).run(padded, iv)
+        if iv is None:
+            return self._stream(cipher, encrypts=True).run(self._random_bytes(cipher.iv_size) + padded)
+        _check_iv(cipher, iv)
+        return iv + _Stream(self._aes(cipher), cipher, True, iv).run(padded)
 
     def decrypt(self, cipher: Cipher, iv: bytes, ciphertext: bytes) -> Optional[bytes]:
         """Return the plain text, or None if the padding shows that another key was used.
 
         `ciphertext` consists of whole blocks. Checking the padding need not take constant time, because there is no
-        answer to an undecryptable datagram.
+        answer to an undecryptable datagram. ValueError for wrong lengths.
         """
-        padded = self._stream(cipher, encrypts=False).run(ciphertext, iv)
+        _check_iv(cipher, iv)
+        if not ciphertext or len(ciphertext) % BLOCK_SIZE:
+            raise ValueError(f"{len(ciphertext)} bytes are not whole blocks of {BLOCK_SIZE}")
+        return self.decrypt_body(cipher, iv + ciphertext)
+
+    def decrypt_body(self, cipher: Cipher, body: bytes) -> Optional[bytes]:
+        """Like `decrypt`, for initialisation vector and ciphertext in one, whose length was checked."""
+        padded = self._stream(cipher, encrypts=False).run(body)
         count = padded[-1]
         if not 1 <= count <= BLOCK_SIZE or not padded.endswith(_PADDINGS[count]):
             return None
-        return padded[:-count]
+        return padded[cipher.iv_size:-count]
 
     def _stream(self, cipher: Cipher, encrypts: bool) -> _Stream:
         stream = self._streams.get((cipher, encrypts))
         if stream is None:
-            aes = self._aes_128 if cipher in (Cipher.AES_128_ECB, Cipher.AES_128_CBC) else self._aes_256
-            stream = self._streams[cipher, encrypts] = _Stream(aes, cipher, encrypts)
+            stream = self._streams[cipher, encrypts] = _Stream(self._aes(cipher), cipher, encrypts)
         return stream
+
+    def _aes(self, cipher: Cipher) -> algorithms.AES:
+        return self._aes_128 if cipher in (Cipher.AES_128_ECB, Cipher.AES_128_CBC) else self._aes_256
+
+
+def _check_iv(cipher: Cipher, iv: bytes) -> None:
+    if len(iv) != cipher.iv_size:
+        raise ValueError(f"{cipher.label} needs an IV of {cipher.iv_size} bytes, not {len(iv)}")

@@ -4,15 +4,22 @@ A sender encrypts each datagram with a new random initialisation vector, so only
 network duplicated it, or somebody recorded it and sends it again. The protocol itself cannot distinguish a copy
 (docs/protocol.md, "Frame").
 
-This is a Bloom filter. It never forgets one of the last `bits // BITS_PER_ENTRY` ciphertexts. It mistakes about one in
-2,000 new ones for a copy, and that datagram counts as lost. Two filters take turns, so that neither fills up.
+This is a Bloom filter whose bits of one ciphertext are in one word, so that it touches little memory. It never forgets
+one of the last `bits // BITS_PER_ENTRY` ciphertexts. It mistakes about one in 2,000 new ones for a copy, and that
+datagram counts as lost. Two filters take turns, so that neither fills up.
 """
 
-from typing import List
+from typing import NamedTuple, Optional
 
 # Bits for each ciphertext in a full filter, which then mistakes one in 2,000 new ciphertexts for a copy.
-BITS_PER_ENTRY = 24
-_PROBES = 4
+BITS_PER_ENTRY = 32
+
+
+class FilterPlace(NamedTuple):
+    """Where a ciphertext is in a filter."""
+
+    word: int
+    bits: int
 
 
 class Seen:
@@ -23,28 +30,29 @@ class Seen:
         self._bits = bits
         self._capacity = bits // BITS_PER_ENTRY
         self._count = 0
-        self._filter = bytearray(bits // 8)
-        self._before = bytearray()  # the previous, full filter; empty: none yet
+        self._filter = _words(bits)
+        self._before: Optional[memoryview] = None  # the previous, full filter
 
-    def add(self, ciphertext: bytes) -> None:
-        """Remember a ciphertext."""
-        if self._count >= self._capacity:
-            self._before, self._filter = self._filter, bytearray(self._bits // 8)
-            self._count = 0
-        for position in self._positions(ciphertext):
-            self._filter[position >> 3] |= 1 << (position & 7)
-        self._count += 1
-
-    def __contains__(self, ciphertext: bytes) -> bool:
-        positions = self._positions(ciphertext)
-        return _has(self._filter, positions) or (bool(self._before) and _has(self._before, positions))
-
-    def _positions(self, ciphertext: bytes) -> List[int]:
+    def place(self, ciphertext: bytes) -> FilterPlace:
+        """Return the place of a ciphertext, for the other methods: five bits of one word."""
         # Python's hash of bytes has a secret of this process: nobody can choose ciphertexts that collide.
         number = hash(ciphertext)
-        first, step = number & 0xFFFFFFFF, (number >> 32) | 1
-        return [(first + i * step) % self._bits for i in range(_PROBES)]
+        return FilterPlace((number >> 30) % len(self._filter), (
+            1 << (number & 63) | 1 << (number >> 6 & 63) | 1 << (number >> 12 & 63) | 1 << (number >> 18 & 63)
+            | 1 << (number >> 24 & 63)))
+
+    def add(self, place: FilterPlace) -> None:
+        """Remember a ciphertext."""
+        if self._count >= self._capacity:
+            self._before, self._filter = self._filter, _words(self._bits)
+            self._count = 0
+        self._filter[place.word] |= place.bits
+        self._count += 1
+
+    def __contains__(self, place: FilterPlace) -> bool:
+        word, bits = place
+        return self._filter[word] & bits == bits or (self._before is not None and self._before[word] & bits == bits)
 
 
-def _has(bits: bytearray, positions: List[int]) -> bool:
-    return all(bits[position >> 3] >> (position & 7) & 1 for position in positions)
+def _words(bits: int) -> memoryview:
+    return memoryview(bytearray(bits // 8)).cast("Q")
