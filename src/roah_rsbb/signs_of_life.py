@@ -1,4 +1,4 @@
-"""Signs of life of the core: its loop sends one ten times a second, and nothing else of it does.
+"""Signs of life of the core: its loop sends five a second or more, and nothing else of it does.
 
 They are datagrams as systemd expects them (sd_notify), so that one message serves systemd and the nodes that watch the
 core on its computer. The kernel says which process sent one. A process that only exists sends none: one that is

@@ -22,9 +22,10 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import CoreSession
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.store import Journal
-from roah_rsbb.model.clock import Now, one_moment
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.radio.radio import CoreRadio, Network, beacon_size
+from roah_rsbb.radio.short_way import Turns
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.standby.clocks import ahead_of
 
@@ -40,10 +41,7 @@ class Machine(NamedTuple):
     running_s: Callable[[], float] = running_s  # seconds, also while the computer sleeps
     random_bytes: Callable[[int], bytes] = os.urandom
     seen: Optional[Seen] = None  # see `CoreRadio`
-
-    def now(self) -> Now:
-        """The present moment on both clocks."""
-        return one_moment(self.mono, self.utc)
+    can_wait: bool = True  # see `Turns`
 
 
 class BoxPlace(NamedTuple):
@@ -81,6 +79,7 @@ class CoreAssembly:
         """
         self._loop, self._machine, self._place = loop, machine, place
         last_port, port_warnings = ports.read()
+        self._turns = Turns(loop, machine.mono, machine.utc, machine.can_wait)
         now = self.now()
         session = CoreSession(now.utc, now.mono, machine.boot_id, machine.pid, machine.uuid, launch)
         self.store = open_journal(session, competition(config), self._on_journal_trouble)
@@ -90,8 +89,9 @@ class CoreAssembly:
             loop, place.log_dir, self.store.path, place.network.rsbb_host, place.network.bind_host, place.standby_port,
             lambda *by: self.event(lambda now: box.supersede(*by)), lambda text: self.event(box.on_trouble, text),
             machine.running_s, end, make_peer)
-        self.radio = CoreRadio(loop, place.network, box, self.event, lambda text: outputs.log(Level.WARNING, text),
-                               make_peer, self.fence.check, machine.random_bytes, machine.seen)
+        self.radio = CoreRadio(
+            loop, place.network, box, self._turns, lambda text: outputs.log(Level.WARNING, text), make_peer,
+            self.fence.check, machine.random_bytes, machine.seen)
         self.radio.use_passwords(version, config.passwords)
         self.journal = CoreJournal(box, self.store)
         self.run_logs = make_run_logs(machine.uuid, self._on_log_trouble, self._on_log_repaired,
@@ -104,8 +104,8 @@ class CoreAssembly:
         self._warn_of_journal()
 
     def now(self) -> Now:
-        """The present moment on both clocks."""
-        return self._machine.now()
+        """The present moment on both clocks, for whatever happens next, or looks at the box."""
+        return self._turns.now()
 
     def event(self, method: Callable[..., object], *arguments: object) -> None:
         """Pass an event to the box, and carry out its effects: see `CoreDriver.event`."""

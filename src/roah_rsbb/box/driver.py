@@ -12,6 +12,7 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import BoxMessage, RobotReport
 from roah_rsbb.radio.radio import CoreRadio
 from roah_rsbb.wording.texts import escaped
 
@@ -51,7 +52,7 @@ class Outputs(NamedTuple):
     set_device: Callable[[effects.SetDevice], None]
     log: Callable[[Level, str], None]  # a line for the program's log
     report_bug: Callable[[str], None]  # within `except`: an internal error, which stops nothing
-    changed: Callable[[], None] = lambda: None  # the state of a zone, or the record of a run, has changed
+    changed: Callable[[], None] = lambda: None  # something happened in the box: see `Box.happenings`
 
 
 class CoreDriver:
@@ -86,7 +87,8 @@ class CoreDriver:
         self._modules_wait = False
         self._unopened: Set[int] = set()  # ports
         self._moment = now()  # of the latest event
-        self._revision = box.revision  # after it
+        self._happenings = box.happenings  # after it
+        radio.connect(self.event, self.report)
         self._hands = {
             effects.PortTaken: self._port_taken,
             effects.OpenChannel: self._open_channel,
@@ -116,11 +118,29 @@ class CoreDriver:
         try:
             method(self._moment, *args)
         finally:
-            self._carry_out()
-            self._set_timer()
-            if self.box.revision != self._revision:
-                self._revision = self.box.revision
-                self._outputs.changed()
+            self._finish()
+
+    def report(
+        self, now: Now, port: int, host: str, report: RobotReport, received_utc: Optional[float],
+    ) -> Optional[BoxMessage]:
+        """Like `event`, for a robot's report that was read `now`. Returns the message to send to the robot from now on,
+        if there is nothing else to do: see `Box.on_robot_report`."""
+        self._check()
+        self._moment = now
+        message = None
+        try:
+            message = self.box.on_robot_report(self._moment, port, host, report, received_utc)
+        finally:
+            if message is None:
+                self._finish()
+        return message
+
+    def _finish(self) -> None:
+        self._carry_out()
+        self._set_timer()
+        if self.box.happenings != self._happenings:
+            self._happenings = self.box.happenings
+            self._outputs.changed()
 
     def tick(self) -> None:
         """Run the box's due timers."""

@@ -14,7 +14,7 @@ from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.run import Run
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.messages import Beacon, BenchmarkingRobot, RobotReport
+from roah_rsbb.model.messages import Beacon, BenchmarkingRobot, BoxMessage, RobotReport
 from roah_rsbb.model.modules import (
     ModuleInfo,
     ModulesState,
@@ -113,21 +113,23 @@ class WatchedBox(Box):
 
     def on_robot_report(
         self, now: Now, port: int, host: str, report: RobotReport, received_utc: Optional[float] = None,
-    ) -> None:
+    ) -> Optional[BoxMessage]:
         """See `Box.on_robot_report`."""
+        repeated = None
         run = self.zones.run_at(port)
         if run is not None:
             before = run.link.last
             if self.trap is not None and (before is None or report.time > before.time):
                 self.trap(report)
             said = len(self._log.states)
-            super().on_robot_report(now, port, host, report, received_utc)
+            repeated = super().on_robot_report(now, port, host, report, received_utc)
             if run.link.last is report:
                 self._log.reports.append(HeardReport(now.mono, host, port, report, said))
                 self._log.skews.append((now.mono, wire_seconds(report.time) - self.arrival(now, received_utc).utc))
             else:
                 self._log.stale += 1
         self._news()
+        return repeated
 
     def on_robot_overload(self, now: Now, port: int, count: int) -> None:
         """See `Box.on_robot_overload`."""

@@ -10,9 +10,10 @@ from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.complaints import Complaints
 from roah_rsbb.comm.peer import Address, Peer
-from roah_rsbb.comm.seen import Seen
+from roah_rsbb.comm.seen import FilterPlace, Seen
 from roah_rsbb.comm.sockets import ANY_HOST
 
+OnDatagram = Callable[[bytes, Address], None]
 OnMessage = Callable[[Any, Address], None]
 OnComplaint = Callable[[str], None]
 MakePeer = Callable[..., Peer]
@@ -33,6 +34,8 @@ class _Channel:
         on_complaint: OnComplaint,
     ) -> None:
         self.complaints = Complaints()
+        self.received_utc: Optional[float] = None
+        """Within `on_message`: when the system received the datagram, in UTC seconds; None: unknown."""
         self._peer = peer
         self._name = name
         self._types = types
@@ -56,8 +59,8 @@ class _Channel:
         return self._peer.is_open
 
     @property
-    def received_utc(self) -> Optional[float]:
-        """Within `on_message`: when the system received the datagram, in UTC seconds; None: unknown."""
+    def stamp(self) -> Optional[float]:
+        """When the system received the datagram that is being received, in UTC seconds; None: unknown."""
         return self._peer.received_utc
 
     def open(self) -> None:
@@ -72,15 +75,20 @@ class _Channel:
         if not isinstance(message, self._types):
             raise ValueError(f"{type(message).__name__} does not belong on the {self._name}")
 
-    def _receive(self, datagram: bytes, sender: Address) -> None:
+    def receive(self, datagram: bytes, sender: Address) -> None:
+        """Take a datagram from the peer."""
+        self.received_utc = self.stamp
         try:
             message = self._decode(datagram)
         except frame.BadDatagram as bad:
-            text = self.complaints.add(self._loop.time(), self._name, sender, bad)
-            if text is not None:
-                self._on_complaint(text)
+            self._complain(sender, bad)
             return
         self._hand_over(message, sender)
+
+    def _complain(self, sender: Address, bad: frame.BadDatagram) -> None:
+        text = self.complaints.add(self._loop.time(), self._name, sender, bad)
+        if text is not None:
+            self._on_complaint(text)
 
     def _hand_over(self, message: Any, sender: Address) -> None:
         self._on_message(message, sender)
@@ -108,7 +116,7 @@ class PublicChannel(_Channel):
         another network.
         """
         peer = (make_peer or Peer)(
-            loop, rsbb_host, rsbb_port, self._receive, on_complaint, bind_host, max_datagram, apart=apart)
+            loop, rsbb_host, rsbb_port, self.receive, on_complaint, bind_host, max_datagram, apart=apart)
         super().__init__(
             peer, "public channel", frame.PUBLIC_TYPES, frame.decode_public,
             loop, on_message, on_complaint)
@@ -141,17 +149,18 @@ class PrivateChannel(_Channel):
         seen: Optional[Seen] = None,
         on_copy: Callable[[Address], None] = lambda sender: None,
         make_peer: Optional[MakePeer] = None,
+        on_datagram: Optional[OnDatagram] = None,
     ) -> None:
         """Like `PublicChannel`. `cipher` is used for sending (ValueError for NONE); all ciphers are accepted.
 
         `broadcast`: send to rsbb_host, as the original box did, instead of `remote`. `read` converts a decrypted
         payload to the argument of `on_message`, or raises `BadDatagram`. `seen`: what was remembered by `remember`; a
-        copy of that is not read, and `on_copy` gets its sender.
+        copy of that is not read, and `on_copy` gets its sender. `on_datagram` gets each datagram instead of `receive`.
         """
         if cipher is Cipher.NONE:
             raise ValueError("a private channel must be encrypted: choose a cipher")
         peer = (make_peer or Peer)(
-            loop, rsbb_host, port, self._receive, on_complaint, bind_host, max_datagram, shared=False)
+            loop, rsbb_host, port, on_datagram or self.receive, on_complaint, bind_host, max_datagram, shared=False)
         super().__init__(
             peer, f"private channel {port}", frame.PRIVATE_TYPES,
             self._decrypt, loop, on_message, on_complaint)
@@ -159,7 +168,7 @@ class PrivateChannel(_Channel):
         self._read = read
         self._seen = seen
         self._on_copy = on_copy
-        self._ciphertext = b""  # of the datagram that is being read
+        self._place: Optional[FilterPlace] = None  # in `seen`, of the datagram that is being read
         self._cipher = cipher
         self._broadcast = broadcast
         self._remote: Optional[str] = None
@@ -190,15 +199,30 @@ class PrivateChannel(_Channel):
 
     def remember(self) -> None:
         """Within `on_message`: note that the message was accepted. Copies of it are not read from now on."""
-        if self._seen is not None:
-            self._seen.add(self._ciphertext)
+        if self._seen is not None and self._place is not None:
+            self._seen.add(self._place)
+
+    def receive_late(
+        self, ciphertext: bytes, read: Callable[[], Any], sender: Address, received_utc: Optional[float],
+    ) -> None:
+        """Take a datagram that was decrypted before; `read` returns the message. `received_utc`: when the system
+        received it (s)."""
+        self.received_utc = received_utc
+        if self._is_copy(ciphertext):
+            self._on_copy(sender)
+        else:
+            self._on_message(read(), sender)
 
     def _decrypt(self, datagram: bytes) -> Any:
         opened = frame.open_private(datagram)
-        self._ciphertext = opened.ciphertext
-        if self._seen is not None and opened.ciphertext in self._seen:
-            return _COPY
-        return self._read(frame.decrypt_frame(opened, self._key))
+        return _COPY if self._is_copy(opened.ciphertext) else self._read(frame.decrypt_frame(opened, self._key))
+
+    def _is_copy(self, ciphertext: bytes) -> bool:
+        """Whether this was remembered; it is what `remember` notes from now on."""
+        if self._seen is None:
+            return False
+        self._place = self._seen.place(ciphertext)
+        return self._place in self._seen
 
     def _hand_over(self, message: Any, sender: Address) -> None:
         if message is _COPY:

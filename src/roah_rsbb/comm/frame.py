@@ -16,6 +16,8 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 VERSION = 2
 _HEADER = struct.Struct(">BB2xI")  # version, cipher, reserved, payload size
+HEADER_SIZE = _HEADER.size
+"""Bytes of the header of a frame; the initialisation vector and the payload follow."""
 _IDS = struct.Struct(">HH")  # component id, message type
 _SHOWN_FIELDS = 5
 # Enough for a beacon that lists 200 robots.
@@ -107,8 +109,8 @@ def encoded_size(message: Message, cipher: Cipher = Cipher.NONE) -> int:
     """The size of the datagram that `encode` would return (bytes)."""
     plain = _IDS.size + message.ByteSize()
     if cipher is Cipher.NONE:
-        return _HEADER.size + plain
-    return _HEADER.size + cipher.iv_size + (plain // BLOCK_SIZE + 1) * BLOCK_SIZE
+        return HEADER_SIZE + plain
+    return HEADER_SIZE + cipher.iv_size + (plain // BLOCK_SIZE + 1) * BLOCK_SIZE
 
 
 def decode_public(datagram: bytes) -> Any:
@@ -116,7 +118,7 @@ def decode_public(datagram: bytes) -> Any:
     cipher, size = _open(datagram)
     if cipher is not Cipher.NONE:
         raise BadDatagram(FrameFault.ENCRYPTED, f"with {cipher.label}")
-    payload = datagram[_HEADER.size:]
+    payload = datagram[HEADER_SIZE:]
     if size != len(payload):
         raise BadDatagram(FrameFault.SIZE, f"the header says {size} bytes, but {len(payload)} arrived")
     return _message(payload, public=True)
@@ -138,16 +140,16 @@ def open_private(datagram: bytes) -> PrivateFrame:
     cipher, size = _open(datagram)
     if cipher is Cipher.NONE:
         raise BadDatagram(FrameFault.PLAIN, "not encrypted")
-    start = _HEADER.size + cipher.iv_size
+    start = HEADER_SIZE + cipher.iv_size
     ciphertext = datagram[start:]
     if not ciphertext or len(ciphertext) % BLOCK_SIZE:
         raise BadDatagram(FrameFault.SIZE, f"{len(datagram)} bytes do not fit a frame of {cipher.label}")
     # The original counts initialisation vector and padding. Some descriptions omit one or both of them, and the
     # original reads such frames, too, because it uses the length of the datagram.
-    came = len(datagram) - _HEADER.size
+    came = len(datagram) - HEADER_SIZE
     if not len(ciphertext) - BLOCK_SIZE <= size <= came:
         raise BadDatagram(FrameFault.SIZE, f"the header says {size} bytes, but {came} arrived")
-    return PrivateFrame(cipher, datagram[_HEADER.size:start], ciphertext)
+    return PrivateFrame(cipher, datagram[HEADER_SIZE:start], ciphertext)
 
 
 def decode_private(datagram: bytes, key: Key) -> Any:
@@ -179,8 +181,8 @@ def private_message(payload: bytes) -> Any:
 
 def _open(datagram: bytes) -> Tuple[Cipher, int]:
     """Read cipher and payload size in a header of version 2."""
-    if len(datagram) < _HEADER.size:
-        raise BadDatagram(FrameFault.TOO_SHORT, f"{len(datagram)} bytes, but a frame's header has {_HEADER.size}")
+    if len(datagram) < HEADER_SIZE:
+        raise BadDatagram(FrameFault.TOO_SHORT, f"{len(datagram)} bytes, but a frame's header has {HEADER_SIZE}")
     version, cipher_id, size = _HEADER.unpack_from(datagram)
     if version != VERSION:
         # A frame of version 1 has no version number: it begins with the component id.

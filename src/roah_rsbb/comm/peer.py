@@ -6,6 +6,7 @@ import logging
 import os
 import select
 import socket
+import time
 from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.comm import sockets
@@ -17,6 +18,8 @@ _log = logging.getLogger(__name__)
 
 # During a flood, timers, other sockets and a referee's STOP come after so many datagrams of each socket.
 _MAX_READS_PER_WAKE_UP = 20
+# A datagram that is read so soon (s) after its arrival is the only one, and to look for another one takes long.
+_PROMPT_S = 0.001
 _OWN_HOST_PERIOD_S = 1.0
 
 _SEND_REMEDY = {
@@ -167,22 +170,22 @@ class Peer:
             except OSError as error:
                 self._not_read(error)
                 return
-            if not self._is_own(sender):
-                self._deliver(datagram, sender)
+            # A peer's own broadcasts come from its own port.
+            if sender[1] != self._source_port or sender[0] != self._source_host():
+                try:
+                    self._on_datagram(datagram, sender)
+                except Exception:
+                    # A mistake in a handler must not end the reading: the next datagram may be a referee's stop.
+                    self._bug("a handler of datagrams failed")
                 if endpoint not in self._sockets:
                     return  # the handler closed this peer
+            if self.received_utc is not None and time.time() - self.received_utc < _PROMPT_S:
+                return  # hardly another one is there, and the loop would say so
 
     def _not_read(self, error: OSError) -> None:
         self._read_errors.count()
         if self._read_errors.take(self._loop.time()):
             self._complain(f"could not read from UDP port {self.port}: {error.strerror}: check the network")
-
-    def _deliver(self, datagram: bytes, sender: Address) -> None:
-        try:
-            self._on_datagram(datagram, sender)
-        except Exception:
-            # A mistake in a handler must not end the reading: the next datagram may be a referee's stop.
-            self._bug("a handler of datagrams failed")
 
     def _complain(self, text: str) -> None:
         try:
@@ -195,10 +198,6 @@ class Peer:
         count = self._bugs.take(self._loop.time())
         if count:
             _log.exception("%s on UDP port %d (%d times since the last report)", what, self.port, count)
-
-    def _is_own(self, sender: Address) -> bool:
-        host, port = sender
-        return port == self._source_port and host == self._source_host()
 
     def _source_host(self) -> Optional[str]:
         """The address that this peer's broadcasts come from.

@@ -76,11 +76,10 @@ def receive(endpoint: socket.socket) -> Tuple[bytes, Tuple[str, int], Optional[f
     if not _HAS_TIMES:
         return (*endpoint.recvfrom(_LARGEST_DATAGRAM), None)
     datagram, notes, _, sender = endpoint.recvmsg(_LARGEST_DATAGRAM, _SPACE)
-    for level, kind, value in notes:
-        if kind == _SO_TIMESTAMPNS and level == socket.SOL_SOCKET and len(value) == _TIMESPEC.size:
-            seconds, nanoseconds = _TIMESPEC.unpack(value)
-            return datagram, sender, seconds + nanoseconds / 1e9
-    return datagram, sender, None
+    if not notes:
+        return datagram, sender, None
+    seconds, nanoseconds = _TIMESPEC.unpack(notes[0][2])  # the only option that is set
+    return datagram, sender, seconds + nanoseconds / 1e9
 
 
 def _bind_remedy(error: OSError, host: str, port: int) -> str:

@@ -15,14 +15,14 @@ from roah_rsbb.core.candidates import Candidates
 from roah_rsbb.core.clock import ClockWatch
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.copies import Copies, CopyReport
-from roah_rsbb.core.effects import Effect, Level, Outbox
+from roah_rsbb.core.effects import Effect, How, Level, Outbox
 from roah_rsbb.core.judges.desk import JudgeDesk
 from roah_rsbb.core.modules.desk import ModuleDesk
 from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.reload import Reload
 from roah_rsbb.core.restart.restart import BoxSaved, Restart, Saved
 from roah_rsbb.core.robots import ActiveRobots, RobotId
-from roah_rsbb.core.runs.run import Run
+from roah_rsbb.core.runs.run import Consequence, Run
 from roah_rsbb.core.scoring.book import FinishedRuns
 from roah_rsbb.core.scoring.desk import ScoreDesk
 from roah_rsbb.core.settings import Settings
@@ -32,7 +32,7 @@ from roah_rsbb.core.zones import Zones, ZoneState
 from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.link import LinkSample
-from roah_rsbb.model.messages import Beacon, DevicesState, RobotReport, TabletState
+from roah_rsbb.model.messages import Beacon, BoxMessage, DevicesState, RobotReport, TabletState
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.referee import Refused, cut_note
 from roah_rsbb.protocol import WireTime
@@ -93,6 +93,7 @@ class Box:
         self._clock_set_mono = -math.inf  # when a step of the box's clock was noticed last
         self._latest_mono = -math.inf  # of the latest event
         self._calm_until: Optional[float] = None  # see `tick_if_due`
+        self._ticks = 0
         self._replay = ""  # see `begin_replay`
         self.superseded_by = ""  # address of the box that took over; see `supersede`
         self._superseded = ""  # what panels say then
@@ -111,9 +112,8 @@ class Box:
         if self._superseded:
             return None
         runs = self._runs_deadline() if self._calm_until is None else self._calm_until
-        others = (self.modules.deadline(), self._connections.deadline())
-        deadline = min((t for t in others if t is not None), default=math.inf)
-        deadline = min(runs, deadline)
+        ports = self._connections.deadline()
+        deadline = runs if ports is None else min(runs, ports)
         return None if deadline == math.inf else deadline
 
     def tick(self, now: Now) -> None:
@@ -122,6 +122,7 @@ class Box:
             return  # the runs continue in another box
         self._latest_mono = now.mono
         self._calm_until = None
+        self._ticks += 1
         self._look_at_clock(now)
         self.modules.tick(now)
         self._connections.tick(now)
@@ -131,26 +132,26 @@ class Box:
     def tick_if_due(self, now: Now) -> None:
         """Like `tick`, for beacons, reports and views, which are too frequent to check every run each time.
 
-        No run has anything to do until `_calm_until` (monotonic, s). A report only moves the deadline of its own run, a
+        Nothing in a run is due until `_calm_until` (monotonic, s). A report only moves the deadline of its own run, a
         beacon none. Every other event sets `_calm_until` to None; then all runs are checked again.
         """
-        if self._is_calm(now):
+        if self.is_calm(now.mono):
             self._latest_mono = now.mono
             self._look_at_clock(now)
         else:
             self._tick_until_calm(now)
 
-    def _is_calm(self, now: Now) -> bool:
-        modules = self.modules.deadline()
-        return self._calm_until is not None and now.mono < self._calm_until and (modules is None or now.mono < modules)
+    def is_calm(self, mono: float) -> bool:
+        """Whether nothing in a run is due at a monotonic time (s); False: it must be looked at, see `tick_if_due`."""
+        return self._calm_until is not None and mono < self._calm_until
 
     def _tick_until_calm(self, now: Now) -> None:
         self.tick(now)
         self._calm_until = self._runs_deadline()
 
     def _runs_deadline(self) -> float:
-        """Return the monotonic time (s) at which the next run has something to do; infinity if no run has."""
-        times = [run.deadline() for run in self.zones.runs()]
+        """Return the monotonic time (s) at which the next run or module has something to do; infinity if none has."""
+        times = [self.modules.deadline(), *(run.deadline() for run in self.zones.runs())]
         return min((t for t in times if t is not None), default=math.inf)
 
     def _look_at_clock(self, now: Now) -> None:
@@ -186,7 +187,7 @@ class Box:
         arrival = self.arrival(now, received_utc)
         latest = self._latest_mono
         effective = arrival if arrival.mono >= latest else now.later(min(0.0, latest - now.mono))
-        if self._is_calm(effective):
+        if self.is_calm(effective.mono):
             self._latest_mono = effective.mono
         else:
             self._tick_until_calm(effective)
@@ -202,9 +203,20 @@ class Box:
         """
         return self._outbox.revision
 
+    @property
+    def revisions(self) -> Mapping[str, int]:
+        """What `revision_of` returns, for all zones that had any change; it stays current."""
+        return self._outbox.revisions
+
     def revision_of(self, zone_name: str) -> int:
-        """Return a number that rises whenever the state of a zone changes."""
-        return self._outbox.revisions.get(zone_name, 0)
+        """Return a number that rises whenever the state of a zone changes, or what is shown of it but with time."""
+        return self._outbox.revision_of(zone_name)
+
+    @property
+    def happenings(self) -> int:
+        """A number that rises with all that happens. Time that passes, robots that repeat what they said, and beacons
+        of known robots do not raise it."""
+        return self._ticks + self._outbox.emitted + self._outbox.revision + self.robots.changes
 
     def listening_left(self, now: Now) -> float:
         """Return for how many more seconds the box only listens (docs/protocol.md, "Timing"); 0.0: it transmits."""
@@ -355,18 +367,28 @@ class Box:
 
     def on_robot_report(
         self, now: Now, port: int, host: str, report: RobotReport, received_utc: Optional[float] = None,
-    ) -> None:
-        """A RobotState arrived on the private channel `port` from `host`. `received_utc`: see `arrival`."""
+    ) -> Optional[BoxMessage]:
+        """A RobotState arrived on the private channel `port` from `host`. `received_utc`: see `arrival`.
+
+        Return what the box says to the robot from now on, if nothing else came of the report: there are no effects, and
+        nothing is due earlier than before. Return None otherwise.
+        """
+        ticks = self._ticks
         arrival, now = self._take_arrival(now, received_utc)
         run = self.zones.run_at(port)
         if run is None:
-            return
-        calm_until, self._calm_until = self._calm_until, None
-        if run.on_report(now, host, report, arrival):
+            return None
+        taken = run.on_report(now, host, report, arrival)
+        if taken is not Consequence.NONE:
             self.robots.hear(arrival, run.robot, host, report.time, certain=True)
+        if taken is Consequence.LINK_ONLY:
+            if self._ticks == ticks and self._outbox.is_empty():
+                return run.message
+            self._outbox.emit(effects.SendState(port, run.message, How.QUIET))
         due = run.deadline()
-        assert calm_until is not None, "`_take_arrival` sets it"
-        self._calm_until = calm_until if due is None else min(calm_until, due)
+        assert self._calm_until is not None, "`_take_arrival` sets it"
+        self._calm_until = self._calm_until if due is None else min(self._calm_until, due)
+        return None
 
     def on_robot_copy(self, now: Now, port: int, host: str, count: int = 1) -> None:
         """Handle copies of datagrams that arrived on the private channel `port` before. `host` sent the last copy."""
@@ -388,6 +410,7 @@ class Box:
         run = self.zones.run_at(port)
         if run is not None:
             run.link.on_bad_datagram(now, text)
+            self._outbox.mark_shown(run.zone)
 
     def on_complaint(self, now: Now, text: str) -> None:
         """Handle unreadable datagrams on the public channel, or one that could not be sent. `text` says why."""

@@ -5,6 +5,7 @@ one is tried. A run that continues after a restart keeps its port, because its r
 opened, it is tried again.
 """
 
+import functools
 from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.core import effects
@@ -180,7 +181,8 @@ class Connections:
 
     def _context(self, zone: str) -> RunContext:
         last_beacon = self._robots.last_beacon if self.hears_beacons else None
-        return RunContext(self._settings, self._outbox.of_zone(zone), self._show_map, last_beacon)
+        return RunContext(self._settings, self._outbox.of_zone(zone), functools.partial(self._outbox.revision_of, zone),
+                          self._show_map, last_beacon)
 
     def _show_map(self, display_map: bool) -> bool:
         is_change = display_map != self._tablet.display_map

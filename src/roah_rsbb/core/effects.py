@@ -188,6 +188,8 @@ class Outbox:
         """For each zone a number that rises whenever the zone's state changes."""
         self.revision = 0
         """Rises with each change of any zone's state, and whenever the record of a run changes."""
+        self.emitted = 0
+        """Rises with each effect, except messages that only acknowledge what a robot says."""
 
     def emit(self, effect: Effect) -> None:
         """Add an effect that belongs to no run."""
@@ -195,7 +197,13 @@ class Outbox:
             self._changed.add(BOX)
         elif isinstance(effect, RecordChanged):
             self.revision += 1
+        if not isinstance(effect, SendState) or effect.how is How.CHANGE:
+            self.emitted += 1
         self._effects.append(effect)
+
+    def is_empty(self) -> bool:
+        """Whether there are no effects since `take`."""
+        return not self._effects
 
     def of_zone(self, zone: str) -> Callable[[Effect], None]:
         """Return the `emit` for the run in this zone."""
@@ -214,7 +222,15 @@ class Outbox:
     def mark_changed(self, zone: str) -> None:
         """Mark the zone's state as changed, for changes outside its run."""
         self._changed.add(zone)
-        self.revisions[zone] = self.revisions.get(zone, 0) + 1
+        self.mark_shown(zone)
+
+    def revision_of(self, zone: str) -> int:
+        """Return a number that rises whenever the zone's state changes."""
+        return self.revisions.get(zone, 0)
+
+    def mark_shown(self, zone: str) -> None:
+        """Mark something as changed that is only shown of a zone: it needs not be saved."""
+        self.revisions[zone] = self.revision_of(zone) + 1
         self.revision += 1
 
     def place(self) -> int:

@@ -189,6 +189,8 @@ class ActiveRobots:
         self._forgot_mono = -math.inf  # when robots that were not heard were dropped last
         self._squatter: Optional[Squatter] = None
         self._full = _Pauses()
+        self.changes = 0
+        """Rises with each robot that is added or removed."""
 
     def hear(
         self, now: Now, robot_id: RobotId, host: str, time: WireTime, certain: bool = False
@@ -202,6 +204,7 @@ class ActiveRobots:
                 return None
             robot = self._robots[robot_id] = ActiveRobot(robot_id, host, now, self._allowed_skew)
             self._by_team.setdefault(robot_id.team, []).append(robot)
+            self.changes += 1
         robot.hear(now, host, time, certain)
         return robot
 
@@ -253,6 +256,7 @@ class ActiveRobots:
             self._remove(robot_id)
 
     def _remove(self, robot_id: RobotId) -> None:
+        self.changes += 1
         self._by_team[robot_id.team].remove(self._robots.pop(robot_id))
         if not self._by_team[robot_id.team]:
             del self._by_team[robot_id.team]

@@ -12,8 +12,10 @@ from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import Effect
-from roah_rsbb.model.clock import Now, one_moment
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import BoxMessage, RobotReport
 from roah_rsbb.radio.radio import CoreRadio, Network
+from roah_rsbb.radio.short_way import Turns
 
 
 class NetworkDriver:
@@ -28,13 +30,15 @@ class NetworkDriver:
         warn: Callable[[str], None],
         utc: Callable[[], float] = time.time,
         make_peer: Optional[MakePeer] = None,
+        can_wait: bool = False,
     ) -> None:
         """`passwords` by team. `warn` logs a text about a private channel. `utc` is the clock; the loop's clock is the
-        monotonic one. `make_peer`: see `CoreRadio`."""
+        monotonic one. `make_peer`: see `CoreRadio`. `can_wait`: see `Turns`."""
         self.box = box
         self._loop = loop
-        self._utc = utc
-        self.radio = CoreRadio(loop, network, box, self.event, warn, make_peer)
+        self._turns = Turns(loop, loop.time, utc, can_wait)
+        self.radio = CoreRadio(loop, network, box, self._turns, warn, make_peer)
+        self.radio.connect(self.event, self.report)
         self.radio.use_passwords(0, passwords)
         self._timer: Optional[asyncio.TimerHandle] = None
         self._carrying_out = False
@@ -53,15 +57,30 @@ class NetworkDriver:
 
     def now(self) -> Now:
         """The present moment on both clocks."""
-        return one_moment(self._loop.time, self._utc)
+        return self._turns.now()
 
     def event(self, method: Callable[..., object], *args: object) -> None:
         """Pass an event to the box, then carry out the effects. Exceptions of the method are raised afterwards."""
         try:
             method(self.now(), *args)
         finally:
-            self._carry_out()
-            self._set_timer()
+            self._finish()
+
+    def report(
+        self, now: Now, port: int, host: str, report: RobotReport, received_utc: Optional[float],
+    ) -> Optional[BoxMessage]:
+        """See `CoreDriver.report`."""
+        message = None
+        try:
+            message = self.box.on_robot_report(now, port, host, report, received_utc)
+        finally:
+            if message is None:
+                self._finish()
+        return message
+
+    def _finish(self) -> None:
+        self._carry_out()
+        self._set_timer()
 
     def on_effect(self, effect: Effect) -> None:
         """Called with each effect, after it was carried out. Override what you need."""

@@ -5,6 +5,7 @@ It makes no decisions. It turns datagrams into events of the box, and the box's 
 """
 
 import asyncio
+import functools
 import os
 from typing import Callable, Dict, Mapping, NamedTuple, Optional, Tuple
 
@@ -16,10 +17,12 @@ from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.effects import How
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import Beacon, BoxMessage, RobotReport
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.radio import wire_convert
 from roah_rsbb.radio.report_reader import ReportReader, Unread
+from roah_rsbb.radio.short_way import ShortWay, Turns
 
 Address = Tuple[str, int]
 BEACON_PERIOD_S = 1.0
@@ -27,6 +30,10 @@ BEACON_PERIOD_S = 1.0
 BEACON_GAP_S = 0.05
 # Limit of events per second for copies of datagrams; a real network causes fewer.
 COPY_EVENTS = 100
+
+
+OnEvent = Callable[..., None]
+OnReport = Callable[[Now, int, str, RobotReport, Optional[float]], Optional[BoxMessage]]
 
 
 class Network(NamedTuple):
@@ -48,12 +55,14 @@ def beacon_size(beacon: Beacon) -> int:
 class _Private:
     """A private channel and the message that it repeats."""
 
-    def __init__(self, channel: PrivateChannel) -> None:
+    def __init__(self, channel: PrivateChannel, short_way: ShortWay) -> None:
         self.channel = channel
-        self.sender = StateSender()
+        self.short_way = short_way
+        self.sender = StateSender(is_on_grid=True)
         self.message: Optional[BoxMessage] = None
         self.made: Optional[pb.BenchmarkState] = None  # of the message, once it was sent
         self.timer: Optional[asyncio.TimerHandle] = None
+        self.settled_s = 0  # of the robot's time: a promise is renewed once a second, if nothing happens
         self.copies = 0  # of accepted datagrams; not passed to the box yet
         self.copy_events = Budget(COPY_EVENTS, COPY_EVENTS)
 
@@ -66,19 +75,20 @@ class CoreRadio:
         loop: asyncio.AbstractEventLoop,
         network: Network,
         box: Box,
-        event: Callable[..., None],
+        turns: Turns,
         warn: Callable[[str], None],
         make_peer: Optional[MakePeer] = None,
         check: Callable[[], None] = lambda: None,
         random_bytes: Callable[[int], bytes] = os.urandom,
         seen: Optional[Seen] = None,
     ) -> None:
-        """`event(method, *arguments)` passes an event to the box. `warn` logs a text about a private channel.
+        """`turns` has the box's clocks. `warn` logs a text about a private channel.
 
         `make_peer` replaces `Peer`, for another network. `check` is called before each datagram: see `Fence.check`.
         `random_bytes`: see `Key`. `seen` remembers the datagrams of all channels (default: of a whole competition).
         """
         self._loop = loop
+        self._turns = turns
         self._warn = warn
         self._make_peer = make_peer
         self._check = check
@@ -86,7 +96,6 @@ class CoreRadio:
         self._network = network
         self._keys: Dict[int, Dict[str, Key]] = {}  # by version of the configuration, then by team
         self._box = box
-        self._event = event
         self._listening = True
         self._is_closed = False
         self._privates: Dict[int, _Private] = {}
@@ -98,6 +107,10 @@ class CoreRadio:
             loop, network.rsbb_host, network.rsbb_port, self._on_public, self._on_complaint,
             bind_host=network.bind_host, max_datagram=network.max_datagram, make_peer=make_peer,
         )
+
+    def connect(self, event: OnEvent, report: OnReport) -> None:
+        """Take the ways to the box, before anything is opened: see `CoreDriver.event` and `CoreDriver.report`."""
+        self._event, self._report = event, report
 
     def use_passwords(self, version: int, passwords: Mapping[str, str]) -> None:
         """Set the teams' passwords of a version of the configuration."""
@@ -120,6 +133,7 @@ class CoreRadio:
         for port in list(self._privates):
             self.close_channel(port)
         self.public.close()
+        self._turns.close()
 
     def unreadable(self) -> Dict[int, int]:
         """The number of unreadable datagrams so far by private port."""
@@ -152,17 +166,21 @@ class CoreRadio:
         if self._is_closed:
             return
         network = self._network
+        key, reader = self._keys[version][team], ReportReader(self._turns.now_mono)
+        short_way = ShortWay(self._turns, key, reader, self._box)
         channel = PrivateChannel(
-            self._loop, network.rsbb_host, port, self._keys[version][team],
-            lambda message, address: self._on_private(port, message, address),
+            self._loop, network.rsbb_host, port, key,
+            functools.partial(self._on_private, port),
             lambda text: self._on_private_complaint(port, text),
             cipher=network.cipher, bind_host=network.bind_host, broadcast=network.broadcast,
-            max_datagram=network.max_datagram, read=ReportReader(self._loop.time), seen=self._seen,
+            max_datagram=network.max_datagram, read=reader, seen=self._seen,
             on_copy=lambda address: self._on_copy(port, address[0]), make_peer=self._make_peer,
+            on_datagram=short_way.take,
         )
+        short_way.begin(channel)
         channel.open()
         channel.remote = host
-        self._privates[port] = _Private(channel)
+        self._privates[port] = _Private(channel, short_way)
 
     def aim(self, port: int, host: str) -> None:
         """Send to this host from now on."""
@@ -179,7 +197,9 @@ class CoreRadio:
             # A repeated state needs no burst. A module begins with STOP again and then requests PREPARE at once: on the
             # network, that STOP could overtake PREPARE.
             how = How.QUIET
-        private.message, private.made = message, None
+        if not message.repeats(private.message):
+            private.made = None
+        private.message = message
         if how is How.QUIET and private.timer is not None:
             return
         now = self._loop.time()
@@ -209,11 +229,13 @@ class CoreRadio:
         self.send_beacon()
 
     def _send_due(self, private: _Private) -> None:
+        self._turns.take()  # what is sent acknowledges all that came
         if private.timer is not None:
             private.timer.cancel()
         if private.sender.due(self._loop.time()) and private.message is not None:
             if private.made is None:
                 private.made = wire_convert.state_message(private.message)
+            wire_convert.acknowledge(private.made, private.message.acknowledgement)
             self._check()
             private.channel.send(private.made)
         private.timer = self._loop.call_at(private.sender.deadline, self._send_due, private)
@@ -232,19 +254,24 @@ class CoreRadio:
             self._event(self._box.on_foreign_box, host)
 
     def _on_private(self, port: int, message: object, address: Address) -> None:
-        if isinstance(message, Unread):
-            if message.count:
-                self._event(self._box.on_robot_overload, port, message.count)
-        elif isinstance(message, RobotReport):
+        if isinstance(message, RobotReport):
             private = self._privates.get(port)
             if private is None:
                 return
-            self._event(self._box.on_robot_report, port, address[0], message, private.channel.received_utc)
+            repeated = self._report(self._turns.now(), port, address[0], message, private.channel.received_utc)
+            if repeated is not None:
+                private.message = repeated
             run = self._box.zones.run_at(port)
             # Messages from another host do not count. If they counted here, a copy that overtakes the robot's own
             # datagram would exclude that datagram.
             if run is not None and run.link.host == address[0]:
                 private.channel.remember()
+                if repeated is None or message.time[0] != private.settled_s:
+                    private.settled_s = message.time[0]
+                    private.short_way.settle(run, message)
+        elif isinstance(message, Unread):
+            if message.count:
+                self._event(self._box.on_robot_overload, port, message.count)
         else:
             self._event(self._box.on_foreign_box, address[0])
 

@@ -46,23 +46,38 @@ class ReportReader:
         self._rest = b""  # of the last report's payload, after its time; empty: read the next one in any case
         self._report: Optional[RobotReport] = None  # the last one
 
+    def time_of_repeat(self, payload: bytes) -> Optional[WireTime]:
+        """Return the robot's time in a payload that repeats the last report but for it; None: it does not."""
+        time_sent, rest = _split(payload)
+        return time_sent if rest and rest == self._rest else None
+
+    def again(self, time_sent: WireTime, size: int) -> Union[RobotReport, Unread]:
+        """Return the last report with another time. `size`: of the payload that repeats it (bytes)."""
+        if not self._budget.take(self._clock(), size):
+            return self._not_read()
+        assert self._report is not None, "it is repeated"
+        self._report = RobotReport._make((time_sent, *self._report[1:]))
+        return self._report
+
     def __call__(self, payload: bytes) -> Union[RobotReport, pb.BenchmarkState, Unread]:
         """Return a robot's report, or another box's state. Raises BadDatagram."""
-        now_mono = self._clock()
-        if not self._budget.take(now_mono, len(payload)):
-            self._unread.count()
-            return Unread(self._unread.take(now_mono))
-        time_sent, rest = _split(payload)
-        if rest and rest == self._rest:
-            self._report = self._report._replace(time=time_sent)
-            return self._report
+        time_sent = self.time_of_repeat(payload)
+        if time_sent is not None:
+            return self.again(time_sent, len(payload))
+        if not self._budget.take(self._clock(), len(payload)):
+            return self._not_read()
         message = frame.private_message(payload)
         if not isinstance(message, pb.RobotState):
             return message
         self._report = wire_convert.report_of(message)
         # A second time in the rest would count instead of the first one.
+        rest = _split(payload)[1]
         self._rest = b"" if pb.RobotState.FromString(rest).HasField("time") else rest
         return self._report
+
+    def _not_read(self) -> Unread:
+        self._unread.count()
+        return Unread(self._unread.take(self._clock()))
 
 
 def _split(payload: bytes) -> Tuple[WireTime, bytes]:

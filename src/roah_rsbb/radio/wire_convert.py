@@ -45,6 +45,11 @@ def tablet_of(message: pb.TabletBeacon) -> TabletState:
     )
 
 
+def acknowledge(message: pb.BenchmarkState, time: WireTime) -> None:
+    """Set the `time` of the RobotState that a BenchmarkState acknowledges."""
+    _set_time(message.acknowledgement, time)
+
+
 def state_message(message: BoxMessage) -> pb.BenchmarkState:
     """Build a BenchmarkState."""
     goal = message.goal
@@ -52,7 +57,7 @@ def state_message(message: BoxMessage) -> pb.BenchmarkState:
         benchmark_type=message.benchmark, benchmark_state=int(message.state), initial_state=goal.initial_state,
         switches=goal.switches,
     )
-    _set_time(made.acknowledgement, message.acknowledgement)
+    acknowledge(made, message.acknowledgement)
     if goal.text:
         made.generic_goal = goal.text
     if goal.pose is not None:

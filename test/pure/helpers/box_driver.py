@@ -6,13 +6,14 @@ from helpers.effect_rules import EffectRules
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.effects import How
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.messages import RobotReport
+from roah_rsbb.model.messages import BoxMessage, RobotReport
 from roah_rsbb.model.records import Phase
 from roah_rsbb.model.referee import RunName
 from roah_rsbb.protocol import BoxState, RobotState
@@ -110,7 +111,10 @@ class BoxDriver:
     def event(self, method, *arguments):
         """Put an event into the box, and carry out its effects."""
         try:
-            return method(self.now, *arguments)
+            found = method(self.now, *arguments)
+            if isinstance(found, BoxMessage):  # of a report that only repeats the one before, and has no effects
+                self._carry_out(effects.SendState(arguments[0], found, How.QUIET))
+            return found
         finally:
             todo = self._take_effects()
             while todo:

@@ -9,6 +9,7 @@ from roah_rsbb.comm.seen import Seen
 from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.views.document import Documents
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.radio.radio import Network
 
@@ -87,7 +88,7 @@ class Box:
         world, computer = self.world, self.computer
         machine = Machine(
             computer.boot_id, self.starts, f"uuid {computer.name} {self.starts}", computer.mono, computer.utc,
-            computer.mono, world.random_bytes, Seen(SEEN_BITS))
+            computer.mono, world.random_bytes, Seen(SEEN_BITS), world.can_wait)
         network = Network(BROADCAST, 6666, computer.host, Cipher.AES_128_CBC, False, 1024)
         outputs = Outputs(lambda: None, lambda: None, lambda wish: None, self._log, self._bug)
         ports = PortRecord(self.storage.folder, lambda work: process.loop.call_later(self.storage.sync_s(), work))
@@ -104,6 +105,7 @@ class Box:
         core.open()
         self.core = core
         self.oracles.resumed(self, core)
+        self._documents = Documents(core.box, "", "")
         self._tick(process, core, 0)
 
     def copy(self):
@@ -120,6 +122,7 @@ class Box:
         core.unsaved()
         if number % TICKS_A_SECOND == 0:
             core.each_second()
+            self.world.documents.append(repr(self._documents.look(core.now())).replace(self.world.folder, ""))
 
     def kill(self, restart_s, power=False):
         """The process is killed, or the computer loses its power; it is started again after so many seconds."""

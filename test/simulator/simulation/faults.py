@@ -88,6 +88,12 @@ FAULTS = (
     Fault("one old message is enough for a clock that was set back", "core/link/timeline.py",
           "if self._rising >= RISING and mono - self.state.newest_mono >= QUIET_S:",
           "if self._rising >= 1 and mono >= self.state.newest_mono:"),
+    # -- the short way of datagrams
+    Fault("what is new overtakes what waits", "radio/short_way.py",
+          "        turns.take()\n        self._datagram", "        self._datagram"),
+    Fault("datagrams that waited have the moment at which they are taken", "radio/short_way.py",
+          "self._moment = Now(one.mono, one.utc)", "self._moment = one_moment(self.mono, self.utc)"),
+    Fault("a robot's clock may jump on the short way", "radio/short_way.py", "least < skew < most", "True"),
     # -- the robot
     Fault("a robot that executes does not obey STOP", "robot/machine.py",
           "    (BoxState.STOP, _R.EXECUTING): Transition(_R.STOP, _HALT),",

@@ -20,13 +20,35 @@ class Failure(NamedTuple):
         return "\n".join((*lines, "What happened last:", *self.world.trace.lines[-40:]))
 
 
+class Difference(Exception):
+    """The short way of datagrams makes a difference."""
+
+    name = "the short way"
+
+
 def failure_of(seed, plan=None):
-    """Run a seed; returns how it fails; None: it does not."""
+    """Run a seed, with the short way of datagrams and without it; returns how it fails; None: it does not."""
     try:
-        simulate(seed, plan)
+        world = simulate(seed, plan)
+        other = simulate(seed, plan, can_wait=False)
     except Exception as error:
         return Failure(seed, error, error.world.plan, error.world)
-    return None
+    found = _difference(world, other)
+    return None if found is None else Failure(seed, Difference(found), world.plan, world)
+
+
+def _difference(world, other):
+    """What is different in two worlds that should be equal; None: nothing."""
+    for here, there in zip(world.trace.lines, other.trace.lines):
+        if here != there:
+            return f"the short way makes a difference: {here!r} instead of {there!r}"
+    for number, (here, there) in enumerate(zip(world.documents, other.documents)):
+        if here != there:
+            return f"the short way makes a difference in document {number}"
+    for what in ("journal", "documents"):
+        if getattr(world, what) != getattr(other, what):
+            return f"the short way makes a difference in the {what}"
+    return None if world.trace.digest == other.trace.digest else "the short way makes a difference in a datagram"
 
 
 def shortened(failure):

@@ -2,6 +2,7 @@
 
 import logging
 import os
+import pathlib
 import random
 import tempfile
 from dataclasses import replace
@@ -50,10 +51,11 @@ class _Errors(logging.Handler):
 
 
 class World:
-    """All computers, and the time. `plan`: troubles, in place of those of the seed."""
+    """All computers, and the time. `plan`: troubles, in place of those of the seed. `can_wait`: whether datagrams take
+    the short way (`roah_rsbb.radio.short_way`), which must make no difference."""
 
-    def __init__(self, seed, folder, plan=None):
-        self.seed = seed
+    def __init__(self, seed, folder, plan=None, can_wait=True):
+        self.seed, self.folder, self.can_wait = seed, folder, can_wait
         draw = random.Random(f"{seed} world")
         self._bytes = random.Random(f"{seed} bytes")
         self.scheduler = Scheduler()
@@ -66,6 +68,8 @@ class World:
             self.config = replace(self.config, durable=Durable.TWO)
         self.length_s = draw.uniform(20.0, 60.0)
         self.robots = []
+        self.documents = []  # of all boxes, once a second
+        self.journal = {}  # of the first box at the end: bytes by path
         computer = Computer(self.scheduler, "box", BOX_HOST, draw.uniform(-5e-5, 5e-5), draw.uniform(-0.03, 0.03))
         self.storage = Storage(os.path.join(folder, "log"), self.scheduler, random.Random(f"{seed} disk"),
                                self.random_bytes)
@@ -159,15 +163,17 @@ def _competition(draw):
     return competition(teams=teams, **zones)
 
 
-def simulate(seed, plan=None):
+def simulate(seed, plan=None, can_wait=True):
     """Run a seed; returns its world. Raises what went wrong, with the world as its attribute `world`."""
     with tempfile.TemporaryDirectory(prefix="simulated_", dir=_memory()) as folder:
-        world = World(seed, folder, plan)
+        world = World(seed, folder, plan, can_wait)
         try:
             world.run()
         except Exception as error:
             error.world = world
             raise
+        journal = pathlib.Path(folder, "log", "roah_rsbb_journal")
+        world.journal = {path.name: path.read_bytes() for path in journal.iterdir()}
         return world
 
 

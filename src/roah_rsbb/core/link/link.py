@@ -15,7 +15,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.link import LinkSample
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.reason import say
-from roah_rsbb.protocol import RobotState, WireTime, wire_ns, wire_seconds
+from roah_rsbb.protocol import RobotState, WireTime, wire_ns
 from roah_rsbb.wording import times
 
 # A robot sends every second. After this long without a message, something is wrong.
@@ -74,6 +74,7 @@ class TakenReport(NamedTuple):
 
 
 STALE = TakenReport(False, False, False, ())
+FRESH = TakenReport(True, False, False, ())
 
 
 @dataclass
@@ -145,6 +146,16 @@ class RobotLink:
         return within(self.skew, self._allowed_skew)
 
     @property
+    def calm_skews(self) -> Tuple[float, float]:
+        """Between these (s), the skew of the next message has no notice: neither the robot's clock nor the box's jumps,
+        and the robot's times stay valid, because the estimate is the greatest of the latest skews."""
+        last, heard = self.state.last, self.state.last_heard
+        if last is None or heard is None or not self.times_valid:
+            return 0.0, 0.0
+        latest = wire_ns(last.time) / 1e9 - heard.utc  # not more than the estimate
+        return -self._allowed_skew, min(latest + JUMP_S, self._allowed_skew)
+
+    @property
     def robot_state(self) -> Optional[RobotState]:
         """The state that the robot reported last; None: no report yet."""
         return None if self.last is None else self.last.state
@@ -166,23 +177,27 @@ class RobotLink:
 
     def hear(self, now: Now, host: str, report: RobotReport) -> TakenReport:
         """Judge a message from `host`, and keep it if it is fresh."""
-        if self._is_elsewhere(now, host):
+        state = self.state
+        before, new_host = state.last, host != state.host
+        if new_host and self._is_elsewhere(now):
             return STALE._replace(notices=self._note_rival(now, host))
-        verdict = self._timeline.judge(now.mono, wire_ns(report.time))
-        if verdict in (Freshness.DUPLICATE, Freshness.STALE):
+        time_ns = wire_ns(report.time)
+        verdict = self._timeline.judge(now.mono, time_ns)
+        if verdict is Freshness.DUPLICATE or verdict is Freshness.STALE:
             self._old += 1
             self._old_mono = now.mono
             self.record.old(duplicate=verdict is Freshness.DUPLICATE)
             return STALE
-        notices = self._note_clock(now, verdict, report)
-        new_host = host != self.host
-        if new_host and self.host is not None:
-            notices.extend(self._note_host(now, self.host, host))
-        state, state_changed = self.state, report.state != self.robot_state
+        notices = self._note_clock(now, verdict, report, time_ns)
+        if new_host and state.host is not None:
+            notices.extend(self._note_host(now, state.host, host))
         state.host, state.last, state.last_heard = host, report, now
         self._old = 0
         self._looks, self._reported = 0, None
         self._bad = None
+        state_changed = before is None or report.state != before.state
+        if not (new_host or state_changed or notices):
+            return FRESH
         return TakenReport(True, new_host, state_changed, tuple(notices))
 
     def hear_copy(self, now: Now, host: str, count: int = 1) -> Tuple[str, ...]:
@@ -306,9 +321,9 @@ class RobotLink:
         text = {Silent.OLD_ONLY: OLD_ONLY, Silent.BEACONS_ONLY: BEACONS_ONLY, Silent.GONE: GONE}.get(silence, SILENT)
         return text(time=times.in_sentence(now.mono - self.last_heard.mono))
 
-    def _is_elsewhere(self, now: Now, host: str) -> bool:
-        """Whether a message comes from another host than the robot, while the robot is still heard."""
-        return host != self.host and self.last_heard is not None and now.mono - self.last_heard.mono < HERE_S
+    def _is_elsewhere(self, now: Now) -> bool:
+        """Whether a message from another host than the robot's comes while the robot is still heard."""
+        return self.last_heard is not None and now.mono - self.last_heard.mono < HERE_S
 
     def _note_rival(self, now: Now, host: str) -> Tuple[str, ...]:
         """Report another robot of the team, or a recording, that uses this channel, at most once per interval."""
@@ -325,9 +340,9 @@ class RobotLink:
         self._moved, self._moved_mono = MOVED(before=before, host=host), now.mono
         return [self._moved]
 
-    def _note_clock(self, now: Now, verdict: Freshness, report: RobotReport) -> List[str]:
+    def _note_clock(self, now: Now, verdict: Freshness, report: RobotReport, time_ns: int) -> List[str]:
         """Take the skew sample, and update the link record. Return what to report of the robot's clock."""
-        sample = wire_seconds(report.time) - now.utc
+        sample = time_ns / 1e9 - now.utc
         before = self.skew
         step: Optional[str] = None
         if verdict is Freshness.CLOCK_SET_BACK:
@@ -339,12 +354,12 @@ class RobotLink:
             self._skew.restart()
         skew = self._skew.sample(now.mono, sample)
         self.state.skew = SkewSample(now.mono, skew)
-        self.record.heard(now, report, late_s=skew - sample, clock_set=step is not None)
-        return ([step] if step is not None else []) + self._note_validity()
+        self.record.heard(now, report, time_ns, late_s=skew - sample, clock_set=step is not None)
+        found = [] if step is None else [step]
+        return found if within(skew, self._allowed_skew) != self.state.told_invalid else found + self._note_validity()
 
     def _note_validity(self) -> List[str]:
-        if self.times_valid == (not self.state.told_invalid):
-            return []
+        """Report that the robot's times have become valid, or invalid."""
         self.state.told_invalid = not self.times_valid
         if self.state.told_invalid:
             return [f"Robot's times are invalid from here on: clock skew {times.skew(self.skew or 0.0)}"]

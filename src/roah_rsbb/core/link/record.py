@@ -16,7 +16,7 @@ from typing import FrozenSet, List, NamedTuple, Optional, Tuple, TypeVar
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.link import ANSWER_S, LinkSample
 from roah_rsbb.model.messages import RobotReport
-from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S, BoxState, RobotState, sent_after_change, wire_ns
+from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S, BoxState, RobotState, sent_after_change
 
 S = TypeVar("S", float, Optional[float])
 
@@ -135,10 +135,9 @@ class LinkRecorder:
         else:
             self._stale += count
 
-    def heard(self, now: Now, report: RobotReport, late_s: float, clock_set: bool) -> None:
-        """Take a message that was newer. `late_s`: its delay compared with the fastest one. `clock_set`: the robot's
-        clock was set since the previous message, so their times cannot be compared."""
-        time_ns = wire_ns(report.time)
+    def heard(self, now: Now, report: RobotReport, time_ns: int, late_s: float, clock_set: bool) -> None:
+        """Take a message that was newer, with its time. `late_s`: its delay compared with the fastest one. `clock_set`:
+        the robot's clock was set since the previous message, so their times cannot be compared."""
         self._received += 1
         if late_s > self._late_s:
             self._late_s = late_s

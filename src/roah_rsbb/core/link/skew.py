@@ -6,6 +6,7 @@ true skew, never larger. The largest sample of the last few seconds is therefore
 within `allowed_skew` (docs/protocol.md, "Timing").
 """
 
+import operator
 from collections import deque
 from typing import Deque, List, NamedTuple, Optional, Tuple
 
@@ -20,6 +21,8 @@ MAX_SAMPLES = 64
 THE_ROBOT = say("the robot")
 UNKNOWN = say("Clock skew of {robot} is not known yet")
 TOO_BIG = say("Clock skew of {robot} is {skew}, but must be below {limit} s: synchronise the robot's clock")
+
+_SKEW = operator.itemgetter(1)
 
 
 class SkewSample(NamedTuple):
@@ -57,7 +60,7 @@ class SkewEstimate:
             samples.append((mono, last[1]))
         samples.append((mono, skew))
         if self.seconds is None or is_best_gone:
-            self.seconds = max(sample for _, sample in samples)
+            self.seconds = max(samples, key=_SKEW)[1]
         elif skew > self.seconds:
             self.seconds = skew
         return self.seconds

@@ -15,7 +15,16 @@ from roah_rsbb.core.effects import Level
 from roah_rsbb.core.link.link import SILENT_S
 from roah_rsbb.core.runs.clock import CountdownState
 from roah_rsbb.core.runs.phases import RunEvent
-from roah_rsbb.core.runs.run import AllRobotsState, Assignment, Run, RunContext, RunState, ZoneRun
+from roah_rsbb.core.runs.run import (
+    NO_REVISION,
+    AllRobotsState,
+    Assignment,
+    Consequence,
+    Run,
+    RunContext,
+    RunState,
+    ZoneRun,
+)
 from roah_rsbb.core.runs.times import RunTimes
 from roah_rsbb.core.scoring.book import BookState
 from roah_rsbb.model.clock import Now
@@ -85,11 +94,17 @@ class MemberRun(Run):
         """Return why the robot cannot be started now; empty: it can."""
         return joined(self.link.not_ready(now))
 
-    def on_report(self, now: Now, host: str, report: RobotReport, arrival: Now) -> bool:
+    def on_report(self, now: Now, host: str, report: RobotReport, arrival: Now) -> Consequence:
         """See `Run.on_report`."""
-        is_fresh = super().on_report(now, host, report, arrival)
+        taken = super().on_report(now, host, report, arrival)
         self._whole.on_member_heard(now, self)
-        return is_fresh
+        return taken
+
+    @property
+    def settled_at(self) -> int:
+        """See `Run.settled_at`. A robot that was left out joins the others as soon as it is ready."""
+        is_awaited = self._whole.phase is Phase.RUNNING and self.phase is Phase.CONNECTED
+        return NO_REVISION if is_awaited else super().settled_at
 
     def doing(self, now: Now) -> str:
         """Return what the robot is doing, in a few words."""

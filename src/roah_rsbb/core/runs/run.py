@@ -8,13 +8,14 @@ into effects. `roah_rsbb.core.commands` decides who may start or stop it, and wh
 """
 
 import abc
+import enum
 import functools
 from dataclasses import dataclass, field
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Effect, How, Level
-from roah_rsbb.core.link.link import LinkState, RobotLink
+from roah_rsbb.core.link.link import LinkState, RobotLink, TakenReport
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs.clock import CountdownState, RunCountdown, SavingWatch
 from roah_rsbb.core.runs.device_commands import DeviceCommands, DeviceCommandsState
@@ -37,6 +38,7 @@ from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Restarts, ScheduledEvent
 from roah_rsbb.wording import stop, times
 
 # Types whose values are whole numbers, which `Score` holds.
+NO_REVISION = -1
 WHOLE_WORDS = frozenset(kind.word for kind in WHOLE)
 # The least interval between two warnings that messages of a robot were dropped.
 DROPPED_PERIOD_S = 10.0
@@ -69,6 +71,14 @@ ONLINE_FIELDS = (
     OnlineField("visitor", run_log.VISITOR),
     OnlineField("final_command", run_log.COMMAND),
 )
+
+
+class Consequence(enum.Enum):
+    """What came of a robot's message."""
+
+    NONE = enum.auto()  # it was stale
+    LINK_ONLY = enum.auto()  # what concerns the link, and the acknowledgement: it repeats the one before
+    ANY = enum.auto()
 
 
 class Assignment(NamedTuple):
@@ -155,6 +165,7 @@ class RunContext(NamedTuple):
     settings: Settings
 
     emit: Callable[[Effect], None]
+    revision: Callable[[], int]  # rises with everything that happens to the run, but for reports that say nothing new
     show_map: Callable[[bool], bool]  # sets the tablet's view (True: map); returns whether it showed the other one
     last_beacon: Optional[Callable[[RobotId], Optional[float]]]  # see `ActiveRobots.last_beacon`; None: not known
 
@@ -473,6 +484,8 @@ class Run(ZoneRun):
         # STOP has had its time to answer.
         self._state_mono = float("-inf") if self.resumed and self.phase is Phase.ENDED else now.mono
         self._last_logged: Optional[Tuple[RobotReport, bool]] = None
+        self._revision = context.revision
+        self._settled_at = NO_REVISION  # when the last report was taken again, and changed nothing
 
     @property
     def message(self) -> BoxMessage:
@@ -557,20 +570,42 @@ class Run(ZoneRun):
 
     # -- the robot ----------------------------------------------------------------------------------
 
-    def on_report(self, now: Now, host: str, report: RobotReport, arrival: Now) -> bool:
-        """Take a message of the robot from `host`. Return False if it was stale and nothing changed.
+    def on_report(self, now: Now, host: str, report: RobotReport, arrival: Now) -> Consequence:
+        """Take a message of the robot from `host`.
 
         `arrival`: when it arrived, for everything about the link. It takes effect `now`, which may be later.
+
+        Three of four messages repeat the one before, but for their time. Their content is not taken if it had no
+        consequence the last time that it was taken, and nothing has happened to the run since (`_settled_at`).
         """
+        repeats = report[1:] == (self.link.last or ())[1:]
         heard = self.link.hear(arrival, host, report)
         for notice in heard.notices:
             self.say(now, Level.WARNING, notice)
         if not heard.fresh:
-            return False
+            return Consequence.NONE
+        message = self.state.message
+        self.state.message = BoxMessage(message.benchmark, message.state, report.time, message.goal)
         if heard.new_host:
             self._emit(effects.AimChannel(self.port, host))
+        elif repeats and self._settled_at == self._revision():
+            return Consequence.LINK_ONLY
+        revision = self._revision()
+        has_strings = self._take_content(now, report, heard)
+        # The first time, a run may only note something. Strings are acknowledged at once each time.
+        is_settled = repeats and not has_strings and revision == self._revision()
+        self._settled_at = revision if is_settled else NO_REVISION
+        return Consequence.ANY
+
+    @property
+    def settled_at(self) -> int:
+        """The revision of the zone with which a report that repeats the last one has no consequence but for the link;
+        `NO_REVISION`: it may have one."""
+        return self._settled_at
+
+    def _take_content(self, now: Now, report: RobotReport, heard: TakenReport) -> bool:
+        """Take what a message says. Return whether it has strings."""
         before = self.message
-        self.state.message = before._replace(acknowledgement=report.time)
         self._log_report(report)
         has_strings = self._take_strings(now, report)
         self._take_commands(now, report)
@@ -579,7 +614,7 @@ class Run(ZoneRun):
         if self.message.state == before.state:
             urgent = has_strings or heard.state_changed
             self._emit(effects.SendState(self.port, self.message, How.REPLY if urgent else How.QUIET))
-        return True
+        return has_strings
 
     def on_copy(self, now: Now, host: str, count: int) -> None:
         """Handle copies of datagrams of the robot, the last from `host`. They change nothing in the run."""

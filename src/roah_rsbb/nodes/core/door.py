@@ -7,7 +7,7 @@ import threading
 import time
 import xmlrpc.client
 from http.client import HTTPException
-from typing import Callable, Mapping, Optional, Sequence
+from typing import Callable, Mapping, Optional, Sequence, Tuple
 
 import rosgraph
 import rospy
@@ -44,6 +44,8 @@ class BoxDoor:
         `publicity`: what the public may see."""
         self._loop, self._now, self._log_files, self._unsaved = loop, now, log_files, unsaved
         self._documents = Documents(box, uuid, host, publicity)
+        self._box = box
+        self._seen: Optional[Tuple[int, int]] = None  # what the document was made of
         self._written = Written(Document)
         self._token = new_token()
         self._soon: Optional[asyncio.TimerHandle] = None
@@ -112,11 +114,14 @@ class BoxDoor:
             self._soon = self._loop.call_at(due, self.publish)
 
     def publish(self) -> Document:
-        """Send clients what has changed; returns the document."""
+        """Send clients what has changed; returns the document. What only time changes is looked at once a second."""
         if self._soon is not None:
             self._soon.cancel()
         self._soon, self._sent_mono = None, self._loop.time()
-        self._look()
+        seen = self._box.happenings, int(self._sent_mono)
+        if seen != self._seen:
+            self._seen = seen
+            self._look()
         self._door.publish()
         return self.document
 

@@ -27,6 +27,7 @@ from std_srvs.srv import Empty as EmptySrv
 from roah_rsbb.box.assembly import BoxPlace, CoreAssembly, Machine
 from roah_rsbb.box.calls import BoxCalls, Disks
 from roah_rsbb.box.driver import Outputs
+from roah_rsbb.comm.sender import on_grid
 from roah_rsbb.core.copies import NO_PORT
 from roah_rsbb.core.effects import Level
 from roah_rsbb.durable import close_to_others
@@ -53,10 +54,10 @@ from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.run_logs.writer import RunLogWriter
 from roah_rsbb.signs_of_life import Signs
 
-GUI_PERIOD_S = 0.1
-# Every fifth of the panels' messages goes with one for the public.
-PUBLIC_EVERY = 5
-JOURNAL_EVERY = 10
+# Seconds: between the panels' messages, and between signs of life if nobody wants those.
+GUI_PERIOD_S, SIGN_PERIOD_S = 0.1, 0.2
+PUBLIC_PERIOD_S = 0.5
+JOURNAL_PERIOD_S = 1.0
 
 # Seconds. The node that ends the launch may still be starting, and ending takes some time.
 END_LAUNCH_S = 10.0
@@ -81,7 +82,7 @@ class CoreNode:
         lock = wait_for_journal(params.log_dir)
         launch = rospy.get_param("/run_id", "")
         self._configuration = _configuration(params, launch)
-        self._ticks = 0
+        self._public_due = self._journal_due = 0.0  # monotonic (s)
         self._ros = RosLoop()
         self._door: Optional[BoxDoor] = None
         box_uuid = str(uuid.uuid4())
@@ -175,15 +176,18 @@ class CoreNode:
                           log_dir, shlex.quote(log_dir))
 
     def _tick(self) -> None:
-        self._ros.loop.call_later(GUI_PERIOD_S, self._tick)
+        loop = self._ros.loop
+        now, period_s = on_grid(loop.time()), GUI_PERIOD_S if self._topics.are_wanted else SIGN_PERIOD_S
+        loop.call_at(now + period_s, self._tick)
         self._event(self._box.tick_if_due)
         self._signs.send()
         todo: List[Callable[[], object]] = [self._topics.publish_to_gui]
-        if self._ticks % PUBLIC_EVERY == 0:
+        if now > self._public_due - GUI_PERIOD_S / 2:
+            self._public_due = now + PUBLIC_PERIOD_S
             todo.append(self._topics.publish_to_public)
-        if self._ticks % JOURNAL_EVERY == 0:
+        if now > self._journal_due - GUI_PERIOD_S / 2:
+            self._journal_due = now + JOURNAL_PERIOD_S
             todo.append(self._core.each_second)
-        self._ticks += 1
         self._do_in_turn(todo)
 
     def _do_in_turn(self, todo: List[Callable[[], object]]) -> None:

@@ -48,7 +48,7 @@ LOST = {
     "Timeline": {"_candidate", "_rising"},
     "SavingWatch": {"_since"},
     "FunctionalityRun": {"_node", "_progress"},
-    "Run": {"_last_logged"},
+    "Run": {"_last_logged", "_settled_at"},
     # Budgets are full again, and a hint about a robot that does not react comes later.
     "StringsBudget": {"_strings", "_characters"},
     "AllRobotsRun": {"_settled_mono"},
