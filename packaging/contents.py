@@ -25,7 +25,8 @@ CONTENTS: Dict[str, Tuple[str, ...]] = {
         "docs/check_robot.md"),
     "results": (
         "roah_rsbb/document/", "roah_rsbb/durable.py", "roah_rsbb/journal/", "roah_rsbb/results/",
-        "config/schedule.yaml", "config/standings.yaml", "docs/results.md", "resource/replay/", "resource/report/"),
+        "roah_rsbb/run_logs/", "config/schedule.yaml", "config/standings.yaml", "docs/results.md", "resource/replay/",
+        "resource/report/"),
     "box": (
         "roah_rsbb/", "roah_rsbb/nodes/team/dummy_robots.py", "README.md", "config/", "docs/", "launch/", "plugin.xml",
         "resource/", "etc/roah-rsbb/",

@@ -67,6 +67,7 @@ def init_node(name: str, **options: Any) -> None:
         sys.stdout.reconfigure(line_buffering=True)
     protect()
     rospy.init_node(name, **options)  # noqa: TID251
+    logging.getLogger("roah_rsbb").parent = logging.getLogger("rosout")  # what this package logs are lines of the node
     known = rospy.get_param(_LINES_WITHOUT_TOPICS, False)
     paramserver.get_param_server_cache().set(_LINES_WITHOUT_TOPICS, known)
 

@@ -10,52 +10,21 @@ import fcntl
 import io
 import itertools
 import os
-import types
 from typing import IO, Counter, Iterable, Iterator, List, Optional, Tuple
 
-import genpy
-import rosbag
-from std_msgs.msg import Empty, String, UInt8
-
 from roah_rsbb import durable
-from roah_rsbb.model.run_log import KINDS, LogKind
-from roah_rsbb.msg import Score
-from roah_rsbb.run_logs.salvage import Message, NotABag, Salvage
+from roah_rsbb.model.run_log import KINDS
+from roah_rsbb.run_logs.bag import BagWriter
+from roah_rsbb.run_logs.messages import HEADERS, BadEntry, LogEntry, Message, is_sound, message_of
+from roah_rsbb.run_logs.salvage import NotABag, Salvage
 
 # A bag that is being rewritten has this suffix until it is complete.
 DRAFT = ".draft"
 # A damaged bag is kept with this suffix after its readable part has replaced it.
 DAMAGED = ".damaged"
 
-# topic (of `roah_rsbb.model.run_log`), value, UTC (s)
-LogEntry = Tuple[str, object, float]
-
 # Errors that writing a bag may raise.
-WRITE_ERRORS = (OSError, ValueError, rosbag.ROSBagException)
-
-_TYPES = {LogKind.UINT8: UInt8, LogKind.STRING: String, LogKind.SCORE: Score, LogKind.EMPTY: Empty}
-_HEADERS = {
-    kind: {"type": cls._type, "md5sum": cls._md5sum, "message_definition": cls._full_text}
-    for kind, cls in _TYPES.items()
-}
-
-
-class BadEntry(Exception):
-    """The entry does not fit into a message."""
-
-
-def message_of(entry: LogEntry) -> Message:
-    """Build the message of an entry; raises `BadEntry`."""
-    topic, value, utc = entry
-    try:
-        kind = KINDS[topic]
-        arguments = value if kind is LogKind.SCORE else () if kind is LogKind.EMPTY else (value,)
-        buffer = io.BytesIO()
-        _TYPES[kind](*arguments).serialize(buffer)
-        stamp = genpy.Time.from_sec(utc)
-    except (genpy.MessageException, TypeError, ValueError, KeyError) as error:
-        raise BadEntry(f"{topic} cannot hold {value!r}: {error}") from None
-    return Message(topic, (stamp.secs, stamp.nsecs), buffer.getvalue(), _HEADERS[kind])
+WRITE_ERRORS = (OSError, ValueError)
 
 
 class GrowingBag:
@@ -72,7 +41,7 @@ class GrowingBag:
             # Some network file systems do not support locks.
             with contextlib.suppress(OSError):
                 fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            self._bag = rosbag.Bag(self._file, "w")
+            self._bag = BagWriter(self._file)
             self._file.flush()
         except BaseException:
             self.abandon()
@@ -85,19 +54,16 @@ class GrowingBag:
         """
         self._same = self._same + 1 if message.stamp == self._stamp else 0
         self._stamp = message.stamp
-        header = {"topic": message.topic, **message.kind}
-        md5sum, definition = _text(header["md5sum"]), _text(header["message_definition"])
-        cls = types.SimpleNamespace(_md5sum=md5sum, _full_text=definition)
+        seconds, nanoseconds = divmod(message.stamp[1] + self._same, 1_000_000_000)
         self._dirty = True
-        self._bag.write(message.topic, (_text(header["type"]), message.data, md5sum, cls),
-                        genpy.Time(message.stamp[0], message.stamp[1] + self._same), raw=True, connection_header=header)
+        self._bag.write(message.topic, (message.stamp[0] + seconds, nanoseconds), message.data, message.kind)
         self._file.flush()
 
     def flush(self) -> None:
         """End the chunk. `rosbag reindex` can read ended chunks of a file that was not closed."""
         if self._dirty:
             self._dirty = False
-            self._bag.flush()
+            self._bag.end_chunk()
             self._file.flush()
 
     def is_in_place(self) -> bool:
@@ -121,21 +87,15 @@ class GrowingBag:
 
     def close(self) -> None:
         """Write the index and sync the file to the disk."""
-        fd = os.dup(self._file.fileno())
-        try:
-            self._bag.close()
-            os.fsync(fd)
-        finally:
-            os.close(fd)
+        self._bag.close()
+        self._file.flush()
+        os.fsync(self._file.fileno())
+        self._file.close()
 
     def abandon(self) -> None:
         """Close the file without completing it."""
         with contextlib.suppress(*WRITE_ERRORS):
             self._file.close()
-
-
-def _text(value) -> str:
-    return value if isinstance(value, str) else value.decode()
 
 
 def write_whole(path: str, entries: Iterable[LogEntry], stays_open: bool = False) -> Tuple[GrowingBag, str]:
@@ -212,15 +172,15 @@ def _fill(bag: GrowingBag, messages: List[Message], old_file: Optional[IO[bytes]
 def _extra(messages: List[Message], old: Iterable[Message]) -> Tuple[List[Message], bool]:
     """Messages of an old bag that are not among these, and whether one bag can hold both."""
     known: Counter[Tuple[str, bytes]] = collections.Counter((message.topic, message.data) for message in messages)
-    kinds = {message.topic: message.kind["md5sum"] for message in messages}
+    sums = {message.topic: message.kind["md5sum"] for message in messages}
     # A message with another content at such a moment is one of these, torn by a power failure: bags have no checksums.
     moments = {(message.topic, message.stamp) for message in messages}
     extra: List[Message] = []
     fits = True
     for message in old:
         key = message.topic, message.data
-        md5sum = _text(message.kind["md5sum"])
-        if md5sum != kinds.setdefault(message.topic, md5sum):
+        md5sum = message.kind["md5sum"]
+        if md5sum != sums.setdefault(message.topic, md5sum):
             fits = False  # written by another version of roah_rsbb
         elif known[key] > 0:
             known[key] -= 1
@@ -230,17 +190,11 @@ def _extra(messages: List[Message], old: Iterable[Message]) -> Tuple[List[Messag
 
 
 def _is_sound(message: Message) -> bool:
-    """Whether a message of an old file can be read; one that a power failure has torn would end every reader."""
-    cls = _TYPES.get(KINDS.get(message.topic))
-    if cls is None or _text(message.kind["md5sum"]) != cls._md5sum:
+    """Whether a message of an old file can be read."""
+    kind = KINDS.get(message.topic)
+    if kind is None or message.kind["md5sum"] != HEADERS[kind]["md5sum"]:
         return True  # written by another version of roah_rsbb
-    try:
-        found = cls().deserialize(message.data)
-        texts = [value.encode() for value in map(found.__getattribute__, cls.__slots__) if isinstance(value, str)]
-    except (genpy.DeserializationError, UnicodeError):
-        return False
-    # What cannot be decoded is replaced when it is read, and sectors that were not written are zeros.
-    return all(text in message.data and b"\0" not in text for text in texts)
+    return is_sound(kind, message.data)
 
 
 def _messages(entries: Iterable[LogEntry]) -> Iterator[Message]:

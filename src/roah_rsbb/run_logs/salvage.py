@@ -1,34 +1,33 @@
 """Reads run logs that were not closed: all messages in the file, with or without an index.
 
-Theory of operation. A bag (format 2.0, not compressed) is a sequence of records. Each record has a header and data,
-with their lengths in front. The data of a chunk record are records themselves. The reader skips only the chunk's own
+Theory of operation. The data of a chunk record are records themselves (`bag.py`). The reader skips only the chunk's own
 header, so it finds all messages, including those of an unfinished chunk. A killed process leaves an incomplete last
 record; a power failure may leave zeros. Everything else that cannot be read is damage.
 """
 
 import os
 import struct
-from typing import IO, Dict, Iterator, NamedTuple, Optional, Tuple
+from typing import IO, Dict, Iterator, Optional, Tuple
 
-MAGIC = b"#ROSBAG V2.0\n"
+from roah_rsbb.run_logs.bag import (
+    CHUNK,
+    CHUNK_INFO,
+    CONNECTION,
+    FILE_HEADER,
+    INDEX_DATA,
+    LENGTH,
+    MAGIC,
+    MSG_DATA,
+    STAMP,
+)
+from roah_rsbb.run_logs.messages import Message
+
 # Longest record of a run log (bytes). A larger length is damage.
 MAX_RECORD = 1 << 24
-_MSG_DATA, _FILE_HEADER, _INDEX_DATA, _CHUNK, _CHUNK_INFO, _CONNECTION = 0x02, 0x03, 0x04, 0x05, 0x06, 0x07
-_LENGTH = struct.Struct("<L")
-_STAMP = struct.Struct("<LL")
 
 
 class NotABag(ValueError):
     """The file is not a bag."""
-
-
-class Message(NamedTuple):
-    """A message as stored in a bag."""
-
-    topic: str
-    stamp: Tuple[int, int]  # UTC: seconds, nanoseconds
-    data: bytes
-    kind: Dict[str, bytes]  # header of its connection: type, md5sum, message_definition
 
 
 class Salvage:
@@ -54,18 +53,18 @@ class Salvage:
                 at = self._file.tell()
                 header = self._fields(self._sized())
                 op = header[b"op"][0]
-                if op == _CHUNK:
+                if op == CHUNK:
                     if header[b"compression"] != b"none":
                         raise ValueError("it is compressed")
                     self._length()
                     continue
                 data = self._sized()
-                if op == _CONNECTION:
+                if op == CONNECTION:
                     connections[header[b"conn"]] = header[b"topic"].decode(), _named(self._fields(data))
-                elif op == _MSG_DATA:
+                elif op == MSG_DATA:
                     topic, kind_of_topic = connections[header[b"conn"]]
-                    yield Message(topic, _STAMP.unpack(header[b"time"]), data, kind_of_topic)
-                elif op not in (_FILE_HEADER, _INDEX_DATA, _CHUNK_INFO):
+                    yield Message(topic, STAMP.unpack(header[b"time"]), data, kind_of_topic)
+                elif op not in (FILE_HEADER, INDEX_DATA, CHUNK_INFO):
                     raise ValueError(f"unknown record {op}")
         except EOFError:
             pass
@@ -74,10 +73,10 @@ class Salvage:
                 self.damage = f"at byte {at} of {self._size}"
 
     def _length(self) -> int:
-        data = self._file.read(_LENGTH.size)
-        if len(data) < _LENGTH.size:
+        data = self._file.read(LENGTH.size)
+        if len(data) < LENGTH.size:
             raise EOFError
-        return _LENGTH.unpack(data)[0]
+        return LENGTH.unpack(data)[0]
 
     def _sized(self) -> bytes:
         length = self._length()
@@ -92,8 +91,8 @@ class Salvage:
     def _fields(data: bytes) -> Dict[bytes, bytes]:
         fields, at = {}, 0
         while at < len(data):
-            end = at + _LENGTH.size + _LENGTH.unpack_from(data, at)[0]
-            name, equals, value = data[at + _LENGTH.size:end].partition(b"=")
+            end = at + LENGTH.size + LENGTH.unpack_from(data, at)[0]
+            name, equals, value = data[at + LENGTH.size:end].partition(b"=")
             if not equals or end > len(data):
                 raise ValueError("no field")
             fields[name] = value
@@ -118,10 +117,10 @@ def is_closed(file: IO[bytes]) -> bool:
     """Whether a bag was closed, that is, has its index. `file`: open for reading, at its beginning."""
     if file.read(len(MAGIC)) != MAGIC:
         return False
-    length = file.read(_LENGTH.size)
-    if len(length) < _LENGTH.size:
+    length = file.read(LENGTH.size)
+    if len(length) < LENGTH.size:
         return False
-    index = _index_position(file.read(min(_LENGTH.unpack(length)[0], MAX_RECORD)))
+    index = _index_position(file.read(min(LENGTH.unpack(length)[0], MAX_RECORD)))
     return index is not None and 0 < index < os.fstat(file.fileno()).st_size
 
 

@@ -12,16 +12,16 @@ them, later entries follow in the queue. No entry is lost or duplicated.
 import contextlib
 import errno
 import fcntl
+import logging
 import os
 import queue
 import threading
 import time
 from typing import Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Set
 
-import rospy
-
 from roah_rsbb.core import effects
-from roah_rsbb.run_logs.bag_file import DRAFT, WRITE_ERRORS, GrowingBag, LogEntry, message_of, try_out, write_whole
+from roah_rsbb.run_logs.bag_file import DRAFT, WRITE_ERRORS, GrowingBag, try_out, write_whole
+from roah_rsbb.run_logs.messages import LogEntry, message_of
 from roah_rsbb.run_logs.names import is_log_name, log_name, unused
 from roah_rsbb.run_logs.salvage import is_closed
 
@@ -43,6 +43,8 @@ _REMEDIES = {
     errno.EACCES: "make log_dir writable for this user",
     errno.EPERM: "make log_dir writable for this user",
 }
+
+_log = logging.getLogger(__name__)
 
 
 class _Log:
@@ -151,7 +153,7 @@ class RunLogWriter:
         try:
             entries = self._entries_of(port)
         except Exception:
-            rospy.logerr("internal error, please report it: no entries for a run log", exc_info=True)
+            _log.error("internal error, please report it: no entries for a run log", exc_info=True)
             entries = None
         if entries is None:
             self._jobs.put(lambda: self._not_now(port))
@@ -183,7 +185,7 @@ class RunLogWriter:
             job()
         except Exception:
             # A failure in one log must not end the others.
-            rospy.logerr("internal error, please report it: a run log could not be written", exc_info=True)
+            _log.error("internal error, please report it: a run log could not be written", exc_info=True)
 
     def _end(self) -> None:
         """Close all logs. The loop waits in `stop` and answers requests immediately."""
@@ -347,7 +349,7 @@ class RunLogWriter:
         if text:
             self._on_problem(text)
         else:
-            rospy.loginfo("The run log %s was left open and is repaired", path)
+            _log.info("The run log %s was left open and is repaired", path)
 
 
 def _unclosed(log_dir: str) -> Iterator[str]:

@@ -18,7 +18,7 @@ Key = Tuple[str, ...]
 Made = Dict[Tuple[Any, ...], str]
 
 
-_log = logging.getLogger("rosout")  # of the node
+_log = logging.getLogger(__name__)
 _reported: Set[str] = set()
 MAX_REPORTED = 100
 

@@ -351,7 +351,8 @@ class RunLog:
     @staticmethod
     def live(folder: str, life: int, recorded: Recorded) -> None:
         """Write a bag. Each later process writes it again from the journal first."""
-        from roah_rsbb.run_logs.bag_file import GrowingBag, message_of, write_whole
+        from roah_rsbb.run_logs.bag_file import GrowingBag, write_whole
+        from roah_rsbb.run_logs.messages import message_of
 
         path, first = os.path.join(folder, RunLog.NAME), sum(RunLog.LIVES[:life])
         bag = write_whole(path, RunLog.entries(first), stays_open=True)[0] if life else GrowingBag(path)

@@ -8,8 +8,9 @@ import sys
 import pytest
 
 from helpers.bags import END, NAME, SCORE, STATE, TEXT, UTC, entries, plain, read, rosbag
-from roah_rsbb.run_logs import bag_file
-from roah_rsbb.run_logs.bag_file import DAMAGED, DRAFT, GrowingBag, message_of, write_whole
+from roah_rsbb.model.run_log import LogKind
+from roah_rsbb.run_logs.bag_file import DAMAGED, DRAFT, GrowingBag, write_whole
+from roah_rsbb.run_logs.messages import HEADERS, message_of
 from roah_rsbb.run_logs.salvage import NotABag, Salvage, is_closed
 
 ALL_KINDS = [(STATE, 3, UTC), (TEXT, "Grüße", UTC), (SCORE, ["Group", "Item", -2], UTC + 1), (END, None, UTC + 1)]
@@ -162,8 +163,7 @@ def test_a_file_that_is_not_a_bag_is_left_alone(path):
 
 
 def test_a_log_of_another_version_is_kept_beside_the_new_one(path, monkeypatch):
-    other = {**bag_file._HEADERS[bag_file.LogKind.SCORE], "md5sum": "0" * 32}
-    monkeypatch.setitem(bag_file._HEADERS, bag_file.LogKind.SCORE, other)
+    monkeypatch.setitem(HEADERS, LogKind.SCORE, {**HEADERS[LogKind.SCORE], "md5sum": b"0" * 32})
     grown(path, [(SCORE, ["g", "i", 1], UTC)])
     monkeypatch.undo()
     _, kept = write_whole(str(path), [(SCORE, ["g", "i", 2], UTC)])
@@ -228,7 +228,8 @@ sys.path[:0] = {paths!r}
 import roah_rsbb
 roah_rsbb.__path__ = {package!r}
 from helpers.bags import entries
-from roah_rsbb.run_logs.bag_file import GrowingBag, message_of
+from roah_rsbb.run_logs.bag_file import GrowingBag
+from roah_rsbb.run_logs.messages import message_of
 bag = GrowingBag(sys.argv[1])
 for number, entry in enumerate(entries(100_000)):
     bag.write(message_of(entry))

@@ -2,7 +2,8 @@
 
 from helpers.bags import NAME, entries, plain, read, rosbag
 from helpers.run_log_loop import OTHER, PORT, Loop, complete
-from roah_rsbb.run_logs.bag_file import DRAFT, GrowingBag, message_of, write_whole
+from roah_rsbb.run_logs.bag_file import DRAFT, GrowingBag, write_whole
+from roah_rsbb.run_logs.messages import message_of
 
 
 def left_open(path, count):

@@ -13,7 +13,8 @@ import pytest
 from helpers.bags import END, NAME, TEXT, UTC, entries, plain, read, rosbag
 from helpers.run_log_loop import LIMIT_S, OTHER, PORT, Loop, complete
 from roah_rsbb.run_logs import writer
-from roah_rsbb.run_logs.bag_file import DRAFT, GrowingBag, message_of, write_whole
+from roah_rsbb.run_logs.bag_file import DRAFT, GrowingBag, write_whole
+from roah_rsbb.run_logs.messages import message_of
 
 pytestmark = pytest.mark.usefixtures("quick_writer")
 

@@ -26,6 +26,7 @@ from roah_rsbb.results.program.journal import (
 from roah_rsbb.results.run_list import list_lines
 from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, heads
 from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.run_logs.bag_file import WRITE_ERRORS, write_whole
 from roah_rsbb.shipped import NotShipped, shipped_folder
 
 LOG_DIR = "~/.ros/roah_rsbb"
@@ -77,8 +78,7 @@ Lists all events of the schedule: signed off (final, and public if the organiser
 without a run. The exit status is 0 only if every event has a signed-off result, so scripts can wait for it.
 """
 _BAG = """\
-Writes a run's log (rosbag) again from the journal, for example after it was lost. This needs ROS's Python modules,
-but no ROS master.
+Writes a run's log (rosbag) again from the journal, for example after it was lost. This needs no ROS.
 """
 _RULES = """\
 A YAML file defines how teams are ranked (docs/results.md, "Standings"). Benchmarks that it does not name are ranked by
@@ -295,12 +295,6 @@ def _write_bag(result: RunResult, port: Optional[int], path: str) -> int:
 
     `port`: private port of the robot; None if the run has only one robot.
     """
-    try:
-        from roah_rsbb.run_logs.bag_file import WRITE_ERRORS, write_whole
-    except ImportError as error:
-        raise _NoBag(
-            f"a bag cannot be written here ({error}): use a computer with ROS and the box, and a copy of the journal"
-        ) from None
     if os.path.exists(path):
         raise _NoBag(f"{path}: this file already exists: choose another name")
     robot = _robot_of(result, port)

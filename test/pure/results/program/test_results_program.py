@@ -9,7 +9,6 @@ import pathlib
 import shutil
 import subprocess
 import sys
-import types
 
 import pytest
 
@@ -27,6 +26,7 @@ from roah_rsbb.results.program import main as program
 from roah_rsbb.results.run_list import list_lines
 from roah_rsbb.results.runs import find_record, heads, records
 from roah_rsbb.rulebook.standing_rules import OfRuns
+from roah_rsbb.run_logs.salvage import Salvage
 
 ROOT = pathlib.Path(__file__).resolve().parents[4]
 
@@ -263,21 +263,19 @@ def test_the_journals_of_a_log_dir(run, journal, tmp_path):
     assert "there are no journals in" in run("journals", "--log-dir", tmp_path / "none", source=())[2]
 
 
-def test_a_bag_needs_ros_and_a_file_that_is_not_there(run, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "roah_rsbb.run_logs.bag_file", None)
-    status, _, err = run("bag", "1", tmp_path / "x.bag")
-    assert (status, "use a computer with ROS" in err) == (1, True)
-    bags = types.SimpleNamespace(WRITE_ERRORS=(OSError,), write_whole=lambda path, entries: written.append(entries))
-    written = []
-    monkeypatch.setitem(sys.modules, "roah_rsbb.run_logs.bag_file", bags)
-    assert run("bag", "1", tmp_path / "x.bag")[0] == 0
-    [entries] = written
-    assert entries[0][:2] == ("/rsbb_log/rsbb_state_str", "STOP")
-    assert ("/notification", EVIL) in [entry[:2] for entry in entries]
-    assert not {"command", "address", "notice", "something_new"} & {kind for kind, _, _ in entries}
-    assert "with --port: 6667 (r1 of team Alpha)" in run("bag", "1", tmp_path / "x.bag", "--port", "1")[2]
-    (tmp_path / "x.bag").touch()
-    assert "already" in run("bag", "1", tmp_path / "x.bag")[2]
+def test_a_bag_is_written_from_the_journal_into_a_file_that_is_not_there(run, tmp_path):
+    path = tmp_path / "x.bag"
+    assert run("bag", "1", path)[0] == 0
+    with path.open("rb") as file:
+        found = [(message.topic, message.data[4:].decode()) for message in Salvage(file)
+                 if message.kind["type"] == b"std_msgs/String"]
+    assert found[0] == ("/rsbb_log/rsbb_state_str", "STOP")
+    assert ("/notification", EVIL) in found
+    assert not {"command", "address", "notice", "something_new"} & {topic for topic, _ in found}
+    before = path.read_bytes()
+    assert "with --port: 6667 (r1 of team Alpha)" in run("bag", "1", tmp_path / "y.bag", "--port", "1")[2]
+    assert "already" in run("bag", "1", path)[2]
+    assert path.read_bytes() == before
 
 
 # -- spreadsheets -----------------------------------------------------------------------------------
