@@ -15,12 +15,13 @@ import rosgraph
 import rospy
 
 from roah_rsbb.arguments import Parser, number
+from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.box.calls import BoxCalls
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import REPLAY as PREFIX
 from roah_rsbb.model.referee import Refused
-from roah_rsbb.nodes.core.door import BoxDoor
+from roah_rsbb.nodes.core.door_place import PublishedDoor
 from roah_rsbb.nodes.core.original_topics import OriginalTopics
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuration, read_run
@@ -79,16 +80,17 @@ class ReplayNode:
         calls = BoxCalls(box, self._event)
         self._door = BoxDoor(self._ros.loop, box, self._uuid, "", lambda: self._shown.now, dict, tuple, calls.named(),
                              lambda: None)
+        self._published = PublishedDoor(self._door)
         self._topics = OriginalTopics(self._ros, box, self._now, self._door.publish, PREFIX)
         CoreServices(box, LoopServices(self._ros.loop), calls)
 
     def run(self) -> int:
         """Run until shut down; returns the exit status."""
         self._last_s = self._ros.loop.time()
-        self._ros.loop.call_soon(self._door.open)  # it serves in the loop that is running
+        self._ros.loop.call_soon(self._published.open)  # it serves in the loop that is running
         self._tick()
         self._ros.run()
-        self._door.close()
+        self._published.close()
         self._ros.close()
         return self._status
 

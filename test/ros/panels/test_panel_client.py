@@ -32,9 +32,9 @@ from support.gui_testing import (
 )
 from support.panel_case import CoreCase
 
+from roah_rsbb.box.reload import Reloaded
 from roah_rsbb.document.calls import Caller
 from roah_rsbb.model.document import REPLAY as PREFIX
-from roah_rsbb.nodes.core.reload import Reloaded
 from roah_rsbb.rqt.app.panel_list import PANELS, load
 from roah_rsbb.rqt.app.window import Window
 from roah_rsbb.rqt.model import calls

@@ -25,8 +25,11 @@ import rospy
 from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.box.assembly import BoxPlace, CoreAssembly, Machine
+from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.box.calls import BoxCalls, Disks
+from roah_rsbb.box.configuration import Configuration, Content
 from roah_rsbb.box.driver import Outputs
+from roah_rsbb.box.reload import Reloads
 from roah_rsbb.comm.sender import on_grid
 from roah_rsbb.core.copies import NO_PORT
 from roah_rsbb.core.effects import Level
@@ -35,12 +38,10 @@ from roah_rsbb.journal.file import DamagedJournal, Resume, boot_id
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now
-from roah_rsbb.nodes.core.configuration import Configuration, Content
-from roah_rsbb.nodes.core.door import BoxDoor
+from roah_rsbb.nodes.core.door_place import PublishedDoor
 from roah_rsbb.nodes.core.original_topics import OriginalTopics, TimeoutBell
 from roah_rsbb.nodes.core.other_nodes import OtherNodes
 from roah_rsbb.nodes.core.parameters import CoreParameters, read_parameters
-from roah_rsbb.nodes.core.reload import Reloads
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.nodes.standing_by import CORE, wait_for_journal, wait_for_takeover
 from roah_rsbb.ros import connections
@@ -117,10 +118,11 @@ class CoreNode:
         calls = BoxCalls(box, self._call, Disks(core.journal.ticket, core.store.why_not_saved, core.standby.ask))
         self._services = LoopServices(ros.loop, core.fence.check)
         CoreServices(box, self._services, calls)
-        reload = Reloads(box, self._configuration, ros, self._event, self._use)
+        reload = Reloads(box, self._configuration, ros.call, self._event, self._use)
         self._door = BoxDoor(
             ros.loop, box, box_uuid, self._params.network.rsbb_host, core.now, lambda: core.run_logs.files,
             core.unsaved, {**calls.named(), "reload": reload.call}, core.fence.check, self._params.publicity)
+        self._published = PublishedDoor(self._door)
 
     def run(self) -> None:
         """Run until shut down."""
@@ -137,13 +139,13 @@ class CoreNode:
                           network.rsbb_host, network.rsbb_port, self._params.log_dir)
         threading.Thread(target=self._core.check_earlier, name="check of the journal", daemon=True).start()
         self._others.publish_module_runs()
-        self._ros.loop.call_soon(self._door.open)  # it serves in the loop that is running
+        self._ros.loop.call_soon(self._published.open)  # it serves in the loop that is running
         self._tick()
         # Exclude the present objects from garbage collection: a full collection of them stops the box for about 15 ms.
         gc.freeze()
         self._ros.run()
         self._signs.end()
-        self._door.close()
+        self._published.close()
         self._services.close()
         self._core.close()
         self._ros.close()

@@ -1,4 +1,4 @@
-"""The configuration of the core node: read at the start, and read again when an organiser changes it. No ROS.
+"""The configuration of a box: read at the start, and read again when an organiser changes it.
 
 Theory of operation. A changed file takes effect only when an organiser says so. Until then, and after a crash of the
 core, the box uses the contents that it read, which `journal.in_force` keeps. A new launch reads the files again.

@@ -1,16 +1,8 @@
-"""The door of the box in the core node: what it offers, and where clients find it (docs/door.md)."""
+"""The document of a box, kept current for the clients of its door (docs/door.md)."""
 
 import asyncio
-import contextlib
-import os
-import threading
-import time
-import xmlrpc.client
-from http.client import HTTPException
-from typing import Callable, Mapping, Optional, Sequence, Tuple
-
-import rosgraph
-import rospy
+import logging
+from typing import Callable, Mapping, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.box.door import Door
 from roah_rsbb.core.box import Box
@@ -18,18 +10,19 @@ from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import NOTHING_ALLOWED, Publicity
 from roah_rsbb.document.calls import Call
 from roah_rsbb.document.document import Written
-from roah_rsbb.document.place import NotFound, new_token, read_place, write_place
+from roah_rsbb.document.place import new_token
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.results import UnsavedParts
-from roah_rsbb.ros.place import PARAM, file_of
-from roah_rsbb.web.serving import ANY_HOST, ServeError
 
 # Seconds. Shortest time between what clients are sent: of events, because many robots change something in each; and of
 # calls, whose effect a referee waits for.
 GAP_S, CALLS_GAP_S = 0.05, 0.005
 SIGN_S = 0.5
-RETRY_S = 1.0
+# More different errors of this program are not logged.
+MAX_LOGGED = 20
+
+_log = logging.getLogger(__name__)
 
 
 class BoxDoor:
@@ -47,34 +40,21 @@ class BoxDoor:
         self._box = box
         self._seen: Optional[Tuple[int, int]] = None  # what the document was made of
         self._written = Written(Document)
-        self._token = new_token()
+        self.token = new_token()
+        """Whoever has it is let in."""
         self._soon: Optional[asyncio.TimerHandle] = None
         self._sent_mono = float("-inf")
-        self._door = Door(loop, self._token, {name: self._current(call) for name, call in calls.items()}, now,
+        self._door = Door(loop, self.token, {name: self._current(call) for name, call in calls.items()}, now,
                           self._written, check)
         self.document = self._documents.last
         self._is_current = True
-        self._path = ""  # of the file that says where the door is
+        self._logged: Set[str] = set()
 
-    def open(self) -> None:
-        """Let clients in, and publish where it is. Logs what prevents it, with the remedy: the original interface
-        remains."""
-        host = rosgraph.network.get_bind_address()
-        try:
-            port = self._door.open(host)
-        except ServeError as error:
-            rospy.logerr("No panel can follow this box: %s", error)
-            return
+    def open(self, host: str) -> int:
+        """Let clients in; returns the port. Raises `ServeError`, whose text names the remedy."""
+        port = self._door.open(host)
         self._sign()
-        local, remote = "127.0.0.1" if host == ANY_HOST else host, rosgraph.network.get_host_name()
-        _publish(lambda: rospy.set_param(PARAM, {"url": _url(remote, port), "token": self._token}))
-        if rospy.resolve_name(PARAM) == PARAM:  # the file is that of the only box at this master
-            _publish(lambda: self._write_place(_url(local, port)))
-
-    def _write_place(self, url: str) -> None:
-        self._path = file_of(rosgraph.get_master_uri())
-        if self._path:
-            write_place(self._path, url, self._token)
+        return port
 
     @property
     def is_followed(self) -> bool:
@@ -91,12 +71,8 @@ class BoxDoor:
         self._written.rate = rate
 
     def close(self) -> None:
-        """End all connections. The file goes, so that nobody looks for a box that is over."""
+        """End all connections."""
         self._door.close()
-        if self._path:
-            with contextlib.suppress(OSError, NotFound):
-                if read_place(self._path).token == self._token:  # another box may have written its own
-                    os.unlink(self._path)
 
     def changed(self) -> None:
         """Note that an event changed something: clients are sent it soon."""
@@ -132,13 +108,19 @@ class BoxDoor:
             self.document = self._documents.look(now, self._log_files(), self._unsaved())
             self._written.update(self.document, now)
             self._is_current = True
-            if self._documents.fault is not None:
-                rospy.logerr_throttle_identical(
-                    60.0, f"internal error, please report it: the public sees nothing new ({self._documents.fault!r})")
+            fault = self._documents.fault
+            if fault is not None:
+                self._report(f"the public sees nothing new ({fault!r})", fault)
         except Exception as error:
             self._is_current = False
-            rospy.logerr_throttle_identical(60.0, f"internal error, please report it: {error}", exc_info=True)
+            self._report(str(error), error)
         return self.document
+
+    def _report(self, text: str, error: Exception) -> None:
+        """Log an error of this program, once."""
+        if text not in self._logged and len(self._logged) < MAX_LOGGED:
+            self._logged.add(text)
+            _log.error("internal error, please report it: %s", text, exc_info=error)
 
     def _current(self, call: Call) -> Call:
         """Return a call after which the document contains what it did."""
@@ -156,21 +138,3 @@ class BoxDoor:
         self.publish()
         if self._is_current:
             self._door.sign()
-
-
-def _url(host: str, port: int) -> str:
-    return f"ws://{host}:{port}/door"
-
-
-def _publish(where: Callable[[], object]) -> None:
-    """Publish where the door is, until it succeeds. In a thread, because a disk or a master may hang."""
-    def run() -> None:
-        while not rospy.is_shutdown():
-            try:
-                where()
-                return
-            except (OSError, rospy.ROSException, xmlrpc.client.Error, HTTPException) as error:
-                rospy.logerr_throttle_identical(60.0, f"Some panels cannot find this box, which tries again: {error}")
-                time.sleep(RETRY_S)
-
-    threading.Thread(target=run, name="door", daemon=True).start()

@@ -6,8 +6,8 @@ import shutil
 import pytest
 
 from helpers.config_files import SHIPPED
+from roah_rsbb.box.configuration import EDITED, Configuration
 from roah_rsbb.journal.in_force import FILE_NAME, read_in_force
-from roah_rsbb.nodes.core.configuration import EDITED, Configuration
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.event_ids import key_of
 

@@ -5,11 +5,10 @@ import threading
 from typing import Any, Callable, List, Mapping, NamedTuple, Sequence, Tuple
 
 from roah_rsbb.box import calls
+from roah_rsbb.box.configuration import Configuration, Content
 from roah_rsbb.core.box import Box
 from roah_rsbb.document.calls import Caller, InThread
 from roah_rsbb.model.referee import Refused
-from roah_rsbb.nodes.core.configuration import Configuration, Content
-from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 CHANGED_AGAIN = "the files were changed after they were listed: read the list again before you apply it"
@@ -29,13 +28,14 @@ class Reloads:
     """Reads the files in other threads, and puts them into force in the loop's thread."""
 
     def __init__(
-        self, box: Box, configuration: Configuration, ros: RosLoop, event: Callable[..., None],
-        use: Callable[[Content, int], None],
+        self, box: Box, configuration: Configuration, in_loop: Callable[[Callable[[], Any]], Any],
+        event: Callable[..., None], use: Callable[[Content, int], None],
     ) -> None:
-        """`use` prepares everything outside the box for a content and its version, in the loop's thread."""
+        """`in_loop` calls a function in the loop's thread and returns its result. `use` prepares everything outside the
+        box for a content and its version, in the loop's thread."""
         self._box = box
         self._configuration = configuration
-        self._ros = ros
+        self._in_loop = in_loop
         self._event = event
         self._use = use
         self._lock = threading.Lock()  # one reload at a time
@@ -48,14 +48,14 @@ class Reloads:
     def reload(self, digest: str, who: str) -> Reloaded:
         """Check the files, or apply what was listed with this digest. Call it in another thread than the loop's."""
         with self._lock:
-            ran = self._ros.call(self._box.ran)
+            ran = self._in_loop(self._box.ran)
             try:
                 content = self._configuration.read_next(ran)
             except ConfigErrors as errors:
                 return Reloaded(errors=str(errors).splitlines())
             changes = self._configuration.changes(content, ran)
             found = Reloaded(warnings=self._configuration.warnings_of(content, ran), changes=changes,
-                             errors=self._ros.call(lambda: self._box.reload_off(content.config)))
+                             errors=self._in_loop(lambda: self._box.reload_off(content.config)))
             if found.errors:
                 return found
             found = found._replace(digest=content.digest)
@@ -73,7 +73,7 @@ class Reloads:
             return []
         before = self._configuration.version
         try:
-            version = self._configuration.keep(content, self._ros.call(self._versions_in_use))
+            version = self._configuration.keep(content, self._in_loop(self._versions_in_use))
         except OSError as error:
             return [f"the configuration cannot be kept in log_dir: {error.strerror}. Free or repair the disk"]
 
@@ -83,7 +83,7 @@ class Reloads:
             self._configuration.content = content
 
         try:
-            self._ros.call(act)
+            self._in_loop(act)
         except Refused as refused:  # a run was connected in the meantime
             self._configuration.put_back(before)
             return refused.reasons
