@@ -94,7 +94,7 @@ class BoxDoor:
         if self._soon is not None:
             self._soon.cancel()
         self._soon, self._sent_mono = None, self._loop.time()
-        seen = self._box.happenings, int(self._sent_mono)
+        seen = self._box.happenings, int(self._now().mono)  # of the box's clock, which in a replay is that of the run
         if seen != self._seen:
             self._seen = seen
             self._look()

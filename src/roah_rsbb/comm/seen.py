@@ -5,8 +5,8 @@ network duplicated it, or somebody recorded it and sends it again. The protocol 
 (docs/protocol.md, "Frame").
 
 This is a Bloom filter whose bits of one ciphertext are in one word, so that it touches little memory. It never forgets
-one of the last `bits // BITS_PER_ENTRY` ciphertexts. It mistakes about one in 2,000 new ones for a copy, and that
-datagram counts as lost. Two filters take turns, so that neither fills up.
+one of the last `bits // BITS_PER_ENTRY` ciphertexts. It mistakes some new ones for a copy, at most about one in 1,000,
+and that datagram counts as lost. Two filters take turns, so that neither fills up.
 """
 
 from typing import NamedTuple, Optional

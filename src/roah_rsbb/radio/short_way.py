@@ -80,6 +80,7 @@ class Turns:
         self.waiting.clear()
         if self._timer is not None:
             self._timer.cancel()
+            self._timer = None
 
     def add(self, one: WaitingDatagram) -> None:
         """Let a datagram wait."""
@@ -87,11 +88,11 @@ class Turns:
         if self._timer is None:
             self._timer = self._loop.call_at(on_grid(one.mono) + GRID_S, self._on_timer)
         elif len(self.waiting) >= MOST_WAITING:
-            self.now()
+            self.take()
 
     def _on_timer(self) -> None:
         self._timer = None
-        self.now()
+        self.take()
 
     def take(self) -> None:
         """Take all datagrams that wait, each at its own moment."""
@@ -99,16 +100,18 @@ class Turns:
             return
         waiting = self.waiting[:]
         self.waiting.clear()
-        for one in waiting:
-            self._moment = Now(one.mono, one.utc)
-            try:
-                one.way.take_late(one)
-            except Exception:
-                # A mistake in a report must not keep the others, nor a referee's STOP, from the box.
-                self._bugs.count()
-                if self._bugs.take(self._loop.time()):
-                    _log.exception("a datagram that waited could not be taken")
-        self._moment = None
+        try:
+            for one in waiting:
+                self._moment = Now(one.mono, one.utc)
+                try:
+                    one.way.take_late(one)
+                except Exception:
+                    # A mistake in a report must not keep the others, nor a referee's STOP, from the box.
+                    self._bugs.count()
+                    if self._bugs.take(self._loop.time()):
+                        _log.exception("a datagram that waited could not be taken")
+        finally:
+            self._moment = None
 
 
 class ShortWay:
@@ -122,7 +125,7 @@ class ShortWay:
         self._zone, self._revision = "", NO_REVISION  # as long as the zone has it, no repetition has an effect
         self._skews, self._offset = (0.0, 0.0), 0.0  # (s) as long as these hold, neither has a clock
         self._host: Optional[str] = None  # of the robot
-        self._datagram = b""  # the last one that took the long way
+        self._datagram = b""  # the one that takes the long way just now
         self._frames: Dict[bytes, Tuple[int, Cipher]] = {}  # of reports: length and cipher by `_shape`
 
     def begin(self, channel: PrivateChannel) -> None:
@@ -132,13 +135,13 @@ class ShortWay:
     def settle(self, run: Run, report: RobotReport) -> None:
         """Take the core's promise, after a report from the host of the run's robot. It is for repetitions of the run's
         last report, which is not this one if this one was old."""
-        is_last = run.link.last is report
-        self._zone, self._revision, self._host = run.zone, run.settled_at if is_last else NO_REVISION, run.link.host
-        self._skews, heard = run.link.calm_skews, run.link.last_heard
+        link = run.link
+        self._skews, heard = link.calm_skews, link.last_heard
         self._offset = 0.0 if heard is None else heard.utc - heard.mono
-        header = _shape(self._datagram)
-        if self._turns.can_wait and header not in self._frames and len(self._frames) < MAX_FRAMES:
-            self._frames[header] = len(self._datagram), open_private(self._datagram).cipher
+        is_for_it = link.last is report and self._skews[0] < self._skews[1]
+        self._zone, self._revision, self._host = run.zone, run.settled_at if is_for_it else NO_REVISION, link.host
+        if self._datagram and self._turns.can_wait and len(self._frames) < MAX_FRAMES:
+            self._frames[_shape(self._datagram)] = len(self._datagram), open_private(self._datagram).cipher
 
     def take(self, datagram: bytes, sender: Address) -> None:
         """Let a datagram wait, or pass it on at once."""
@@ -160,8 +163,11 @@ class ShortWay:
                             mono, utc, self, datagram, cipher, time, len(payload), sender, received_utc))
                         return
         turns.take()
+        if sender[0] != self._host:
+            self._revision = NO_REVISION  # the reader may read another content, which the run ignores
         self._datagram = datagram
         channel.receive(datagram, sender)
+        self._datagram = b""
 
     def take_late(self, one: WaitingDatagram) -> None:
         """Pass on a datagram that has waited."""

@@ -25,6 +25,7 @@ from roah_rsbb.radio.radio import Network, beacon_size
 from simulation.scheduler import Computer, Process, Scheduler
 
 BROADCAST, BOX, PORT = "10.0.0.255", "10.0.0.1", 6666
+RIVAL = "10.0.0.9"
 HOSTS = ("10.0.0.2", "10.0.0.3", "10.0.0.4", "10.0.0.5")
 CIPHERS = [cipher for cipher in Cipher if cipher is not Cipher.NONE]
 LONG_S = 36_000.0
@@ -169,6 +170,8 @@ class TwinBoxes:
         contents = _recorded()
         self.robots = [_Robot(self.rng, contents, TEAMS[n % 2], host, zone)
                        for n, (host, zone) in enumerate(zip(HOSTS, ("a", "b", "c", "all")))]
+        # Of the same names and passwords, at another address.
+        self.rivals = [_Robot(self.rng, contents, robot.team, RIVAL, robot.zone) for robot in self.robots]
         self.late = []  # datagrams that overtake each other
         self.datagrams = self.waited = 0
 
@@ -179,8 +182,16 @@ class TwinBoxes:
     def step(self):
         """Something happens, mostly a report that repeats the one before."""
         rng, what = self.rng, self.rng.random()
-        robot = rng.choice(self.robots)
-        if what < 0.91:
+        robot, rival = rng.choice(list(zip(self.robots, self.rivals)))
+        if what < 0.01:
+            if rng.random() < 0.5:  # the robot may say the same next
+                rival.change()
+                robot.message.CopyFrom(rival.message)
+            self._report(rival)
+        elif what < 0.02:
+            self._send(robot, bytes([2, rng.randrange(6)] + [rng.randrange(256) for _ in range(rng.randrange(90))]),
+                       rng.choice((robot.host, RIVAL)))
+        elif what < 0.91:
             self._report(robot)
         elif what < 0.92:
             robot.change()

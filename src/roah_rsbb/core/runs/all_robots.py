@@ -143,6 +143,7 @@ class AllRobotsRun(ZoneRun):
             first.identity(now), now.utc, Phase.CONNECTED, None, "", CountdownState(), BookState()))
         self._context = context
         self._settled_mono = now.mono + SETTLE_S
+        self._hint_mono: Optional[float] = self._settled_mono  # when the reasons against a start may change
         self._members: List[MemberRun] = []
         if state is None:
             self.times.connected(now)
@@ -212,11 +213,13 @@ class AllRobotsRun(ZoneRun):
 
     def deadline(self) -> Optional[float]:
         """See `ZoneRun`. Any running member knows when the shared clock is over."""
-        found = [self.times.deadline(), *(member.deadline() for member in self._members)]
+        found = [self.times.deadline(), self._hint_mono, *(member.deadline() for member in self._members)]
         return min((t for t in found if t is not None), default=None)
 
     def tick(self, now: Now) -> None:
         """See `ZoneRun`."""
+        if self._hint_mono is not None and now.mono >= self._hint_mono:
+            self._hint_mono = None  # whoever shows the reasons against a start looks after each tick
         self._tick_times(now)
         for member in self._members:
             member.tick(now)
@@ -236,7 +239,7 @@ class AllRobotsRun(ZoneRun):
 
     def _end(self, now: Now, reason: EndReason, by: By = NOBODY) -> None:
         self._enter(RunEvent.END, reason)
-        self._settled_mono = now.mono + SETTLE_S
+        self._settled_mono = self._hint_mono = now.mono + SETTLE_S
         ends = [member.end_reason for member in self._in_phase(Phase.ENDED)]
         counted = [COUNTED(number=ends.count(end), end=text) for end, text in ENDS.items() if end in ends]
         self.state.desc = WHOLE_END(end=WHOLE_ENDS[reason], counted=joined(counted, ", "))

@@ -38,8 +38,9 @@ from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Restarts, ScheduledEvent
 from roah_rsbb.wording import stop, times
 
 # Types whose values are whole numbers, which `Score` holds.
-NO_REVISION = -1
 WHOLE_WORDS = frozenset(kind.word for kind in WHOLE)
+# See `Run.settled_at`.
+NO_REVISION = -1
 # The least interval between two warnings that messages of a robot were dropped.
 DROPPED_PERIOD_S = 10.0
 # For states of the box, the state that a robot leaves when it receives them. If it does not leave it for `STUCK_S`
@@ -483,6 +484,7 @@ class Run(ZoneRun):
         # When the box's state changed last, or the core was restarted. A robot that a restarted core finds moving after
         # STOP has had its time to answer.
         self._state_mono = float("-inf") if self.resumed and self.phase is Phase.ENDED else now.mono
+        self._hint_mono: Optional[float] = None  # when a warning that depends on time may begin: see `_hints_from`
         self._last_logged: Optional[Tuple[RobotReport, bool]] = None
         self._revision = context.revision
         self._settled_at = NO_REVISION  # when the last report was taken again, and changed nothing
@@ -542,13 +544,15 @@ class Run(ZoneRun):
 
     def deadline(self) -> Optional[float]:
         """The monotonic time (s) at which `tick` has something to do unless an event comes first."""
-        found = [self.link.deadline(), self.times.deadline()]
+        found = [self.link.deadline(), self.times.deadline(), self._hint_mono]
         if self.phase is Phase.RUNNING:
             found += [self.clock.deadline(), self.saving.deadline()]
         return min((t for t in found if t is not None), default=None)
 
     def tick(self, now: Now) -> None:
         """End the run if it has timed out or the robot saves nothing. If both are due, the earlier one counts."""
+        if self._hint_mono is not None and now.mono >= self._hint_mono:
+            self._hint_mono = None  # whoever shows the warnings looks after each tick
         for notice in self.link.tick(now):
             self.say(now, Level.WARNING, notice)
         self._tick_times(now)
@@ -694,6 +698,7 @@ class Run(ZoneRun):
         desc = self.state.desc = self.times.described(desc)
         self.state.message = self.message._replace(state=state, goal=goal)
         self._state_mono = now.mono
+        self._hint_mono = self._hints_from()
         for topic, value in (
             (run_log.STATE, int(state)), (run_log.STATE_NAME, state.name), (run_log.STATE_DESC, desc),
             (run_log.BOX_STATE, int(state)), (run_log.BOX_PAYLOAD, self.message.lines()),
@@ -734,6 +739,13 @@ class Run(ZoneRun):
     def warnings(self, now: Now) -> List[str]:
         """Return the referee's current warnings."""
         return self.ignores_stop(now) + self.link.warnings(now) + self._stuck(now)
+
+    def _hints_from(self) -> Optional[float]:
+        """Return the monotonic time (s) from which a robot that does not follow the box's state gets a warning; None:
+        it gets none in this state."""
+        if self.phase is Phase.ENDED:
+            return self._state_mono + stop.NOT_DELIVERED_S
+        return self._state_mono + STUCK_S if self.message.state in STUCK else None
 
     def ignores_stop(self, now: Now) -> List[str]:
         """See `ZoneRun`."""

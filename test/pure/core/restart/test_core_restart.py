@@ -48,10 +48,10 @@ LOST = {
     "Timeline": {"_candidate", "_rising"},
     "SavingWatch": {"_since"},
     "FunctionalityRun": {"_node", "_progress"},
-    "Run": {"_last_logged", "_settled_at"},
+    "Run": {"_last_logged", "_settled_at", "_hint_mono"},
     # Budgets are full again, and a hint about a robot that does not react comes later.
     "StringsBudget": {"_strings", "_characters"},
-    "AllRobotsRun": {"_settled_mono"},
+    "AllRobotsRun": {"_settled_mono", "_hint_mono"},
     # Entries of a moment ago are no longer joined with the next one.
     "ScoreSheet": {"_begun"},
 }
