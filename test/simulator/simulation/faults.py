@@ -90,7 +90,7 @@ FAULTS = (
           "if self._rising >= 1 and mono >= self.state.newest_mono:"),
     # -- the short way of datagrams
     Fault("what is new overtakes what waits", "radio/short_way.py",
-          "        turns.take()\n        self._datagram", "        self._datagram"),
+          "        turns.take()\n        if sender", "        if sender"),
     Fault("datagrams that waited have the moment at which they are taken", "radio/short_way.py",
           "self._moment = Now(one.mono, one.utc)", "self._moment = one_moment(self.mono, self.utc)"),
     Fault("a robot's clock may jump on the short way", "radio/short_way.py", "least < skew < most", "True"),
