@@ -1,8 +1,7 @@
 """The document of a box, kept current for the clients of its door (docs/door.md)."""
 
 import asyncio
-import logging
-from typing import Callable, Mapping, Optional, Sequence, Set, Tuple
+from typing import Callable, Mapping, Optional, Sequence, Tuple
 
 from roah_rsbb.box.door import Door
 from roah_rsbb.core.box import Box
@@ -19,10 +18,6 @@ from roah_rsbb.model.results import UnsavedParts
 # calls, whose effect a referee waits for.
 GAP_S, CALLS_GAP_S = 0.05, 0.005
 SIGN_S = 0.5
-# More different errors of this program are not logged.
-MAX_LOGGED = 20
-
-_log = logging.getLogger(__name__)
 
 
 class BoxDoor:
@@ -48,7 +43,6 @@ class BoxDoor:
                           self._written, check)
         self.document = self._documents.last
         self._is_current = True
-        self._logged: Set[str] = set()
 
     def open(self, host: str) -> int:
         """Let clients in; returns the port. Raises `ServeError`, whose text names the remedy."""
@@ -94,33 +88,26 @@ class BoxDoor:
         if self._soon is not None:
             self._soon.cancel()
         self._soon, self._sent_mono = None, self._loop.time()
-        seen = self._box.happenings, int(self._now().mono)  # of the box's clock, which in a replay is that of the run
+        now = self._now()  # of the box, which in a replay is that of the run
+        seen = self._box.happenings, int(now.mono)
         if seen != self._seen:
             self._seen = seen
-            self._look()
+            self._look(now)
         self._door.publish()
         return self.document
 
-    def _look(self) -> Document:
+    def _look(self, now: Now) -> None:
         """Make the document again. If that fails, which is an error of this program, clients see that it is old."""
-        now = self._now()
         try:
             self.document = self._documents.look(now, self._log_files(), self._unsaved())
             self._written.update(self.document, now)
             self._is_current = True
             fault = self._documents.fault
             if fault is not None:
-                self._report(f"the public sees nothing new ({fault!r})", fault)
+                self._door.report_bug(f"the public sees nothing new ({fault!r})", fault)
         except Exception as error:
             self._is_current = False
-            self._report(str(error), error)
-        return self.document
-
-    def _report(self, text: str, error: Exception) -> None:
-        """Log an error of this program, once."""
-        if text not in self._logged and len(self._logged) < MAX_LOGGED:
-            self._logged.add(text)
-            _log.error("internal error, please report it: %s", text, exc_info=error)
+            self._door.report_bug(str(error), error)
 
     def _current(self, call: Call) -> Call:
         """Return a call after which the document contains what it did."""
@@ -128,7 +115,7 @@ class BoxDoor:
             try:
                 return call(arguments, caller)
             finally:
-                self._look()
+                self._look(self._now())
                 self.called()
 
         return carried_out

@@ -186,11 +186,16 @@ class Door:
             found = make()
             return found if isinstance(found, (InThread, Waiting)) else json.dumps(found)
         except Exception as error:
-            text = f"internal error, please report it: {request.name} ({type(error).__name__}: {error})"
-            if text not in self._logged and len(self._logged) < MAX_LOGGED:
-                self._logged.add(text)
-                _log.error("%s", text, exc_info=True)
+            text = self.report_bug(f"{request.name} ({type(error).__name__}: {error})", error)
             return json.dumps({"error": text})
+
+    def report_bug(self, what: str, error: Exception) -> str:
+        """Log an internal error, once; returns the text."""
+        text = f"internal error, please report it: {what}"
+        if text not in self._logged and len(self._logged) < MAX_LOGGED:
+            self._logged.add(text)
+            _log.error("%s", text, exc_info=error)
+        return text
 
     def _answer(self, request: _Request, found: str) -> None:
         request.client.send(self.now(), f'{{"id":{json.dumps(request.id)},"number":{self.written.number},{found[1:]}')

@@ -140,8 +140,9 @@ class ShortWay:
         self._offset = 0.0 if heard is None else heard.utc - heard.mono
         is_for_it = link.last is report and self._skews[0] < self._skews[1]
         self._zone, self._revision, self._host = run.zone, run.settled_at if is_for_it else NO_REVISION, link.host
-        if self._datagram and self._turns.can_wait and len(self._frames) < MAX_FRAMES:
-            self._frames[_shape(self._datagram)] = len(self._datagram), open_private(self._datagram).cipher
+        shape = _shape(self._datagram)
+        if shape and self._turns.can_wait and shape not in self._frames and len(self._frames) < MAX_FRAMES:
+            self._frames[shape] = len(self._datagram), open_private(self._datagram).cipher
 
     def take(self, datagram: bytes, sender: Address) -> None:
         """Let a datagram wait, or pass it on at once."""
