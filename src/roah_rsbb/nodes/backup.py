@@ -17,6 +17,7 @@ from typing import Callable, List, Optional
 
 import rospy
 
+from roah_rsbb.box.standing_by import wait_for_takeover
 from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.core.copies import STANDBY
@@ -25,10 +26,10 @@ from roah_rsbb.model import shown
 from roah_rsbb.model.reason import is_made
 from roah_rsbb.msg import CopyQuestion, CopyState
 from roah_rsbb.nodes.handover import Handover
-from roah_rsbb.nodes.standing_by import wait_for_takeover
+from roah_rsbb.params import BadParams
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.log_lines import LogLines
-from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.box_end import BoxEnd
 from roah_rsbb.standby.herald import Herald
@@ -78,7 +79,7 @@ class BackupNode:
     """The node. Raises `BadParams` or OSError at the start."""
 
     def __init__(self) -> None:
-        params = Params()
+        params = NodeParams()
         self._log_dir = params.path("log_dir", "~/.ros/roah_rsbb")
         backup_dir = params.path("backup_dir") if params.text("backup_dir", NO_FOLDER) != NO_FOLDER else ""
         port = params.whole("standby_port", 0, 0, 65535)
@@ -89,7 +90,7 @@ class BackupNode:
         params.done()
         if not backup_dir and not port:
             raise BadParams(f"{rospy.get_name()}: set backup_dir, standby_port or both")
-        wait_for_takeover(self._log_dir)
+        wait_for_takeover(self._log_dir, rospy.is_shutdown)
         self._log_lines = LogLines()  # a handover must not wait for the terminal
         self._publisher = rospy.Publisher("/copies/state", CopyState, queue_size=10, latch=True)
         self._copies: List[_Reported] = []

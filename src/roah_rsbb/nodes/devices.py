@@ -21,7 +21,7 @@ from roah_rsbb.msg import DevicesState, DevicesStatus
 from roah_rsbb.protocol import PERCENTAGES, SWITCHES
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import Params
+from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.ros.times import ros_wire_time
 from roah_rsbb.srv import Bool, Percentage
 
@@ -32,7 +32,7 @@ class DevicesNode:
     """The node. Raises `BadParams` at the start."""
 
     def __init__(self) -> None:
-        params = Params()
+        params = NodeParams()
         host = params.text("smartif_host", "192.168.1.56")
         port = params.whole("smartif_port", 6665, 1, 65535)
         params.done()

@@ -16,9 +16,10 @@ from std_srvs.srv import Empty, EmptyResponse
 
 from roah_rsbb.arguments import Parser
 from roah_rsbb.devices.dummy_server import DummyServer
+from roah_rsbb.params import BadParams
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.srv import Bool, BoolResponse
 
 NODE = "/roah_devices_dummy"
@@ -31,7 +32,7 @@ class DevicesDummyNode:
     """The node. Raises `BadParams` at the start."""
 
     def __init__(self) -> None:
-        params = Params()
+        params = NodeParams()
         host = params.text("bind_host", "127.0.0.1")
         port = params.whole("port", 6665, 0, 65535)
         params.done()

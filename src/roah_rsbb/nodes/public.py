@@ -22,9 +22,10 @@ import rosgraph
 import rospy
 
 from roah_rsbb.nodes.browser import addresses, answers, command, find, make_profile
+from roah_rsbb.params import BadParams
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.display import Screen, screens
-from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.srv import UInt8, UInt8Response
 
 URL = "/roah_rsbb_web/url"  # the gateway's parameter
@@ -43,7 +44,7 @@ class PublicDisplay:
 
     def __init__(self, found: List[Screen]) -> None:
         """`found`: the screens."""
-        params = Params()
+        params = NodeParams()
         number = params.whole("screen", 0, 0, 255)
         params.done()
         self._address, self._said = "", ""  # of the page, when it is known; what was logged

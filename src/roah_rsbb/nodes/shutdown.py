@@ -25,7 +25,7 @@ from std_srvs.srv import Empty, EmptyResponse
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.log_lines import LogLines
-from roah_rsbb.ros.params import Params
+from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, Signs, Watch, state_of
 
 # Delay of the shutdown, so that the caller gets its answer.
@@ -70,7 +70,7 @@ def main() -> None:
         return EmptyResponse()
 
     connections.init_node("roah_rsbb_shutdown")
-    params = Params()
+    params = NodeParams()
     log_lines = LogLines()  # the supervisor must not wait for the terminal
     supervisor: Optional[Supervisor] = None
     if params.text("log_dir", "none") != "none":

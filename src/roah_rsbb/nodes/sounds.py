@@ -14,9 +14,10 @@ import rospy
 from std_msgs.msg import Empty
 
 from roah_rsbb.devices.sounds import Sound
+from roah_rsbb.params import BadParams, Params
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
-from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.params import NodeParams
 
 # In package alsa-utils of Debian and Ubuntu.
 PLAYER = "aplay"
@@ -48,7 +49,7 @@ def main() -> None:
     """Entry point of the node."""
     explain(__doc__)
     connections.init_node("roah_rsbb_sounds")
-    params = Params()
+    params = NodeParams()
     try:
         sounds = {name: _sound(params, name) for name in RINGS}
         params.done()

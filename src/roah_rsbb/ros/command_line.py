@@ -7,8 +7,8 @@ from typing import Any, Callable, Tuple, Type
 import rospy
 
 from roah_rsbb.arguments import Parser
+from roah_rsbb.params import BadParams
 from roah_rsbb.ros import connections
-from roah_rsbb.ros.params import BadParams
 
 _SETTINGS = """\
 Settings are ROS parameters, of the node or given as _name:=value. The launch files set those that competitions need;

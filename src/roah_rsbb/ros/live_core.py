@@ -13,6 +13,7 @@ import rosgraph.names
 import rospy
 
 GUI_TOPIC = "/core/to_gui"
+CORE = "roah_rsbb_core"  # name of the core's node
 REPLAY = "/roah_rsbb_replay"  # the node that shows an earlier run; it ends when a core starts
 ANSWER_S = 5.0
 LOOK_S = 1.0

@@ -1,87 +1,19 @@
-"""A node's parameters, checked. An error names the parameter, its value and what was expected."""
-
-import math
-import os
-from typing import List, Optional
+"""The private parameters of a node."""
 
 import rospy
 
-
-class BadParams(Exception):
-    """Invalid parameters; the text has a line for each."""
+from roah_rsbb.params import Params
 
 
-class Params:
-    """Reads a node's private parameters. Collects all errors, to report them at once."""
+class NodeParams(Params):
+    """Reads them from ROS. Create it after `rospy.init_node`."""
 
-    def __init__(self) -> None:
-        self._wrong: List[str] = []
-
-    def text(self, name: str, default: Optional[str] = None) -> str:
-        """Return a text that is not empty. Without a default, the parameter is required."""
-        value = _as_text(self._get(name, default))
-        return self._check(name, value, isinstance(value, str) and value != "", "a text", default or "")
-
-    def secret(self, name: str) -> str:
-        """Return a text that is not empty. No error shows its value."""
-        value = _as_text(self._get(name, None))
-        if isinstance(value, str) and value:
-            return value
-        self._wrong.append(f"parameter {rospy.resolve_name('~' + name)}: expected a text")
-        return ""
-
-    def number(self, name: str, default: float, lowest: float = 0.0, highest: float = math.inf) -> float:
-        """Return a finite number in a range."""
-        value = self._get(name, default)
-        fits = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-        fits = fits and lowest <= value <= highest
-        return float(self._check(name, value, fits, f"a number {_range(lowest, highest)}", default))
-
-    def whole(self, name: str, default: int, lowest: int, highest: int) -> int:
-        """Return a whole number in a range."""
-        value = self._get(name, default)
-        fits = isinstance(value, int) and not isinstance(value, bool) and lowest <= value <= highest
-        return self._check(name, value, fits, f"a whole number {_range(lowest, highest)}", default)
-
-    def flag(self, name: str, default: bool) -> bool:
-        """Return True or False."""
-        value = self._get(name, default)
-        return self._check(name, value, isinstance(value, bool), "true or false", default)
-
-    def choice(self, name: str, default: str, choices: List[str]) -> str:
-        """Return one of the words in `choices`."""
-        value = self._get(name, default)
-        return self._check(name, value, value in choices, "one of " + ", ".join(choices), default)
-
-    def path(self, name: str, default: Optional[str] = None) -> str:
-        """Return a path, with ~ and variables expanded. Without a default, the parameter is required."""
-        value = self._get(name, default)
-        path = self._check(name, value, isinstance(value, str) and value != "", "a path", default or ".")
-        return os.path.abspath(os.path.expandvars(os.path.expanduser(path)))
-
-    def done(self) -> None:
-        """Raise `BadParams` if there were any errors."""
-        if self._wrong:
-            raise BadParams("\n".join(self._wrong))
+    def full_name(self, name: str) -> str:
+        """See `Params`."""
+        return str(rospy.resolve_name("~" + name))
 
     def _get(self, name: str, default: object) -> object:
         try:
             return rospy.get_param("~" + name, default)
         except KeyError:
             return None
-
-    def _check(self, name: str, value: object, fits: bool, expected: str, instead):
-        if fits:
-            return value
-        found = "nothing" if value is None else repr(value)
-        self._wrong.append(f"parameter {rospy.resolve_name('~' + name)}: found {found}, expected {expected}")
-        return instead
-
-
-def _as_text(value: object) -> object:
-    """Return a number as a text: roslaunch and rosrun turn 1234 into a number."""
-    return str(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else value
-
-
-def _range(lowest: float, highest: float) -> str:
-    return f"of at least {lowest:g}" if math.isinf(highest) else f"from {lowest:g} to {highest:g}"

@@ -4,7 +4,7 @@ from typing import Optional
 
 import rospy
 
-from roah_rsbb.box.assembly import CoreAssembly
+from roah_rsbb.box.running import RunningBox
 from roah_rsbb.core.copies import CopyReport
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules.presence import MAX_NODES
@@ -20,15 +20,14 @@ from roah_rsbb.ros.newest import Newest
 class OtherNodes:
     """The topics of the other nodes. What they say becomes events of the box."""
 
-    def __init__(self, ros: RosLoop, uuid: str) -> None:
-        """`uuid`: identity of this start of the core."""
-        self._ros, self._uuid = ros, uuid
-        self._core: Optional[CoreAssembly] = None
+    def __init__(self, ros: RosLoop) -> None:
+        self._ros = ros
+        self._running: Optional[RunningBox] = None
         self._devices = DeviceCalls(self._on_device_refused)
 
-    def open(self, core: CoreAssembly) -> None:
+    def open(self, running: RunningBox) -> None:
         """Create the topics."""
-        self._core, self._box, self._event = core, core.box, core.event
+        self._running, self._core, self._box, self._event = running, running.core, running.box, running.event
         self._modules = Newest(self._ros.post, self._take_modules, MAX_NODES)
         self._module_runs = rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True)
         self._question = rospy.Publisher("/copies/asked", CopyQuestion, queue_size=10)
@@ -44,13 +43,13 @@ class OtherNodes:
 
     def publish_module_runs(self) -> None:
         """Publish the runs that have a benchmarking module."""
-        if self._core is not None:
-            self._publish(self._module_runs, convert.runs_message(self._uuid, self._box.modules.runs()))
+        if self._running is not None:
+            self._publish(self._module_runs, convert.runs_message(self._running.uuid, self._box.modules.runs()))
 
     def ask_standby(self, ticket: int) -> None:
         """Ask the standby whether it has what was written up to a ticket."""
-        if self._core is not None:
-            self._publish(self._question, CopyQuestion(self._uuid, self._core.store.identity, ticket))
+        if self._running is not None:
+            self._publish(self._question, CopyQuestion(self._running.uuid, self._core.store.identity, ticket))
 
     def _publish(self, topic: rospy.Publisher, message: object) -> None:
         self._core.fence.check()
@@ -77,7 +76,7 @@ class OtherNodes:
         self._core.standby.look()
 
     def _on_confirmed(self, message: CopyQuestion) -> None:
-        if message.box_uuid == self._uuid:
+        if message.box_uuid == self._running.uuid:
             self._ros.post(lambda: self._core.standby.on_answer(message.ticket))
 
     def _take_modules(self, state: object) -> None:

@@ -24,8 +24,9 @@ from roah_rsbb.bmbox.framework.zone_folders import own_file, zone_folders
 from roah_rsbb.model.modules import RunForModule
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.nodes.modules.convert import runs_of
+from roah_rsbb.params import BadParams
 from roah_rsbb.ros.command_line import run_node
-from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 NOTHING = "nothing"
@@ -54,7 +55,7 @@ class DummyGroundTruthNode:
     """The node. Raises `BadParams` or `ConfigErrors` at the start."""
 
     def __init__(self) -> None:
-        params = Params()
+        params = NodeParams()
         path = params.path("ground_truth_file", default_file())
         rate = params.number("rate", 20.0, lowest=1.0, highest=200.0)
         seed = params.whole("seed", 0, 0, 2**31 - 1)

@@ -25,9 +25,10 @@ from roah_rsbb.nodes.modules.driven import Driven
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
 from roah_rsbb.nodes.modules.ground_truth_tf import ZonesGroundTruth
 from roah_rsbb.nodes.modules.hosted_module import HostedModule
+from roah_rsbb.params import BadParams
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.wording.suggestions import did_you_mean
 
 # Interval of messages to the core, which pauses a run after four missing messages.
@@ -42,7 +43,7 @@ class ModulesNode:
     """The node. Everything except topics happens in one thread."""
 
     def __init__(self) -> None:
-        params = Params()
+        params = NodeParams()
         words = params.text("benchmarks", "all")
         folder = params.path("parameters_dir", os.path.dirname(default_file()))
         self._folder = folder

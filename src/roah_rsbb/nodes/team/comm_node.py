@@ -21,6 +21,7 @@ from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import password_in
 from roah_rsbb.nodes.team.comm_interface import CommInterface, RobotRequests
 from roah_rsbb.nodes.team.generations import DEFAULT, GENERATIONS, report_refused, types_of
+from roah_rsbb.params import BadParams, Params
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.robot import effects as fx
@@ -29,7 +30,7 @@ from roah_rsbb.robot.override import override_goal_message, override_message
 from roah_rsbb.robot.runner import SessionRunner
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.srv import Override, OverrideGoal, OverrideGoalResponse, OverrideResponse
 
 DEFAULT_KEY = "DefaultKey"
@@ -47,7 +48,7 @@ class CommNode:
     """The node, from its parameters to its end. Raises BadParams, ValueError or OSError at the start."""
 
     def __init__(self) -> None:
-        params = Params()
+        params = NodeParams()
         labels = [cipher.label for cipher in Cipher if cipher is not Cipher.NONE]
         team, robot = params.text("team_name"), params.text("robot_name", "Robot")
         key = _password(params)

@@ -22,13 +22,14 @@ from std_msgs.msg import String as StringMsg
 from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.msg import BenchmarkState, GoalHGMF, GoalOMF
+from roah_rsbb.params import BadParams
 from roah_rsbb.protocol import PERCENTAGES
 from roah_rsbb.robot.dummy import PHASES, DummyOptions, DummyRobot
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.rulebook.registry import GoalForm, ResultForm, profile_of
 from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
 
@@ -126,7 +127,7 @@ class GlueNode:
     """Follows the comm node's topics, and makes the dummy prepare and execute. Raises BadParams."""
 
     def __init__(self) -> None:
-        params = Params()
+        params = NodeParams()
         usual = DummyOptions()
         options = DummyOptions(
             prepare_duration=params.number("prepare_duration", usual.prepare_duration),

@@ -15,12 +15,13 @@ from typing import List
 import rospy
 
 from roah_rsbb.nodes.team.dummy_glue import log_to_ros
+from roah_rsbb.params import BadParams
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy import DummyOptions, dummy_client
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config
 from roah_rsbb.rulebook.config import ConfigErrors, load
 
@@ -39,7 +40,7 @@ class DummyRobotsNode:
     """The robots, from the node's parameters to its end. Raises BadParams or ConfigErrors at the start."""
 
     def __init__(self) -> None:
-        params = Params()
+        params = NodeParams()
         count = params.whole("robots", 1, 1, MOST)
         options = DummyOptions(execute_duration=params.number("execute_duration", DummyOptions.execute_duration))
         host, port = params.text("rsbb_host", "127.255.255.255"), params.whole("rsbb_port", 6666, 1, 65535)

@@ -30,9 +30,10 @@ from roah_rsbb.durable import close_to_others
 from roah_rsbb.model.document import Document
 from roah_rsbb.nodes.web.opening import LOOPBACK, hosts_of, retry_until_open
 from roah_rsbb.nodes.web.other import wait_for_other
+from roah_rsbb.params import BadParams, Params
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.ros.place import DoorPlaces
 from roah_rsbb.web.displays.listed import FILE as DISPLAYS_FILE
 from roah_rsbb.web.displays.listed import Displays
@@ -168,15 +169,15 @@ class WebNode:
         from roah_rsbb.nodes.web.tablet import TabletPart  # needs tornado; see `main`
 
         resource = pathlib.Path(rospkg.RosPack().get_path("roah_rsbb"), "resource")
-        params = Params()
+        params = NodeParams()
         has_pages, has_tablet = params.flag("web", True), params.flag("tablet", False)
         params.done()
         names = [*str(rospy.get_param("~web_names", "")).lower().split(), rosgraph.network.get_local_address()]
         self._ros = RosLoop()
         asyncio.set_event_loop(self._ros.loop)  # tornado uses the thread's loop
-        self._parts: List[Any] = [WebPart(self._ros, Params(), resource, names)] if has_pages else []
+        self._parts: List[Any] = [WebPart(self._ros, NodeParams(), resource, names)] if has_pages else []
         if has_tablet:
-            self._parts.append(TabletPart(self._ros, Params(), str(resource), names))
+            self._parts.append(TabletPart(self._ros, NodeParams(), str(resource), names))
 
     def run(self) -> None:
         """Run until shut down."""

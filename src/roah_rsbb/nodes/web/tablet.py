@@ -11,8 +11,8 @@ import rospy
 
 from roah_rsbb.comm import sockets
 from roah_rsbb.nodes.web.opening import LOOPBACK, hosts_of, retry_until_open
+from roah_rsbb.params import Params
 from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import Params
 from roah_rsbb.tablet import maps
 from roah_rsbb.tablet.pages import Pages
 from roah_rsbb.tablet.radio import TabletRadio

@@ -12,7 +12,7 @@ from typing import Callable, List, Optional, Sequence
 
 import rosgraph
 
-from roah_rsbb.nodes.standing_by import CORE
+from roah_rsbb.ros.live_core import CORE
 from roah_rsbb.tools import launched
 
 LOOK_S = 1.0

@@ -1,4 +1,4 @@
-"""The parameters of the core node (docs/ros_interface.md, "Parameters" explains them)."""
+"""The parameters of a box (docs/ros_interface.md, "Parameters" explains them)."""
 
 import os
 from typing import List, NamedTuple, Optional
@@ -8,9 +8,9 @@ from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.journal.file import Resume
+from roah_rsbb.params import Params
 from roah_rsbb.radio.radio import Network
 from roah_rsbb.results.standings import public_standings
-from roah_rsbb.ros.params import Params
 
 # The value of a parameter without its file or folder.
 NO_FILE = "none"
@@ -18,7 +18,7 @@ NO_FILE = "none"
 UNICAST, BROADCAST = "unicast", "broadcast"
 
 
-class CoreParameters(NamedTuple):
+class BoxParameters(NamedTuple):
     """What the parameters say."""
 
     settings: Settings
@@ -32,13 +32,13 @@ class CoreParameters(NamedTuple):
     standby_port: int  # TCP; 0: there is no standby
 
 
-def read_parameters(params: Params) -> CoreParameters:
+def read_parameters(params: Params) -> BoxParameters:
     """Read all of them. Raises `BadParams`."""
     settings = _settings(params)
     standings_file = params.text("standings_file", NO_FILE)
     copies = [params.path("backup_dir")] if params.text("backup_dir", NO_FILE) != NO_FILE else []
     standby_port = params.whole("standby_port", 0, 0, 65535)
-    found = CoreParameters(
+    found = BoxParameters(
         settings, _network(params, settings),
         [params.path(name) for name in ("benchmarks_file", "schedule_file", "passwords_file")],
         None if standings_file == NO_FILE else os.path.expanduser(standings_file),
