@@ -6,12 +6,13 @@ import re
 import pytest
 
 from helpers.checked_robot import BOX, BROADCAST, PASSWORD, TEAM, usual_robot
-from helpers.simulated_air import Air, SimulatedLoop
+from helpers.simulated_air import SimulatedLoop
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D
 from roah_rsbb.check import dummy_box
 from roah_rsbb.check.dummy_box import DummyBox, parameters_of
 from roah_rsbb.comm import channels
 from roah_rsbb.comm.ciphers import Cipher
+from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.model.records import EndReason
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio.radio import Network
@@ -28,7 +29,7 @@ class Laptop:
 
     def __init__(self, monkeypatch, code, waypoints=None, goal_timeout=None):
         self.loop = SimulatedLoop()
-        air = Air(self.loop)
+        air = MemoryAir(self.loop)
         monkeypatch.setattr(channels, "Peer", air.peer)
         self.lines = []
         benchmark = load_benchmarks(str(shipped_folder() / "benchmarks.yaml"))[code]

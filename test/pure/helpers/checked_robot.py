@@ -3,11 +3,12 @@
 import asyncio
 import contextlib
 
-from helpers.simulated_air import Air, SimulatedLoop
+from helpers.simulated_air import SimulatedLoop
 from roah_rsbb.check.engine import Engine, scenarios_of
 from roah_rsbb.check.play import Options, Play
 from roah_rsbb.check.scenarios.scenario import Depth
 from roah_rsbb.comm import channels
+from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy import DummyOptions, DummyRobot
 
@@ -30,7 +31,7 @@ class Checked:
                  during=None, **options):
         """`make_robot(loop)` returns an object with a coroutine `run`, or None. `during(play)`: a coroutine beside."""
         self.loop = SimulatedLoop()
-        self.air = Air(self.loop)
+        self.air = MemoryAir(self.loop)
         monkeypatch.setattr(channels, "Peer", self.air.peer)
         values = {"team": TEAM, "password": PASSWORD, "rsbb_host": BROADCAST, "bind_host": BOX, "patience": 20.0,
                   "second_host": SECOND, "benchmarks": benchmarks, **options}

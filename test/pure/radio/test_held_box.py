@@ -3,9 +3,10 @@
 import asyncio
 
 from helpers.competition import competition
-from helpers.simulated_air import Air, SimulatedLoop
+from helpers.simulated_air import SimulatedLoop
 from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.comm.ciphers import Cipher
+from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
@@ -20,7 +21,7 @@ BOX, OTHER = "127.0.0.1", "127.0.0.66"
 
 def test_a_held_box_sends_no_beacon_until_a_robot_is_connected():
     loop = SimulatedLoop()
-    air, config, heard = Air(loop), competition(tbm=["HGTKMH"]), []
+    air, config, heard = MemoryAir(loop), competition(tbm=["HGTKMH"]), []
     box = Box(config, Settings(), beacon_size)
     driver = NetworkDriver(loop, box, Network(LOOPBACK_BROADCAST, 6666, BOX, Cipher.AES_128_CBC, False, 1024),
                            dict(config.passwords), lambda text: None, loop.utc, air.peer)
