@@ -11,7 +11,7 @@ from typing import Any, List, NamedTuple
 
 from roah_rsbb.client.client import Client
 from roah_rsbb.model.document import Document
-from roah_rsbb.ros.place import DoorPlaces
+from roah_rsbb.client.places import DoorPlaces
 
 if typing.TYPE_CHECKING:
     import processes

@@ -11,7 +11,8 @@ T = TypeVar("T")
 
 def called(name: str) -> str:
     """Return a program's name as users type it: `check_robot` in ROS, `roah-rsbb check-robot` if pip installed it."""
-    is_command = os.path.basename(sys.argv[0]) == "roah-rsbb"
+    # The second is `python -m roah_rsbb.tools.team`.
+    is_command = os.path.basename(sys.argv[0]) in ("roah-rsbb", "team.py", "roah-rsbb.exe")
     return f"roah-rsbb {name.replace('_', '-')}" if is_command else name
 
 

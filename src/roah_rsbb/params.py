@@ -31,20 +31,20 @@ class Params(abc.ABC):
 
     def number(self, name: str, default: float, lowest: float = 0.0, highest: float = math.inf) -> float:
         """Return a finite number in a range."""
-        value = self._get(name, default)
+        value = self._plain(name, default)
         fits = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
         fits = fits and lowest <= value <= highest
         return float(self._check(name, value, fits, f"a number {_range(lowest, highest)}", default))
 
     def whole(self, name: str, default: int, lowest: int, highest: int) -> int:
         """Return a whole number in a range."""
-        value = self._get(name, default)
+        value = self._plain(name, default)
         fits = isinstance(value, int) and not isinstance(value, bool) and lowest <= value <= highest
         return self._check(name, value, fits, f"a whole number {_range(lowest, highest)}", default)
 
     def flag(self, name: str, default: bool) -> bool:
         """Return True or False."""
-        value = self._get(name, default)
+        value = self._plain(name, default)
         return self._check(name, value, isinstance(value, bool), "true or false", default)
 
     def choice(self, name: str, default: str, choices: List[str]) -> str:
@@ -70,6 +70,10 @@ class Params(abc.ABC):
     @abc.abstractmethod
     def _get(self, name: str, default: object) -> object:
         """Return the value of a parameter, its default if it is not set, or None if that cannot be said."""
+
+    def _plain(self, name: str, default: object) -> object:
+        """Return the value of a parameter that is a number or a flag. Override it if all values are texts."""
+        return self._get(name, default)
 
     def _check(self, name: str, value: object, fits: bool, expected: str, instead):
         if fits:

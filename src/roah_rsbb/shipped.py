@@ -11,12 +11,17 @@ class NotShipped(Exception):
     """The files are missing. The text says what to do."""
 
 
+def shipped_file(path: str) -> pathlib.Path:
+    """The place of a file of the top folder, such as launch/roah_rsbb.launch; raises NotShipped."""
+    for place in _PLACES:
+        if (place / path).is_file():
+            return place / path
+    raise NotShipped(f"the shipped {path} is missing near {PACKAGE}: install the package again")
+
+
 def shipped_folder() -> pathlib.Path:
     """The folder `config` with benchmarks.yaml and modules/, beside the folder `resource`; raises NotShipped."""
-    for place in _PLACES:
-        if (place / "config" / "benchmarks.yaml").is_file():
-            return place / "config"
-    raise NotShipped(f"the shipped benchmarks.yaml is missing near {PACKAGE}: install the package again")
+    return shipped_file("config/benchmarks.yaml").parent
 
 
 def pages_folder() -> Optional[pathlib.Path]:

@@ -1,13 +1,13 @@
 """The document of a box, kept current for the clients of its door (docs/door.md)."""
 
 import asyncio
-from typing import Callable, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
 
 from roah_rsbb.box.door import Door
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import NOTHING_ALLOWED, Publicity
-from roah_rsbb.document.calls import Call
+from roah_rsbb.document.calls import Call, Caller
 from roah_rsbb.document.document import Written
 from roah_rsbb.document.place import new_token
 from roah_rsbb.model.clock import Now
@@ -43,6 +43,9 @@ class BoxDoor:
                           self._written, check)
         self.document = self._documents.last
         self._is_current = True
+        self.on_news: Callable[[], object] = lambda: None
+        """Called when the document, or whether it is old, has changed."""
+        self._said: Tuple[int, bool] = 0, True  # of `on_news`: number, is current
 
     def open(self, host: str) -> int:
         """Let clients in; returns the port. Raises `ServeError`, whose text names the remedy."""
@@ -54,6 +57,20 @@ class BoxDoor:
     def is_followed(self) -> bool:
         """Whether there is a client."""
         return self._door.is_followed
+
+    @property
+    def number(self) -> int:
+        """The number of the document."""
+        return self._written.number
+
+    @property
+    def is_old(self) -> bool:
+        """Whether the document may no longer be true, because of an error of this program."""
+        return not self._is_current
+
+    def ask(self, name: str, arguments: Mapping[str, Any], caller: Caller) -> "asyncio.Future[Dict[str, Any]]":
+        """Carry out a call of this process: see `Door.ask`."""
+        return self._door.ask(name, arguments, caller)
 
     @property
     def rate(self) -> float:
@@ -94,6 +111,9 @@ class BoxDoor:
             self._seen = seen
             self._look(now)
         self._door.publish()
+        if (self.number, self._is_current) != self._said:
+            self._said = self.number, self._is_current
+            self.on_news()
         return self.document
 
     def _look(self, now: Now) -> None:

@@ -40,12 +40,13 @@ MAX_LOGGED = 100
 MAX_THREADS = 64
 
 _log = logging.getLogger(__name__)
+_Asker = Union["_Client", "_Own"]
 
 
 class _Request:
     """A request of a client. `error`: why it is malformed; empty: it is not."""
 
-    def __init__(self, client: "_Client", message: Union[str, bytes], calls: Mapping[str, Call]) -> None:
+    def __init__(self, client: "_Asker", message: Union[str, bytes], calls: Mapping[str, Call]) -> None:
         try:
             found = json.loads(message)
         except (ValueError, RecursionError):
@@ -131,11 +132,11 @@ class Door:
         for places in self._clients.values():
             places.remove(client)
 
-    def take(self, client: "_Client", message: Union[str, bytes]) -> "asyncio.Future[None]":
+    def take(self, client: "_Asker", message: Union[str, bytes]) -> "asyncio.Future[None]":
         """Take a message of a client. Its next one is read when the result is done: not in this turn of the loop."""
         request = _Request(client, message, self._calls)
         read_on: asyncio.Future[None] = self.loop.create_future()
-        if request.is_for_whole:
+        if request.is_for_whole and isinstance(client, _Client):
             client.send_whole()
         elif request.error:
             self._answer(request, json.dumps({"error": request.error}))
@@ -148,6 +149,12 @@ class Door:
         self.loop.call_soon(_read_on, read_on)
         return read_on
 
+    def ask(self, name: str, arguments: Mapping[str, Any], caller: Caller) -> "asyncio.Future[Dict[str, Any]]":
+        """Carry out a call of this process as one of a client; returns its answer, as a client is sent it."""
+        own = _Own(caller, self.loop.create_future())
+        self.take(own, json.dumps({**arguments, "id": 0, "call": name}))
+        return own.answer
+
     def _wake(self) -> None:
         if self._turn is None and self._queue:
             self._turn = self.loop.call_soon(self._carry_out_next)
@@ -156,7 +163,7 @@ class Door:
         self._turn = None
         request, read_on = self._queue.popleft()
         self._wake()
-        if request.client in self._all():  # otherwise, nobody waits for it
+        if isinstance(request.client, _Own) or request.client in self._all():  # otherwise, nobody waits for it
             waits = self._carry_out(request)
             if waits is not None and self._waiting >= MAX_THREADS:
                 waits.add_done_callback(lambda done: _read_on(read_on))
@@ -207,6 +214,18 @@ class Door:
 def _read_on(read_on: "asyncio.Future[None]") -> None:
     if not read_on.done():
         read_on.set_result(None)
+
+
+class _Own:
+    """Whoever makes a call in this process."""
+
+    def __init__(self, caller: Caller, answer: "asyncio.Future[Dict[str, Any]]") -> None:
+        self.caller, self.answer = caller, answer
+
+    def send(self, now: Now, text: str) -> None:
+        """Take the answer."""
+        if not self.answer.done():
+            self.answer.set_result(json.loads(text))
 
 
 class _Client(BoundedSocket):

@@ -13,7 +13,7 @@ import stat
 import threading
 import time
 import uuid
-from typing import Any, Callable, List, NamedTuple, Optional, Sequence
+from typing import Callable, List, NamedTuple, Optional, Sequence
 
 from roah_rsbb.box.assembly import BoxPlace, CoreAssembly, Machine
 from roah_rsbb.box.box_door import BoxDoor
@@ -28,6 +28,7 @@ from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sender import on_grid
 from roah_rsbb.core.copies import NO_PORT
 from roah_rsbb.core.effects import Level, SetDevice
+from roah_rsbb.in_loop import call_in_loop
 from roah_rsbb.journal.file import Lock, Resume, boot_id
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.store import Journal
@@ -60,11 +61,10 @@ class RunningBox:
 
     def __init__(
         self, loop: asyncio.AbstractEventLoop, params: BoxParameters, launch: str, lock: Optional[Lock],
-        in_loop: Callable[[Callable[[], Any]], Any], around: Around,
+        around: Around,
     ) -> None:
-        """`launch` identifies the launch; empty: none. `lock`: of the journal (see `wait_for_journal`). `in_loop` calls
-        a function in the loop's thread and returns its result. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or
-        OSError."""
+        """`launch` identifies the launch; empty: none. `lock`: of the journal (see `wait_for_journal`). Raises
+        `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError."""
         self._loop, self._params = loop, params
         self._configuration = _configuration(params, launch)
         self.uuid = str(uuid.uuid4())
@@ -89,7 +89,8 @@ class RunningBox:
         core = self.core
         self.calls = BoxCalls(self.box, self._call, Disks(core.journal.ticket, core.store.why_not_saved,
                                                           core.standby.ask))
-        reload = Reloads(self.box, self._configuration, in_loop, self.event, self._use)
+        reload = Reloads(
+            self.box, self._configuration, lambda function: call_in_loop(loop, function), self.event, self._use)
         self.door = self._door = BoxDoor(
             loop, self.box, self.uuid, params.network.rsbb_host, core.now, lambda: core.run_logs.files, core.unsaved,
             {**self.calls.named(), "reload": reload.call}, core.fence.check, params.publicity)

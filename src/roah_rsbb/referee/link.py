@@ -9,6 +9,7 @@ from concurrent.futures import Future
 from typing import Any, Dict, Optional, cast
 
 from roah_rsbb.client.client import OLD_S, Answer, Client
+from roah_rsbb.client.places import START, DoorPlaces
 from roah_rsbb.document.written import read
 from roah_rsbb.model.actions import MARK
 from roah_rsbb.model.document import Document
@@ -19,7 +20,6 @@ from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.ros_client import caller_name
-from roah_rsbb.ros.place import START, DoorPlaces
 
 # Time limits: for the document, for the answer to a call. A busy computer may take seconds.
 CORE_S, ANSWER_S = 6.0, 6.0

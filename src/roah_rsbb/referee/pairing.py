@@ -4,6 +4,7 @@ the codes of teams (docs/web.md, "Pages of teams")."""
 from typing import Any, List
 
 from roah_rsbb import qr_code
+from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.referee import ros_client
 from roah_rsbb.referee.exits import Exit, NoCore
@@ -12,7 +13,6 @@ from roah_rsbb.referee.output import Output
 from roah_rsbb.referee.view import BOLD, Style
 from roah_rsbb.referee.words import BadWord, pick_zone
 from roah_rsbb.ros import refusals
-from roah_rsbb.ros.place import DoorPlaces
 from roah_rsbb.srv import PairDevice, PairedDevices, RevokeDevice, TeamCodes
 from roah_rsbb.wording.device import NO_WEB, encryption_text, role_text
 from roah_rsbb.wording.texts import escaped

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from roah_rsbb.arguments import Parser, add_password, called, number, read_by
+from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.comm.sockets import ANY_HOST
@@ -187,7 +188,7 @@ def _goal_text(goal: Goal) -> str:
 def dummy_client(
     team: str, password: str, robot: str = "DummyRobot", options: Optional[DummyOptions] = None,
     rsbb_host: str = "10.255.255.255", rsbb_port: int = 6666, bind_host: str = ANY_HOST,
-    cipher: Cipher = Cipher.AES_128_CBC, name_in_log: str = "",
+    cipher: Cipher = Cipher.AES_128_CBC, name_in_log: str = "", make_peer: Optional[MakePeer] = None,
 ) -> RobotClient:
     """A client that runs a dummy robot; for arguments and exceptions see `RobotClient` and `DummyRobot`."""
     options = options or DummyOptions()
@@ -195,7 +196,7 @@ def dummy_client(
     return RobotClient(
         team, password, DummyRobot(options, name_in_log=name_in_log), robot, rsbb_host, rsbb_port, bind_host, cipher,
         clock=lambda: time.time() + options.skew,
-        passes=lambda: network.random() >= options.loss,
+        passes=lambda: network.random() >= options.loss, make_peer=make_peer,
     )
 
 

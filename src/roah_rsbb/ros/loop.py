@@ -11,12 +11,11 @@ from typing import Any, Callable, Dict, TypeVar
 
 import rospy
 
+from roah_rsbb.in_loop import ANSWER_TIMEOUT_S, call_in_loop
 from roah_rsbb.ros.log_lines import LogLines
 
 T = TypeVar("T")
 
-# A referee's command takes milliseconds. A longer wait would only hide that the core is stuck.
-ANSWER_TIMEOUT_S = 5.0
 END_TASKS_S = 1.0
 
 
@@ -41,21 +40,9 @@ class RosLoop:
 
         Raises ServiceException if the loop does not answer within `ANSWER_TIMEOUT_S`.
         """
-        done: concurrent.futures.Future[T] = concurrent.futures.Future()
-
-        def run() -> None:
-            if not done.set_running_or_notify_cancel():
-                return
-            try:
-                done.set_result(function())
-            except Exception as error:
-                done.set_exception(error)
-
-        self.loop.call_soon_threadsafe(run)
         try:
-            return done.result(ANSWER_TIMEOUT_S)
+            return call_in_loop(self.loop, function)
         except concurrent.futures.TimeoutError:
-            done.cancel()
             raise rospy.ServiceException(
                 f"{rospy.get_name()} did not answer within {ANSWER_TIMEOUT_S:.0f} s: check its log"
             ) from None

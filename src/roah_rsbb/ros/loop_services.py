@@ -21,8 +21,8 @@ import genpy
 import rosgraph.network
 import rospy
 
+from roah_rsbb.in_loop import ANSWER_TIMEOUT_S
 from roah_rsbb.ros.connections import DEADLINE_S, MAX_HANDSHAKE, MAX_WAITING
-from roah_rsbb.ros.loop import ANSWER_TIMEOUT_S
 
 # Connections that are accepted in a turn of the loop.
 MAX_ACCEPTS = 8

@@ -3,7 +3,7 @@
 import enum
 import math
 from dataclasses import dataclass, field
-from typing import Dict, FrozenSet, Optional, Tuple
+from typing import Dict, FrozenSet, List, Optional, Tuple
 
 from roah_rsbb.model.scoring import NO_SHEET_RULES, JudgesRule, ScoringItem, SheetForm, SheetRules
 from roah_rsbb.rulebook.errors import Place
@@ -155,3 +155,9 @@ class Config:
     ranking: StandingRules = field(default_factory=StandingRules)  # how runs compare
     durable: Durable = Durable.ONE
     durable_at: Optional[Place] = field(default=None, compare=False)  # where the schedule says so; None: nowhere
+
+
+def teams_of(config: Config) -> List[str]:
+    """Return all teams: first those of the schedule, in order, then those that only have a password."""
+    scheduled = [event.team for zone in config.zones for event in zone.events if event.team != ALL_TEAMS]
+    return list(dict.fromkeys([*scheduled, *config.passwords]))

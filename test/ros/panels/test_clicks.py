@@ -15,8 +15,8 @@ from support.robots import BOX, BROADCAST, CONFIG, RSBB_PORT
 from support.waiting import happened, wait_until
 
 from roah_rsbb.client.client import Client
+from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.model.document import Document
-from roah_rsbb.ros.place import DoorPlaces
 from roah_rsbb.srv import String
 
 INSIDE = str(pathlib.Path(__file__).resolve().parents[1] / "support" / "inside")

@@ -9,13 +9,13 @@ from std_msgs.msg import Empty
 
 from helpers.commands import given_with
 from roah_rsbb.client.client import Client
+from roah_rsbb.client.places import PARAM
 from roah_rsbb.document.place import DoorPlace, NotFound
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.zone import AllRobots, RobotInRun, ZoneSeen
 from roah_rsbb.msg import CoreToGui, CoreToPublic, Score, ZoneState
 from roah_rsbb.ros import refusals
-from roah_rsbb.ros.place import PARAM
 from roah_rsbb.srv import Zone as ZoneRequest
 from roah_rsbb.srv import ZoneScore
 from support.connections import wait_sends

@@ -4,10 +4,10 @@ import pathlib
 import signal
 from typing import Any, Dict, List, Tuple
 
+from roah_rsbb.client.places import PARAM
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.run_log import KINDS, LogKind
-from roah_rsbb.ros.place import PARAM
 from support.box_case import NetworkCase
 from support.box_client import BoxClient
 from support.programs import Program, own

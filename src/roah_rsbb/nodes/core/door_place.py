@@ -1,4 +1,4 @@
-"""Where clients find the door of a box of ROS: in a file of its computer, and in a parameter (`ros/place.py`)."""
+"""Where clients find the door of a box of ROS: in a file of its computer, and in a parameter (`client/places.py`)."""
 
 import contextlib
 import os
@@ -12,8 +12,8 @@ import rosgraph
 import rospy
 
 from roah_rsbb.box.box_door import BoxDoor
+from roah_rsbb.client.places import PARAM, file_of
 from roah_rsbb.document.place import NotFound, read_place, write_place
-from roah_rsbb.ros.place import PARAM, file_of
 from roah_rsbb.web.serving import ANY_HOST, ServeError
 
 RETRY_S = 1.0

@@ -58,7 +58,7 @@ class CoreNode:
         self._bell = TimeoutBell(ros.loop, lambda: self._running.core.fence.check())
         self._others = OtherNodes(ros)
         self._running = running = RunningBox(
-            ros.loop, params, rospy.get_param("/run_id", ""), lock, ros.call,
+            ros.loop, params, rospy.get_param("/run_id", ""), lock,
             Around(self._bell.ring, self._others.publish_module_runs, self._others.set_device,
                    self._others.ask_standby))
         self._services = LoopServices(ros.loop, running.core.fence.check)

@@ -10,7 +10,6 @@ box's files: benchmarks_file, schedule_file, passwords_file.
 import asyncio
 import ipaddress
 import sys
-from typing import List
 
 import rospy
 
@@ -22,18 +21,12 @@ from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import NodeParams
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config
+from roah_rsbb.rulebook.benchmarks import teams_of
 from roah_rsbb.rulebook.config import ConfigErrors, load
 
 # The box has 127.0.0.1.
 FIRST_HOST = ipaddress.IPv4Address("127.0.0.2")
 MOST = 200
-
-
-def teams_of(config: Config) -> List[str]:
-    """All teams: first those of the schedule, in order, then those that only have a password."""
-    scheduled = [event.team for zone in config.zones for event in zone.events if event.team != ALL_TEAMS]
-    return list(dict.fromkeys([*scheduled, *config.passwords]))
 
 
 class DummyRobotsNode:

@@ -25,6 +25,7 @@ import rosgraph
 import rospkg
 import rospy
 
+from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.comm import sockets
 from roah_rsbb.durable import close_to_others
 from roah_rsbb.model.document import Document
@@ -34,7 +35,6 @@ from roah_rsbb.params import BadParams, Params
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import NodeParams
-from roah_rsbb.ros.place import DoorPlaces
 from roah_rsbb.web.displays.listed import FILE as DISPLAYS_FILE
 from roah_rsbb.web.displays.listed import Displays
 from roah_rsbb.web.kept_file import open_kept

@@ -4,13 +4,13 @@ import time
 from typing import Callable, List, Optional
 
 from roah_rsbb.client.client import Client
+from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxSeen, Document
 from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.results import RunLine, UnsavedParts
 from roah_rsbb.model.zone import RUNNING, ZoneSeen
 from roah_rsbb.msg import DevicesState, DevicesStatus
-from roah_rsbb.ros.place import DoorPlaces
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.wording import clock, judging, superseded
 from roah_rsbb.wording.language import tr

@@ -19,6 +19,7 @@ from helpers.commands import given_with, mark_with
 from helpers.forms import shown_form
 from roah_rsbb.box.calls import BoxCalls
 from roah_rsbb.box.door import Door
+from roah_rsbb.client.places import PARAM, file_of
 from roah_rsbb.core.actions.base import ZoneAction
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
@@ -45,7 +46,6 @@ from roah_rsbb.model.scoring import JudgesRule, ScoreKind, ScoringItem
 from roah_rsbb.model.zone import LATELY_S, AllRobots, RunClock, Switches, ZoneSeen
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.ros import connections
-from roah_rsbb.ros.place import PARAM, file_of
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
 
 TOKEN = "a token"

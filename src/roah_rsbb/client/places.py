@@ -1,7 +1,7 @@
-"""Where programs find the door of the box of a ROS master: in a file on the box's computer, or in a parameter.
+"""Where programs find the door of a box: in a file on the box's computer, or in a parameter of a ROS master.
 
-The file is only for programs of the same user, and needs no master. The parameter is for all computers of a ROS
-network.
+Files are only for programs of the same user. A box without ROS has one in the user's folder, and its master has none. A
+box with ROS has one for its master, and the parameter, which is for all computers of a ROS network.
 """
 
 import contextlib
@@ -19,7 +19,14 @@ PARAM = "/roah_rsbb_door"
 # ROS's default, for a shell in which no setup file is sourced.
 MASTER_URI = "http://localhost:11311"
 ANSWER_S = 3.0
-START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"
+START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch', or without ROS with 'roah-rsbb run FOLDER'"
+# Names the file of the door of a box without ROS, if several run on this computer.
+OWN_VARIABLE = "ROAH_RSBB_DOOR"
+
+
+def own_file() -> str:
+    """Return the path of the file in which the box without ROS on this computer says where its door is."""
+    return os.environ.get(OWN_VARIABLE) or os.path.join(os.path.expanduser("~"), ".roah_rsbb", "door.json")
 
 
 def file_of(master_uri: str) -> str:
@@ -43,16 +50,31 @@ def _is_here(host: str) -> bool:
 
 
 class DoorPlaces:
-    """Finds the door of the box of a ROS master, in the file and in the parameter by turns."""
+    """Finds the door of a box: of the one without ROS, if there is one and no ROS master is named; else of the box of a
+    master, in the file and in the parameter by turns. It never changes from one box to the other."""
 
     def __init__(self, master_uri: Optional[str] = None) -> None:
         """`master_uri`: None: that of ROS_MASTER_URI."""
-        self.master_uri = master_uri or os.environ.get("ROS_MASTER_URI", "") or MASTER_URI
+        named = master_uri or os.environ.get("ROS_MASTER_URI", "")
+        self.master_uri = named or MASTER_URI
+        self._is_own: Optional[bool] = None  # whether it is the box without ROS; None: none was found yet
+        if OWN_VARIABLE in os.environ and not master_uri:
+            self._is_own = True
+        elif named:
+            self._is_own = False
         self._tried: Optional[DoorPlace] = None  # the last one
         self._of_master: Optional[DoorPlace] = None  # where the master said last that it is
 
     def find(self) -> DoorPlace:
         """Return where to try next; a place that was tried last only if there is no other. Raises `NotFound`."""
+        if self._is_own or (self._is_own is None and os.path.exists(own_file())):
+            self._is_own = True
+            return read_place(own_file())
+        found = self._of_box_with_ros()
+        self._is_own = False
+        return found
+
+    def _of_box_with_ros(self) -> DoorPlace:
         of_file: Optional[DoorPlace] = None
         path = file_of(self.master_uri)
         if path:

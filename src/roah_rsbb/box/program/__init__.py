@@ -1,0 +1,1 @@
+"""The box as one program, without ROS: `roah-rsbb run FOLDER` and `roah-rsbb demo`."""

@@ -1,0 +1,133 @@
+"""What a box without ROS has around it in its process: benchmarking modules, home devices, sounds."""
+
+import asyncio
+import logging
+from typing import Callable, Optional
+
+from roah_rsbb.bmbox.host.dummy_frames import DummyFrames
+from roah_rsbb.bmbox.host.ground_truth_of_frames import NoFrames, ZonesGroundTruth
+from roah_rsbb.bmbox.host.host import ModulesHost, chosen_benchmarks
+from roah_rsbb.bmbox.host.thread import ModulesThread
+from roah_rsbb.box.program.settings import BoxSettings
+from roah_rsbb.box.running import RunningBox
+from roah_rsbb.core.effects import SetDevice
+from roah_rsbb.devices.devices import HomeDevices, open_settings
+from roah_rsbb.devices.home import BadSetting, Home, devices_state
+from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, default_command, words_of
+from roah_rsbb.model.modules import ModulesState
+from roah_rsbb.params import BadParams
+
+NO_DEVICES = "this box controls no home devices: start it with devices:=true"
+
+_log = logging.getLogger(__name__)
+
+
+class Modules:
+    """The modules of functionality benchmarks, in a thread of their own."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, is_dummy: bool) -> None:
+        """`is_dummy`: a simulated motion-capture system sees what the rules ask for. Raises `BadParams`."""
+        folder = settings.path("modules_dir")
+        benchmarks = chosen_benchmarks(settings, folder)
+        make_frames = DummyFrames if is_dummy else NoFrames
+        self._running: Optional[RunningBox] = None
+
+        def make(its_loop: asyncio.AbstractEventLoop, send: Callable[[ModulesState], object]) -> ModulesHost:
+            return ModulesHost(its_loop, folder, benchmarks, ZonesGroundTruth(folder, make_frames), send)
+
+        self._thread = ModulesThread(make, self._take_state, loop.call_soon_threadsafe)
+
+    def start(self, running: RunningBox) -> None:
+        """Drive the runs of a box."""
+        self._running = running
+        self._thread.start()
+        self.publish_runs()
+
+    def publish_runs(self) -> None:
+        """Hand the runs over that have a module."""
+        if self._running is not None:
+            self._thread.take(self._running.box.modules.runs())
+
+    def _take_state(self, state: ModulesState) -> None:
+        if self._running is not None:
+            self._running.event(self._running.box.modules.on_modules, state)
+
+    def close(self) -> None:
+        """End them."""
+        self._thread.close()
+
+
+class Sounds:
+    """The sounds of the bell and of timeouts."""
+
+    def __init__(self, settings: BoxSettings) -> None:
+        """Raises `BadParams`."""
+        self._bell = _sound(settings, "bell_ring_command", BELL)
+        self._timeout = _sound(settings, "timeout_ring_command", TIMEOUT)
+
+    def ring_bell(self) -> None:
+        """Somebody is at the door."""
+        self._bell.ring()
+
+    def ring_timeout(self) -> None:
+        """A run timed out."""
+        self._timeout.ring()
+
+    def close(self) -> None:
+        """End players."""
+        self._bell.close()
+        self._timeout.close()
+
+
+def _sound(settings: BoxSettings, name: str, file: str) -> Sound:
+    command = settings.given(name)
+    try:
+        words = words_of(command) if command else default_command(file)
+    except ValueError as error:
+        raise BadParams(f"parameter {name}: found {command!r}, expected a command ({error})") from None
+    return Sound(name.partition("_")[0], words, lambda text: _log.warning("%s", text))
+
+
+class Devices:
+    """The home devices, if this box controls them."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, log_dir: str,
+                 on_bell: Callable[[], object]) -> None:
+        """Raises `BadParams`."""
+        self._running: Optional[RunningBox] = None
+        self._home: Optional[HomeDevices] = None
+        host, port = settings.text("smartif_host"), settings.whole("smartif_port", 6665, 1, 65535)
+        if settings.flag("devices", True):
+            saved, save = open_settings(log_dir)
+            self._home = HomeDevices(loop, host, port, on_state=self._on_state, on_bell=on_bell,
+                                     on_status=self._on_status, saved=saved, save=save)
+
+    def start(self, running: RunningBox) -> None:
+        """Connect to the controller."""
+        self._running = running
+        if self._home is not None:
+            self._home.start()
+
+    def set(self, wish: SetDevice) -> None:
+        """Carry out a robot's command."""
+        _log.info("zone %s: the robot sets %s to %d", wish.zone, wish.device, wish.value)
+        try:
+            if self._home is None:
+                raise BadSetting(NO_DEVICES)
+            self._home.set(wish.device, wish.value)
+        except BadSetting as error:
+            assert self._running is not None, "robots are heard after the start"
+            self._running.event(self._running.box.on_device_refused, wish.zone, wish.device, wish.value, str(error))
+
+    def _on_state(self, home: Home) -> None:
+        assert self._running is not None, "it was started"
+        self._running.event(self._running.box.on_devices, devices_state(home))
+
+    def _on_status(self, connected: bool, text: str) -> None:
+        assert self._running is not None, "it was started"
+        self._running.event(self._running.box.on_devices_status, connected, text)
+
+    def close(self) -> None:
+        """Disconnect."""
+        if self._home is not None:
+            self._home.close()

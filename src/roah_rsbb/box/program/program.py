@@ -1,0 +1,105 @@
+"""A whole box in one process: its core and door, and all around it, in one loop.
+
+Only the rules of benchmarks have a thread of their own, because they are code of others (`bmbox/host/thread.py`).
+"""
+
+import asyncio
+import logging
+import os
+import socket
+
+from roah_rsbb.box.parameters import BoxParameters, read_parameters
+from roah_rsbb.box.program.parts import Devices, Modules, Sounds
+from roah_rsbb.box.program.settings import BoxSettings
+from roah_rsbb.box.running import Around, RunningBox
+from roah_rsbb.box.standing_by import wait_for_journal
+from roah_rsbb.client.places import OWN_VARIABLE, own_file
+from roah_rsbb.comm.channels import MakePeer
+from roah_rsbb.comm.peer import Peer
+from roah_rsbb.document.place import NotFound, read_place, write_place
+from roah_rsbb.params import BadParams
+
+NAME = "roah_rsbb"  # of this program, for the box's records
+LOOPBACK = "127.0.0.1"
+ANSWER_S = 1.0
+
+_log = logging.getLogger(__name__)
+
+
+class BoxProgram:
+    """The box, from its settings to its end. Call everything in the loop's thread: `start`, then `close`."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, launch: str,
+                 make_peer: MakePeer = Peer, is_dummy: bool = False) -> None:
+        """`launch`: identifies the supervisor (`resume:=launch`). `is_dummy`: a demonstration, see `Modules`. Raises
+        `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError, whose texts name the remedy."""
+        params = read_parameters(settings)
+        _refuse(settings, params)
+        self._modules = Modules(loop, settings, is_dummy) if settings.flag("modules", True) else None
+        self._sounds = Sounds(settings)
+        os.makedirs(params.log_dir, exist_ok=True)
+        self._devices = Devices(loop, settings, params.log_dir, self._sounds.ring_bell)
+        self.running = running = RunningBox(
+            loop, params, launch, wait_for_journal(params.log_dir),
+            Around(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
+        self._door_file = ""
+        self._loop = loop
+
+    async def start(self, door_file: str) -> None:
+        """Start everything. `door_file`: where this box says how its door is found."""
+        await self.running.ask()
+        self.running.start()
+        self._devices.start(self.running)
+        if self._modules is not None:
+            self._modules.start(self.running)
+        port = self.running.door.open(LOOPBACK)
+        self._door_file = door_file
+        write_place(door_file, f"ws://{LOOPBACK}:{port}/door", self.running.door.token)
+
+    def close(self) -> None:
+        """End everything. Runs continue with the next start."""
+        if self._door_file and _is_own(self._door_file, self.running.door.token):
+            os.unlink(self._door_file)
+        self.running.door.close()
+        if self._modules is not None:
+            self._modules.close()
+        self._devices.close()
+        self._sounds.close()
+        self.running.close()
+
+    def _publish_module_runs(self) -> None:
+        if self._modules is not None:
+            self._modules.publish_runs()
+
+
+def _refuse(settings: BoxSettings, params: BoxParameters) -> None:
+    """Raise `BadParams` for what a box without ROS cannot do."""
+    if params.standby_port:
+        raise BadParams("standby_port: a box without ROS has no standby yet: leave it out, or start the box with ROS")
+
+
+def door_file(log_dir: str) -> str:
+    """Return where a box says how its door is found: in the user's folder, unless that is another box's that answers."""
+    usual = own_file()
+    if OWN_VARIABLE in os.environ or not _answers(usual):
+        return usual
+    own = os.path.join(log_dir, "door.json")
+    _log.warning("Another box of this user runs on this computer. Terminals find this one with %s=%s", OWN_VARIABLE, own)
+    return own
+
+
+def _answers(path: str) -> bool:
+    """Whether there is a door at the place in a file."""
+    try:
+        host, port = urlsplit(read_place(path).url).netloc.split(":")
+        with socket.create_connection((host, int(port)), ANSWER_S):
+            return True
+    except (NotFound, OSError, ValueError):
+        return False
+
+
+def _is_own(path: str, token: str) -> bool:
+    try:
+        return read_place(path).token == token
+    except NotFound:
+        return False

@@ -1,0 +1,121 @@
+"""The settings of a box without ROS: those of its launch files, which are read as data.
+
+Names, defaults and explanations stand once, in `launch/roah_rsbb.launch`. The launch file of a competition's folder
+changes some of them, and `name:=value` on the command line the others, as roslaunch has it. Parameters of the core that
+no launch file names, such as allowed_skew, can be given, too.
+"""
+
+import os
+import pathlib
+import re
+from typing import Dict, List, NamedTuple, Sequence, Set
+from xml.etree import ElementTree
+
+from roah_rsbb.params import BadParams, Params
+from roah_rsbb.shipped import shipped_file
+from roah_rsbb.wording.suggestions import did_you_mean
+
+LAUNCH = "competition.launch"
+_OF_ALL = "launch/roah_rsbb.launch"
+# Of the launch files, but not of a box without ROS.
+_OF_ROS = ("gui", "part")
+_SUBSTITUTION = re.compile(r"\$\(([^)]*)\)")
+
+
+class Argument(NamedTuple):
+    """An argument of a launch file."""
+
+    default: str
+    doc: str
+
+
+def of_box() -> Dict[str, Argument]:
+    """Return the arguments of a box. Raises `BadParams`."""
+    return {name: found for name, found in _arguments(shipped_file(_OF_ALL)).items()
+            if name not in _OF_ROS}
+
+
+def of_folder(folder: pathlib.Path) -> Dict[str, str]:
+    """Return what the launch file of a competition's folder sets. Raises `BadParams`."""
+    path = folder / LAUNCH
+    if not path.is_file():
+        raise BadParams(f"{path} is missing: make a competition's folder with 'roah-rsbb new {folder}'")
+    return {name: found.default for name, found in _arguments(path).items()}
+
+
+def of_words(words: Sequence[str]) -> Dict[str, str]:
+    """Return what a command line sets, in words such as rsbb_host:=192.168.1.255. Raises `BadParams`."""
+    for word in words:
+        if ":=" not in word:
+            raise BadParams(f"'{word}' is no setting: write name:=value, such as rsbb_host:=192.168.1.255")
+    return dict(word.split(":=", 1) for word in words)
+
+
+def _arguments(path: pathlib.Path) -> Dict[str, Argument]:
+    try:
+        found = ElementTree.parse(path).getroot().findall("arg")
+    except (OSError, ElementTree.ParseError) as error:
+        raise BadParams(f"{path} cannot be read: {error}") from None
+    return {each.get("name", ""): Argument(_value(path, each), each.get("doc", "")) for each in found}
+
+
+def _value(path: pathlib.Path, argument: ElementTree.Element) -> str:
+    """Return the value of an argument, with the substitutions of roslaunch that the launch files of a competition have.
+    Raises `BadParams` for others."""
+    def value_of(found: "re.Match[str]") -> str:
+        command, _, what = found[1].partition(" ")
+        if command == "dirname":
+            return str(path.parent.resolve())
+        if (command, what) == ("find", "roah_rsbb"):
+            return str(shipped_file(_OF_ALL).parents[1])
+        if command in ("env", "optenv"):
+            name, _, instead = what.partition(" ")
+            return os.environ.get(name, instead)
+        name = argument.get("name", "")
+        raise BadParams(f"{path}: a box without ROS cannot compute $({found[1]}) for {name}: give {name}:=value")
+
+    return _SUBSTITUTION.sub(value_of, argument.get("value", argument.get("default", "")))
+
+
+class BoxSettings(Params):
+    """The settings of a box as its parameters. `used_up` says which nobody asked for."""
+
+    def __init__(self, values: Dict[str, str]) -> None:
+        super().__init__()
+        self._values = values
+        self._asked: Set[str] = set()
+
+    def given(self, name: str) -> str:
+        """Return a setting as it was written; empty: it is not set."""
+        self._asked.add(name)
+        return self._values.get(name, "")
+
+    def full_name(self, name: str) -> str:
+        """See `Params`."""
+        return name
+
+    def unknown(self, known: Sequence[str]) -> List[str]:
+        """Return a text for each setting that nobody asked for and that is not among `known`."""
+        names = {*known, *self._asked}
+        return [f"there is no setting {name}{did_you_mean(name, sorted(names))}"
+                for name in self._values if name not in names and name not in _OF_ROS]
+
+    def _get(self, name: str, default: object) -> object:
+        self._asked.add(name)
+        return self._values.get(name, default)
+
+    def _plain(self, name: str, default: object) -> object:
+        found = self._get(name, default)
+        return _plain(found) if isinstance(found, str) else found
+
+
+def _plain(text: str) -> object:
+    """Return the value that roslaunch makes of a text."""
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            pass
+    return text
