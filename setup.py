@@ -27,7 +27,14 @@ RUNTIME = "protobuf>=3.20.2,<8"
 # It brings protoc 25.1, and has wheels for Python 3.8 to 3.12.
 COMPILER = "grpcio-tools>=1.62,<1.63; python_version<'3.13'"
 
-REQUIRES = {"robot": [RUNTIME, "cryptography>=2.8"], "check": ["PyYAML>=5.3.1"], "results": []}
+REQUIRES = {"robot": [RUNTIME, "cryptography>=2.8"], "check": ["PyYAML>=5.3.1"], "results": [], "box": ["tornado>=6"]}
+# Names of the wheels at an index. Each has the program roah-rsbb, because tools such as pipx look for it only there.
+WHEELS = {"robot": "roah-rsbb-robot", "check": "roah-rsbb-check", "results": "roah-rsbb-results", "box": "roah-rsbb"}
+WITH_PROGRAM = ("robot", "box")
+
+# Folders whose files are in the wheels, too.
+SHIPPED = ("config", "docs", "launch", "resource")
+PROGRAM = {"console_scripts": ["roah-rsbb = roah_rsbb.tools.team:main"]}
 
 COMMON = {
     "name": "roah_rsbb",
@@ -63,7 +70,7 @@ def build_command(package, package_of):
             built = pathlib.Path(self.build_lib, "roah_rsbb")
             if package == "robot":
                 generate_protobuf(built / "pb")
-            for file in (found for place in ("config", "docs", "resource") for found in pathlib.Path(place).rglob("*")):
+            for file in (found for place in SHIPPED for found in pathlib.Path(place).rglob("*")):
                 if file.is_file() and package_of(file.as_posix()) == package:
                     shipped = built / "shipped_files" / file
                     shipped.parent.mkdir(parents=True, exist_ok=True)
@@ -105,7 +112,7 @@ def setup_for_pip():
     if package not in REQUIRES:
         raise SystemExit(f"roah_rsbb: ROAH_RSBB_PACKAGE is '{package}': give one of {', '.join(REQUIRES)}")
     contents = runpy.run_path(str(pathlib.Path("packaging", "contents.py")))
-    needs = [f"roah-rsbb-{needed}=={COMMON['version']}" for needed in contents["NEEDS"][package]]
+    needs = [f"{WHEELS[needed]}=={COMMON['version']}" for needed in contents["NEEDS"][package]]
     # build/ belongs to CMake. Files of an earlier build there would end up in the wheel.
     with tempfile.TemporaryDirectory() as build_base:
         setup(
@@ -114,8 +121,8 @@ def setup_for_pip():
             options={"build": {"build_base": build_base}},
             install_requires=[*REQUIRES[package], *needs],
             setup_requires=[] if usable_protoc() or package != "robot" else [COMPILER],
-            entry_points={"console_scripts": ["roah-rsbb = roah_rsbb.tools.team:main"]} if package == "robot" else {},
-            **{**COMMON, "name": f"roah-rsbb-{package}"},
+            entry_points=PROGRAM if package in WITH_PROGRAM else {},
+            **{**COMMON, "name": WHEELS[package]},
         )
 
 

@@ -9,11 +9,16 @@ from typing import Any, Callable, NoReturn, TypeVar
 T = TypeVar("T")
 
 
-def called(name: str) -> str:
-    """Return a program's name as users type it: `check_robot` in ROS, `roah-rsbb check-robot` if pip installed it."""
+def is_without_ros() -> bool:
+    """Whether this program is a command of `roah-rsbb`, which pip installed."""
     # The second is `python -m roah_rsbb.tools.team`.
-    is_command = os.path.basename(sys.argv[0]) in ("roah-rsbb", "team.py", "roah-rsbb.exe")
-    return f"roah-rsbb {name.replace('_', '-')}" if is_command else name
+    return os.path.basename(sys.argv[0]) in ("roah-rsbb", "team.py", "roah-rsbb.exe")
+
+
+def called(name: str, command: str = "") -> str:
+    """Return a program's name as users type it: `check_robot` in ROS, `roah-rsbb check-robot` if pip installed it.
+    `command`: if it is not made of the name."""
+    return f"roah-rsbb {command or name.replace('_', '-')}" if is_without_ros() else name
 
 
 class Parser(argparse.ArgumentParser):

@@ -116,7 +116,8 @@ CONTENTS = runpy.run_path(str(ROOT / "packaging" / "contents.py"))
 OTHERS = {"robot": {"google", "cryptography", "argcomplete"},
           "comm": {"google", *ROS},
           "check": {"google", "cryptography", "argcomplete", "yaml"},
-          "results": {"yaml", "argcomplete", "mcap", "mcap_ros2"}}
+          "results": {"yaml", "argcomplete", "mcap", "mcap_ros2"},
+          "box": {"google", "cryptography", "argcomplete", "yaml", "tornado", "qrcode"}}
 
 
 def _of_package(package: str) -> List[pathlib.Path]:

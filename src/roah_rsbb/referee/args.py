@@ -4,7 +4,7 @@ import argparse
 import math
 from typing import Any, Callable, Dict, Optional, Sequence, TypeVar
 
-from roah_rsbb.arguments import Parser, number, read_by
+from roah_rsbb.arguments import Parser, called, number, read_by
 from roah_rsbb.core.judges.publication import MAX_OBJECTION_TIME_S
 from roah_rsbb.model.actions import ACTIONS, Action
 from roah_rsbb.model.fields import Field, Number, Team, Toggle
@@ -14,7 +14,7 @@ from roah_rsbb.wording.schedule import Show
 
 T = TypeVar("T")
 
-PROG = "referee"
+PROG = called("referee")
 WAIT_S = 60.0
 MAX_OBJECTION_MINUTES = MAX_OBJECTION_TIME_S / 60
 

@@ -1,4 +1,4 @@
-"""The referee in a terminal: `rosrun roah_rsbb referee`, over ssh and in scripts.
+"""The referee in a terminal: `rosrun roah_rsbb referee` or `roah-rsbb referee`, over ssh and in scripts.
 
 Like the panels, it shows what the core publishes and sends commands to the core. The core decides what is allowed. The
 exit status shows the result.
@@ -10,7 +10,7 @@ import os
 import signal
 import sys
 import time
-from typing import List
+from typing import List, Optional
 
 from roah_rsbb.referee.args import parser
 from roah_rsbb.referee.exits import Exit
@@ -68,12 +68,12 @@ def _open_streams() -> None:
             setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8"))
 
 
-def main() -> None:
-    """Entry point of `rosrun roah_rsbb referee`."""
+def main(arguments: Optional[List[str]] = None) -> None:
+    """Run the program with these arguments (default: those of the process)."""
     _open_streams()
     # genpy (`pairing.py`) imports numpy for arrays that our messages do not have. That takes longer than a command.
     sys.modules.setdefault("numpy", None)  # type: ignore[arg-type]
-    options = options_of(sys.argv[1:])
+    options = options_of(sys.argv[1:] if arguments is None else arguments)
     interrupt = Interrupts()
     for number in (signal.SIGINT, signal.SIGTERM):
         if signal.getsignal(number) is not signal.SIG_IGN:

@@ -13,10 +13,11 @@ import rospkg
 from roah_rsbb.arguments import Parser, number
 from roah_rsbb.nodes.sounds import PLAYER
 from roah_rsbb.ros.display import has_display
+from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.rulebook.launch_file import arguments
 from roah_rsbb.tools import preflight_checks as checks
 from roah_rsbb.tools import preflight_venue as venue
-from roah_rsbb.tools.competition.check import launch_arguments
-from roah_rsbb.tools.competition.files import FIREWALL, MODULES
+from roah_rsbb.tools.competition.files import FIREWALL, LAUNCH, MODULES
 from roah_rsbb.tools.competition.firewall import TABLET_PORT
 from roah_rsbb.tools.interfaces import interfaces
 from roah_rsbb.tools.open_ports import listeners
@@ -111,8 +112,10 @@ def _check_venue(options: argparse.Namespace, files: Dict[str, str]) -> List[Rem
     loaded = venue.loaded_config(files)
     if loaded is None:
         return []
-    given = launch_arguments(options.competition) if options.competition else {}
-    host = options.smartif_host or given.get("smartif_host") or _SMARTIF_HOST
+    # Errors in the launch file are those of `check_configuration`.
+    given = arguments(Report(), os.path.join(options.competition, LAUNCH)) if options.competition else {}
+    set_here = given["smartif_host"].default if "smartif_host" in given else ""
+    host = options.smartif_host or set_here or _SMARTIF_HOST
     return [
         *venue.check_ground_truth(loaded, options.modules_dir, lambda truth: look(truth, _MARKERS_S)),
         *venue.check_devices(loaded, host, options.smartif_port),

@@ -6,10 +6,14 @@ from typing import List, Optional
 
 # Command -> its package, its module, and what it does.
 COMMANDS = {
+    "demo": ("box", "box.program.demo", "a demonstration: a box with dummy robots, on this computer alone"),
+    "new": ("box", "tools.competition.program", "create or check the folder of a competition"),
+    "run": ("box", "box.program.main", "the box of a competition"),
+    "referee": ("box", "referee.program", "the referee in a terminal"),
     "dummy-robot": ("robot", "robot.dummy", "a simulated robot"),
     "check-robot": ("check", "check.program", "check a robot: plays the box against it, and reports what works"),
     "capture": ("check", "capture.program", "show the datagrams on the network"),
-    "dummy-box": ("check", "check.dummy_box", "the referee's box for a laptop: leads a robot through a run"),
+    "dummy-box": ("check", "check.dummy_box", "a box for a team: leads one robot through a run"),
     "results": ("results", "results.program.main", "show and export the runs of a competition"),
 }
 
@@ -35,6 +39,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     try:
         program = importlib.import_module(f"roah_rsbb.{module}")
     except ModuleNotFoundError as error:
-        sys.exit(f"roah-rsbb: {given[0]} is in the package roah-rsbb-{package}, which is not here ({error}): install "
+        wheel = "roah-rsbb" if package == "box" else f"roah-rsbb-{package}"
+        sys.exit(f"roah-rsbb: {given[0]} is in the package {wheel}, which is not here ({error}): install "
                  f"its wheel, or 'ROAH_RSBB_PACKAGE={package} pip install ./roah_rsbb' where the source is")
     program.main(given[1:])

@@ -14,7 +14,6 @@ from unittest import mock
 
 import pytest
 
-from helpers.config_files import SHIPPED
 from helpers.linked_world import FakeLink, RadioRobot, World
 from roah_rsbb.bmbox.framework.own_rules import own_files
 from roah_rsbb.bmbox.framework.registry import modules
@@ -43,7 +42,7 @@ def make_competition(folder, rulebook, teams, days):
     stdout = io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
     options = ["--rulebook", rulebook, "--teams", ", ".join(teams), "--days", days, "--time-zone", "UTC"]
     with mock.patch("sys.stdout", stdout), pytest.raises(SystemExit) as end:
-        program.main(str(SHIPPED), [str(folder), *options])
+        program.main([str(folder), *options])
     assert end.value.code == 0
     return str(folder)
 

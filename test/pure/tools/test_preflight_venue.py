@@ -11,7 +11,6 @@ from helpers.config_files import SHIPPED  # noqa: E402
 from roah_rsbb.bmbox.framework.ground_truth import Pose3  # noqa: E402
 from roah_rsbb.nodes.modules.ground_truth_tf import FrameState  # noqa: E402
 from roah_rsbb.tools import preflight_venue as venue  # noqa: E402
-from roah_rsbb.tools.competition.check import launch_arguments  # noqa: E402
 from roah_rsbb.tools.preflight_checks import Severity  # noqa: E402
 
 HOST = "127.0.77.2"
@@ -97,10 +96,3 @@ def test_each_zone_has_its_own_motion_capture(folder):
     found = venue.check_ground_truth(loaded, str(folder), sees("robot"))
     assert levels(found) == [Severity.WARNING, Severity.WARNING, Severity.OK]  # also the marker of TestingTeam
     assert found[-1].text.endswith("poses are not scored")
-
-
-def test_the_address_of_the_devices_in_the_competitions_launch_file(tmp_path):
-    (tmp_path / "competition.launch").write_text(
-        '<launch><arg name="smartif_host" default="10.0.0.9"/><arg name="other"/></launch>', "utf-8")
-    assert launch_arguments(str(tmp_path)) == {"smartif_host": "10.0.0.9"}
-    assert launch_arguments(str(tmp_path / "nowhere")) == {}

@@ -1,16 +1,18 @@
 """The box of a competition, without ROS: all that its folder says, in one program.
 
-The web pages are its face: the first address that is printed opens them, and pairs this computer as the organiser's.
-Terminals use 'roah-rsbb referee'. It ends with Ctrl-C; runs continue when it is started again. If it ends unexpectedly,
-it starts again by itself and continues its runs.
+The web pages are its face: they open in a browser, which is paired as the organiser's. Terminals use 'roah-rsbb
+referee'. The box ends with Ctrl-C, and its runs continue when it is started again. If it ends unexpectedly, it is
+started again at once.
 """
 
 import argparse
+import asyncio
 import logging
+import os
 import pathlib
 import sys
 import textwrap
-from typing import Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional
 
 from roah_rsbb.arguments import Parser, called
 from roah_rsbb.box.program import settings as settings_of
@@ -30,20 +32,19 @@ Parameters of the core that no launch file has, such as allowed_skew:=0.2, can b
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = Parser(called("run"), __doc__.strip())
+    parser = Parser(called("run"), str(__doc__).strip(), _EPILOG.format(settings=_explained(settings_of.of_box())))
     parser.add_argument("folder", metavar="FOLDER", help="the competition's folder, made by 'roah-rsbb new'")
     parser.add_argument("settings", metavar="name:=value", nargs="*", help="settings of this start (see below)")
     parser.add_argument("--no-browser", action="store_true", help="do not open the pages in a browser")
     parser.add_argument(ALONE, action="store_true",
-                        help="do not start the box again if it ends unexpectedly, because systemd does that")
+                        help="do not start the box again if it ends unexpectedly, because something else does")
     return parser
 
 
-def _explained(known: Dict[str, settings_of.Argument]) -> str:
-    lines = [line for name, found in known.items()
-             for line in textwrap.wrap(f"{name}: {found.doc} (default: {found.default or 'empty'})", 110,
-                                       initial_indent="  ", subsequent_indent="      ")]
-    return _EPILOG.format(settings="\n".join(lines))
+def _explained(known: Dict[str, settings_of.LaunchArgument]) -> str:
+    return "\n".join(textwrap.fill(
+        f"{name}: {found.doc} (default: {found.default or 'empty'})", 110, initial_indent="  ",
+        subsequent_indent="      ") for name, found in known.items())
 
 
 def log_to_terminal() -> None:
@@ -52,31 +53,64 @@ def log_to_terminal() -> None:
     logging.getLogger("tornado").setLevel(logging.ERROR)
 
 
-def settings(folder: str, words: List[str]) -> settings_of.BoxSettings:
-    """Return the settings of a box. Raises `BadParams`."""
-    defaults = {name: found.default for name, found in settings_of.of_box().items()}
-    path = pathlib.Path(folder)
-    return settings_of.BoxSettings({**defaults, **settings_of.of_folder(path), **settings_of.of_words(words)})
+def settings_of_folder(folder: str, words: List[str]) -> settings_of.BoxSettings:
+    """Return the settings of the box of a competition. Raises `BadParams`."""
+    return settings_of.BoxSettings({
+        **settings_of.defaults(), **settings_of.of_folder(pathlib.Path(folder)), **settings_of.of_words(words)})
+
+
+def serve(make: Callable[[asyncio.AbstractEventLoop], Any], work: Callable[[Any], Any]) -> int:
+    """Run a box until a signal ends it or its `work` is done; returns the exit status. `make` makes the box, and may
+    raise what `BoxProgram` raises. `work` is a coroutine, and returns an exit status."""
+    # Imported late: help or a wrong setting need none of it.
+    from roah_rsbb.journal.file import DamagedJournal
+    from roah_rsbb.platform import new_loop, on_end
+    from roah_rsbb.rulebook.errors import ConfigErrors
+
+    sys.setswitchinterval(SWITCH_S)
+    loop = new_loop()
+    asyncio.set_event_loop(loop)  # tornado uses the thread's loop
+    try:
+        program = make(loop)
+    except (BadParams, ConfigErrors, DamagedJournal, OSError) as error:
+        for line in str(error).splitlines():
+            logging.critical("%s", line)
+        return 1
+    working = loop.create_task(work(program))
+    on_end(loop, working.cancel)
+    try:
+        return int(loop.run_until_complete(working))
+    except asyncio.CancelledError:
+        return 0
+    except OSError as error:
+        logging.critical("%s", error)
+        return 1
+    finally:
+        program.close()
+        loop.close()
 
 
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
     given = sys.argv[1:] if arguments is None else arguments
-    parser = _parser()
-    parser.epilog = _explained(settings_of.of_box())
-    options = parser.parse_args(given)
+    options = _parser().parse_args(given)
     log_to_terminal()
     close_to_others()
     try:
-        found = settings(options.folder, options.settings)
-        if not options.unsupervised:
-            from roah_rsbb.box.program.supervisor import supervise
-
-            sys.exit(supervise([sys.executable, "-m", "roah_rsbb.tools.team", "run", ALONE, *given],
-                               found.path("log_dir")))
-        from roah_rsbb.box.program.serving import serve
-
-        sys.setswitchinterval(SWITCH_S)
-        sys.exit(serve(found, not options.no_browser))
+        settings = settings_of_folder(options.folder, options.settings)
     except BadParams as error:
-        sys.exit(f"{parser.prog}: {error}")
+        sys.exit(f"{called('run')}: {error}")
+    from roah_rsbb.box.program.supervisor import LAUNCH, supervise
+
+    if not options.unsupervised:
+        command = [sys.executable, "-m", "roah_rsbb.tools.team", "run", *given, ALONE]
+        sys.exit(supervise(command, settings.path("log_dir")))
+    from roah_rsbb.box.program.program import BoxProgram, door_file
+
+    async def work(program: BoxProgram) -> int:
+        await program.start(door_file(settings.path("log_dir")))
+        program.open_pages(in_browser=not options.no_browser)
+        await asyncio.get_event_loop().create_future()
+        return 0
+
+    sys.exit(serve(lambda loop: BoxProgram(loop, settings, os.environ.get(LAUNCH, "")), work))

@@ -7,6 +7,7 @@ import asyncio
 import logging
 import os
 import socket
+from urllib.parse import urlsplit
 
 from roah_rsbb.box.parameters import BoxParameters, read_parameters
 from roah_rsbb.box.program.parts import Devices, Modules, Sounds
@@ -39,7 +40,7 @@ class BoxProgram:
         self._sounds = Sounds(settings)
         os.makedirs(params.log_dir, exist_ok=True)
         self._devices = Devices(loop, settings, params.log_dir, self._sounds.ring_bell)
-        self.running = running = RunningBox(
+        self.running = RunningBox(
             loop, params, launch, wait_for_journal(params.log_dir),
             Around(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
         self._door_file = ""
@@ -79,12 +80,13 @@ def _refuse(settings: BoxSettings, params: BoxParameters) -> None:
 
 
 def door_file(log_dir: str) -> str:
-    """Return where a box says how its door is found: in the user's folder, unless that is another box's that answers."""
+    """Return where a box says how its door is found: in the user's folder, unless another box answers there."""
     usual = own_file()
     if OWN_VARIABLE in os.environ or not _answers(usual):
         return usual
     own = os.path.join(log_dir, "door.json")
-    _log.warning("Another box of this user runs on this computer. Terminals find this one with %s=%s", OWN_VARIABLE, own)
+    _log.warning("Another box of this user runs on this computer. Terminals find this one with %s=%s",
+                 OWN_VARIABLE, own)
     return own
 
 

@@ -5,13 +5,15 @@ changes some of them, and `name:=value` on the command line the others, as rosla
 no launch file names, such as allowed_skew, can be given, too.
 """
 
+import contextlib
 import os
 import pathlib
 import re
-from typing import Dict, List, NamedTuple, Sequence, Set
-from xml.etree import ElementTree
+from typing import Dict, List, Sequence, Set
 
 from roah_rsbb.params import BadParams, Params
+from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.rulebook.launch_file import LaunchArgument, arguments
 from roah_rsbb.shipped import shipped_file
 from roah_rsbb.wording.suggestions import did_you_mean
 
@@ -22,17 +24,15 @@ _OF_ROS = ("gui", "part")
 _SUBSTITUTION = re.compile(r"\$\(([^)]*)\)")
 
 
-class Argument(NamedTuple):
-    """An argument of a launch file."""
-
-    default: str
-    doc: str
-
-
-def of_box() -> Dict[str, Argument]:
+def of_box() -> Dict[str, LaunchArgument]:
     """Return the arguments of a box. Raises `BadParams`."""
     return {name: found for name, found in _arguments(shipped_file(_OF_ALL)).items()
             if name not in _OF_ROS}
+
+
+def defaults() -> Dict[str, str]:
+    """Return the values of these arguments that nobody changed. Raises `BadParams`."""
+    return {name: found.default for name, found in of_box().items()}
 
 
 def of_folder(folder: pathlib.Path) -> Dict[str, str]:
@@ -51,15 +51,16 @@ def of_words(words: Sequence[str]) -> Dict[str, str]:
     return dict(word.split(":=", 1) for word in words)
 
 
-def _arguments(path: pathlib.Path) -> Dict[str, Argument]:
-    try:
-        found = ElementTree.parse(path).getroot().findall("arg")
-    except (OSError, ElementTree.ParseError) as error:
-        raise BadParams(f"{path} cannot be read: {error}") from None
-    return {each.get("name", ""): Argument(_value(path, each), each.get("doc", "")) for each in found}
+def _arguments(path: pathlib.Path) -> Dict[str, LaunchArgument]:
+    report = Report()
+    found = {name: argument._replace(default=_value(path, name, argument.default))
+             for name, argument in arguments(report, str(path)).items()}
+    if report.errors:
+        raise BadParams("\n".join(map(str, report.errors)))
+    return found
 
 
-def _value(path: pathlib.Path, argument: ElementTree.Element) -> str:
+def _value(path: pathlib.Path, name: str, text: str) -> str:
     """Return the value of an argument, with the substitutions of roslaunch that the launch files of a competition have.
     Raises `BadParams` for others."""
     def value_of(found: "re.Match[str]") -> str:
@@ -69,12 +70,11 @@ def _value(path: pathlib.Path, argument: ElementTree.Element) -> str:
         if (command, what) == ("find", "roah_rsbb"):
             return str(shipped_file(_OF_ALL).parents[1])
         if command in ("env", "optenv"):
-            name, _, instead = what.partition(" ")
-            return os.environ.get(name, instead)
-        name = argument.get("name", "")
+            variable, _, instead = what.partition(" ")
+            return os.environ.get(variable, instead)
         raise BadParams(f"{path}: a box without ROS cannot compute $({found[1]}) for {name}: give {name}:=value")
 
-    return _SUBSTITUTION.sub(value_of, argument.get("value", argument.get("default", "")))
+    return _SUBSTITUTION.sub(value_of, text)
 
 
 class BoxSettings(Params):
@@ -114,8 +114,6 @@ def _plain(text: str) -> object:
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     for kind in (int, float):
-        try:
+        with contextlib.suppress(ValueError):
             return kind(text)
-        except ValueError:
-            pass
     return text

@@ -60,6 +60,6 @@ def _run(command: Sequence[str], environment: dict, wishes: list, watch: Watch) 
             box.kill()
         if watch.is_hung and watch.silence.pid == box.pid != killed:
             killed = box.pid
-            _log.error("The box (process %d) has not answered for %g s: %s. It is ended, and the next one continues its "
-                       "runs", killed, HUNG_S, state_of(killed))
+            _log.error("The box (process %d) has not answered for %g s: %s. It is ended, and the next one continues "
+                       "its runs", killed, HUNG_S, state_of(killed))
             watch.kill()

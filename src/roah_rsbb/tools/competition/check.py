@@ -2,8 +2,7 @@
 
 import functools
 import os
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
-from xml.parsers import expat
+from typing import Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
 from roah_rsbb.bmbox.framework import ground_truth_config
 from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
@@ -13,9 +12,9 @@ from roah_rsbb.bmbox.framework.zone_folders import file_in, zone_folders
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, ScheduledEvent
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
+from roah_rsbb.rulebook.launch_file import elements
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.rulebook.standing_rules import read_rules
-from roah_rsbb.rulebook.yaml_lines import read_text
 from roah_rsbb.tools.competition import files
 from roah_rsbb.tools.competition.plan import planned_s
 from roah_rsbb.tools.competition.rulebooks import STANDINGS
@@ -204,40 +203,14 @@ def _check_launch(report: Report, path: str) -> None:
                                        "files "
                     "as arguments")
         return
-    text = read_text(path, report, "the launch file")
-    if text is None:
-        return
-    elements = list(_elements(report, path, text))
-    starts = [at for name, given, at in elements if name == "include" and "roah_rsbb.launch" in given.get("file", "")]
+    found = elements(report, path)
+    starts = [at for name, given, at in found if name == "include" and "roah_rsbb.launch" in given.get("file", "")]
     if not report.errors and not starts:
         report.error(Place(path, 0, 0), "nothing that starts the box",
                      '<include file="$(find roah_rsbb)/launch/roah_rsbb.launch" pass_all_args="true"/>')
-    for name, given, line in elements:
+    for name, given, line in found:
         own = _NAMED_FILES.get(given.get("name", "")) if name == "arg" else None
         named = given.get("default", given.get("value"))
         if own is not None and named is not None and named != _BESIDE + own:
             report.warn(Place(path, line, 0), f"{given['name']} is {quote(named)}, but the checked file is "
                         f"{_BESIDE + own}")
-
-
-def launch_arguments(directory: str) -> Dict[str, str]:
-    """Return the defaults of the arguments in a competition's launch file. Errors are reported by `check`."""
-    path = os.path.join(directory, files.LAUNCH)
-    report = Report()
-    text = read_text(path, report, "the launch file")
-    elements = [] if text is None else _elements(report, path, text)
-    return {given["name"]: given["default"] for name, given, _ in elements
-            if name == "arg" and "name" in given and "default" in given}
-
-
-def _elements(report: Report, path: str, text: str) -> Iterator[Tuple[str, Dict[str, str], int]]:
-    """Return name, attributes and line of each element."""
-    found: List[Tuple[str, Dict[str, str], int]] = []
-    parser = expat.ParserCreate()
-    parser.StartElementHandler = lambda name, given: found.append((name, given, parser.CurrentLineNumber))
-    try:
-        parser.Parse(text, True)
-    except expat.ExpatError as error:
-        report.error(Place(path, error.lineno, error.offset + 1), f"invalid XML ({expat.ErrorString(error.code)})",
-                     "each <tag> closed with </tag> or />, values in quotes, no -- within a comment")
-    return iter(found)

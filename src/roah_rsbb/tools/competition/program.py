@@ -8,12 +8,13 @@ import shlex
 import sys
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
-from roah_rsbb.arguments import Parser
+from roah_rsbb.arguments import Parser, called, is_without_ros
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ZonePlan
 from roah_rsbb.rulebook.config import BenchmarksFile, PasswordsFile
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
+from roah_rsbb.shipped import shipped_folder
 from roah_rsbb.tools.competition import answers, certificate, files, rulebooks
 from roah_rsbb.tools.competition.answers import Missing, known_answers, questions
 from roah_rsbb.tools.competition.check import check
@@ -37,6 +38,7 @@ _DESCRIPTION = """\
 Create the folder of a competition: benchmarks, passwords (randomly generated), schedule, parameters of the
 benchmarking modules, and a launch file for all of it. At a terminal, the program asks for missing options.
 """
+PROGRAM = called("new_competition", "new")
 _EPILOG = f"""\
 The sheet is a CSV file from a spreadsheet program. Its first row names the columns, in any order:
   {', '.join(REQUIRED)}   and optionally {', '.join(OPTIONAL)}
@@ -46,31 +48,32 @@ where the time is the venue's local time. All robots do HSUF at once: its team i
 'round', the round is the number of the day. Without the column 'run', the runs of a team are numbered.
 
 Examples:
-  new_competition erl2026
-  new_competition erl2026 --teams 'BrassButlers, CopperKettle' --benchmarks HGTKMH,HNF --days 2026-11-28,2026-11-29
-  new_competition athome2026 --rulebook athome --teams 'BrassButlers, CopperKettle' --days 2026-11-28,2026-11-29
-  new_competition erl2026 --sheet plan.csv
-  new_competition erl2026 --sheet plan.csv --schedule-only
-  new_competition erl2026 --add-team HomeAlone
-  new_competition --check erl2026
-  new_competition --certificate erl2026
+  {PROGRAM} erl2026
+  {PROGRAM} erl2026 --teams 'BrassButlers, CopperKettle' --benchmarks HGTKMH,HNF --days 2026-11-28,2026-11-29
+  {PROGRAM} athome2026 --rulebook athome --teams 'BrassButlers, CopperKettle' --days 2026-11-28,2026-11-29
+  {PROGRAM} erl2026 --sheet plan.csv
+  {PROGRAM} erl2026 --sheet plan.csv --schedule-only
+  {PROGRAM} erl2026 --add-team HomeAlone
+  {PROGRAM} --check erl2026
+  {PROGRAM} --certificate erl2026
 
 The exit status is 0 on success (possibly with warnings), 1 for errors, 2 for wrong usage.
 """
 
 
-def main(config_dir: str, arguments: Optional[List[str]] = None) -> None:
-    """Run the program; `config_dir` contains the default configuration files."""
+def main(arguments: Optional[List[str]] = None) -> None:
+    """Run the program with these arguments (default: those of the process)."""
+    config_dir = str(shipped_folder())
     options = _parser(config_dir).parse_args(sys.argv[1:] if arguments is None else arguments)
     ask = input if sys.stdin is not None and sys.stdin.isatty() else None
     sys.stdout.reconfigure(errors="backslashreplace")  # escape characters that this terminal cannot show
     try:
         status = _run(options, config_dir, ask)
     except (EOFError, KeyboardInterrupt):
-        print("\nnew_competition: cancelled; nothing was written", file=sys.stderr)
+        print(f"\n{PROGRAM}: cancelled; nothing was written", file=sys.stderr)
         status = 1
     except UnicodeDecodeError:
-        print("\nnew_competition: found an answer that is not UTF-8; nothing was written", file=sys.stderr)
+        print(f"\n{PROGRAM}: found an answer that is not UTF-8; nothing was written", file=sys.stderr)
         status = 1
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader has closed the pipe
@@ -79,7 +82,7 @@ def main(config_dir: str, arguments: Optional[List[str]] = None) -> None:
 
 
 def _parser(config_dir: str) -> argparse.ArgumentParser:
-    parser = Parser("new_competition", _DESCRIPTION, _EPILOG)
+    parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
     parser.add_argument("directory", metavar="DIR", help="the competition's folder")
     parser.add_argument("--check", action="store_true", help="check the folder without changing it")
     parser.add_argument("--rulebook", metavar="NAME",
@@ -338,7 +341,7 @@ def _checked(directory: str) -> int:
 
 def _failed(error: Exception) -> int:
     for line in str(error).splitlines():
-        print(f"new_competition: {line}", file=sys.stderr)
+        print(f"{PROGRAM}: {line}", file=sys.stderr)
     return 1
 
 
@@ -354,7 +357,9 @@ def _next_steps(options: argparse.Namespace, found: Dict[str, object]) -> int:
     example = host or "192.168.1.255"
     print(f"Close the robots' network: check the interface in {files.FIREWALL}, then: sudo nft -f "
           f"{shlex.quote(os.path.join(directory, files.FIREWALL))}")
-    print(f"Check the set-up: rosrun roah_rsbb preflight --rsbb-host {example} --competition "
-          f"{shlex.quote(directory)}")
-    print(f"Start the box: roslaunch {path}" + ("" if host else f" rsbb_host:={example}"))
+    if not is_without_ros():
+        print(f"Check the set-up: rosrun roah_rsbb preflight --rsbb-host {example} --competition "
+              f"{shlex.quote(directory)}")
+    start = f"roah-rsbb run {shlex.quote(directory)}" if is_without_ros() else f"roslaunch {path}"
+    print(f"Start the box: {start}" + ("" if host else f" rsbb_host:={example}"))
     return 0

@@ -4,7 +4,6 @@ import io
 
 import pytest
 
-from helpers.config_files import SHIPPED
 from roah_rsbb.tools.competition import program
 
 
@@ -23,7 +22,7 @@ def run(monkeypatch, capsys, tmp_path):
     def go(*arguments, typed=None):
         monkeypatch.setattr("sys.stdin", io.StringIO("") if typed is None else Terminal(typed))
         with pytest.raises(SystemExit) as ended:
-            program.main(str(SHIPPED), list(arguments))
+            program.main(list(arguments))
         out, err = capsys.readouterr()
         return ended.value.code, out, err
     return go

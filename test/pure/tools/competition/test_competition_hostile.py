@@ -65,7 +65,7 @@ def folder():
         pathlib.Path("plan.csv").write_text("zone,benchmark,team,date,time\nX,HNF,A,2026-11-28,09:00\n")
         pathlib.Path("file").write_text("")
         with mock.patch("sys.stdout", Screen()), pytest.raises(SystemExit):
-            program.main(str(SHIPPED), ["there", *typed_options({name: GOOD[name] for name in (
+            program.main(["there", *typed_options({name: GOOD[name] for name in (
                 "teams", "benchmarks", "days")})])
         yield pathlib.Path(path)
         os.chdir(before)
@@ -82,7 +82,7 @@ def ended(arguments, typed=None):
     typed_input = io.StringIO() if typed is None else Terminal(typed)
     with mock.patch("sys.stdout", screen), mock.patch("sys.stderr", errors), mock.patch("sys.stdin", typed_input), \
             pytest.raises(SystemExit) as end:
-        program.main(str(SHIPPED), arguments)
+        program.main(arguments)
     return end.value.code, screen.text(), errors.text()
 
 
@@ -140,8 +140,9 @@ def test_the_package_lacks_a_file(folder, tmp_path):
     shutil.copytree(str(SHIPPED), str(tmp_path / "config"))
     (tmp_path / "config" / "schedule.yaml").unlink()
     errors = Screen()
-    with mock.patch("sys.stdout", Screen()), mock.patch("sys.stderr", errors), pytest.raises(SystemExit) as end:
-        program.main(str(tmp_path / "config"), ["new", *typed_options(
+    with mock.patch("sys.stdout", Screen()), mock.patch("sys.stderr", errors), pytest.raises(SystemExit) as end, \
+            mock.patch.object(program, "shipped_folder", lambda: tmp_path / "config"):
+        program.main(["new", *typed_options(
             {name: GOOD[name] for name in ("teams", "benchmarks", "days")})])
     assert end.value.code == 1
     assert f"{tmp_path}/config/schedule.yaml cannot be read: No such file or directory." in errors.text()

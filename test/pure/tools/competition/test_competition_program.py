@@ -5,7 +5,6 @@ import os
 
 import pytest
 
-from helpers.config_files import SHIPPED
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.tools.competition import program
@@ -60,7 +59,7 @@ def test_nobody_to_ask(run, tmp_path):
 def test_no_standard_input_at_all(run, monkeypatch, tmp_path):
     monkeypatch.setattr("sys.stdin", None)
     with pytest.raises(SystemExit) as ended:
-        program.main(str(SHIPPED), ["erl"])
+        program.main(["erl"])
     assert ended.value.code == 2
 
 

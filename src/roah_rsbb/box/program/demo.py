@@ -1,0 +1,115 @@
+"""A demonstration in one program, without ROS, a network or a configuration: a box, and dummy robots.
+
+The referee's page opens in a browser. Choose the zone, connect, start, and mark scores while the dummy robot works.
+With --scripted, and where there is no browser, a scripted referee takes a dummy robot through a task benchmark and a
+functionality benchmark instead. The exit status then says whether both runs were completed.
+"""
+
+import argparse
+import asyncio
+import functools
+import os
+import socket
+import subprocess
+import sys
+from typing import Dict, List, Optional
+
+from roah_rsbb.arguments import Parser, called, number
+from roah_rsbb.box.program import settings as settings_of
+from roah_rsbb.box.program.main import log_to_terminal, serve
+from roah_rsbb.client.places import OWN_VARIABLE
+from roah_rsbb.comm.memory import MemoryAir
+from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
+
+ZONE = "Testing TestingTeam"
+# For each benchmark, further options of the scripted referee.
+RUNS: Dict[str, List[str]] = {
+    "HGTKMH": ["--score", "door=1", "--score", "moved furniture=2"],
+    "HNF": ["--operations", "automatic"],
+}
+BOX_HOST = "127.0.0.1"
+FIRST_WEB_PORT = 8081
+WAIT_FOR_ROBOT_S = 40
+MOST_ROBOTS = 200
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(called("demo"), str(__doc__).strip())
+    parser.add_argument("--scripted", action="store_true", help="use the scripted referee")
+    parser.add_argument("--robots", type=int, choices=range(1, MOST_ROBOTS + 1), default=1, metavar="N",
+                        help="number of dummy robots, each of another team (default: 1)")
+    parser.add_argument("--execute-duration", type=number(0, 1e6), default=3.0, metavar="S",
+                        help="seconds of a dummy robot for each goal (default: %(default)s)")
+    parser.add_argument("--log-dir", default=os.path.join("~", ".roah_rsbb", "demo"), metavar="DIR",
+                        help="where the runs are kept (default: %(default)s)")
+    return parser
+
+
+def _free_port(first: int) -> int:
+    """Return a TCP port that no program uses: the first one from `first`, if one of some is free."""
+    for port in range(first, first + 100):
+        with socket.socket() as probe:
+            if probe.connect_ex((BOX_HOST, port)) != 0:
+                return port
+    return 0
+
+
+def settings(log_dir: str) -> settings_of.BoxSettings:
+    """Return the settings of the demonstration's box."""
+    web_port = _free_port(FIRST_WEB_PORT)
+    return settings_of.BoxSettings({
+        **settings_of.defaults(), "rsbb_host": LOOPBACK_BROADCAST, "bind_host": BOX_HOST, "log_dir": log_dir,
+        "listen_duration": "0.2", "web_port": str(web_port), "tablet_port": str(_free_port(web_port + 1)),
+        "devices": "false"})
+
+
+def main(arguments: Optional[List[str]] = None) -> None:
+    """Run the program with these arguments (default: those of the process)."""
+    options = _parser().parse_args(arguments)
+    log_to_terminal()
+    log_dir = os.path.expanduser(options.log_dir)
+    found = settings(log_dir)
+    # Imported late: help needs none of it.
+    from roah_rsbb.box.program.program import BoxProgram
+    from roah_rsbb.robot.dummy import DummyOptions, dummy_client
+    from roah_rsbb.rulebook.benchmarks import teams_of
+
+    airs: List[MemoryAir] = []
+
+    def make(loop: asyncio.AbstractEventLoop) -> BoxProgram:
+        airs.append(MemoryAir(loop))
+        return BoxProgram(loop, found, "", airs[0].peer, is_dummy=True)
+
+    async def work(program: BoxProgram) -> int:
+        door = os.path.join(log_dir, "door.json")  # terminals are not to take it for the box of a competition
+        await program.start(door)
+        config = program.running.box.config
+        behaviour = DummyOptions(execute_duration=options.execute_duration)
+        for number_, team in enumerate(teams_of(config)[:options.robots]):
+            robot = dummy_client(
+                team, config.passwords[team], options=behaviour, rsbb_host=LOOPBACK_BROADCAST,
+                bind_host=f"127.0.0.{number_ + 2}", name_in_log=team, make_peer=airs[0].peer)
+            program.keep(robot.run())
+        if not options.scripted and program.open_pages(in_browser=True):
+            await asyncio.get_event_loop().create_future()
+        return await asyncio.get_event_loop().run_in_executor(None, functools.partial(_scripted, door, log_dir))
+
+    sys.exit(serve(make, work))
+
+
+def _scripted(door: str, log_dir: str) -> int:
+    """Let a scripted referee lead the runs; returns the exit status."""
+    print(f"A scripted referee takes a dummy robot through {' and '.join(RUNS)}.", flush=True)
+    command = [sys.executable, "-m", "roah_rsbb.tools.team"]
+    for benchmark, does in RUNS.items():
+        print(f"\n--- {benchmark}", flush=True)
+        status = subprocess.call(
+            [*command, "referee", "run", ZONE, "--benchmark", benchmark, "--wait", str(WAIT_FOR_ROBOT_S), *does],
+            env={**os.environ, OWN_VARIABLE: door})
+        if status != 0:
+            print(f"{called('demo')}: {benchmark} was not completed (the referee's exit status is {status})",
+                  file=sys.stderr)
+            return status
+    print(f"The logs of the runs (rosbags) are in {log_dir}")
+    print(f"To print both score sheets: {called('results')} export --html sheets --log-dir {log_dir}")
+    return 0
