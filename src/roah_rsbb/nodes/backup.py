@@ -10,9 +10,7 @@ needs to continue.
 """
 
 import json
-import math
 import os
-import time
 from typing import Callable, List, Optional
 
 import rospy
@@ -20,6 +18,7 @@ import rospy
 from roah_rsbb.box.standing_by import wait_for_takeover
 from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
+from roah_rsbb.copies.reported import ReportedCopy
 from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.durable import close_to_others
 from roah_rsbb.model import shown
@@ -47,32 +46,9 @@ def own_address(bind_host: str) -> str:
     return "127.0.0.1" if bind_host == "0.0.0.0" else bind_host
 
 
-class _Reported:
-    """A copy, and what was logged about it."""
-
-    def __init__(self, place: str, follower: Follower, notice: Callable[[], str]) -> None:
-        """`notice` returns what referees must know besides; see `CopyState`."""
-        self.place = place
-        self.follower = follower
-        self._notice = notice
-        self._trouble = self._aside = ""
-        follower.start()
-
-    def message(self) -> CopyState:
-        """Return the present state, and log what is new in it."""
-        progress = self.follower.progress
-        if progress.trouble != self._trouble:
-            if progress.trouble:
-                rospy.logwarn("%s: %s", self.place, progress.trouble)
-            self._trouble = progress.trouble
-        if progress.aside and progress.aside != self._aside:
-            rospy.logwarn("%s: the earlier copy is not of this journal, or is damaged. It is kept as %s",
-                          self.place, progress.aside)
-            self._aside = progress.aside
-        behind = math.inf if progress.complete_mono is None else time.monotonic() - progress.complete_mono
-        notice = self._notice()
-        return CopyState(self.place, progress.journal, behind, progress.missing_bytes, progress.trouble, notice,
-                         shown.said(filter(is_made, (progress.trouble, notice))))
+def _message(copy: ReportedCopy) -> CopyState:
+    news = copy.news()
+    return CopyState(*news, shown.said(filter(is_made, (news.trouble, news.notice))))
 
 
 class BackupNode:
@@ -93,7 +69,7 @@ class BackupNode:
         wait_for_takeover(self._log_dir, rospy.is_shutdown)
         self._log_lines = LogLines()  # a handover must not wait for the terminal
         self._publisher = rospy.Publisher("/copies/state", CopyState, queue_size=10, latch=True)
-        self._copies: List[_Reported] = []
+        self._copies: List[ReportedCopy] = []
         if backup_dir:
             rospy.loginfo("Copying the journal to %s", backup_dir)
             self._add(backup_dir, Follower(self._log_dir, Stick(backup_dir, self._log_dir).open))
@@ -124,7 +100,7 @@ class BackupNode:
         """Run until shut down."""
         while not rospy.core.is_shutdown():
             for copy in self._copies:
-                self._publisher.publish(copy.message())
+                self._publisher.publish(_message(copy))
             try:
                 rospy.sleep(PERIOD_S)
             except rospy.ROSInterruptException:
@@ -139,7 +115,7 @@ class BackupNode:
         return 0
 
     def _add(self, place: str, follower: Follower, notice: Callable[[], str] = lambda: "") -> None:
-        self._copies.append(_Reported(place, follower, notice))
+        self._copies.append(ReportedCopy(place, follower, notice))
 
     def _standby_host(self) -> str:
         standby = read_standby(self._log_dir)

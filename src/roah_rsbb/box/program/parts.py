@@ -10,6 +10,10 @@ from roah_rsbb.bmbox.host.host import ModulesHost, chosen_benchmarks
 from roah_rsbb.bmbox.host.thread import ModulesThread
 from roah_rsbb.box.program.settings import BoxSettings
 from roah_rsbb.box.running import RunningBox
+from roah_rsbb.copies.folder import Stick
+from roah_rsbb.copies.follower import Follower
+from roah_rsbb.copies.reported import ReportedCopy
+from roah_rsbb.core.copies import CopyReport
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.devices.devices import HomeDevices, open_settings
 from roah_rsbb.devices.home import BadSetting, Home, devices_state
@@ -17,6 +21,8 @@ from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, default_command, word
 from roah_rsbb.model.modules import ModulesState
 from roah_rsbb.params import BadParams
 
+# Interval of reports about the copy; and a stick that hangs must not keep the box from ending.
+COPY_PERIOD_S, COPY_END_S = 1.0, 5.0
 NO_DEVICES = "this box controls no home devices: start it with devices:=true"
 
 _log = logging.getLogger(__name__)
@@ -131,3 +137,26 @@ class Devices:
         """Disconnect."""
         if self._home is not None:
             self._home.close()
+
+
+class Backup:
+    """The continuous copy of the journal in another folder (docs/backup.md)."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, folder: str, log_dir: str, running: RunningBox) -> None:
+        """Start to copy. Call it when the journal is open."""
+        self._loop, self._running = loop, running
+        _log.info("Copying the journal to %s", folder)
+        self._copy = ReportedCopy(folder, Follower(log_dir, Stick(folder, log_dir).open))
+        self._timer = loop.call_soon(self._report)
+
+    def _report(self) -> None:
+        self._timer = self._loop.call_later(COPY_PERIOD_S, self._report)
+        news, running = self._copy.news(), self._running
+        is_of_box = news.journal == running.core.store.identity
+        running.event(running.box.on_copy_report, CopyReport(
+            news.place, is_of_box, news.behind_s, news.missing_bytes, news.trouble, news.notice))
+
+    def close(self) -> None:
+        """End it, when it is complete or cannot be."""
+        self._timer.cancel()
+        self._copy.follower.end(COPY_END_S)
