@@ -46,8 +46,6 @@ _NORMAL_FILE = 0x80
 # Windows lets nobody else read a locked byte, so it is one that no file has.
 _LOCKED_BYTE = 1 << 40
 _PIECE_BYTES = 1 << 20
-# Errors with which macOS says that a file system has no full sync.
-_NO_FULL_SYNC = (errno.ENOTSUP, errno.EINVAL, errno.ENOTTY)
 _position = threading.Lock()
 
 
@@ -112,7 +110,7 @@ def sync(fd: int) -> None:
             fcntl.fcntl(fd, fcntl.F_FULLFSYNC)
             return
         except OSError as error:
-            if error.errno not in _NO_FULL_SYNC:
+            if error.errno not in (errno.ENOTSUP, errno.EINVAL, errno.ENOTTY):  # the file system does not know it
                 raise
     os.fsync(fd)
 
@@ -300,6 +298,11 @@ def set_up(endpoint: socket.socket, shared: bool) -> None:
 def is_in_use(error: OSError) -> bool:
     """Whether a socket cannot be bound because another one has the address and port."""
     return error.errno == errno.EADDRINUSE or (WINDOWS and error.errno == errno.EACCES)  # a port for itself only
+
+
+def reason_of(error: OSError) -> str:
+    """What an error of a socket means, in the system's words."""
+    return str(error.strerror) if WINDOWS else os.strerror(error.errno or 0)  # Windows has numbers without words
 
 
 def receive(endpoint: socket.socket) -> Tuple[bytes, Tuple[str, int], Optional[float]]:

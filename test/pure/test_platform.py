@@ -62,7 +62,7 @@ def macos(monkeypatch):
 
 @pytest.mark.parametrize("mode, before, after", [
     ("x+b", None, b"new"), ("w+b", None, b"new"), ("w+b", b"longer", b"new"), ("r+b", b"longer", b"newger"),
-    ("ab", b"longer", b"longernew"), ("wb", None, b"new"),
+    ("wb", None, b"new"),
 ])
 def test_a_file_is_opened(each, tmp_path, mode, before, after):
     path = tmp_path / "file"
@@ -73,6 +73,15 @@ def test_a_file_is_opened(each, tmp_path, mode, before, after):
     assert path.read_bytes() == after
     with open(str(path), "rb", opener=platform.open_file) as file:
         assert file.read() == after
+
+
+def test_what_is_appended_comes_at_the_end(each, tmp_path):
+    fd = platform.open_file(str(tmp_path / "file"), os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
+    os.write(fd, b"one")
+    os.lseek(fd, 0, os.SEEK_SET)
+    os.write(fd, b"two")
+    os.close(fd)
+    assert (tmp_path / "file").read_bytes() == b"onetwo"
 
 
 def test_a_file_that_cannot_be_opened(each, tmp_path):
@@ -353,6 +362,11 @@ def test_on_windows_the_loop_of_a_program_does_so_too(windows, monkeypatch):
 
 
 def test_input_comes_into_the_loop_until_its_end(each, loop):
+    if each:
+        def add_reader(file, callback):
+            raise OSError("it is not a socket")
+
+        loop.add_reader = add_reader
     reading, writing = os.pipe()
     came, ended = [], loop.create_future()
 
@@ -422,6 +436,12 @@ def test_a_port_in_use(each):
     assert platform.is_in_use(OSError(errno.EADDRINUSE, ""))
     assert platform.is_in_use(OSError(errno.EACCES, "")) == each
     assert not platform.is_in_use(OSError(errno.EADDRNOTAVAIL, ""))
+
+
+def test_errors_of_sockets_have_words(monkeypatch):
+    assert platform.reason_of(OSError(errno.ENETDOWN, "other")) == os.strerror(errno.ENETDOWN)
+    as_on_windows(monkeypatch)
+    assert platform.reason_of(OSError(10050, "the network is down")) == "the network is down"
 
 
 def test_on_windows_a_datagram_that_did_not_arrive_is_no_error(windows):

@@ -3,7 +3,6 @@
 import asyncio
 import errno
 import logging
-import os
 import select
 import socket
 import time
@@ -148,7 +147,7 @@ class Peer:
             self._sockets[0].sendto(datagram, (host, self.port))
         except OSError as error:
             remedy = _SEND_REMEDY.get(error.errno or 0, "check the network")
-            return self._not_sent(host, f"{os.strerror(error.errno or 0)}. Remedy: {remedy}")
+            return self._not_sent(host, f"{platform.reason_of(error)}. Remedy: {remedy}")
         return True
 
     def wait(self, seconds: float) -> None:

@@ -2,7 +2,6 @@
 
 import errno
 import ipaddress
-import os
 import socket
 from typing import Optional
 
@@ -66,7 +65,7 @@ def _bind_remedy(error: OSError, host: str, port: int) -> str:
         return f"{host} is not an address of this machine ('ip -4 addr' lists them): correct {BIND_HOST}"
     if error.errno == errno.EACCES:
         return "not permitted: choose an rsbb_port above 1023"
-    return os.strerror(error.errno or 0)
+    return platform.reason_of(error)
 
 
 def resolve(host: str, parameter: str) -> str:
