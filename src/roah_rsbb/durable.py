@@ -3,6 +3,9 @@
 import contextlib
 import errno
 import os
+import shutil
+
+from roah_rsbb import platform
 
 # Only the owner may read the file.
 PRIVATE = 0o600
@@ -24,10 +27,10 @@ def write_file(path: str, content: bytes, mode: int = PRIVATE) -> None:
     if not os.path.islink(draft):
         with contextlib.suppress(FileNotFoundError):
             os.unlink(draft)  # it may have other permissions
-    with open(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode), "wb") as file:
+    with open(platform.open_file(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as file:
         file.write(content)
         file.flush()
-        os.fsync(file.fileno())
+        platform.sync(file.fileno())
     os.replace(draft, path)
     sync(os.path.dirname(path) or ".")
 
@@ -35,10 +38,9 @@ def write_file(path: str, content: bytes, mode: int = PRIVATE) -> None:
 def has_space(folder: str) -> bool:
     """Whether the disk of a folder has space for small files and the beginning of a segment of the journal."""
     try:
-        disk = os.statvfs(folder or ".")
+        return shutil.disk_usage(folder or ".").free >= SPACE_BYTES
     except OSError:
         return True
-    return disk.f_bavail * disk.f_frsize >= SPACE_BYTES
 
 
 def is_full(error: Exception) -> bool:
@@ -48,8 +50,10 @@ def is_full(error: Exception) -> bool:
 
 def sync(path: str) -> None:
     """Sync a file, or the names in a folder, to the disk. Raises OSError."""
-    fd = os.open(path, os.O_RDONLY)
+    fd = platform.open_to_sync(path)
+    if fd is None:
+        return
     try:
-        os.fsync(fd)
+        platform.sync(fd)
     finally:
         os.close(fd)

@@ -3,6 +3,8 @@
 They are datagrams as systemd expects them (sd_notify), so that one message serves systemd and the nodes that watch the
 core on its computer. The kernel says which process sent one. A process that only exists sends none: one that is
 stopped, that waits for a disk, or whose loop does not end.
+
+Only Linux has such datagrams. On other systems nothing is sent, and nobody who watches ever sees a core.
 """
 
 import contextlib
@@ -12,6 +14,8 @@ import signal
 import socket
 import struct
 from typing import Callable, Optional
+
+from roah_rsbb import platform
 
 # The core has not answered for so long: it hangs.
 HUNG_S = 2.0
@@ -38,14 +42,15 @@ class Signs:
     """The core's end."""
 
     def __init__(self, log_dir: str) -> None:
-        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
-        self._socket.setblocking(False)
+        self._socket = platform.local_socket()
         self._addresses = [_address(log_dir, watcher) for watcher in (SUPERVISOR, BACKUP)]
         systemd = os.environ.get("NOTIFY_SOCKET", "")
         self._systemd = (f"\0{systemd[1:]}" if systemd.startswith("@") else systemd).encode()
 
     def send(self, sign: bytes = SIGN) -> None:
         """Send a sign. Send that of the core in its loop, and nowhere else. Never raises or waits: nobody may watch."""
+        if self._socket is None:
+            return
         for address in (*self._addresses, *([self._systemd] if self._systemd and sign == SIGN else [])):
             with contextlib.suppress(OSError):
                 self._socket.sendto(sign, address)
@@ -147,9 +152,10 @@ class Watch:
 
     def _open(self) -> bool:
         """Open the socket. Another process may have it for a moment, such as a node that is just ending."""
-        opened = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        opened = platform.local_socket()
+        if opened is None:
+            return False
         opened.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
-        opened.setblocking(False)
         try:
             opened.bind(self._address)
         except OSError:
@@ -162,19 +168,10 @@ class Watch:
 def state_of(pid: int) -> str:
     """Say what a process does that does not answer."""
     return {"T": "it is stopped", "t": "a debugger holds it", "D": "it waits for a disk",
-            "R": "its loop does not end"}.get(_fields(pid)[0], "its loop waits")
+            "R": "its loop does not end"}.get(platform.status_of(pid)[0], "its loop waits")
 
 
 def began(pid: int) -> str:
     """When a process began, to distinguish it from a later one of the same number; empty: there is none any more."""
-    state, *rest = _fields(pid)
+    state, *rest = platform.status_of(pid)
     return "" if state in ("", "Z", "X") else rest[18]
-
-
-def _fields(pid: int) -> "list[str]":
-    """The fields of a process's status from its state on; an empty one: there is none."""
-    try:
-        with open(f"/proc/{pid}/stat", encoding="ascii", errors="replace") as file:
-            return file.read().rpartition(")")[2].split()
-    except OSError:
-        return [""]

@@ -11,12 +11,12 @@ happens. If one of them is the box now, the process ends there and then.
 import asyncio
 import os
 import sys
-import time
 from typing import Callable, Dict, Optional, Tuple
 
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Address, Peer
 from roah_rsbb.journal import epochs
+from roah_rsbb.platform import running_s
 from roah_rsbb.standby.pair import AWAY_S, SAY_S, Claim, Side, State, Word
 from roah_rsbb.standby.partners import BOX_FILE, FOLDER, PAIRED, Partner, partners_of
 from roah_rsbb.standby.words import seal, unseal
@@ -26,11 +26,6 @@ LOOK_S = 1.0
 
 # Epoch, cut and address of the box that took over.
 OnSuperseded = Callable[[int, int, str], None]
-
-
-def running_s() -> float:
-    """Seconds of a clock that also runs while the computer sleeps."""
-    return time.clock_gettime(time.CLOCK_BOOTTIME)
 
 
 def end_superseded(away_s: float, host: str) -> None:

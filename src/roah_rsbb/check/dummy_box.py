@@ -9,12 +9,12 @@ import asyncio
 import contextlib
 import enum
 import math
-import signal
 import sys
 import time
 from types import SimpleNamespace
 from typing import Callable, List, Optional, Sequence
 
+from roah_rsbb import platform
 from roah_rsbb.arguments import Parser, add_password, called, number, public_port
 from roah_rsbb.bmbox.framework.dummy_world import DummyWorld
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, Pose2D, Pose3
@@ -313,8 +313,7 @@ async def _conduct(box: DummyBox, options: argparse.Namespace) -> DummyExit:
     try:
         for count in range(options.runs):
             task = loop.create_task(box.conduct(options.robot))
-            for which in (signal.SIGINT, signal.SIGTERM):
-                loop.add_signal_handler(which, task.cancel)
+            platform.on_end(loop, task.cancel)
             ended = await task
             if box.gave_up is not None:
                 print(f"{PROGRAM}: {box.gave_up}", file=sys.stderr)
@@ -357,7 +356,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     except (ValueError, ConfigErrors, NotShipped) as error:
         parser.error(str(error))
     try:
-        sys.exit(asyncio.run(_start(options, password, benchmark, parameters)))
+        sys.exit(platform.run(_start(options, password, benchmark, parameters)))
     except OSError as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
         sys.exit(DummyExit.NOT_STARTED)

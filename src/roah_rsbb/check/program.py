@@ -5,11 +5,11 @@ import asyncio
 import contextlib
 import enum
 import os
-import signal
 import sys
 import time
 from typing import Callable, List, Optional, Sequence, Tuple
 
+from roah_rsbb import platform
 from roah_rsbb.arguments import Parser, add_password, called, number, public_port, read_by
 from roah_rsbb.check import report
 from roah_rsbb.check.box import NetworkInUse
@@ -189,8 +189,7 @@ async def _run(engine: Engine) -> bool:
     """Run the check until its end, SIGINT or SIGTERM. Returns whether it was interrupted."""
     loop = asyncio.get_event_loop()
     running = loop.create_task(engine.run())
-    for which in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(which, running.cancel)
+    platform.on_end(loop, running.cancel)
     try:
         await running
     except asyncio.CancelledError:
@@ -233,7 +232,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
         return
     scenarios = scenarios_of(Depth(given.level), options.benchmarks, given.only)
     try:
-        check = asyncio.run(_check(options, given.level, scenarios))
+        check = platform.run(_check(options, given.level, scenarios))
         print()
         print("\n".join(report.table_lines(check, pages_folder())))
         _write(given.json, report.as_json, check)

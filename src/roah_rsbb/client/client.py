@@ -16,6 +16,7 @@ from typing import Any, Awaitable, Callable, Dict, Generic, NamedTuple, Optional
 
 from tornado import httpclient, websocket
 
+from roah_rsbb import platform
 from roah_rsbb.box_clock import BoxClock
 from roah_rsbb.document.document import Followed, Gap
 from roah_rsbb.document.place import DoorPlace, NotFound
@@ -133,7 +134,7 @@ class Client(Generic[D]):
         # Loops look at it: `wait_for` loses a cancellation that comes together with a result.
         self._is_closed = False
         self._tasks: Set[asyncio.Task[Any]] = set()
-        self._loop = loop if loop is not None else asyncio.new_event_loop()
+        self._loop = loop if loop is not None else platform.new_loop()
         self._thread = threading.Thread(target=self._run_loop, name="client", daemon=True) if loop is None else None
 
     def start(self) -> None:

@@ -2,8 +2,9 @@
 
 import os
 import shlex
-import stat
 from typing import Callable, Optional
+
+from roah_rsbb import platform
 
 PASSWORD_VARIABLE = "ROAH_RSBB_KEY"
 """The environment variable that holds a team's password."""
@@ -47,8 +48,8 @@ def password_in(file: str, on_warning: Callable[[str], object]) -> str:
     password = own_password(None, file)
     if not password:
         raise ValueError(f"parameter rsbb_key_file: the first line of {file} is empty, expected the password")
-    mode = stat.S_IMODE(os.stat(file).st_mode)
-    if mode & (stat.S_IRGRP | stat.S_IROTH):
+    mode = platform.open_to_others(file)
+    if mode:
         on_warning(f"Other users of this computer can read the password in {file} (mode {mode:04o}): chmod 600 "
                    f"{shlex.quote(file)}")
     return password

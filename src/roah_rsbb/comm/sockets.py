@@ -2,11 +2,10 @@
 
 import errno
 import ipaddress
-import os
 import socket
-import struct
-import sys
-from typing import Optional, Tuple
+from typing import Optional
+
+from roah_rsbb import platform
 
 ANY_HOST = "0.0.0.0"
 LOOPBACK_BROADCAST = "127.255.255.255"
@@ -17,12 +16,6 @@ BIND_HOST = "bind_host (option --bind)"
 # it, and everything then waits until what is in it has been read: more would delay a robot's datagrams by seconds.
 _RECEIVE_BUFFER_SIZE = 256 * 1024
 _PROBE_PORT = 9  # any port: connecting a UDP socket sends nothing
-_LARGEST_DATAGRAM = 65535
-# Option of Linux for which Python has no name, and the type of the message with the time.
-_SO_TIMESTAMPNS = 35
-_TIMESPEC = struct.Struct("@ll")  # seconds and nanoseconds
-_HAS_TIMES = sys.platform.startswith("linux")
-_SPACE = socket.CMSG_SPACE(_TIMESPEC.size) if _HAS_TIMES else 0
 
 
 class OpenError(OSError):
@@ -55,10 +48,7 @@ def _bound(host: str, port: int, shared: bool) -> socket.socket:
         endpoint.setblocking(False)
         endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
         endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER_SIZE)
-        if shared:
-            endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        if _HAS_TIMES:
-            endpoint.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
+        platform.set_up(endpoint, shared)
         endpoint.bind((host, port))
     except OSError as error:
         endpoint.close()
@@ -67,30 +57,15 @@ def _bound(host: str, port: int, shared: bool) -> socket.socket:
     return endpoint
 
 
-def receive(endpoint: socket.socket) -> Tuple[bytes, Tuple[str, int], Optional[float]]:
-    """Read a datagram: its bytes, its sender, and when the system received it (UTC seconds).
-
-    The last is None where the system does not say it. A busy process reads later than the system receives. Raises
-    OSError, also if no datagram is there.
-    """
-    if not _HAS_TIMES:
-        return (*endpoint.recvfrom(_LARGEST_DATAGRAM), None)
-    datagram, notes, _, sender = endpoint.recvmsg(_LARGEST_DATAGRAM, _SPACE)
-    if not notes:
-        return datagram, sender, None
-    seconds, nanoseconds = _TIMESPEC.unpack(notes[0][2])  # the only option that is set
-    return datagram, sender, seconds + nanoseconds / 1e9
-
-
 def _bind_remedy(error: OSError, host: str, port: int) -> str:
-    if error.errno == errno.EADDRINUSE:
+    if platform.is_in_use(error):
         return ("in use by another program, perhaps a second copy of this one: end it "
                 f"('ss -ulpn sport = :{port}' shows it), or give each program its own {BIND_HOST}")
     if error.errno == errno.EADDRNOTAVAIL:
         return f"{host} is not an address of this machine ('ip -4 addr' lists them): correct {BIND_HOST}"
     if error.errno == errno.EACCES:
         return "not permitted: choose an rsbb_port above 1023"
-    return os.strerror(error.errno or 0)
+    return platform.reason_of(error)
 
 
 def resolve(host: str, parameter: str) -> str:

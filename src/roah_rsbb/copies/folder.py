@@ -22,7 +22,7 @@ import os
 import shutil
 from typing import Iterator, Optional, Set
 
-from roah_rsbb import durable
+from roah_rsbb import durable, platform
 from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent, Held, Part, crc_of, intact_size
 from roah_rsbb.copies.segments import identity_in
 from roah_rsbb.journal import file as files
@@ -118,7 +118,7 @@ class CopyFolder(Copy):
             with open(path + log.DRAFT if is_new else path, "r+b" if part.at else "wb", buffering=0) as file:
                 _put(file.fileno(), part)
                 with _syncing(path):
-                    os.fsync(file.fileno())
+                    platform.sync(file.fileno())
             self.note(part)
             if is_new and part.is_last:
                 with _syncing(path):
@@ -244,7 +244,7 @@ def _syncing(*segments: str) -> Iterator[None]:
         _untrusted.update(segments)
         for path in segments:
             with contextlib.suppress(OSError):
-                os.close(os.open(path + log.DRAFT, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, durable.USUAL))
+                os.close(os.open(path + log.DRAFT, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, durable.USUAL))
         if durable.is_full(error):
             raise
         raise CannotWriteCopy(_NOT_SYNCED) from None

@@ -1,12 +1,11 @@
 """Plays sounds by running a command: without a shell, in the background, one at a time."""
 
-import contextlib
-import os
 import shlex
-import signal
 import subprocess
 import threading
 from typing import Callable, Optional, Set
+
+from roah_rsbb import platform
 
 # Time limit for playing, so that a hanging player does not block the next ring.
 LIMIT_S = 20.0
@@ -46,7 +45,7 @@ class Sound:
         self._wanted.set()
         running = self._running
         if running is not None:
-            _kill(running)
+            platform.end_with_children(running)
         self._thread.join(END_S)
 
     def _run(self) -> None:
@@ -66,11 +65,11 @@ class Sound:
             start_new_session=True,
         )
         if self._closed:
-            _kill(player)
+            platform.end_with_children(player)
         try:
             status = player.wait(self._limit_s)
         except subprocess.TimeoutExpired:
-            _kill(player)
+            platform.end_with_children(player)
             player.wait()
             self._report(f"{self._words[0]} played for more than {self._limit_s:g} s and was ended")
             return
@@ -83,8 +82,3 @@ class Sound:
         if text not in self._reported:
             self._reported.add(text)
             self._on_problem(f"{self._name} cannot be heard: {text}")
-
-
-def _kill(player: subprocess.Popen) -> None:
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(player.pid, signal.SIGKILL)

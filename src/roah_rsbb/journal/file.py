@@ -5,14 +5,15 @@ A journal is never deleted. One that is set aside is renamed, and `results --jou
 
 import contextlib
 import enum
-import fcntl
 import os
 import time
 from typing import Any, List, NamedTuple, Tuple
 
+from roah_rsbb import platform
 from roah_rsbb.journal.contents import Contents, Opened, no_journal, open_journal
 from roah_rsbb.journal.log import NEWEST, Files, NewerFormat, identity
 from roah_rsbb.journal.old import OLD_FILE_NAME, CannotImport, import_journal
+from roah_rsbb.platform import boot_id
 
 __all__ = [
     "FILE_NAME", "CannotWriteJournal", "CoreSession", "DamagedJournal", "JournalInUse", "Lock", "Resume", "boot_id",
@@ -54,15 +55,6 @@ class CoreSession(NamedTuple):
     launch: str  # id of its roslaunch; empty if none
 
 
-def boot_id() -> str:
-    """The id of the computer's start; empty if unknown."""
-    try:
-        with open("/proc/sys/kernel/random/boot_id", encoding="ascii") as file:
-            return file.read().strip()
-    except OSError:
-        return ""
-
-
 class Lock(NamedTuple):
     """A journal that belongs to this core as long as it keeps the file descriptor open."""
 
@@ -78,7 +70,7 @@ def lock(log_dir: str) -> Lock:
         fd = _locked(path)
         with contextlib.suppress(OSError):  # a full or read-only disk
             os.ftruncate(fd, 0)
-            os.pwrite(fd, f"{os.getpid()}\n".encode("ascii"), 0)
+            platform.write_at(fd, f"{os.getpid()}\n".encode("ascii"), 0)
     except OSError as error:
         if _may_be_there(path) or _may_be_there(os.path.join(log_dir, OLD_FILE_NAME)):
             raise DamagedJournal(_unusable(path, error)) from None
@@ -121,24 +113,20 @@ def _in_use(path: str, fd: int) -> str:
 
 
 def _pid_in(fd: int) -> int:
-    text = os.pread(fd, 20, 0).decode("ascii", errors="replace").strip()
+    text = platform.read_at(fd, 20, 0).decode("ascii", errors="replace").strip()
     return int(text) if text.isdigit() else 0
 
 
 def is_stopped(pid: int) -> bool:
     """Whether a process is stopped (SIGSTOP, Ctrl-Z, a debugger) and does nothing."""
-    try:
-        with open(f"/proc/{pid}/stat", encoding="ascii", errors="replace") as file:
-            return file.read().rpartition(")")[2].split()[0] in "tT"
-    except (OSError, IndexError):
-        return False
+    return platform.status_of(pid)[0] in ("t", "T")
 
 
 def _locked(path: str) -> int:
     """Lock the journal at a path; returns the descriptor. Raises `JournalInUse` or OSError."""
     fd = _lock_file(f"{path}.lock")
     try:
-        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        platform.lock(fd)
     except BlockingIOError:
         try:
             raise JournalInUse(_in_use(path, fd)) from None
@@ -149,10 +137,10 @@ def _locked(path: str) -> int:
 
 def _lock_file(path: str) -> int:
     try:
-        return os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        return platform.open_file(path, os.O_RDWR | os.O_CREAT, 0o644)
     except OSError as error:
         with contextlib.suppress(OSError):  # a read-only file is enough for a lock
-            return os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+            return platform.open_file(path, os.O_RDONLY)
         raise error
 
 

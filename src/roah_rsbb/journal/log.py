@@ -53,7 +53,7 @@ from typing import (
     Union,
 )
 
-from roah_rsbb import durable
+from roah_rsbb import durable, platform
 
 VERSION = 1
 _HEAD = struct.Struct("<8sII16sQQQII")
@@ -155,20 +155,20 @@ class Files:
     @staticmethod
     def create(path: str) -> int:
         """Create a file that does not exist; returns its descriptor."""
-        return os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
+        return platform.open_file(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o644)
 
     @staticmethod
     def write(fd: int, content: bytes, at: int) -> None:
         """Write all of the content at this place."""
         view = memoryview(content)
         while view:
-            count = os.pwrite(fd, view, at)
+            count = platform.write_at(fd, view, at)
             view, at = view[count:], at + count
 
     @staticmethod
     def sync(fd: int) -> None:
         """Sync a file to the disk."""
-        os.fsync(fd)
+        platform.sync(fd)
 
     @staticmethod
     def close(fd: int) -> None:
@@ -178,7 +178,7 @@ class Files:
     @staticmethod
     def rename(old: str, new: str) -> None:
         """Rename a file or a folder."""
-        os.rename(old, new)
+        os.replace(old, new)
 
     @staticmethod
     def remove(path: str) -> None:
@@ -284,7 +284,7 @@ def payloads_at(path: str, salt: int, places: Iterable[int]) -> Iterator[Optiona
 
 
 def _payload(fd: int, salt: int, at: int) -> Optional[bytes]:
-    content = os.pread(fd, _USUAL_BYTES, at)
+    content = platform.read_at(fd, _USUAL_BYTES, at)
     if len(content) < FRAME_BYTES:
         return None
     _, length, _, _, crc, own = _FRAME.unpack_from(content)
@@ -292,7 +292,7 @@ def _payload(fd: int, salt: int, at: int) -> Optional[bytes]:
         return None
     payload = content[FRAME_BYTES:FRAME_BYTES + length]
     if len(payload) < length:
-        payload += os.pread(fd, length - len(payload), at + len(content))
+        payload += platform.read_at(fd, length - len(payload), at + len(content))
     return payload if zlib.crc32(payload) == crc else None
 
 
@@ -486,7 +486,7 @@ class Log:
         segment = segments[-1]
         for each in segments[-MOST_KEPT:]:
             with contextlib.suppress(OSError):
-                self._kept.append((each, os.open(each.path, os.O_RDONLY | os.O_CLOEXEC)))
+                self._kept.append((each, platform.open_file(each.path, os.O_RDONLY)))
         self.uuid, self.epoch = segment.head.uuid, segment.head.epoch
         self._before, self._before_end, self._proven = segment, found.proven_end, found.proven
         self.last = self.written = found.last
@@ -672,7 +672,7 @@ def identity(file: Union[str, int]) -> Tuple[int, int]:
 def _content(fd: int) -> bytes:
     parts, at = [], 0
     while True:
-        parts.append(os.pread(fd, 1 << 24, at))
+        parts.append(platform.read_at(fd, 1 << 24, at))
         if not parts[-1]:
             return b"".join(parts)
         at += len(parts[-1])

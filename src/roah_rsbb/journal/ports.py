@@ -10,6 +10,8 @@ import os
 import threading
 from typing import Callable, List, Optional, Tuple
 
+from roah_rsbb import platform
+
 FILE_NAME = "used_private_ports"
 LARGEST_PORT = 65535
 _DIGITS = 5
@@ -49,7 +51,7 @@ class PortRecord:
 
         `on_problem` is called from another thread if it does not reach the disk.
         """
-        fd = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
+        fd = platform.open_file(self.path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
         try:
             # Begin with a line break, in case the previous line is truncated.
             os.write(fd, f"\n{port}\n".encode("ascii"))
@@ -62,7 +64,7 @@ class PortRecord:
 def _force(fd: int, on_problem: Callable[[OSError], None]) -> None:
     """Sync a file to the disk and close it."""
     try:
-        os.fsync(fd)
+        platform.sync(fd)
     except OSError as error:
         on_problem(error)
     finally:

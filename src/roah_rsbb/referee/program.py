@@ -12,6 +12,7 @@ import sys
 import time
 from typing import List, Optional
 
+from roah_rsbb import platform
 from roah_rsbb.referee.args import parser
 from roah_rsbb.referee.exits import Exit
 
@@ -32,9 +33,9 @@ class Interrupts:
             raise KeyboardInterrupt
 
 
-def _hang_up(_number: int, _frame: object) -> None:
+def _hang_up(number: int, _frame: object) -> None:
     """Leave the run connected when the terminal is closed, so that another referee can take it over."""
-    raise SystemExit(128 + signal.SIGHUP)
+    raise SystemExit(128 + number)
 
 
 def options_of(words: List[str]) -> argparse.Namespace:
@@ -78,8 +79,9 @@ def main(arguments: Optional[List[str]] = None) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, interrupt)
-    if signal.getsignal(signal.SIGHUP) is signal.SIG_DFL:  # not under nohup
-        signal.signal(signal.SIGHUP, _hang_up)
+    hang_up = platform.signal_named("SIGHUP")
+    if hang_up is not None and signal.getsignal(hang_up) is signal.SIG_DFL:  # not under nohup
+        signal.signal(hang_up, _hang_up)
     status = carry_out(options)
     for stream in (sys.stdout, sys.stderr):  # Python 3.8 buffers both, unless they are a terminal
         with contextlib.suppress(OSError):

@@ -10,12 +10,13 @@ import os
 import re
 import select
 import shutil
-import signal
 import subprocess
 import tempfile
 import time
 from types import TracebackType
 from typing import Any, Dict, List, Optional, Type
+
+from roah_rsbb import platform
 
 # The first one that is installed is used. The headless shell has no window and starts in a quarter of the time.
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -37,6 +38,8 @@ class CannotPrint(Exception):
 
 def browser() -> str:
     """Return the browser's path; raises `CannotPrint`."""
+    if platform.WINDOWS:  # a browser is given its two pipes by a shell
+        raise CannotPrint("no PDF can be made on Windows: export with --html and print the pages in any browser")
     found = next((path for path in map(shutil.which, BROWSERS) if path), None)
     if found is None:
         raise CannotPrint(
@@ -67,7 +70,7 @@ class Printer:
             self._program, "--headless", "--disable-gpu", "--remote-debugging-pipe",
             f"--user-data-dir={os.path.join(self._folder.name, 'profile')}", "about:blank",
         ]
-        if os.geteuid() == 0:
+        if platform.is_root():
             command.insert(1, "--no-sandbox")  # the sandbox does not work for root; the page runs no code
         commands, self._commands = os.pipe()
         self._answers, answers = os.pipe()
@@ -89,7 +92,7 @@ class Printer:
             self._process.wait(CLOSE_S)
         except subprocess.TimeoutExpired:
             # Debian starts the browser by a script, which is in the same session.
-            os.killpg(self._process.pid, signal.SIGKILL)
+            platform.end_with_children(self._process)
             self._process.wait()
         self._errors.close()
         self._folder.cleanup()

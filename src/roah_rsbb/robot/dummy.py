@@ -10,12 +10,12 @@ import contextlib
 import logging
 import os
 import random
-import signal
 import sys
 import time
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
+from roah_rsbb import platform
 from roah_rsbb.arguments import Parser, add_password, called, number, read_by
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
@@ -266,8 +266,7 @@ async def _run(client: RobotClient) -> None:
     """Run until SIGINT or SIGTERM."""
     loop = asyncio.get_event_loop()
     running = loop.create_task(client.run())
-    for which in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(which, running.cancel)
+    platform.on_end(loop, running.cancel)
     with contextlib.suppress(asyncio.CancelledError):
         await running
 
@@ -291,6 +290,6 @@ def main(arguments: Optional[List[str]] = None) -> None:
             options.team, _password(options), options.robot, behaviour,
             options.host, options.port, options.bind, options.cipher,
         )
-        asyncio.run(_run(client))
+        platform.run(_run(client))
     except (ValueError, OSError) as error:
         sys.exit(f"{PROGRAM}: {error}")

@@ -4,13 +4,12 @@ Comments at the top of each file in ``config/`` describe its format. All errors 
 the configuration is not used. A name whose definition has an error is not reported again where another file uses it.
 """
 
-import os
 import re
 import shlex
-import stat
 from dataclasses import replace
 from typing import Any, Dict, FrozenSet, List, Optional, Set, Tuple
 
+from roah_rsbb import platform
 from roah_rsbb.model.scoring import Agreement, JudgesRule
 from roah_rsbb.rulebook.benchmarks import (
     ALL_TEAMS,
@@ -385,10 +384,10 @@ class PasswordsFile:
 
     def _warn_if_readable(self, path: str) -> None:
         try:
-            mode = stat.S_IMODE(os.stat(path).st_mode)
+            mode = platform.open_to_others(path)
         except (OSError, ValueError):
             return  # reported when it was read
-        if mode & (stat.S_IRGRP | stat.S_IROTH):
+        if mode:
             remedy = f"chmod 600 {shlex.quote(path)}"
             self._report.warn(
                 Place(path, 0, 0),

@@ -1,18 +1,17 @@
 """The file of one run log: a bag that grows, or a complete bag that replaces another one atomically.
 
-A bag that is being written is locked (flock), so that other processes know that it is in use.
+A bag that is being written is locked, so that other processes know that it is in use.
 """
 
 import collections
 import contextlib
 import errno
-import fcntl
 import io
 import itertools
 import os
 from typing import IO, Counter, Iterable, Iterator, List, Optional, Tuple
 
-from roah_rsbb import durable
+from roah_rsbb import durable, platform
 from roah_rsbb.model.run_log import KINDS
 from roah_rsbb.run_logs.bag import BagWriter
 from roah_rsbb.run_logs.messages import HEADERS, BadEntry, LogEntry, Message, is_sound, message_of
@@ -33,14 +32,15 @@ class GrowingBag:
     def __init__(self, path: str, is_new: bool = True) -> None:
         """`is_new`: raise FileExistsError rather than overwrite a file."""
         self.path = path
-        self._file = open(path, "x+b" if is_new else "w+b")  # noqa: SIM115 (closed with the bag)
+        mode = "x+b" if is_new else "w+b"
+        self._file = open(path, mode, opener=platform.open_file)  # noqa: SIM115 (closed with the bag)
         self._dirty = False
         self._stamp = (0, 0)
         self._same = 0
         try:
             # Some network file systems do not support locks.
             with contextlib.suppress(OSError):
-                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                platform.lock(self._file.fileno())
             self._bag = BagWriter(self._file)
             self._file.flush()
         except BaseException:
@@ -75,7 +75,7 @@ class GrowingBag:
 
     def move(self, path: str) -> None:
         """Move the file to another path and continue there."""
-        os.rename(self.path, path)
+        os.replace(self.path, path)
         self.path = path
         with contextlib.suppress(OSError):
             durable.sync(os.path.dirname(path) or ".")
@@ -83,13 +83,13 @@ class GrowingBag:
     def settle(self) -> None:
         """Sync everything that was written to the disk."""
         self.flush()
-        os.fsync(self._file.fileno())
+        platform.sync(self._file.fileno())
 
     def close(self) -> None:
         """Write the index and sync the file to the disk."""
         self._bag.close()
         self._file.flush()
-        os.fsync(self._file.fileno())
+        platform.sync(self._file.fileno())
         self._file.close()
 
     def abandon(self) -> None:
@@ -132,7 +132,7 @@ def try_out(path: str, room: int) -> None:
     draft = path + DRAFT
     try:
         with open(draft, "wb") as file:
-            os.posix_fallocate(file.fileno(), 0, size + room)
+            platform.reserve(file.fileno(), size + room)
     except OSError as error:
         if error.errno not in (errno.EOPNOTSUPP, errno.EINVAL):  # the file system does not support it
             raise

@@ -11,7 +11,6 @@ them, later entries follow in the queue. No entry is lost or duplicated.
 
 import contextlib
 import errno
-import fcntl
 import logging
 import os
 import queue
@@ -19,6 +18,7 @@ import threading
 import time
 from typing import Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Set
 
+from roah_rsbb import platform
 from roah_rsbb.core import effects
 from roah_rsbb.run_logs.bag_file import DRAFT, WRITE_ERRORS, GrowingBag, try_out, write_whole
 from roah_rsbb.run_logs.messages import LogEntry, message_of
@@ -385,7 +385,7 @@ def _is_unlocked(path: str) -> bool:
         return False
     with open(path, "rb") as file:
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            platform.lock(file.fileno())
         except BlockingIOError:
             return False
         except OSError:

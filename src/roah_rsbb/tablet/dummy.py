@@ -8,12 +8,11 @@ import asyncio
 import contextlib
 import logging
 import math
-import os
-import signal
 import sys
 import time
 from typing import List, Optional, Tuple
 
+from roah_rsbb import platform
 from roah_rsbb.arguments import Parser, read_by
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.tablet.radio import TabletRadio
@@ -22,7 +21,7 @@ from roah_rsbb.tablet.state import ShownTablet
 PROGRAM = "dummy_tablet"
 # Time limit of --once.
 ANSWER_S = 10.0
-_READ_BYTES = 4096
+_LONGEST_LINE = 4096  # bytes
 
 _log = logging.getLogger(PROGRAM)
 
@@ -144,26 +143,23 @@ def _follow_input(loop: asyncio.AbstractEventLoop, tablet: DummyTablet, ended: a
     """Follow lines from a terminal or pipe. Their end ends the program."""
     pending = b""
 
-    def read() -> None:
+    def take(data: bytes) -> None:
         nonlocal pending
-        data = os.read(sys.stdin.fileno(), _READ_BYTES)
         *lines, pending = (pending + data).split(b"\n")
         for line in lines:
             tablet.take(line.decode(errors="replace").strip())
-        pending = pending[-_READ_BYTES:]
+        pending = pending[-_LONGEST_LINE:]
         if not data:
-            loop.remove_reader(sys.stdin)
             ended.set()
     with contextlib.suppress(OSError, ValueError):  # a file or no input, as in a launch: only send beacons
-        loop.add_reader(sys.stdin, read)
+        platform.on_input(loop, sys.stdin, take)
 
 
 async def _run(options: argparse.Namespace) -> int:
     loop = asyncio.get_event_loop()
     tablet = DummyTablet(loop, options.host, options.port, options.bind)
     ended = asyncio.Event()
-    for which in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(which, ended.set)
+    platform.on_end(loop, ended.set)
     tablet.open()
     try:
         if options.call:
@@ -189,7 +185,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     options = _parser().parse_args([argument for argument in given if ":=" not in argument])
     logging.basicConfig(level=logging.INFO, stream=sys.stdout, format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
     try:
-        status = asyncio.run(_run(options))
+        status = platform.run(_run(options))
     except OSError as error:
         sys.exit(f"{PROGRAM}: {error}")
     sys.exit(status)

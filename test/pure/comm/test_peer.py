@@ -9,6 +9,7 @@ import time
 
 import pytest
 
+from roah_rsbb import platform
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.peer import Peer
 
@@ -83,7 +84,7 @@ def test_the_time_of_a_datagram_is_that_of_its_arrival(peer, raw, port, inbox):
             """When a datagram arrives now, and a time between that and its reading."""
             raw.sendto(b"other", other.getsockname())
             select.select([other], [], [])
-            return time.time(), sockets.receive(other)[2]
+            return time.time(), platform.receive(other)[2]
 
         # The system begins to note arrivals some time after the first socket asks for it; until then it notes readings.
         until = time.monotonic() + 20
@@ -97,7 +98,7 @@ def test_the_time_of_a_datagram_is_that_of_its_arrival(peer, raw, port, inbox):
 
 
 def test_where_the_system_does_not_say_when_a_datagram_arrived_nothing_is_known(peer, raw, port, monkeypatch):
-    monkeypatch.setattr(sockets, "_HAS_TIMES", False)
+    monkeypatch.setattr(platform, "HAS_TIMES", False)
     receiver = peer()
     raw.sendto(b"x", (BOX, port))
     assert receiver.datagrams.wait() == [(b"x", raw.getsockname())]
@@ -119,6 +120,23 @@ def test_own_broadcasts_are_ignored(peer, raw, port, bind_host):
     assert other.datagrams.wait() == [(b"mine", (BOX, port))]
     raw.sendto(b"after", (BOX, port))
     assert sender.datagrams.wait() == [(b"after", raw.getsockname())]
+
+
+def test_broadcasts_are_received_where_nothing_can_be_bound_to_their_address(peer, port, monkeypatch):
+    """As on Windows."""
+    listen = sockets.listen
+
+    def refuse(host, *arguments, **options):
+        if host == BROADCAST:
+            raise sockets.OpenError(errno.EADDRNOTAVAIL, "not an address of this machine")
+        return listen(host, *arguments, **options)
+
+    monkeypatch.setattr(sockets, "listen", refuse)
+    monkeypatch.setattr(platform, "WINDOWS", True)
+    sender, other = peer("127.0.0.2"), peer()
+    assert sender.send(b"to all", BROADCAST) and sender.send(b"to one", BOX)
+    assert sorted(other.datagrams.wait(2)) == [(b"to all", ("127.0.0.2", port)), (b"to one", ("127.0.0.2", port))]
+    assert sender.datagrams == []
 
 
 @pytest.mark.parametrize("bind_host", [BOX, "0.0.0.0"])

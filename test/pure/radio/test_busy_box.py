@@ -7,7 +7,8 @@ import time
 import pytest
 
 from helpers.competition import competition
-from roah_rsbb.comm import frame, sockets
+from roah_rsbb import platform
+from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
@@ -23,7 +24,7 @@ BUSY_S = 0.25
 # A machine may also stop for as long as the allowed skew between the robot's look at its clock and its sending.
 TRIES = 40
 
-pytestmark = pytest.mark.skipif(not sockets._HAS_TIMES, reason="this system does not say when a datagram arrived")
+pytestmark = pytest.mark.skipif(not platform.HAS_TIMES, reason="this system does not say when a datagram arrived")
 
 
 def _port():
