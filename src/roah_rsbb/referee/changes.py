@@ -4,10 +4,10 @@ import re
 import time
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.client import tail
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.zone import SheetItem, ZoneSeen
 from roah_rsbb.referee.state import asked_in, event_json, lines_of, operation_json, score_json, state_json, zones_of
-from roah_rsbb.ros import tail
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 
 # Numbers in a warning, such as seconds and skews, change all the time. The warning is the same.

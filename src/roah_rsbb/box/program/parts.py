@@ -28,7 +28,7 @@ NO_DEVICES = "this box controls no home devices: start it with devices:=true"
 _log = logging.getLogger(__name__)
 
 
-class Modules:
+class DrivenModules:
     """The modules of functionality benchmarks, in a thread of their own."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, is_dummy: bool) -> None:
@@ -94,7 +94,7 @@ def _sound(settings: BoxSettings, name: str, file: str) -> Sound:
     return Sound(name.partition("_")[0], words, lambda text: _log.warning("%s", text))
 
 
-class Devices:
+class ControlledDevices:
     """The home devices, if this box controls them."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, log_dir: str,

@@ -10,7 +10,7 @@ import socket
 from urllib.parse import urlsplit
 
 from roah_rsbb.box.parameters import BoxParameters, read_parameters
-from roah_rsbb.box.program.parts import Devices, Modules, Sounds
+from roah_rsbb.box.program.parts import ControlledDevices, DrivenModules, Sounds
 from roah_rsbb.box.program.settings import BoxSettings
 from roah_rsbb.box.running import Around, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal
@@ -32,14 +32,14 @@ class BoxProgram:
 
     def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, launch: str,
                  make_peer: MakePeer = Peer, is_dummy: bool = False) -> None:
-        """`launch`: identifies the supervisor (`resume:=launch`). `is_dummy`: a demonstration, see `Modules`. Raises
+        """`launch`: identifies the supervisor (`resume:=launch`). `is_dummy`: a demonstration, see `DrivenModules`. Raises
         `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError, whose texts name the remedy."""
         params = read_parameters(settings)
         _refuse(settings, params)
-        self._modules = Modules(loop, settings, is_dummy) if settings.flag("modules", True) else None
+        self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
         self._sounds = Sounds(settings)
         os.makedirs(params.log_dir, exist_ok=True)
-        self._devices = Devices(loop, settings, params.log_dir, self._sounds.ring_bell)
+        self._devices = ControlledDevices(loop, settings, params.log_dir, self._sounds.ring_bell)
         self.running = RunningBox(
             loop, params, launch, wait_for_journal(params.log_dir),
             Around(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))

@@ -1,7 +1,7 @@
 """A panel with a growing text: the base of Online Data and Log Display."""
 
+from roah_rsbb.client.tail import added
 from roah_rsbb.model.zone import ZoneSeen
-from roah_rsbb.ros.tail import added
 from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import QCheckBox, QFontDatabase, QPlainTextEdit, QTextCursor
 from roah_rsbb.rqt.widgets.text_search import TextSearch

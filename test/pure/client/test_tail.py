@@ -1,6 +1,6 @@
 """Following a text of which only the last characters are published."""
 
-from roah_rsbb.ros.tail import added
+from roah_rsbb.client.tail import added
 
 
 def lines(first, last):
