@@ -12,7 +12,7 @@ from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruth
 from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.bmbox.framework.zone_folders import file_in
-from roah_rsbb.nodes.modules.ground_truth_tf import FrameState
+from roah_rsbb.bmbox.host.ground_truth_of_frames import FrameState
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.rulebook.errors import ConfigErrors

@@ -12,6 +12,7 @@ from helpers.box_driver import BoxDriver, beacon_bytes
 from helpers.commands import COMMANDS, given_with, mark_with
 from helpers.competition import competition, event
 from helpers.forms import ODD, form
+from roah_rsbb.bmbox.host.limits import checked_state
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.core import effects
@@ -28,7 +29,6 @@ from roah_rsbb.model.messages import DevicesState, RobotReport, TabletState
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.saved import freeze, thaw
-from roah_rsbb.nodes.modules.limits import checked_state
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio import wire_convert
 

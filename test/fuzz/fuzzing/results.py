@@ -10,11 +10,11 @@ from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
 from roah_rsbb.bmbox.framework.results import BadResult, read_record
 from roah_rsbb.bmbox.hopf import HOPF
+from roah_rsbb.bmbox.host.limits import checked_state
 from roah_rsbb.bmbox.hppf import HPPF
 from roah_rsbb.bmbox.stb import STB
 from roah_rsbb.core.modules.texts import scores_json
 from roah_rsbb.model.modules import ModulesState, RequestKind
-from roah_rsbb.nodes.modules.limits import checked_state
 
 SHAPE = {"class": str, "instance": str, "x": float, "y": float, "theta": float}
 HERE = Pose3(0.5, 0.25, 0.8, 0.0)

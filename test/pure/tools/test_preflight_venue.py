@@ -9,7 +9,7 @@ pytest.importorskip("rospkg")
 from helpers.competition import competition, event  # noqa: E402
 from helpers.config_files import SHIPPED  # noqa: E402
 from roah_rsbb.bmbox.framework.ground_truth import Pose3  # noqa: E402
-from roah_rsbb.nodes.modules.ground_truth_tf import FrameState  # noqa: E402
+from roah_rsbb.bmbox.host.ground_truth_of_frames import FrameState  # noqa: E402
 from roah_rsbb.tools import preflight_venue as venue  # noqa: E402
 from roah_rsbb.tools.preflight_checks import Severity  # noqa: E402
 

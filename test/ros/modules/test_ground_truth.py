@@ -16,8 +16,9 @@ from support.waiting import wait_until
 
 from roah_rsbb.bmbox.framework.ground_truth import NoPose, Pose3, rotation
 from roah_rsbb.bmbox.framework.ground_truth_config import GroundTruthConfig, Marker, load
+from roah_rsbb.bmbox.host.ground_truth_of_frames import FramesGroundTruth
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
-from roah_rsbb.nodes.modules.ground_truth_tf import TfGroundTruth
+from roah_rsbb.nodes.modules.tf_frames import TfFrames
 
 # Frames of the test itself, which nobody else publishes.
 WORLD = "test_world"
@@ -40,12 +41,13 @@ class GroundTruthCase(unittest.TestCase):
 
     def setUp(self) -> None:
         self.frame = self.id().rsplit(".", 1)[1]
-        self.truth = TfGroundTruth(config(robot=Marker(self.frame), ghost=Marker("test_ghost")))
+        self.tf = TfFrames()
+        self.truth = FramesGroundTruth(config(robot=Marker(self.frame), ghost=Marker("test_ghost")), self.tf)
         self.addCleanup(self.truth.close)
         # A message that comes before its subscriber is there is lost: begin when one arrives.
         first = self.frame + "_first"
         self.began = rospy.get_time()
-        wait_until(lambda: (self.publish(0.0, frame=first), self.truth.sees(first))[1], "a frame arrives")
+        wait_until(lambda: (self.publish(0.0, frame=first), self.tf.sees(first))[1], "a frame arrives")
         # All times of a test are compared with this one, however slow the test is.
         self.began = rospy.get_time()
 
@@ -66,7 +68,7 @@ class GroundTruthCase(unittest.TestCase):
 
     def wait_seen(self, stamp: float) -> None:
         """Wait until the test's frame of this time has arrived."""
-        wait_until(lambda: self.truth.gap(self.frame, stamp) == 0.0, "the frame arrives")
+        wait_until(lambda: self.tf.gap(self.frame, stamp) == 0.0, "the frame arrives")
 
     def shown(self, ago_s: float, *place: float, **fields) -> float:
         """Publish, and wait until it has arrived."""
@@ -139,7 +141,7 @@ class TestNoPose(GroundTruthCase):
 
     def test_a_frame_without_connection_is_named(self) -> None:
         self.shown(0.0, parent="test_island")
-        self.assert_no_pose(f"^robot: frame '{self.frame}' has no connection with '{WORLD}' in tf")
+        self.assert_no_pose(f"^robot: frame '{self.frame}' has no connection with '{WORLD}': ")
 
     def test_frames_that_were_never_seen_together_are_named(self) -> None:
         self.publish(3.0, frame="test_tripod")
@@ -235,11 +237,11 @@ class TestDummy(unittest.TestCase):
     """The dummy ground truth, and the program that checks."""
 
     def setUp(self) -> None:
-        self.truth = TfGroundTruth(load(default_file()))
+        self.truth = FramesGroundTruth(load(default_file()), TfFrames())
         self.addCleanup(self.truth.close)
 
     def states(self) -> dict:
-        return {(state.team, state.subject): state for state in self.truth.frames()}
+        return {(state.team, state.subject): state for state in self.truth.states()}
 
     def test_all_frames_are_there_and_some_are_lost_again_and_again(self) -> None:
         wait_until(lambda: not any(state.trouble for state in self.states().values()), self.states)

@@ -1,7 +1,7 @@
 """The ground truth: true poses, with which benchmarking modules compare the robots' results.
 
 Theory of operation. A module asks for the pose of a *subject*: "robot", "person", "positioner", "object", "table".
-The implementation (nodes/modules/ground_truth_tf.py, or a dictionary in tests) knows from its configuration which
+The implementation (bmbox/host/ground_truth_of_frames.py, or a dictionary in tests) knows from its configuration which
 frame that is and how the marker is mounted, so rules contain no frame names. A pose is planar with a height: x, y, z
 in metres and theta, the yaw, in radians, in the reference frame of the test bed. A missing pose raises `NoPose`.
 

@@ -32,7 +32,8 @@ class BoxProgram:
 
     def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, launch: str,
                  make_peer: MakePeer = Peer, is_dummy: bool = False) -> None:
-        """`launch`: identifies the supervisor (`resume:=launch`). `is_dummy`: a demonstration, see `DrivenModules`. Raises
+        """`launch`: identifies the supervisor (`resume:=launch`). `is_dummy`: a demonstration, see
+        `DrivenModules`. Raises
         `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError, whose texts name the remedy."""
         params = read_parameters(settings)
         _refuse(settings, params)

@@ -13,8 +13,9 @@ import rospy
 from roah_rsbb.arguments import Parser, number
 from roah_rsbb.bmbox.framework.ground_truth import Source
 from roah_rsbb.bmbox.framework.ground_truth_config import GroundTruthConfig, load
+from roah_rsbb.bmbox.host.ground_truth_of_frames import FramesGroundTruth, FrameState
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
-from roah_rsbb.nodes.modules.ground_truth_tf import FrameState, TfGroundTruth
+from roah_rsbb.nodes.modules.tf_frames import TfFrames
 from roah_rsbb.ros import connections
 from roah_rsbb.rulebook.errors import ConfigErrors
 
@@ -47,12 +48,12 @@ def look(config: GroundTruthConfig, wait_s: float) -> Optional[Tuple[FrameState,
         return None
     if not rospy.core.is_initialized():
         connections.init_node(PROGRAM, anonymous=True, disable_signals=True)
-    ground_truth = TfGroundTruth(config)
+    ground_truth = FramesGroundTruth(config, TfFrames())
     until = rospy.get_time() + wait_s
-    states = ground_truth.frames()
+    states = ground_truth.states()
     while rospy.get_time() < until and any(state.pose is None for state in states):
         rospy.rostime.wallsleep(_POLL_S)
-        states = ground_truth.frames()
+        states = ground_truth.states()
     return states
 
 

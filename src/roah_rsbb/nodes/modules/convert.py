@@ -6,6 +6,7 @@ No message causes an exception: the data of modules is limited (`limits.py`), bo
 
 from typing import Iterable, Optional, Tuple
 
+from roah_rsbb.bmbox.host.limits import MAX_LIST, MAX_SCORES, checked_info, checked_state
 from roah_rsbb.model.modules import (
     ModuleInfo,
     ModulesState,
@@ -21,7 +22,6 @@ from roah_rsbb.msg import ModuleInfo as ModuleInfoMsg
 from roah_rsbb.msg import ModuleOutcome, ModuleProgress, ModuleRequest, ModuleRun, ModuleRuns, ModuleStep
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.core.score_convert import group_message, group_of, score_message, score_of
-from roah_rsbb.nodes.modules.limits import MAX_LIST, MAX_SCORES, checked_info, checked_state
 
 _REQUEST_KINDS = {int(kind): kind for kind in RequestKind}
 _OUTCOME_KINDS = {int(kind): kind for kind in OutcomeKind}

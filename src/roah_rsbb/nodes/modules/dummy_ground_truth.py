@@ -10,7 +10,7 @@ import contextlib
 import math
 import os
 import threading
-from typing import Dict, FrozenSet, Iterator, Tuple
+from typing import FrozenSet, List, Tuple
 
 import rospkg
 import rospy
@@ -18,9 +18,10 @@ import tf2_ros
 from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
 
 from roah_rsbb.bmbox.framework.dummy_world import DummyWorld
-from roah_rsbb.bmbox.framework.ground_truth import Pose3, Source, compose, inverse, rotation
-from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruthConfig, Marker, load
+from roah_rsbb.bmbox.framework.ground_truth import rotation
+from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, load
 from roah_rsbb.bmbox.framework.zone_folders import own_file, zone_folders
+from roah_rsbb.bmbox.host.dummy_frames import SeenMarker, seen_markers
 from roah_rsbb.model.modules import RunForModule
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.nodes.modules.convert import runs_of
@@ -97,42 +98,23 @@ class DummyGroundTruthNode:
     def _publish(self, now: rospy.Time, lost: FrozenSet[str]) -> None:
         with self._lock:
             runs = self._runs
-        transforms = []
+        transforms: List[TransformStamped] = []
         for zone, (config, world) in self._test_beds.items():
             here = [run for run in runs if (run.zone if run.zone in self._test_beds else ALL_OTHERS) == zone]
             world.step(now.to_sec(), here)
-            poses = world.poses()
-            team = next((run.team for run in here if run.running), "")
-            transforms += [
-                self._transform(now, config.reference_frame, marker, poses[subject])
-                for subject, marker in worn_markers(config, team) if subject in poses and subject not in lost
-            ]
+            transforms += [self._transform(now, config.reference_frame, seen)
+                           for seen in seen_markers(config, world, here) if seen.subject not in lost]
         self._broadcaster.sendTransform(transforms)
 
     @staticmethod
-    def _transform(now: rospy.Time, reference_frame: str, marker: Marker, subject: Pose3) -> TransformStamped:
-        seen = compose(subject, inverse(marker.transform))
+    def _transform(now: rospy.Time, reference_frame: str, seen: SeenMarker) -> TransformStamped:
         message = TransformStamped()
         message.header.stamp = now
         message.header.frame_id = reference_frame
-        message.child_frame_id = marker.frame
-        message.transform.translation = Vector3(seen.x, seen.y, seen.z)
-        message.transform.rotation = Quaternion(*rotation(seen.theta))
+        message.child_frame_id = seen.frame
+        message.transform.translation = Vector3(*seen.pose[:3])
+        message.transform.rotation = Quaternion(*rotation(seen.pose.theta))
         return message
-
-
-def worn_markers(config: GroundTruthConfig, team: str) -> Iterator[Tuple[str, Marker]]:
-    """Return each frame once, with its subject. A frame that teams share belongs to the running team's robot.
-
-    Without motion capture, nothing carries markers.
-    """
-    if config.source is not Source.MOTION_CAPTURE:
-        return iter(())
-    by_frame: Dict[str, Tuple[str, Marker]] = {}
-    for owner, subject, marker in config.all_markers():
-        if owner == team or marker.frame not in by_frame:
-            by_frame[marker.frame] = (subject, marker)
-    return iter(by_frame.values())
 
 
 def main() -> None:

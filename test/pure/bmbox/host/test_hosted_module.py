@@ -1,4 +1,4 @@
-"""A run's module in the node: nothing that it does gets out, and nothing is lost."""
+"""A run's module in its host: nothing that it does gets out, and nothing is lost."""
 
 import sys
 from types import SimpleNamespace
@@ -8,9 +8,9 @@ import pytest
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
 from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.score import Value
+from roah_rsbb.bmbox.host.hosted_module import HostedModule
+from roah_rsbb.bmbox.host.limits import MAX_TEXT
 from roah_rsbb.model.modules import OutcomeKind, RequestOutcome, RunForModule, Step
-from roah_rsbb.nodes.modules.hosted_module import HostedModule
-from roah_rsbb.nodes.modules.limits import MAX_TEXT
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.yaml_lines import Place
 

@@ -1,4 +1,4 @@
-"""A run's module in the node. Errors in a module end only its run. No ROS."""
+"""A run's module in its host. Errors in a module end only its run."""
 
 import traceback
 from types import SimpleNamespace
@@ -6,8 +6,8 @@ from typing import Callable, Optional
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
 from roah_rsbb.bmbox.framework.runner import MakeModule, ModuleRunner
+from roah_rsbb.bmbox.host.limits import checked
 from roah_rsbb.model.modules import Progress, RunForModule
-from roah_rsbb.nodes.modules.limits import checked
 
 
 class HostedModule:

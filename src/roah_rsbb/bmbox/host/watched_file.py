@@ -1,4 +1,4 @@
-"""A configuration file that is reloaded when it changes. No ROS."""
+"""A configuration file that is reloaded when it changes."""
 
 import os
 from typing import Callable, Generic, List, Optional, Tuple, TypeVar

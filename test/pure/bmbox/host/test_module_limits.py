@@ -6,10 +6,7 @@ import re
 import pytest
 
 from helpers.forms import MEASURED, ODD, form
-from roah_rsbb.model.fields import Choice, Decimal, Fixed, Number, Robot, Toggle, TypedText, form_text
-from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
-from roah_rsbb.model.reason import say
-from roah_rsbb.nodes.modules.limits import (
+from roah_rsbb.bmbox.host.limits import (
     MAX_FIELDS,
     MAX_JSON,
     MAX_LIST,
@@ -21,6 +18,9 @@ from roah_rsbb.nodes.modules.limits import (
     checked_state,
     clean,
 )
+from roah_rsbb.model.fields import Choice, Decimal, Fixed, Number, Robot, Toggle, TypedText, form_text
+from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
+from roah_rsbb.model.reason import say
 
 USUAL = Progress(
     "HNF-1", 2, Request(

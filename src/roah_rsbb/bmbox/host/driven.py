@@ -1,4 +1,4 @@
-"""A benchmark that a node drives: its rules and their parameters, which may change between runs. No ROS."""
+"""A benchmark that a host drives: its rules and their parameters, which may change between runs."""
 
 import os
 from types import SimpleNamespace
@@ -9,8 +9,8 @@ from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.own_rules import load_rules
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.zone_folders import file_in, zone_folders
+from roah_rsbb.bmbox.host.watched_file import WatchedFile
 from roah_rsbb.model.modules import RunForModule
-from roah_rsbb.nodes.modules.watched_file import WatchedFile
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 

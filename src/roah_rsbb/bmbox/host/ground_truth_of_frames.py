@@ -1,42 +1,95 @@
-"""Ground truth from tf2: frames that a motion-capture system publishes (docs/benchmarks.md, "Benchmarking modules").
+"""Ground truth from the frames of a motion-capture system (docs/benchmarks.md, "Benchmarking modules").
 
-`TfGroundTruth` may be used from any thread and never waits for a frame. `ReloadingGroundTruth` also follows changes of
-the configuration file. `ZonesGroundTruth` has one for each zone with its own file.
+`Frames` is where frames come from: tf (nodes/modules/tf_frames.py), a simulated system (`DummyFrames`), or nowhere
+(`NoFrames`). `FramesGroundTruth` makes poses of them. `ReloadingGroundTruth` also follows changes of the configuration
+file. `ZonesGroundTruth` has one for each zone with its own file.
 """
 
-import bisect
-import collections
 import contextlib
 import math
 import os
-import threading
 import time
-from typing import Deque, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
-import rospy
-import tf2_ros
-from tf2_msgs.msg import TFMessage
-
-from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3, Source, compose, yaw
+from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3, Source, compose
 from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruthConfig, load
 from roah_rsbb.bmbox.framework.zone_folders import file_in
-from roah_rsbb.nodes.modules.watched_file import WatchedFile
-from roah_rsbb.ros.times import ros_time
+from roah_rsbb.bmbox.host.watched_file import WatchedFile
+from roah_rsbb.model.modules import RunForModule
 
-# tf2 keeps frames for this time; modules ask for poses that are a few seconds old at most.
-_KEPT_S = 10.0
-# Number of remembered times of publication per frame; at 200 Hz as long as tf2 keeps frames.
-_STAMPS_KEPT = 2000
-# The time of static frames.
-_STATIC = rospy.Time()
+# Frames are kept for this time; modules ask for poses that are a few seconds old at most.
+KEPT_S = 10.0
 
-_REMEDY_REFERENCE = (
-    f"start the motion-capture system, check that it publishes ('rostopic hz /tf'), and check the name in {FILE_NAME}"
-)
-_REMEDY_NEVER = f"put the marker into the cameras' view, or check the name in {FILE_NAME} ('rosrun tf tf_monitor')"
 _REMEDY_OLD = "check that the cameras see the marker"
 _NO_SOURCE = f"ground truth is off: poses are not scored (source in {FILE_NAME})"
 _REMEDY_CLOCKS = "synchronise the motion-capture computer's clock (chrony)"
+
+
+class NoTransform(Exception):
+    """The transform between two frames is not known. The text says what is missing."""
+
+
+class NotAtOnce(NoTransform):
+    """Two frames and those between them were not seen at the same time."""
+
+
+class Frames:
+    """Interface of the frames that a motion-capture system publishes. No method waits for a frame."""
+
+    # What to do about a frame that was never seen.
+    REMEDY_REFERENCE = REMEDY_MARKER = ""
+
+    def use(self, config: GroundTruthConfig) -> None:
+        """Watch the frames of this configuration from now on."""
+
+    def take(self, runs: Sequence[RunForModule]) -> None:
+        """Take the present runs, which only a simulated system needs."""
+
+    def close(self) -> None:
+        """Stop watching."""
+
+    def now_utc(self) -> float:
+        """The present time on the clock of the frames (UTC seconds)."""
+        raise NotImplementedError
+
+    def sees(self, frame: str) -> bool:
+        """Whether a frame was ever seen."""
+        raise NotImplementedError
+
+    def gap(self, frame: str, at_utc: float) -> Optional[float]:
+        """Seconds between a time and the nearest publication of a marker's frame; None if never published."""
+        raise NotImplementedError
+
+    def lookup(self, reference: str, frame: str, at_utc: Optional[float]) -> Tuple[Pose3, Optional[float]]:
+        """The pose of a frame in another one at a time (None: the latest), and its time (None: the frame is static).
+
+        Raises NoTransform, or ValueError if the frame has an invalid rotation.
+        """
+        raise NotImplementedError
+
+
+class NoFrames(Frames):
+    """A box without ROS, and without a simulated motion-capture system."""
+
+    REMEDY_REFERENCE = REMEDY_MARKER = (
+        f"motion capture needs ROS: run the box with ROS, or set 'source: {Source.REFEREE.value}' or "
+        f"'source: {Source.NONE.value}' in {FILE_NAME}")
+
+    def now_utc(self) -> float:
+        """See `Frames`."""
+        return time.time()
+
+    def sees(self, frame: str) -> bool:
+        """See `Frames`."""
+        return False
+
+    def gap(self, frame: str, at_utc: float) -> Optional[float]:
+        """See `Frames`."""
+        return None
+
+    def lookup(self, reference: str, frame: str, at_utc: Optional[float]) -> Tuple[Pose3, Optional[float]]:
+        """See `Frames`."""
+        raise NoTransform("there are no frames")
 
 
 class FrameState(NamedTuple):
@@ -49,71 +102,25 @@ class FrameState(NamedTuple):
     trouble: str  # why there is no pose, with the remedy
 
 
-class _Stamps:
-    """Times at which frames were published, because tf2 interpolates across gaps without notice."""
+class FramesGroundTruth(GroundTruth):
+    """Poses from frames, with their markers and ages as in a configuration."""
 
-    def __init__(self, frames: Iterable[str]) -> None:
-        self._lock = threading.Lock()
-        self._by_frame: Dict[str, Deque[float]] = {}
-        self.watch(frames)
-
-    def watch(self, frames: Iterable[str]) -> None:
-        """Record these frames from now on."""
-        with self._lock:
-            old = self._by_frame
-            self._by_frame = {frame: old.get(frame, collections.deque(maxlen=_STAMPS_KEPT)) for frame in frames}
-
-    def on_tf(self, message: TFMessage) -> None:
-        """Record the times in a message of /tf."""
-        with self._lock:
-            for transform in message.transforms:
-                # Like tf2, ignore a leading '/', which early versions of ROS had.
-                stamps = self._by_frame.get(transform.child_frame_id.lstrip("/"))
-                if stamps is not None:
-                    stamps.append(transform.header.stamp.to_sec())
-
-    def gap(self, frame: str, at_utc: float) -> Optional[float]:
-        """Seconds between a time and the nearest publication of the frame; None if it was never published."""
-        with self._lock:
-            stamps = sorted(self._by_frame.get(frame, ()))
-        if not stamps:
-            return None
-        after = bisect.bisect_left(stamps, at_utc)
-        return min(abs(stamp - at_utc) for stamp in stamps[max(after - 1, 0) : after + 1])
-
-
-def _frames(config: GroundTruthConfig) -> List[str]:
-    return [marker.frame for _, _, marker in config.all_markers()]
-
-
-class TfGroundTruth(GroundTruth):
-    """Poses from tf. Create it after `rospy.init_node`."""
-
-    def __init__(self, config: GroundTruthConfig) -> None:
-        self.config = config
-        self._buffer = tf2_ros.Buffer(rospy.Duration.from_sec(_KEPT_S), debug=False)
-        self._listener = tf2_ros.TransformListener(self._buffer)
-        self._stamps = _Stamps(_frames(config))
-        self._subscriber = rospy.Subscriber("/tf", TFMessage, self._stamps.on_tf)
+    def __init__(self, config: GroundTruthConfig, frames: Frames) -> None:
+        self._frames = frames
+        self.use(config)
 
     def use(self, config: GroundTruthConfig) -> None:
         """Switch to another configuration."""
-        self._stamps.watch(_frames(config))
         self.config = config
+        self._frames.use(config)
+
+    def take(self, runs: Sequence[RunForModule]) -> None:
+        """See `Frames.take`."""
+        self._frames.take(runs)
 
     def close(self) -> None:
-        """Stop listening."""
-        self._listener.unregister()
-        self._subscriber.unregister()
-
-    def sees(self, frame: str) -> bool:
-        """Whether tf knows a frame."""
-        # As in tf.TransformListener.frameExists; can_transform(frame, frame) is true for any name.
-        return self._buffer._frameExists(frame)
-
-    def gap(self, frame: str, at_utc: float) -> Optional[float]:
-        """Seconds between a time and the nearest publication of a marker's frame; None if never published."""
-        return self._stamps.gap(frame, at_utc)
+        """See `Frames.close`."""
+        self._frames.close()
 
     def pose(self, frame: str, at_utc: Optional[float] = None) -> Pose3:
         """See GroundTruth.pose; the pose is at most `maximum_age_s` away from the requested time."""
@@ -127,38 +134,35 @@ class TfGroundTruth(GroundTruth):
         marker = self.config.marker(subject, team)
         pose, stamp = self._seen(subject, marker.frame, at_utc)
         if stamp is not None:
-            age_s = (rospy.get_time() if at_utc is None else at_utc) - stamp
+            age_s = (self._frames.now_utc() if at_utc is None else at_utc) - stamp
             if abs(age_s) > self.config.maximum_age_s:
                 raise NoPose(_age_text(subject, marker.frame, age_s, at_utc))
         return compose(pose, marker.transform)
 
     def _seen(self, subject: str, frame: str, at_utc: Optional[float]) -> Tuple[Pose3, Optional[float]]:
         """A frame's pose at a time, or else its latest pose, with its time; None if it is static."""
-        gap = None if at_utc is None else self.gap(frame, at_utc)
+        gap = None if at_utc is None else self._frames.gap(frame, at_utc)
         if gap is not None and gap <= self.config.maximum_age_s:
             # Fails if the time is later than the latest pose, which is then used.
-            with contextlib.suppress(tf2_ros.TransformException):
-                return self._lookup(subject, frame, ros_time(at_utc))[0], at_utc
+            with contextlib.suppress(NoTransform):
+                return self._lookup(subject, frame, at_utc)[0], at_utc
         try:
-            pose, stamp = self._lookup(subject, frame, _STATIC)
-        except tf2_ros.TransformException as error:
+            return self._lookup(subject, frame, None)
+        except NoTransform as error:
             raise NoPose(self._missing(subject, frame, error)) from None
-        return pose, None if stamp == _STATIC else stamp.to_sec()
 
-    def _lookup(self, subject: str, frame: str, at: rospy.Time) -> Tuple[Pose3, rospy.Time]:
-        found = self._buffer.lookup_transform(self.config.reference_frame, frame, at)
-        place, turn = found.transform.translation, found.transform.rotation
+    def _lookup(self, subject: str, frame: str, at_utc: Optional[float]) -> Tuple[Pose3, Optional[float]]:
         try:
-            pose = Pose3(place.x, place.y, place.z, yaw((turn.x, turn.y, turn.z, turn.w)))
+            pose, stamp = self._frames.lookup(self.config.reference_frame, frame, at_utc)
         except ValueError as error:
             raise NoPose(f"{subject}: frame '{frame}' is published with an invalid rotation: {error}") from None
         if not all(map(math.isfinite, pose)):
             raise NoPose(f"{subject}: frame '{frame}' is published with values that are not finite")
-        return pose, found.header.stamp
+        return pose, stamp
 
     # -- the check ------------------------------------------------------------------------------------------
 
-    def frames(self) -> Tuple[FrameState, ...]:
+    def states(self) -> Tuple[FrameState, ...]:
         """The state of all markers, for the operator of the motion-capture system."""
         return tuple(
             FrameState(team, subject, marker.frame, *self._found(subject, marker.frame))
@@ -174,7 +178,7 @@ class TfGroundTruth(GroundTruth):
             pose, stamp = self._seen(subject, frame, None)
         except NoPose as error:
             return None, str(error)
-        age_s = 0.0 if stamp is None else rospy.get_time() - stamp
+        age_s = 0.0 if stamp is None else self._frames.now_utc() - stamp
         if age_s > self.config.maximum_age_s:
             return None, f"{subject}: frame '{frame}' was last seen at {_clock(stamp)}: {_REMEDY_OLD}"
         if age_s < -self.config.maximum_age_s:
@@ -190,7 +194,7 @@ class TfGroundTruth(GroundTruth):
         """
         problems: List[str] = []
         warnings: List[str] = []
-        is_off = not self.sees(self.config.reference_frame)
+        is_off = not self._frames.sees(self.config.reference_frame)
         if is_off:
             warnings.append(f"ground truth: {self._never_seen(self.config.reference_frame)}")
         for subject in dict.fromkeys(subjects):
@@ -206,24 +210,23 @@ class TfGroundTruth(GroundTruth):
     def _missing(self, subject: str, frame: str, error: Exception) -> str:
         reference = self.config.reference_frame
         for name in (reference, frame):
-            if not self.sees(name):
+            if not self._frames.sees(name):
                 return f"{subject}: {self._never_seen(name)}"
-        if isinstance(error, tf2_ros.ExtrapolationException):
+        if isinstance(error, NotAtOnce):
             return (f"{subject}: frame '{frame}' and the frames between it and '{reference}' were not seen at the "
-                    f"same time: "
-                    f"{_REMEDY_OLD}")
-        return f"{subject}: frame '{frame}' has no connection with '{reference}' in tf: {error}"
+                    f"same time: {_REMEDY_OLD}")
+        return f"{subject}: frame '{frame}' has no connection with '{reference}': {error}"
 
     def _never_seen(self, frame: str) -> str:
         if frame == self.config.reference_frame:
-            return f"reference frame '{frame}' was never seen: {_REMEDY_REFERENCE}"
-        return f"frame '{frame}' was never seen: {_REMEDY_NEVER}"
+            return f"reference frame '{frame}' was never seen: {self._frames.REMEDY_REFERENCE}"
+        return f"frame '{frame}' was never seen: {self._frames.REMEDY_MARKER}"
 
 
 class _TeamGroundTruth(GroundTruth):
     """The ground truth in a run of a team."""
 
-    def __init__(self, whole: TfGroundTruth, team: str) -> None:
+    def __init__(self, whole: FramesGroundTruth, team: str) -> None:
         self._whole = whole
         self._team = team
 
@@ -247,11 +250,12 @@ def _clock(utc: float) -> str:
 # -- with a configuration file that may change ------------------------------------------------------
 
 class ReloadingGroundTruth:
-    """The ground truth of one file. Create it after `rospy.init_node`."""
+    """The ground truth of one file, from frames that `make_frames` makes."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, make_frames: Callable[[], Frames]) -> None:
         self._file = WatchedFile(path, lambda: load(path))
-        self._tf: Optional[TfGroundTruth] = None
+        self._make_frames = make_frames
+        self._truth: Optional[FramesGroundTruth] = None
         self._use()
 
     def reload(self) -> None:
@@ -264,9 +268,9 @@ class ReloadingGroundTruth:
         self.reload()
         if self._file.problems:
             raise NoPose("; ".join(self._file.problems))
-        if self._tf is None:
+        if self._truth is None:
             raise NoPose(f"{FILE_NAME} has no motion capture any more: restore it, or start the run again")
-        return self._tf.for_team(team)
+        return self._truth.for_team(team)
 
     @property
     def source(self) -> Source:
@@ -274,32 +278,37 @@ class ReloadingGroundTruth:
         self.reload()
         return Source.MOTION_CAPTURE if self._file.problems else self._file.content().source
 
+    def take(self, runs: Sequence[RunForModule]) -> None:
+        """See `Frames.take`."""
+        if self._truth is not None:
+            self._truth.take(runs)
+
     def close(self) -> None:
-        """Stop listening."""
-        if self._tf is not None:
-            self._tf.close()
-            self._tf = None
+        """See `Frames.close`."""
+        if self._truth is not None:
+            self._truth.close()
+            self._truth = None
 
     def check(self, subjects: Sequence[str]) -> Tuple[List[str], List[str]]:
-        """See TfGroundTruth.check; also reports errors in the file."""
+        """See FramesGroundTruth.check; also reports errors in the file."""
         if not subjects:
             return [], []
         self.reload()
         if self._file.problems:
             return self._file.problems, []
-        if self._tf is None:
+        if self._truth is None:
             return [], [_NO_SOURCE] if self.source is Source.NONE else []
-        return self._tf.check(subjects)
+        return self._truth.check(subjects)
 
     def _use(self) -> None:
         if self._file.problems:
             return
         if self._file.content().source is not Source.MOTION_CAPTURE:
             self.close()
-        elif self._tf is None:
-            self._tf = TfGroundTruth(self._file.content())
+        elif self._truth is None:
+            self._truth = FramesGroundTruth(self._file.content(), self._make_frames())
         else:
-            self._tf.use(self._file.content())
+            self._truth.use(self._file.content())
 
 
 # -- by zone ----------------------------------------------------------------------------------------
@@ -307,8 +316,9 @@ class ReloadingGroundTruth:
 class ZonesGroundTruth:
     """The ground truth of each zone: from its own file, or else from the file of all zones (`zone_folders`)."""
 
-    def __init__(self, folder: str) -> None:
+    def __init__(self, folder: str, make_frames: Callable[[], Frames]) -> None:
         self._folder = folder
+        self._make_frames = make_frames
         self._by_path: Dict[str, ReloadingGroundTruth] = {}
         self.now("")
 
@@ -320,13 +330,23 @@ class ZonesGroundTruth:
         """See ReloadingGroundTruth.check."""
         return self.now(zone).check(subjects)
 
+    def take(self, runs: Sequence[RunForModule]) -> None:
+        """Take the present runs: each file's frames get those in its zones (see `Frames.take`)."""
+        for path, truth in self._by_path.items():
+            truth.take([run for run in runs if file_in(self._folder, run.zone, FILE_NAME) == path])
+
+    def close(self) -> None:
+        """See `Frames.close`."""
+        for truth in self._by_path.values():
+            truth.close()
+
     def now(self, zone: str) -> ReloadingGroundTruth:
         """Return what applies in a zone now."""
         for path in [path for path in self._by_path if not os.path.lexists(path)]:
             self._by_path.pop(path).close()
         path = file_in(self._folder, zone, FILE_NAME)
         if path not in self._by_path:
-            self._by_path[path] = ReloadingGroundTruth(path)
+            self._by_path[path] = ReloadingGroundTruth(path, self._make_frames)
         return self._by_path[path]
 
 

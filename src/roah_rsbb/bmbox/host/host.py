@@ -1,0 +1,175 @@
+"""Runs the modules of the functionality benchmarks for a box: takes its runs, and sends it their state.
+
+Theory of operation (docs/module_protocol.md). The rules and their parameters are files that may be changed, added and
+removed at any time: changes take effect at the next start of a run or the next request for a pose. Everything happens
+in the thread of an asyncio loop, and rules may block it. A box in the same process therefore uses `ModulesThread`.
+"""
+
+import asyncio
+import logging
+import time
+import uuid
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
+
+from roah_rsbb.bmbox.framework import registry
+from roah_rsbb.bmbox.framework.own_rules import own_files
+from roah_rsbb.bmbox.framework.zone_folders import zone_folders
+from roah_rsbb.bmbox.host.driven import Driven
+from roah_rsbb.bmbox.host.ground_truth_of_frames import ZonesGroundTruth
+from roah_rsbb.bmbox.host.hosted_module import HostedModule
+from roah_rsbb.model.modules import ModuleInfo, ModulesState, RunForModule
+from roah_rsbb.params import BadParams, Params
+from roah_rsbb.wording.suggestions import did_you_mean
+
+# Interval of messages to the core, which pauses a run after four missing messages.
+BEAT_S = 0.5
+# Resolution of the times of watches, which run up to ten times a second.
+TICK_S = 0.02
+
+_log = logging.getLogger(__name__)
+
+
+def chosen_benchmarks(params: Params, folder: str) -> Optional[List[str]]:
+    """Return the codes of the benchmarks that the parameter `benchmarks` selects; None: all. Raises BadParams."""
+    words = params.text("benchmarks", "all")
+    if words == "all":
+        return None
+    codes = words.replace(",", " ").split()
+    known = {**registry.modules(lambda text: None), **own_files(folder)}
+    unknown = [f"no module for {code}{did_you_mean(code, known)}" for code in codes if code not in known]
+    if unknown or not codes:
+        raise BadParams(f"parameter {params.full_name('benchmarks')}: " + ("; ".join(unknown) or "it is empty"))
+    return codes
+
+
+class ModulesHost:
+    """The modules of all runs. Call `start` once, then `take` with the runs whenever they change."""
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, folder: str, benchmarks: Optional[Sequence[str]],
+        truth: ZonesGroundTruth, send: Callable[[ModulesState], object], utc: Callable[[], float] = time.time,
+    ) -> None:
+        """`folder`: with parameters, rules of the competition and ground truth. `benchmarks`: codes; None: all.
+        `send` is called with the state, on each change and every `BEAT_S`."""
+        self._loop, self._folder, self._chosen, self._truth, self._utc = loop, folder, benchmarks, truth, utc
+        self._do_send = send
+        self._shipped = registry.modules(lambda text: _log.error("%s", text))
+        self._driven: Dict[str, Driven] = {}
+        self._find_rules()
+        self._hosted: Dict[str, HostedModule] = {}  # by the run's identity
+        self._node = str(uuid.uuid4())
+        self._infos: Tuple[ModuleInfo, ...] = ()
+        self._sent: Optional[ModulesState] = None
+        self._next_beat: Optional[asyncio.TimerHandle] = None
+        self._next_tick: Optional[asyncio.TimerHandle] = None
+        self._log_parameters()
+
+    def start(self) -> None:
+        """Send the first state, and continue until `close`."""
+        self._beat()
+
+    def close(self) -> None:
+        """Report to the core that this host drives no benchmark now. Otherwise it counts as present for a while."""
+        for timer in (self._next_beat, self._next_tick):
+            if timer is not None:
+                timer.cancel()
+        self._truth.close()
+        self._send(ModulesState(self._node, (), ()))
+
+    def _log_parameters(self) -> None:
+        """Log which benchmarks can run. A competition has files for its own benchmarks only, which is no error."""
+        problems = {code: self._driven[code].problems() for code in self._codes()}
+        left_out = [] if self._chosen else [
+            code for code in problems if problems[code] and not self._driven[code].has_parameters()]
+        ready = ", ".join(code for code in problems if code not in left_out)
+        _log.info("Running modules %s with the parameters in %s", ready or "of no benchmark", self._folder)
+        if left_out:
+            _log.info("No parameters there for %s, which cannot run", ", ".join(left_out))
+        for code, found in problems.items():
+            for problem in found if code not in left_out else ():
+                _log.error("%s", problem)
+
+    # -- the core -----------------------------------------------------------------------------------
+
+    def take(self, runs: Sequence[RunForModule]) -> None:
+        """Take the present runs with modules."""
+        self._truth.take(runs)
+        codes = self._codes()
+        ours = {run.run: run for run in runs if run.benchmark in codes or run.run in self._hosted}
+        for left in self._hosted.keys() - ours.keys():
+            self._hosted.pop(left).close()
+        for identity, run in ours.items():
+            if identity not in self._hosted:
+                self._hosted[identity] = self._host(run)
+            self._hosted[identity].on_run(run)
+        self._send_if_changed()
+        self._tick_if_needed()
+
+    def _host(self, run: RunForModule) -> HostedModule:
+        driven = self._driven[run.benchmark]
+        return HostedModule(driven.make, lambda: driven.parameters(run.zone), self._truth.of_zone(run.zone),
+                            lambda text: _log.error("%s", text))
+
+    # -- the rules ----------------------------------------------------------------------------------
+
+    def _find_rules(self) -> None:
+        """Find the rules of all benchmarks. Files may have been added or removed since the last call.
+
+        Rules in the competition's folder replace those of the package.
+        """
+        own = own_files(self._folder)
+        for code in list(self._driven):
+            if self._driven[code].own_file != own.get(code):
+                del self._driven[code]
+        for code in {**self._shipped, **own}:
+            if code not in self._driven:
+                self._driven[code] = Driven(code, self._folder, self._shipped.get(code), own.get(code))
+
+    def _codes(self) -> List[str]:
+        """The codes of the benchmarks that this host drives now."""
+        return [code for code in self._driven if self._chosen is None or code in self._chosen]
+
+    # -- time ---------------------------------------------------------------------------------------
+
+    def _beat(self) -> None:
+        self._next_beat = self._loop.call_later(BEAT_S, self._beat)
+        self._find_rules()
+        self._infos = tuple(info for code in self._codes() for info in self._infos_of(self._driven[code]))
+        self._send(self._state())
+
+    def _tick_if_needed(self) -> None:
+        if self._next_tick is None and any(hosted.watching() for hosted in self._hosted.values()):
+            self._next_tick = self._loop.call_later(TICK_S, self._tick)
+
+    def _tick(self) -> None:
+        self._next_tick = None
+        for hosted in self._hosted.values():
+            hosted.tick(self._utc())
+        self._send_if_changed()
+        self._tick_if_needed()
+
+    # -- state --------------------------------------------------------------------------------------
+
+    def _infos_of(self, driven: Driven) -> List[ModuleInfo]:
+        """Return a benchmark's common state, and its state in each zone in which that differs."""
+        driven.reload()
+        common = self._info(driven, "")
+        of_zones = [self._info(driven, zone) for zone in zone_folders(self._folder)]
+        return [common, *(info for info in of_zones if info != common._replace(zone=info.zone))]
+
+    def _info(self, driven: Driven, zone: str) -> ModuleInfo:
+        problems, warnings = self._truth.check(zone, driven.subjects)
+        return ModuleInfo(driven.code, (*driven.problems(zone), *problems), tuple(warnings), zone)
+
+    def _state(self) -> ModulesState:
+        said = (hosted.progress() for hosted in self._hosted.values())
+        return ModulesState(self._node, self._infos, tuple(progress for progress in said if progress is not None))
+
+    def _send_if_changed(self) -> None:
+        state = self._state()
+        if state != self._sent:
+            self._send(state)
+
+    def _send(self, state: ModulesState) -> None:
+        self._sent = state
+        self._do_send(state)
