@@ -1,1 +1,1 @@
-"""Home devices: the SmartIF protocol, its client and a dummy server; sounds. No ROS, standard library only."""
+"""Home devices: the SmartIF protocol, its client and a dummy server; sounds. No ROS."""

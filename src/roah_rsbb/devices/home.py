@@ -6,6 +6,8 @@ The state of the hardware cannot be read. The values here are authoritative, and
 from typing import Dict, NamedTuple, Optional, Tuple
 
 from roah_rsbb.devices.smartif import DeviceEvent, Message, Set
+from roah_rsbb.model.messages import NEVER, DevicesState
+from roah_rsbb.protocol import SWITCHES, WireTime
 
 BELL_ID = "47"
 RING = DeviceEvent("E", BELL_ID, "1")
@@ -38,7 +40,7 @@ class Home:
 
     def __init__(self) -> None:
         self.values: Dict[str, int] = dict.fromkeys(OUTPUTS, 0)
-        self.bell: Tuple[int, int] = (0, 0)  # last ring
+        self.bell: WireTime = NEVER  # last ring
         self.door: bool = False
 
     def set(self, device: str, value: int) -> Set:
@@ -69,6 +71,12 @@ class Home:
             return False
         self.values, self.bell, self.door = restored.values, restored.bell, restored.door
         return True
+
+
+def devices_state(home: Home) -> DevicesState:
+    """The values as the box and the robots receive them."""
+    values = {name: bool(value) if name in SWITCHES else value for name, value in home.values.items()}
+    return DevicesState(bell=home.bell, door_win_detect=home.door, **values)
 
 
 def is_ring(message: Message) -> bool:

@@ -1,12 +1,19 @@
 """Plays sounds by running a command: without a shell, in the background, one at a time."""
 
 import shlex
+import shutil
 import subprocess
+import sys
 import threading
-from typing import Callable, Optional, Set
+from typing import Callable, List, Optional, Sequence, Set
 
 from roah_rsbb import platform
+from roah_rsbb.shipped import shipped_folder
 
+BELL, TIMEOUT = "bell.wav", "timeout.wav"
+# The first one that is installed plays the included sounds. aplay is in package alsa-utils of Debian and Ubuntu.
+_LINUX = (("aplay", "-q"), ("paplay",), ("pw-play",), ("ffplay", "-nodisp", "-autoexit"))
+_WINDOWS = "import sys, winsound; winsound.PlaySound(sys.argv[1], winsound.SND_FILENAME)"
 # Time limit for playing, so that a hanging player does not block the next ring.
 LIMIT_S = 20.0
 END_S = 2.0
@@ -16,16 +23,11 @@ class Sound:
     """One sound. While it plays, at most one further ring waits, so that no ring is much too late."""
 
     def __init__(
-        self, name: str, command: str, on_problem: Callable[[str], None], limit_s: float = LIMIT_S
+        self, name: str, words: Sequence[str], on_problem: Callable[[str], None], limit_s: float = LIMIT_S
     ) -> None:
-        """`command` consists of words and quotes, as in a shell. `on_problem(text)` is called once per kind of problem.
-
-        Raises ValueError for an unclosed quote or an empty command.
-        """
+        """`words`: the command, see `words_of`. `on_problem(text)` is called once per kind of problem."""
         self._name = name
-        self._words = shlex.split(command)
-        if not self._words:
-            raise ValueError("the command is empty")
+        self._words = words
         self._on_problem = on_problem
         self._limit_s = limit_s
         self._reported: Set[str] = set()
@@ -82,3 +84,27 @@ class Sound:
         if text not in self._reported:
             self._reported.add(text)
             self._on_problem(f"{self._name} cannot be heard: {text}")
+
+
+def words_of(command: str, system: str = sys.platform) -> List[str]:
+    """Split a command into words, with quotes as in a shell. Raises ValueError for an unclosed quote or no words."""
+    lexer = shlex.shlex(command, posix=True)
+    lexer.whitespace_split, lexer.commenters = True, ""
+    if system == "win32":
+        lexer.escape = ""  # the backslashes of paths
+    words = list(lexer)
+    if not words:
+        raise ValueError("the command is empty")
+    return words
+
+
+def default_command(
+    file: str, system: str = sys.platform, which: Callable[[str], Optional[str]] = shutil.which,
+) -> List[str]:
+    """The command that plays an included sound, `BELL` or `TIMEOUT`. Raises `NotShipped`."""
+    path = str(shipped_folder().parent / "resource" / "sounds" / file)
+    if system == "win32":
+        return [sys.executable, "-c", _WINDOWS, path]
+    if system == "darwin":
+        return ["afplay", path]
+    return [*next((player for player in _LINUX if which(player[0])), _LINUX[0]), path]

@@ -7,16 +7,13 @@ parameter server.
 Parameters (private): smartif_host, smartif_port (TCP).
 """
 
-import concurrent.futures
-import time
-
 import rospy
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 from std_srvs.srv import EmptyResponse
 
-from roah_rsbb.devices.client import SmartIfClient
-from roah_rsbb.devices.home import OUTPUTS, BadSetting, Home
+from roah_rsbb.devices.devices import HomeDevices
+from roah_rsbb.devices.home import OUTPUTS, BadSetting, Home, devices_state
 from roah_rsbb.msg import DevicesState, DevicesStatus
 from roah_rsbb.protocol import PERCENTAGES, SWITCHES
 from roah_rsbb.ros.command_line import run_node
@@ -37,25 +34,25 @@ class DevicesNode:
         port = params.whole("smartif_port", 6665, 1, 65535)
         params.done()
         self._ros = RosLoop()
-        self._saver = concurrent.futures.ThreadPoolExecutor(max_workers=1)
-        self._home = Home()
-        self._home.restore(rospy.get_param(SAVED, None))
         self._state = rospy.Publisher("/devices/state", DevicesState, queue_size=10, latch=True)
         self._bell = rospy.Publisher("/devices/bell", Empty, queue_size=10)
         self._status = rospy.Publisher("/devices/status", DevicesStatus, queue_size=10, latch=True)
-        self._client = SmartIfClient(host, port, self._home, self._ring, self._on_status)
-        text = f"connecting to the SmartIF controller at {host}:{port}"
-        rospy.loginfo("%s", text)
-        self._status.publish(DevicesStatus(False, text))
+        self._devices = HomeDevices(
+            self._ros.loop, host, port, on_state=self._publish, on_bell=lambda: self._bell.publish(Empty()),
+            on_status=lambda connected, text: self._status.publish(DevicesStatus(connected, text)),
+            saved=rospy.get_param(SAVED, None), save=lambda values: rospy.set_param(SAVED, values))
 
     def run(self) -> None:
         """Run until shut down."""
-        self._publish()
+        self._devices.start()
         self._serve()
-        self._connection = self._ros.loop.create_task(self._client.run())
         self._ros.run()
-        self._saver.shutdown(wait=False)
+        self._devices.close()
         self._ros.close()
+
+    def _publish(self, home: Home) -> None:
+        values = devices_state(home)._asdict()
+        self._state.publish(DevicesState(**{**values, "bell": ros_wire_time(home.bell)}))
 
     # -- services, in threads of rospy ----------------------------------------------------------------
 
@@ -64,21 +61,21 @@ class DevicesNode:
             self._serve_device(device, Bool, "on", "off")
         for device in PERCENTAGES:
             self._serve_device(device, Percentage, "max", "min")
-        rospy.Service("/devices/bell/mock", EmptySrv, lambda _: self._call(EmptyResponse, self._ring))
+        rospy.Service("/devices/bell/mock", EmptySrv, lambda _: self._call(EmptyResponse, self._devices.ring))
         rospy.Service(
             "/devices/door_win_detect/mock", Bool,
-            lambda r: self._call(Bool._response_class, lambda: self._set_door(r.data)),
+            lambda r: self._call(Bool._response_class, lambda: self._devices.set_door(r.data)),
         )
 
     def _serve_device(self, device: str, kind: type, highest: str, lowest: str) -> None:
         for name, value in ((highest, OUTPUTS[device].highest), (lowest, 0)):
             rospy.Service(
                 f"/devices/{device}/{name}", EmptySrv,
-                lambda _, value=value: self._call(EmptyResponse, lambda: self._set(device, value)),
+                lambda _, value=value: self._call(EmptyResponse, lambda: self._devices.set(device, value)),
             )
         rospy.Service(
             f"/devices/{device}/set", kind,
-            lambda r: self._call(kind._response_class, lambda: self._set(device, int(r.data))),
+            lambda r: self._call(kind._response_class, lambda: self._devices.set(device, int(r.data))),
         )
 
     def _call(self, response: type, do) -> object:
@@ -87,42 +84,6 @@ class DevicesNode:
         except BadSetting as error:
             raise rospy.ServiceException(str(error)) from None
         return response()
-
-    # -- in the loop's thread ---------------------------------------------------------------------------
-
-    def _set(self, device: str, value: int) -> None:
-        self._client.send(self._home.set(device, value))
-        if not self._client.connected:
-            rospy.logwarn("%s is set to %d, which the controller receives when it is connected", device, value)
-        self._publish()
-
-    def _set_door(self, opened: bool) -> None:
-        self._home.door = bool(opened)
-        self._publish()
-
-    def _ring(self) -> None:
-        rospy.loginfo("The bell rings")
-        nsec = time.time_ns()
-        self._home.bell = (nsec // 10**9, nsec % 10**9)
-        self._publish()
-        self._bell.publish(Empty())
-
-    def _on_status(self, connected: bool, text: str) -> None:
-        (rospy.loginfo if connected else rospy.logwarn)("%s", text)
-        self._status.publish(DevicesStatus(connected, text))
-
-    def _publish(self) -> None:
-        home = self._home
-        self._state.publish(DevicesState(bell=ros_wire_time(home.bell), door_win_detect=home.door, **home.values))
-        self._saver.submit(_save, home.saved())
-
-
-def _save(saved: object) -> None:
-    """Save values in another thread, because the master may be slow or absent."""
-    try:
-        rospy.set_param(SAVED, saved)
-    except Exception as error:
-        rospy.logwarn_throttle(60.0, f"the values cannot be saved for a restart of this node: {error}")
 
 
 def main() -> None:

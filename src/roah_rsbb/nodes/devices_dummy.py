@@ -7,6 +7,7 @@ Parameters (private): bind_host (127.0.0.1), port (6665, TCP).
 """
 
 import argparse
+import logging
 import sys
 from typing import List
 
@@ -27,6 +28,8 @@ DOOR = "/devices/door_win_detect/mock"
 WORDS = ("ring", "open", "close")
 RETRY_S = 3.0
 
+_log = logging.getLogger(__name__)
+
 
 class DevicesDummyNode:
     """The node. Raises `BadParams` at the start."""
@@ -37,7 +40,7 @@ class DevicesDummyNode:
         port = params.whole("port", 6665, 0, 65535)
         params.done()
         self._ros = RosLoop()
-        self._server = DummyServer(host, port, lambda text: rospy.loginfo("%s", text))
+        self._server = DummyServer(host, port, lambda text: _log.info("%s", text))
         self._reported = ""
 
     def run(self) -> None:
@@ -46,7 +49,7 @@ class DevicesDummyNode:
         rospy.Service("~ring", Empty, self._ring)
         rospy.Service("~door", Bool, self._door)
         if sys.stdin is not None and sys.stdin.isatty():
-            rospy.loginfo("Type %s", ", ".join(WORDS))
+            _log.info("Type %s", ", ".join(WORDS))
             self._ros.loop.add_reader(sys.stdin.fileno(), self._typed)
         self._ros.run()
         self._server.close()
@@ -59,11 +62,11 @@ class DevicesDummyNode:
             text = f"{self._server.host}:{self._server.port} cannot be opened: {error.strerror}"
             if text != self._reported:
                 self._reported = text
-                rospy.logerr("%s. Choose another port (parameter ~port). Retrying every %.0f s", text, RETRY_S)
+                _log.error("%s. Choose another port (parameter ~port). Retrying every %.0f s", text, RETRY_S)
             self._ros.loop.call_later(RETRY_S, lambda: self._ros.loop.create_task(self._open()))
             return
         rospy.set_param("~served_port", self._server.port)
-        rospy.loginfo("A dummy SmartIF controller is at %s:%d", self._server.host, self._server.port)
+        _log.info("A dummy SmartIF controller is at %s:%d", self._server.host, self._server.port)
 
     def _ring(self, _request: object) -> EmptyResponse:
         if not self._ros.call(self._server.ring):
@@ -88,7 +91,7 @@ class DevicesDummyNode:
             # In another thread, because the call returns to the loop.
             self._ros.loop.run_in_executor(None, _operate_and_log, word, rospy.get_name())
         elif word:
-            rospy.logwarn("unknown command '%s': type %s", word, ", ".join(WORDS))
+            _log.warning("unknown command '%s': type %s", word, ", ".join(WORDS))
 
 
 def operate(word: str, node: str = NODE) -> None:
@@ -103,7 +106,7 @@ def _operate_and_log(word: str, node: str) -> None:
     try:
         operate(word, node)
     except rospy.ServiceException as error:
-        rospy.logwarn("%s", error)
+        _log.warning("%s", error)
 
 
 def _words(arguments: List[str]) -> argparse.Namespace:
@@ -130,5 +133,5 @@ def main() -> None:
         DevicesDummyNode().run()
     except BadParams as error:
         for line in str(error).splitlines():
-            rospy.logfatal("%s", line)
+            _log.critical("%s", line)
         sys.exit(1)

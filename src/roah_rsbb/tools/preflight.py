@@ -11,7 +11,7 @@ from typing import Dict, List, Optional
 import rospkg
 
 from roah_rsbb.arguments import Parser, number
-from roah_rsbb.nodes.sounds import PLAYER
+from roah_rsbb.devices.sounds import BELL, default_command
 from roah_rsbb.ros.display import has_display
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.launch_file import arguments
@@ -101,7 +101,7 @@ def findings(options: argparse.Namespace) -> List[Remark]:
     found += checks.check_configuration(files, options.modules_dir)
     found += _check_venue(options, files)
     found.append(venue.check_web_port(options.bind_host, options.web_port))
-    found.append(checks.check_player(PLAYER))
+    found.append(checks.check_player(default_command(BELL)[0]))
     found.append(checks.check_display(has_display()))
     return found
 

@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from roah_rsbb.devices.sounds import Sound
+from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, default_command, words_of
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 LIMIT_S = 20
@@ -54,7 +54,7 @@ def sound(troubles):
     made = []
 
     def make(command, limit_s=LIMIT_S):
-        made.append(Sound("the bell", command, troubles.put, limit_s))
+        made.append(Sound("the bell", words_of(command), troubles.put, limit_s))
         return made[-1]
 
     yield make
@@ -139,10 +139,48 @@ def test_closing_silences(tmp_path, sound, troubles):
     assert troubles.empty()
 
 
+@pytest.mark.parametrize("platform", ["linux", "darwin", "win32"])
 @pytest.mark.parametrize("command", ["", "  ", "aplay 'bell.wav"])
-def test_invalid_commands(command):
+def test_invalid_commands(command, platform):
     with pytest.raises(ValueError):
-        Sound("the bell", command, lambda text: None)
+        words_of(command, platform)
+
+
+@pytest.mark.parametrize("platform, command, words", [
+    ("linux", "aplay -q '/a b/#1.wav' # x", ["aplay", "-q", "/a b/#1.wav", "#", "x"]),
+    ("linux", r"play a\ b", ["play", "a b"]),
+    ("win32", r'"C:\Sound files\player.exe" /q C:\new.wav', [r"C:\Sound files\player.exe", "/q", r"C:\new.wav"]),
+])
+def test_words_of_a_command(platform, command, words):
+    assert words_of(command, platform) == words
+
+
+@pytest.mark.parametrize("platform, installed, player", [
+    ("linux", ["aplay", "paplay", "pw-play", "ffplay", "afplay"], ["aplay", "-q"]),
+    ("linux", ["paplay", "pw-play", "ffplay"], ["paplay"]),
+    ("linux", ["pw-play", "ffplay"], ["pw-play"]),
+    ("linux", ["ffplay"], ["ffplay", "-nodisp", "-autoexit"]),
+    ("linux", [], ["aplay", "-q"]),  # the warning then names what to install
+    ("darwin", ["aplay", "afplay"], ["afplay"]),
+    ("win32", ["aplay"], [sys.executable, "-c"]),
+])
+def test_the_player_of_each_system(platform, installed, player):
+    for file in (BELL, TIMEOUT):
+        command = default_command(file, platform, lambda name: f"/bin/{name}" if name in installed else None)
+        assert command[:len(player)] == player
+        assert os.path.samefile(command[-1], ROOT / "resource" / "sounds" / file)
+        assert len(command) == len(player) + (2 if platform == "win32" else 1)
+
+
+def test_on_windows_python_plays_the_file(tmp_path):
+    """With a module of the test in place of the system's."""
+    played = tmp_path / "played"
+    (tmp_path / "winsound.py").write_text(
+        "SND_FILENAME = 131072\n"
+        f"def PlaySound(file, how): print(file, how, file=open({str(played)!r}, 'w'))\n")
+    command = default_command(BELL, "win32")
+    subprocess.run(command, env={**os.environ, "PYTHONPATH": str(tmp_path)}, check=True)
+    assert played.read_text() == f"{command[-1]} 131072\n"
 
 
 @pytest.mark.long
