@@ -28,15 +28,20 @@ class BoxParameters(NamedTuple):
     log_dir: str
     resume: Resume
     publicity: Publicity
-    copies: List[str]  # where copies of the journal are to be: a folder, `STANDBY`
+    backup_dir: str  # to which the journal is copied; empty: to none
     standby_port: int  # TCP; 0: there is no standby
+
+    @property
+    def copies(self) -> List[str]:
+        """Where copies of the journal are to be: a folder, `STANDBY`."""
+        return [*([self.backup_dir] if self.backup_dir else []), *([STANDBY] if self.standby_port else [])]
 
 
 def read_parameters(params: Params) -> BoxParameters:
     """Read all of them. Raises `BadParams`."""
     settings = _settings(params)
     standings_file = params.text("standings_file", NO_FILE)
-    copies = [params.path("backup_dir")] if params.text("backup_dir", NO_FILE) != NO_FILE else []
+    backup_dir = params.path("backup_dir") if params.text("backup_dir", NO_FILE) != NO_FILE else ""
     standby_port = params.whole("standby_port", 0, 0, 65535)
     found = BoxParameters(
         settings, _network(params, settings),
@@ -48,7 +53,7 @@ def read_parameters(params: Params) -> BoxParameters:
             PublicResults(params.choice(
                 "public_results", PublicResults.NONE.value, [choice.value for choice in PublicResults])),
             params.flag("public_provisional", False), params.flag("public_robot_texts", False), public_standings),
-        copies + ([STANDBY] if standby_port else []), standby_port,
+        backup_dir, standby_port,
     )
     params.done()
     return found

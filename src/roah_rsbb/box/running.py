@@ -34,7 +34,7 @@ from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now
 from roah_rsbb.params import BadParams
-from roah_rsbb.rulebook.benchmarks import Durable
+from roah_rsbb.rulebook.benchmarks import Config, Durable
 from roah_rsbb.run_logs.writer import RunLogWriter
 from roah_rsbb.signs_of_life import Signs
 
@@ -100,6 +100,11 @@ class RunningBox:
         self._check_log_dir()
         for place in params.copies:
             self.box.copies.expect(core.now(), place)
+
+    @property
+    def config(self) -> Config:
+        """The configuration in force."""
+        return self._configuration.content.config
 
     def look(self, look: Callable[[], Sequence[Callable[[], object]]], period_s: Callable[[], float]) -> None:
         """Set what is done in each look, which includes `BoxDoor.publish`, and how long it is until the next one."""

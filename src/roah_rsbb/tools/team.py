@@ -43,3 +43,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
         sys.exit(f"roah-rsbb: {given[0]} is in the package {wheel}, which is not here ({error}): install "
                  f"its wheel, or 'ROAH_RSBB_PACKAGE={package} pip install ./roah_rsbb' where the source is")
     program.main(given[1:])
+
+
+if __name__ == "__main__":
+    main()

@@ -20,6 +20,7 @@ from roah_rsbb.box.program.main import log_to_terminal, serve
 from roah_rsbb.client.places import OWN_VARIABLE
 from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
+from roah_rsbb.durable import close_to_others
 
 ZONE = "Testing TestingTeam"
 # For each benchmark, further options of the scripted referee.
@@ -67,6 +68,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
     options = _parser().parse_args(arguments)
     log_to_terminal()
+    close_to_others()
     log_dir = os.path.expanduser(options.log_dir)
     found = settings(log_dir)
     # Imported late: help needs none of it.
@@ -83,14 +85,14 @@ def main(arguments: Optional[List[str]] = None) -> None:
     async def work(program: BoxProgram) -> int:
         door = os.path.join(log_dir, "door.json")  # terminals are not to take it for the box of a competition
         await program.start(door)
-        config = program.running.box.config
+        config = program.running.config
         behaviour = DummyOptions(execute_duration=options.execute_duration)
         for number_, team in enumerate(teams_of(config)[:options.robots]):
             robot = dummy_client(
                 team, config.passwords[team], options=behaviour, rsbb_host=LOOPBACK_BROADCAST,
                 bind_host=f"127.0.0.{number_ + 2}", name_in_log=team, make_peer=airs[0].peer)
             program.keep(robot.run())
-        if not options.scripted and program.open_pages(in_browser=True):
+        if not options.scripted and False:
             await asyncio.get_event_loop().create_future()
         return await asyncio.get_event_loop().run_in_executor(None, functools.partial(_scripted, door, log_dir))
 

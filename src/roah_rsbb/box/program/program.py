@@ -7,11 +7,12 @@ import asyncio
 import logging
 import os
 import socket
+from typing import Any, Coroutine, List, Optional
 from urllib.parse import urlsplit
 
 from roah_rsbb.box.parameters import BoxParameters, read_parameters
-from roah_rsbb.box.program.parts import ControlledDevices, DrivenModules, Sounds
-from roah_rsbb.box.program.settings import BoxSettings
+from roah_rsbb.box.program.parts import Backup, ControlledDevices, DrivenModules, Sounds
+from roah_rsbb.box.program.settings import BoxSettings, of_box
 from roah_rsbb.box.running import Around, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal
 from roah_rsbb.client.places import OWN_VARIABLE, own_file
@@ -36,7 +37,7 @@ class BoxProgram:
         `DrivenModules`. Raises
         `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError, whose texts name the remedy."""
         params = read_parameters(settings)
-        _refuse(settings, params)
+        _check(settings, params)
         self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
         self._sounds = Sounds(settings)
         os.makedirs(params.log_dir, exist_ok=True)
@@ -44,8 +45,10 @@ class BoxProgram:
         self.running = RunningBox(
             loop, params, launch, wait_for_journal(params.log_dir),
             Around(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
+        self._backup: Optional[Backup] = None
         self._door_file = ""
-        self._loop = loop
+        self._tasks: List[asyncio.Task] = []  # a loop does not keep them
+        self._loop, self._params = loop, params
 
     async def start(self, door_file: str) -> None:
         """Start everything. `door_file`: where this box says how its door is found."""
@@ -54,6 +57,8 @@ class BoxProgram:
         self._devices.start(self.running)
         if self._modules is not None:
             self._modules.start(self.running)
+        if self._params.backup_dir:
+            self._backup = Backup(self._loop, self._params.backup_dir, self._params.log_dir, self.running)
         port = self.running.door.open(LOOPBACK)
         self._door_file = door_file
         write_place(door_file, f"ws://{LOOPBACK}:{port}/door", self.running.door.token)
@@ -67,17 +72,28 @@ class BoxProgram:
             self._modules.close()
         self._devices.close()
         self._sounds.close()
+        for task in self._tasks:
+            task.cancel()
         self.running.close()
+        if self._backup is not None:
+            self._backup.close()
+
+    def keep(self, work: Coroutine[Any, Any, Any]) -> None:
+        """Run something until this program ends, such as a robot of a demonstration."""
+        self._tasks.append(self._loop.create_task(work))
 
     def _publish_module_runs(self) -> None:
         if self._modules is not None:
             self._modules.publish_runs()
 
 
-def _refuse(settings: BoxSettings, params: BoxParameters) -> None:
-    """Raise `BadParams` for what a box without ROS cannot do."""
+def _check(settings: BoxSettings, params: BoxParameters) -> None:
+    """Raise `BadParams` for settings that do not exist, and for what a box without ROS cannot do."""
+    wrong = settings.unknown(list(of_box()))
     if params.standby_port:
-        raise BadParams("standby_port: a box without ROS has no standby yet: leave it out, or start the box with ROS")
+        wrong.append("standby_port: a box without ROS has no standby yet: leave it out, or start the box with ROS")
+    if wrong:
+        raise BadParams("\n".join(wrong))
 
 
 def door_file(log_dir: str) -> str:
