@@ -8,6 +8,7 @@ functionality benchmark instead. The exit status then says whether both runs wer
 import argparse
 import asyncio
 import functools
+import logging
 import os
 import socket
 import subprocess
@@ -55,19 +56,19 @@ def _free_port(first: int) -> int:
     return 0
 
 
-def settings(log_dir: str) -> settings_of.BoxSettings:
-    """Return the settings of the demonstration's box."""
+def settings(log_dir: str, **changes: str) -> settings_of.BoxSettings:
+    """Return the settings of the demonstration's box. `changes`: others than usual."""
     web_port = _free_port(FIRST_WEB_PORT)
     return settings_of.BoxSettings({
         **settings_of.defaults(), "rsbb_host": LOOPBACK_BROADCAST, "bind_host": BOX_HOST, "log_dir": log_dir,
         "listen_duration": "0.2", "web_port": str(web_port), "tablet_port": str(_free_port(web_port + 1)),
-        "devices": "false"})
+        "devices": "false", **changes})
 
 
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
     options = _parser().parse_args(arguments)
-    log_to_terminal()
+    log_to_terminal(logging.WARNING if options.scripted else logging.INFO)
     close_to_others()
     log_dir = os.path.expanduser(options.log_dir)
     found = settings(log_dir)

@@ -47,9 +47,9 @@ def _explained(known: Dict[str, settings_of.LaunchArgument]) -> str:
         subsequent_indent="      ") for name, found in known.items())
 
 
-def log_to_terminal() -> None:
-    """Let the lines of the log appear on the standard error."""
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s", datefmt="%H:%M:%S")
+def log_to_terminal(level: int = logging.INFO) -> None:
+    """Let the lines of the log from this level on appear on the standard error."""
+    logging.basicConfig(level=level, format="%(asctime)s %(levelname)s %(message)s", datefmt="%H:%M:%S")
     logging.getLogger("tornado").setLevel(logging.ERROR)
 
 

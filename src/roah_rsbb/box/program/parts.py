@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import threading
 from typing import Callable, Optional
 
 from roah_rsbb.bmbox.host.dummy_frames import DummyFrames
@@ -146,7 +147,9 @@ class Backup:
         """Start to copy. Call it when the journal is open."""
         self._loop, self._running = loop, running
         _log.info("Copying the journal to %s", folder)
-        self._copy = ReportedCopy(folder, Follower(log_dir, Stick(folder, log_dir).open))
+        self._has_all = threading.Event()
+        self._copy = ReportedCopy(folder, Follower(
+            log_dir, Stick(folder, log_dir).open, on_answer=lambda question: self._has_all.set()))
         self._timer = loop.call_soon(self._report)
 
     def _report(self) -> None:
@@ -157,6 +160,8 @@ class Backup:
             news.place, is_of_box, news.behind_s, news.missing_bytes, news.trouble, news.notice))
 
     def close(self) -> None:
-        """End it, when it is complete or cannot be."""
+        """End it when it has everything of the journal, which is closed, but wait no longer than `COPY_END_S`."""
         self._timer.cancel()
+        self._copy.follower.ask("end")
+        self._has_all.wait(COPY_END_S)
         self._copy.follower.end(COPY_END_S)

@@ -1,0 +1,188 @@
+"""A whole box in one process: with robots in memory, from its start to scored runs, and over a restart."""
+
+import asyncio
+import os
+
+import pytest
+
+from roah_rsbb.box.own_client import OwnClient
+from roah_rsbb.box.program.demo import settings
+from roah_rsbb.box.program.program import BoxProgram, door_file
+from roah_rsbb.client.places import OWN_VARIABLE
+from roah_rsbb.comm.memory import MemoryAir
+from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
+from roah_rsbb.document.place import read_place, write_place
+from roah_rsbb.model.zone import ENDED, IDLE, RUNNING
+from roah_rsbb.params import BadParams
+from roah_rsbb.platform import run
+from roah_rsbb.robot.dummy import DummyOptions, dummy_client
+
+ZONE, TEAM = "Testing TestingTeam", "TestingTeam"
+LIMIT_S = 60.0
+
+
+def box_program(log_dir, air, **changes):
+    return BoxProgram(asyncio.get_event_loop(), settings(str(log_dir), web="false", tablet="false", **changes), "",
+                      air.peer, is_dummy=True)
+
+
+class Demonstration:
+    """A box, a robot and a referee in this loop. What happens is waited for, and never a time."""
+
+    def __init__(self, log_dir, execute_s=0.05, **changes):
+        self.air = MemoryAir(asyncio.get_event_loop())
+        self.program = box_program(log_dir, self.air, **changes)
+        self._changed = asyncio.Event()
+        running = self.program.running
+        self.client = OwnClient(running.door, running.now, self._changed.set, "referee")
+        self.door_file = os.path.join(str(log_dir), "door.json")
+        self._behaviour = DummyOptions(prepare_duration=0.05, execute_duration=execute_s, seed=1)
+
+    async def __aenter__(self):
+        self.client.start()
+        await self.program.start(self.door_file)
+        self.program.keep(dummy_client(
+            TEAM, "PASSWORD", options=self._behaviour, rsbb_host=LOOPBACK_BROADCAST, bind_host="127.0.0.2",
+            make_peer=self.air.peer).run())
+        return self
+
+    async def __aexit__(self, *error):
+        self.program.close()
+
+    @property
+    def zone(self):
+        return self.client.document.zones[ZONE]
+
+    async def until(self, condition):
+        """Wait until a condition holds for the zone."""
+        async def wait():
+            while not condition(self.zone):
+                self._changed.clear()
+                await self._changed.wait()
+        await asyncio.wait_for(wait(), LIMIT_S)
+
+    async def act(self, action, **given):
+        call = self.client.call("act", action=action, zone=ZONE, run=self.zone.identity, given=given, by="Ann")
+        answer = await asyncio.wait_for(asyncio.wrap_future(call), LIMIT_S)
+        assert not answer.reasons, [str(reason) for reason in answer.reasons]
+
+    async def choose(self, code):
+        """Go to the next event with this benchmark."""
+        while self.zone.event.code != code:
+            await self.act("next")
+
+    async def begin(self):
+        """Connect and start."""
+        await self.until(lambda zone: zone.is_on("connect"))
+        await self.act("connect")
+        await self.until(lambda zone: zone.is_on("start"))
+        await self.act("start")
+        await self.until(lambda zone: zone.phase == RUNNING)
+
+
+def test_a_task_benchmark_from_the_start_to_its_score(tmp_path):
+    async def play():
+        async with Demonstration(tmp_path) as demo:
+            await demo.begin()
+            await demo.until(lambda zone: zone.phase == ENDED)
+            item = demo.zone.items[0]
+            await demo.act("mark", group=item.group, desc=item.desc, value=1, role="referee", id="1")
+            await demo.until(lambda zone: zone.items[0].value == 1)
+            await demo.act("disconnect")
+            await demo.until(lambda zone: zone.phase == IDLE)
+            return list(demo.client.document.results.values())
+    results = run(play())
+    assert [(result.code, result.end_reason) for result in results] == [("HGTKMH", "completed")]
+    assert len(list(tmp_path.glob("*.bag"))) == 1
+
+
+def test_a_functionality_benchmark_is_driven_and_scored_by_its_module(tmp_path):
+    async def play():
+        async with Demonstration(tmp_path) as demo:
+            await demo.choose("HNF")
+            await demo.begin()
+            while demo.zone.phase == RUNNING:
+                await demo.until(lambda zone: zone.phase == ENDED or zone.operation)
+                if demo.zone.operation:
+                    number = demo.zone.operation
+                    await demo.act("operation")
+                    await demo.until(lambda zone, number=number: zone.operation != number)
+            return demo.zone
+    zone = run(play())
+    assert zone.end_reason == "completed"
+    assert {score.desc: score.value for score in zone.module_scores}["Waypoints reached"] == "3"
+
+
+def test_a_run_continues_with_the_next_start(tmp_path):
+    async def play(demo):
+        async with demo:
+            await demo.begin()
+            await demo.until(lambda zone: zone.robot.robot_state == "EXECUTING")
+            return demo.zone
+
+    async def go_on(before):
+        async with Demonstration(tmp_path) as demo:
+            assert (demo.zone.phase, demo.zone.identity) == (RUNNING, before.identity)
+            await demo.until(lambda zone: zone.robot.heard)
+            await demo.act("stop")
+            await demo.until(lambda zone: zone.phase == ENDED)
+            assert demo.zone.robot.port == before.robot.port
+
+    async def first():
+        return await play(Demonstration(tmp_path, execute_s=1000.0))
+    run(go_on(run(first())))
+
+
+def test_the_door_is_open_for_programs_and_its_file_goes_with_the_box(tmp_path):
+    async def play():
+        async with Demonstration(tmp_path) as demo:
+            return demo.door_file, read_place(demo.door_file)
+    path, place = run(play())
+    assert place.url.startswith("ws://127.0.0.1:") and place.token
+    assert not os.path.exists(path)
+
+
+def test_a_robots_command_for_a_device_is_refused_where_there_are_none(tmp_path):
+    async def play():
+        async with Demonstration(tmp_path) as demo:
+            await demo.choose("HCFGAC")
+            await demo.begin()
+            await demo.until(lambda zone: "no home devices" in zone.log)
+    run(play())
+
+
+def test_the_journal_is_copied(tmp_path):
+    async def play():
+        async with Demonstration(tmp_path / "log", backup_dir=str(tmp_path / "stick")) as demo:
+            await demo.begin()
+    (tmp_path / "stick").mkdir()
+    run(play())
+    written = {path.name: path.read_bytes() for path in (tmp_path / "log").rglob("journal-*.log")}
+    copied = {path.name: path.read_bytes() for path in (tmp_path / "stick").rglob("journal-*.log")}
+    assert written and copied == written
+
+
+@pytest.mark.parametrize("changes, said", [
+    ({"web_prot": "1"}, "did you mean 'web_port'"), ({"standby_port": "8083"}, "no standby yet")])
+def test_what_cannot_be_is_said_before_anything_is_opened(tmp_path, changes, said):
+    async def make():
+        box_program(tmp_path / "log", MemoryAir(asyncio.get_event_loop()), **changes)
+    with pytest.raises(BadParams, match=said):
+        run(make())
+    assert not (tmp_path / "log").exists()
+
+
+def test_terminals_are_not_led_from_one_box_to_another(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.delenv(OWN_VARIABLE, raising=False)
+    usual = str(tmp_path / ".roah_rsbb" / "door.json")
+    assert door_file("log") == usual
+    write_place(usual, "ws://127.0.0.1:1/door", "of a box that was killed")
+    assert door_file("log") == usual
+
+    async def play():
+        async with Demonstration(tmp_path / "log") as demo:
+            place = read_place(demo.door_file)
+            write_place(usual, place.url, place.token)
+            return door_file("other")
+    assert run(play()) == os.path.join("other", "door.json")

@@ -1,0 +1,77 @@
+"""The supervisor of a box without ROS."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+
+import pytest
+
+LIMIT_S = 60.0
+# The box: it notes its start, and ends as the test wants it to.
+BOX = """
+import os, signal, sys, time
+with open("starts", "a") as file:
+    file.write(os.environ["ROAH_RSBB_LAUNCH"] + "\\n")
+starts = len(open("starts").readlines())
+print("started", starts, flush=True)
+"""
+SUPERVISOR = """
+import sys
+from roah_rsbb.box.program.supervisor import supervise
+sys.exit(supervise([sys.executable, "-c", open("box.py").read()], "."))
+"""
+
+
+@pytest.fixture
+def supervised(tmp_path):
+    """Start a supervisor over a box with this code; returns the process."""
+    found = []
+
+    def start(code):
+        (tmp_path / "box.py").write_text(BOX + textwrap.dedent(code), "utf-8")
+        found.append(subprocess.Popen(
+            [sys.executable, "-c", SUPERVISOR], cwd=str(tmp_path), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            universal_newlines=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}))
+        return found[0]
+
+    yield start
+    for process in found:
+        process.kill()
+        process.communicate()
+
+
+def starts(tmp_path):
+    return (tmp_path / "starts").read_text("utf-8").split()
+
+
+def test_a_killed_box_is_started_again_within_the_same_launch(supervised, tmp_path):
+    process = supervised("if starts < 3: os.kill(os.getpid(), signal.SIGKILL)")
+    out, error = process.communicate(timeout=LIMIT_S)
+    assert (process.returncode, out.split()) == (0, ["started", "1", "started", "2", "started", "3"])
+    assert error.count("ended unexpectedly") == 2
+    assert len(set(starts(tmp_path))) == 1
+
+
+@pytest.mark.parametrize("status", [0, 1, 2])
+def test_a_box_that_ends_by_itself_is_not(supervised, tmp_path, status):
+    process = supervised(f"sys.exit({status})")
+    process.communicate(timeout=LIMIT_S)
+    assert process.returncode == status
+    assert len(starts(tmp_path)) == 1
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_whoever_ends_the_supervisor_ends_the_box(supervised, tmp_path, number):
+    process = supervised("""
+        signal.signal(signal.SIGTERM, lambda *_: (open("ended", "w").close(), sys.exit(0)))
+        while True:
+            time.sleep(60)
+        """)
+    assert process.stdout.readline() == "started 1\n"
+    process.send_signal(number)
+    process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0
+    assert (tmp_path / "ended").exists()
+    assert len(starts(tmp_path)) == 1
