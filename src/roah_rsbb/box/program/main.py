@@ -12,12 +12,14 @@ import os
 import pathlib
 import sys
 import textwrap
-from typing import Any, Callable, Dict, List, Optional
+from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence
 
 from roah_rsbb.arguments import Parser, called
-from roah_rsbb.box.program import settings as settings_of
 from roah_rsbb.durable import close_to_others
 from roah_rsbb.params import BadParams
+
+if TYPE_CHECKING:
+    from roah_rsbb.box.program.settings import BoxSettings
 
 # Seconds after which the loop's thread gets Python's lock from another thread. Usual are 0.005: too long for STOP.
 SWITCH_S = 0.0005
@@ -31,32 +33,29 @@ Parameters of the core that no launch file has, such as allowed_skew:=0.2, can b
 """
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = Parser(called("run"), str(__doc__).strip(), _EPILOG.format(settings=_explained(settings_of.of_box())))
+def _parser(explains: bool) -> argparse.ArgumentParser:
+    """`explains`: whether the settings are explained, for which their files are read."""
+    parser = Parser(called("run"), str(__doc__).strip(), _explanation() if explains else "",
+                    usage=f"{called('run')} [-h] [--no-browser] [{ALONE}] FOLDER [name:=value ...]")
     parser.add_argument("folder", metavar="FOLDER", help="the competition's folder, made by 'roah-rsbb new'")
-    parser.add_argument("settings", metavar="name:=value", nargs="*", help="settings of this start (see below)")
     parser.add_argument("--no-browser", action="store_true", help="do not open the pages in a browser")
     parser.add_argument(ALONE, action="store_true",
                         help="do not start the box again if it ends unexpectedly, because something else does")
     return parser
 
 
-def _explained(known: Dict[str, settings_of.LaunchArgument]) -> str:
-    return "\n".join(textwrap.fill(
+def _explanation() -> str:
+    from roah_rsbb.box.program.settings import of_box
+
+    return _EPILOG.format(settings="\n".join(textwrap.fill(
         f"{name}: {found.doc} (default: {found.default or 'empty'})", 110, initial_indent="  ",
-        subsequent_indent="      ") for name, found in known.items())
+        subsequent_indent="      ") for name, found in of_box().items()))
 
 
 def log_to_terminal(level: int = logging.INFO) -> None:
     """Let the lines of the log from this level on appear on the standard error."""
     logging.basicConfig(level=level, format="%(asctime)s %(levelname)s %(message)s", datefmt="%H:%M:%S")
     logging.getLogger("tornado").setLevel(logging.ERROR)
-
-
-def settings_of_folder(folder: str, words: List[str]) -> settings_of.BoxSettings:
-    """Return the settings of the box of a competition. Raises `BadParams`."""
-    return settings_of.BoxSettings({
-        **settings_of.defaults(), **settings_of.of_folder(pathlib.Path(folder)), **settings_of.of_words(words)})
 
 
 def serve(make: Callable[[asyncio.AbstractEventLoop], Any], work: Callable[[Any], Any]) -> int:
@@ -93,24 +92,35 @@ def serve(make: Callable[[asyncio.AbstractEventLoop], Any], work: Callable[[Any]
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
     given = sys.argv[1:] if arguments is None else arguments
-    options = _parser().parse_args(given)
+    options = _parser(bool({"-h", "--help"}.intersection(given))).parse_args(
+        [word for word in given if ":=" not in word])
     log_to_terminal()
     close_to_others()
+    # Imported late, because the supervisor needs none of it before it has started the box.
+    if not options.unsupervised:
+        from roah_rsbb.box.program.supervisor import supervise
+
+        command = [sys.executable, "-m", "roah_rsbb.tools.team", "run", *given, ALONE]
+        sys.exit(supervise(command, lambda: _settings(options.folder, given).path("log_dir")))
+    from roah_rsbb.box.program.program import BoxProgram, door_file
+    from roah_rsbb.box.program.supervisor import LAUNCH
+
     try:
-        settings = settings_of_folder(options.folder, options.settings)
+        settings = _settings(options.folder, given)
     except BadParams as error:
         sys.exit(f"{called('run')}: {error}")
-    from roah_rsbb.box.program.supervisor import LAUNCH, supervise
-
-    if not options.unsupervised:
-        command = [sys.executable, "-m", "roah_rsbb.tools.team", "run", *given, ALONE]
-        sys.exit(supervise(command, settings.path("log_dir")))
-    from roah_rsbb.box.program.program import BoxProgram, door_file
 
     async def work(program: BoxProgram) -> int:
         await program.start(door_file(settings.path("log_dir")))
-        program.open_pages(in_browser=not options.no_browser)
+        # pages
         await asyncio.get_event_loop().create_future()
         return 0
 
     sys.exit(serve(lambda loop: BoxProgram(loop, settings, os.environ.get(LAUNCH, "")), work))
+
+
+def _settings(folder: str, words: Sequence[str]) -> "BoxSettings":
+    """Return the settings of the box of a competition. Raises `BadParams`."""
+    from roah_rsbb.box.program.settings import BoxSettings, defaults, of_folder, of_words
+
+    return BoxSettings({**defaults(), **of_folder(pathlib.Path(folder)), **of_words(words)})

@@ -44,11 +44,8 @@ def of_folder(folder: pathlib.Path) -> Dict[str, str]:
 
 
 def of_words(words: Sequence[str]) -> Dict[str, str]:
-    """Return what a command line sets, in words such as rsbb_host:=192.168.1.255. Raises `BadParams`."""
-    for word in words:
-        if ":=" not in word:
-            raise BadParams(f"'{word}' is no setting: write name:=value, such as rsbb_host:=192.168.1.255")
-    return dict(word.split(":=", 1) for word in words)
+    """Return what a command line sets, in words such as rsbb_host:=192.168.1.255. Others are left out."""
+    return dict(word.split(":=", 1) for word in words if ":=" in word)
 
 
 def _arguments(path: pathlib.Path) -> Dict[str, LaunchArgument]:

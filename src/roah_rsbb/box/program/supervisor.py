@@ -10,8 +10,9 @@ import signal
 import subprocess
 import time
 import uuid
-from typing import Sequence
+from typing import Callable, Sequence
 
+from roah_rsbb.params import BadParams
 from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, SUPERVISOR, Watch, state_of
 
 # Of the environment of the box: identifies the supervisor, so that `resume:=launch` continues after a crash only.
@@ -26,31 +27,36 @@ END_S = 10.0
 _log = logging.getLogger(__name__)
 
 
-def supervise(command: Sequence[str], log_dir: str) -> int:
-    """Run a box until it ends by itself or this process is interrupted; returns its exit status."""
+def supervise(command: Sequence[str], log_dir: Callable[[], str]) -> int:
+    """Run a box until it ends by itself or this process is interrupted; returns its exit status.
+
+    `log_dir` returns that of the box, or raises `BadParams`: the box then says what is wrong, and ends.
+    """
     environment = {**os.environ, LAUNCH: str(uuid.uuid4())}
     wishes: list = []  # signals that this process got
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda wish, _frame: wishes.append(wish))
-    watch = Watch(log_dir, SUPERVISOR, time.monotonic)
-    try:
-        while True:
-            status = _run(command, environment, wishes, watch)
-            if wishes or status in ENDED:
-                return 0 if wishes else status
-            _log.error("The box has ended unexpectedly (%s): the next one continues its runs", status)
-            time.sleep(PAUSE_S)
-    finally:
-        watch.close()
+    while True:
+        status = _run(command, environment, wishes, log_dir)
+        if wishes or status in ENDED:
+            return 0 if wishes else status
+        _log.error("The box has ended unexpectedly (%s): the next one continues its runs", status)
+        time.sleep(PAUSE_S)
 
 
-def _run(command: Sequence[str], environment: dict, wishes: list, watch: Watch) -> int:
+def _run(command: Sequence[str], environment: dict, wishes: list, log_dir: Callable[[], str]) -> int:
     """Run one process of the box to its end; returns its exit status."""
     box, killed = subprocess.Popen(command, env=environment), 0
     until_mono = float("inf")
+    try:
+        watch = Watch(log_dir(), SUPERVISOR, time.monotonic)
+    except BadParams:
+        return box.wait()
     while True:
         try:
-            return box.wait(LOOK_S)
+            status = box.wait(LOOK_S)
+            watch.close()
+            return status
         except subprocess.TimeoutExpired:
             watch.look()
         if wishes and until_mono == float("inf"):

@@ -58,11 +58,6 @@ def test_a_setting_that_does_not_exist_is_named():
     assert found.unknown(list(settings_of.of_box())) == ["there is no setting rsbb_hots: did you mean 'rsbb_host'?"]
 
 
-def test_words_that_are_no_settings():
-    with pytest.raises(BadParams, match="name:=value"):
-        settings_of.of_words(["--rsbb-host"])
-
-
 def test_a_folder_without_a_launch_file_says_how_it_is_made(tmp_path):
     with pytest.raises(BadParams, match="roah-rsbb new"):
         settings_of.of_folder(tmp_path)

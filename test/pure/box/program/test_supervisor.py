@@ -20,7 +20,7 @@ print("started", starts, flush=True)
 SUPERVISOR = """
 import sys
 from roah_rsbb.box.program.supervisor import supervise
-sys.exit(supervise([sys.executable, "-c", open("box.py").read()], "."))
+sys.exit(supervise([sys.executable, "-c", open("box.py").read()], lambda: "."))
 """
 
 
