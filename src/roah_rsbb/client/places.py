@@ -24,7 +24,7 @@ START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch', or without R
 OWN_VARIABLE = "ROAH_RSBB_DOOR"
 
 
-def own_file() -> str:
+def local_door_file() -> str:
     """Return the path of the file in which the box without ROS on this computer says where its door is."""
     return os.environ.get(OWN_VARIABLE) or os.path.join(os.path.expanduser("~"), ".roah_rsbb", "door.json")
 
@@ -67,9 +67,9 @@ class DoorPlaces:
 
     def find(self) -> DoorPlace:
         """Return where to try next; a place that was tried last only if there is no other. Raises `NotFound`."""
-        if self._is_own or (self._is_own is None and os.path.exists(own_file())):
+        if self._is_own or (self._is_own is None and os.path.exists(local_door_file())):
             self._is_own = True
-            return read_place(own_file())
+            return read_place(local_door_file())
         found = self._of_box_with_ros()
         self._is_own = False
         return found

@@ -13,9 +13,9 @@ from urllib.parse import urlsplit
 from roah_rsbb.box.parameters import BoxParameters, read_parameters
 from roah_rsbb.box.program.parts import Backup, ControlledDevices, DrivenModules, Sounds
 from roah_rsbb.box.program.settings import BoxSettings, of_box
-from roah_rsbb.box.running import Around, RunningBox
+from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal
-from roah_rsbb.client.places import OWN_VARIABLE, own_file
+from roah_rsbb.client.places import OWN_VARIABLE, local_door_file
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.document.place import NotFound, read_place, write_place
@@ -44,7 +44,7 @@ class BoxProgram:
         self._devices = ControlledDevices(loop, settings, params.log_dir, self._sounds.ring_bell)
         self.running = RunningBox(
             loop, params, launch, wait_for_journal(params.log_dir),
-            Around(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
+            Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
         self._backup: Optional[Backup] = None
         self._door_file = ""
         self._tasks: List[asyncio.Task] = []  # a loop does not keep them
@@ -98,7 +98,7 @@ def _check(settings: BoxSettings, params: BoxParameters) -> None:
 
 def door_file(log_dir: str) -> str:
     """Return where a box says how its door is found: in the user's folder, unless another box answers there."""
-    usual = own_file()
+    usual = local_door_file()
     if OWN_VARIABLE in os.environ or not _answers(usual):
         return usual
     own = os.path.join(log_dir, "door.json")

@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from roah_rsbb.box.own_client import OwnClient
+from roah_rsbb.box.in_process_client import InProcessClient
 from roah_rsbb.box.program.demo import settings
 from roah_rsbb.box.program.program import BoxProgram, door_file
 from roah_rsbb.client.places import OWN_VARIABLE
@@ -34,7 +34,7 @@ class Demonstration:
         self.program = box_program(log_dir, self.air, **changes)
         self._changed = asyncio.Event()
         running = self.program.running
-        self.client = OwnClient(running.door, running.now, self._changed.set, "referee")
+        self.client = InProcessClient(running.door, running.now, self._changed.set, "referee")
         self.door_file = os.path.join(str(log_dir), "door.json")
         self._behaviour = DummyOptions(prepare_duration=0.05, execute_duration=execute_s, seed=1)
 
