@@ -209,6 +209,15 @@ def signal_named(name: str) -> Optional[signal.Signals]:
     return getattr(signal, name, None)
 
 
+def open_in_browser(url: str) -> bool:
+    """Open a page in the user's browser; returns whether there is one. A browser in the terminal does not count."""
+    if not (WINDOWS or MACOS or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return False
+    import webbrowser  # only the start of a box needs it
+
+    return webbrowser.open(url)
+
+
 # -- the loop ---------------------------------------------------------------------------------------
 
 _WAKE_S = 0.2  # so late a program notices Ctrl-C on Windows

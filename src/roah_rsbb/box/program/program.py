@@ -11,7 +11,7 @@ from typing import Any, Coroutine, List, Optional
 from urllib.parse import urlsplit
 
 from roah_rsbb.box.parameters import BoxParameters, read_parameters
-from roah_rsbb.box.program.parts import Backup, ControlledDevices, DrivenModules, Sounds
+from roah_rsbb.box.program.parts import LOOPBACK, Backup, ControlledDevices, DrivenModules, Pages, Sounds
 from roah_rsbb.box.program.settings import BoxSettings, of_box
 from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal
@@ -20,9 +20,9 @@ from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.document.place import NotFound, read_place, write_place
 from roah_rsbb.params import BadParams
+from roah_rsbb.platform import open_in_browser
+from roah_rsbb.web.pairing import CODE_VALID_S
 
-NAME = "roah_rsbb"  # of this program, for the box's records
-LOOPBACK = "127.0.0.1"
 ANSWER_S = 1.0
 
 _log = logging.getLogger(__name__)
@@ -45,6 +45,7 @@ class BoxProgram:
         self.running = RunningBox(
             loop, params, launch, wait_for_journal(params.log_dir),
             Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
+        self._pages = Pages(loop, settings, self.running, make_peer)
         self._backup: Optional[Backup] = None
         self._door_file = ""
         self._tasks: List[asyncio.Task] = []  # a loop does not keep them
@@ -59,6 +60,7 @@ class BoxProgram:
             self._modules.start(self.running)
         if self._params.backup_dir:
             self._backup = Backup(self._loop, self._params.backup_dir, self._params.log_dir, self.running)
+        self._pages.start()
         port = self.running.door.open(LOOPBACK)
         self._door_file = door_file
         write_place(door_file, f"ws://{LOOPBACK}:{port}/door", self.running.door.token)
@@ -67,6 +69,7 @@ class BoxProgram:
         """End everything. Runs continue with the next start."""
         if self._door_file and _is_own(self._door_file, self.running.door.token):
             os.unlink(self._door_file)
+        self._pages.close()
         self.running.door.close()
         if self._modules is not None:
             self._modules.close()
@@ -77,6 +80,15 @@ class BoxProgram:
         self.running.close()
         if self._backup is not None:
             self._backup.close()
+
+    def open_pages(self, in_browser: bool) -> bool:
+        """Show the organiser the way to the pages: in a browser, if there is one, and in the log. Returns whether a
+        browser was opened."""
+        if not self._pages.url:
+            return False  # their log says why
+        url = self._pages.pair_organiser()
+        _log.info("To pair this computer or another one as the organiser's, open within %.0f s: %s", CODE_VALID_S, url)
+        return in_browser and open_in_browser(url)
 
     def keep(self, work: Coroutine[Any, Any, Any]) -> None:
         """Run something until this program ends, such as a robot of a demonstration."""
