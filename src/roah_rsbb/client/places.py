@@ -93,7 +93,8 @@ class DoorPlaces:
     def _ask(self) -> str:
         """Ask the master; returns why nothing was found."""
         try:
-            code, _, value = xmlrpc.client.ServerProxy(self.master_uri, _Impatient()).getParam("/roah_rsbb", PARAM)
+            answer: Any = xmlrpc.client.ServerProxy(self.master_uri, _Impatient()).getParam("/roah_rsbb", PARAM)
+            code, _, value = answer
         except (OSError, HTTPException, xmlrpc.client.Error, ExpatError, ValueError, TypeError) as error:
             why = "does not answer" if isinstance(error, socket.timeout) else f"cannot be reached ({error})"
             return f"ROS master at {self.master_uri} {why}: {START}, or set ROS_MASTER_URI to the box's computer"

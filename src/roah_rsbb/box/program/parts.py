@@ -53,7 +53,8 @@ class DrivenModules:
         self._running: Optional[RunningBox] = None
 
         def make(its_loop: asyncio.AbstractEventLoop, send: Callable[[ModulesState], object]) -> ModulesHost:
-            return ModulesHost(its_loop, folder, benchmarks, ZonesGroundTruth(folder, make_frames), send)
+            return ModulesHost(
+                its_loop, folder, benchmarks, truth=ZonesGroundTruth(folder, make_frames), send=send)
 
         self._thread = ModulesThread(make, self._take_state, loop.call_soon_threadsafe)
 
@@ -153,7 +154,7 @@ class ControlledDevices:
             self._home.close()
 
 
-class Pages:
+class WebParts:
     """The web pages and the tablet's page."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, running: RunningBox,

@@ -11,7 +11,7 @@ from typing import Any, Coroutine, List, Optional
 from urllib.parse import urlsplit
 
 from roah_rsbb.box.parameters import BoxParameters, read_parameters
-from roah_rsbb.box.program.parts import LOOPBACK, Backup, ControlledDevices, DrivenModules, Pages, Sounds
+from roah_rsbb.box.program.parts import LOOPBACK, Backup, ControlledDevices, DrivenModules, Sounds, WebParts
 from roah_rsbb.box.program.settings import BoxSettings, of_box
 from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal
@@ -45,7 +45,7 @@ class BoxProgram:
         self.running = RunningBox(
             loop, params, launch, wait_for_journal(params.log_dir),
             Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
-        self._pages = Pages(loop, settings, self.running, make_peer)
+        self._pages = WebParts(loop, settings, self.running, make_peer)
         self._backup: Optional[Backup] = None
         self._door_file = ""
         self._tasks: List[asyncio.Task] = []  # a loop does not keep them

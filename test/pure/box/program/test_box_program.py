@@ -120,7 +120,7 @@ def test_a_run_continues_with_the_next_start(tmp_path):
             await demo.until(lambda zone: zone.robot.robot_state == "EXECUTING")
             return demo.zone
 
-    async def go_on(before):
+    async def continued(before):
         async with Demonstration(tmp_path) as demo:
             assert (demo.zone.phase, demo.zone.identity) == (RUNNING, before.identity)
             await demo.until(lambda zone: zone.robot.heard)
@@ -130,7 +130,7 @@ def test_a_run_continues_with_the_next_start(tmp_path):
 
     async def first():
         return await play(Demonstration(tmp_path, execute_s=1000.0))
-    run(go_on(run(first())))
+    run(continued(run(first())))
 
 
 def test_the_door_is_open_for_programs_and_its_file_goes_with_the_box(tmp_path):
