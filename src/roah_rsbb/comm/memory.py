@@ -1,4 +1,5 @@
-"""A network in memory: carries datagrams between the participants of one process, as UDP does between computers."""
+"""A network in memory: carries datagrams between the participants of one process, as UDP does between computers. They
+may be in the loops of several threads."""
 
 import asyncio
 import contextlib
@@ -15,8 +16,7 @@ DELAY_S = 0.001
 class MemoryAir:
     """Carries the datagrams. Its `peer` stands for `Peer`."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        self.loop = loop
+    def __init__(self) -> None:
         self.peers: List[MemoryPeer] = []
         self.taken: Set[Tuple[str, int]] = set()  # addresses and ports that another program uses
         self._arrival_mono = 0.0
@@ -27,16 +27,21 @@ class MemoryAir:
         shared: bool = True, apart: bool = False,
     ) -> "MemoryPeer":
         """Return a participant; for the arguments see `Peer`."""
-        return MemoryPeer(self, rsbb_host, port, on_datagram, bind_host, max_datagram, shared)
+        return MemoryPeer(self, loop, rsbb_host, port, on_datagram, bind_host, max_datagram, shared)
 
     def deliver(self, source: "MemoryPeer", datagram: bytes, host: str) -> None:
         """Carry a datagram to whom it is addressed, or with the broadcast address to all others."""
         # Timers of one moment have no order, but a wire has.
-        self._arrival_mono = max(self.loop.time() + DELAY_S, self._arrival_mono + 1e-7)
+        self._arrival_mono = max(source.loop.time() + DELAY_S, self._arrival_mono + 1e-7)
         for peer in list(self.peers):
             is_there = peer.port == source.port and peer is not source
             if is_there and host in (peer.bind_host, sockets.LOOPBACK_BROADCAST):
-                self.loop.call_at(self._arrival_mono, self._arrive, peer, datagram, (source.bind_host, source.port))
+                arrived = self._arrive, peer, datagram, (source.bind_host, source.port)
+                if peer.loop is source.loop:
+                    peer.loop.call_at(self._arrival_mono, *arrived)
+                else:
+                    with contextlib.suppress(RuntimeError):  # its loop has ended
+                        peer.loop.call_soon_threadsafe(*arrived)
 
     def _arrive(self, peer: "MemoryPeer", datagram: bytes, sender: Address) -> None:
         if peer in self.peers:
@@ -46,10 +51,12 @@ class MemoryAir:
 class MemoryPeer:
     """A participant on one port of a network in memory: what `Peer` is with UDP."""
 
-    def __init__(self, air: MemoryAir, rsbb_host: str, port: int, on_datagram: Callable[[bytes, Address], None],
-                 bind_host: str, max_datagram: int, shared: bool) -> None:
+    def __init__(
+        self, air: MemoryAir, loop: asyncio.AbstractEventLoop, rsbb_host: str, port: int,
+        on_datagram: Callable[[bytes, Address], None], bind_host: str, max_datagram: int, shared: bool,
+    ) -> None:
         self.rsbb_host, self.port, self.bind_host = rsbb_host, port, bind_host
-        self.on_datagram = on_datagram
+        self.loop, self.on_datagram = loop, on_datagram
         self.received_utc: Optional[float] = None  # the moment is the present one
         self._air, self._max_datagram, self._shared = air, max_datagram, shared
 

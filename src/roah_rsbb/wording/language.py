@@ -6,11 +6,12 @@ several languages. All other programs, and everything that is sent or written to
 
 import contextlib
 import logging
+import threading
 from typing import Any, Callable, Iterator, Mapping, Optional, Set
 
 # Returns a text in another language; the number is the count in it, or -1 if there is none.
 Translate = Callable[[str, int], str]
-_translate: Optional[Translate] = None
+_translate: Optional[Translate] = None  # of the process
 NO_COUNT = -1
 _log = logging.getLogger(__name__)
 _reported: Set[str] = set()
@@ -22,33 +23,48 @@ def set_translation(translate: Optional[Translate]) -> None:
     _translate = translate
 
 
+class _OfThread(threading.local):
+    """The language of the texts that a thread makes."""
+
+    is_set = False  # otherwise, it is that of the process
+    translate: Optional[Translate] = None
+
+
+_thread = _OfThread()
+
+
+def _present() -> Optional[Translate]:
+    return _thread.translate if _thread.is_set else _translate
+
+
 @contextlib.contextmanager
 def in_language(translate: Optional[Translate]) -> Iterator[None]:
-    """Make texts in another language within a `with` block; None: in English. Only one thread may make texts then."""
-    global _translate
-    before, _translate = _translate, translate
+    """Make the texts of this thread in another language within a `with` block; None: in English."""
+    before = _thread.is_set, _thread.translate
+    _thread.is_set, _thread.translate = True, translate
     try:
         yield
     finally:
-        _translate = before
+        _thread.is_set, _thread.translate = before
 
 
 def is_english() -> bool:
-    """Whether all texts of this process are in English."""
-    return _translate is None
+    """Whether texts are in English now."""
+    return _present() is None
 
 
 def tr(text: str, /, **values: Any) -> str:
-    """Return a text in the language of this process, with the values in its places, such as ``{zone}``.
+    """Return a text in the present language, with the values in its places, such as ``{zone}``.
 
     `text` is positional only, because a text may have a place of this name. The value `n` is a count: a language may
     have other words for one than for several. It never raises: a text that
     cannot be translated is in English, and its places stay if even this fails. Each such text is logged once.
     """
-    if _translate is None:
+    translate = _present()
+    if translate is None:
         return _filled(text, values)
     try:
-        translated = _translate(text, values.get("n", NO_COUNT))
+        translated = translate(text, values.get("n", NO_COUNT))
         return translated.format(**values) if values else translated
     except Exception as error:  # whatever a catalogue does: STOP waits for no text
         _report(text, error)

@@ -29,7 +29,7 @@ class Laptop:
 
     def __init__(self, monkeypatch, code, waypoints=None, goal_timeout=None):
         self.loop = SimulatedLoop()
-        air = MemoryAir(self.loop)
+        air = MemoryAir()
         monkeypatch.setattr(channels, "Peer", air.peer)
         self.lines = []
         benchmark = load_benchmarks(str(shipped_folder() / "benchmarks.yaml"))[code]

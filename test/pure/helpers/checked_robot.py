@@ -31,7 +31,7 @@ class Checked:
                  during=None, **options):
         """`make_robot(loop)` returns an object with a coroutine `run`, or None. `during(play)`: a coroutine beside."""
         self.loop = SimulatedLoop()
-        self.air = MemoryAir(self.loop)
+        self.air = MemoryAir()
         monkeypatch.setattr(channels, "Peer", self.air.peer)
         values = {"team": TEAM, "password": PASSWORD, "rsbb_host": BROADCAST, "bind_host": BOX, "patience": 20.0,
                   "second_host": SECOND, "benchmarks": benchmarks, **options}

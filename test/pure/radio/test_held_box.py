@@ -21,7 +21,7 @@ BOX, OTHER = "127.0.0.1", "127.0.0.66"
 
 def test_a_held_box_sends_no_beacon_until_a_robot_is_connected():
     loop = SimulatedLoop()
-    air, config, heard = MemoryAir(loop), competition(tbm=["HGTKMH"]), []
+    air, config, heard = MemoryAir(), competition(tbm=["HGTKMH"]), []
     box = Box(config, Settings(), beacon_size)
     driver = NetworkDriver(loop, box, Network(LOOPBACK_BROADCAST, 6666, BOX, Cipher.AES_128_CBC, False, 1024),
                            dict(config.passwords), lambda text: None, loop.utc, air.peer)

@@ -77,11 +77,10 @@ def main(arguments: Optional[List[str]] = None) -> None:
     from roah_rsbb.robot.dummy import DummyOptions, dummy_client
     from roah_rsbb.rulebook.benchmarks import teams_of
 
-    airs: List[MemoryAir] = []
+    air = MemoryAir()
 
     def make(loop: asyncio.AbstractEventLoop) -> BoxProgram:
-        airs.append(MemoryAir(loop))
-        return BoxProgram(loop, found, "", airs[0].peer, is_dummy=True)
+        return BoxProgram(loop, found, "", air.peer, is_dummy=True)
 
     async def work(program: BoxProgram) -> int:
         door = os.path.join(log_dir, "door.json")  # terminals are not to take it for the box of a competition
@@ -91,9 +90,9 @@ def main(arguments: Optional[List[str]] = None) -> None:
         for number_, team in enumerate(teams_of(config)[:options.robots]):
             robot = dummy_client(
                 team, config.passwords[team], options=behaviour, rsbb_host=LOOPBACK_BROADCAST,
-                bind_host=f"127.0.0.{number_ + 2}", name_in_log=team, make_peer=airs[0].peer)
+                bind_host=f"127.0.0.{number_ + 2}", name_in_log=team, make_peer=air.peer)
             program.keep(robot.run())
-        if not options.scripted and program.open_pages(in_browser=True):
+        if not options.scripted and await program.open_pages(in_browser=True):
             await asyncio.get_event_loop().create_future()
         return await asyncio.get_event_loop().run_in_executor(None, functools.partial(_scripted, door, log_dir))
 

@@ -1,6 +1,7 @@
 """What a box without ROS has around it in its process: benchmarking modules, home devices, sounds."""
 
 import asyncio
+import concurrent.futures
 import logging
 import threading
 from typing import Callable, List, Mapping, Optional, Union
@@ -22,10 +23,12 @@ from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.devices.devices import HomeDevices, open_settings
 from roah_rsbb.devices.home import BadSetting, Home, devices_state
 from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, default_command, words_of
-from roah_rsbb.document.calls import Call, Caller
+from roah_rsbb.document.calls import Call, Caller, InThread
+from roah_rsbb.in_loop import call_in_loop
 from roah_rsbb.model.modules import ModulesState
 from roah_rsbb.model.web_calls import PAIR
 from roah_rsbb.params import BadParams
+from roah_rsbb.platform import new_loop
 from roah_rsbb.shipped import shipped_folder
 from roah_rsbb.tablet.tablet_page import TabletPage
 from roah_rsbb.web.gateway import Gateway, GatewayHost
@@ -33,6 +36,7 @@ from roah_rsbb.web.pairing import ORGANISER
 
 # Interval of reports about the copy; and a stick that hangs must not keep the box from ending.
 COPY_PERIOD_S, COPY_END_S = 1.0, 5.0
+LEAVE_S = 1.0
 NAME = "roah_rsbb"  # of this program, for the box's records
 LOOPBACK = "127.0.0.1"
 # Any address outside of this computer: nothing is sent to it.
@@ -155,45 +159,60 @@ class ControlledDevices:
 
 
 class WebParts:
-    """The web pages and the tablet's page."""
+    """The web pages and the tablet's page, in a thread of their own: whatever their readers send, and however slow the
+    disk is that keeps who is paired, the box's loop does not wait."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, running: RunningBox,
+    def __init__(self, box_loop: asyncio.AbstractEventLoop, settings: BoxSettings, running: RunningBox,
                  make_peer: MakePeer) -> None:
         """Raises `BadParams`."""
+        self._running, self._box_loop, self._loop = running, box_loop, new_loop()
         self._calls: Mapping[str, Call] = {}
-        self.url = ""  # of the web pages, on this computer; empty: they are not served
+        self.url: concurrent.futures.Future[str] = concurrent.futures.Future()
+        """Of the web pages on this computer, once they are served."""
         resource = shipped_folder().parent / "resource"
         address = source_host(PUBLIC_ADDRESS) or LOOPBACK
         names = [*settings.given("web_names").lower().split(), address]
         self._parts: List[Union[Gateway, TabletPage]] = []
-        if settings.flag("web", True):
-            def make_client(on_change: Callable[[], object], calls: Mapping[str, Call]) -> InProcessClient:
-                running.door.add_calls(calls)
-                self._calls = calls
-                return InProcessClient(running.door, running.now, on_change, "referee")
-
-            self._parts.append(Gateway(loop, settings, GatewayHost(
-                resource, NAME, address, make_client, self._take_url, names)))
+        self.has_pages = settings.flag("web", True)
+        if self.has_pages:
+            self._parts.append(Gateway(self._loop, settings, GatewayHost(
+                resource, NAME, address, self._make_client, self.url.set_result, names)))
         if settings.flag("tablet", False):
-            self._parts.append(TabletPage(loop, settings, str(resource), names, lambda url: None, make_peer))
+            self._parts.append(TabletPage(self._loop, settings, str(resource), names, lambda url: None, make_peer))
+        self._thread = threading.Thread(target=self._run, name="web pages", daemon=True)
+
+    def _make_client(self, on_change: Callable[[], object], calls: Mapping[str, Call]) -> InProcessClient:
+        self._calls = calls
+        # Others make them in the box's loop, which does not wait for this thread.
+        self._running.door.add_calls({name: self._in_thread(call) for name, call in calls.items()})
+        return InProcessClient(self._running.door, self._box_loop, self._loop, on_change, "referee")
+
+    def _in_thread(self, call: Call) -> Call:
+        return lambda arguments, caller: InThread(
+            lambda: call_in_loop(self._loop, lambda: call(arguments, caller)))
 
     def start(self) -> None:
         """Serve as soon as that is possible."""
+        self._thread.start()
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(self._loop)  # tornado serves on the thread's loop
         for part in self._parts:
-            part.start()
+            self._loop.call_soon(part.start)
+        self._loop.run_forever()
+        for part in self._parts:
+            part.stop()
+        self._loop.close()
 
     def pair_organiser(self) -> str:
         """Return an address that pairs one device as the organiser's. The pages must be served."""
-        made = self._calls[PAIR]({"role": ORGANISER}, Caller(ORGANISER))
+        made = call_in_loop(self._loop, lambda: self._calls[PAIR]({"role": ORGANISER}, Caller(ORGANISER)))
         return str(made["url"])
 
-    def _take_url(self, url: str) -> None:
-        self.url = url
-
     def close(self) -> None:
-        """Stop serving."""
-        for part in self._parts:
-            part.stop()
+        """Stop serving. A disk that hangs does not delay the end of the box."""
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(LEAVE_S)
 
 
 class Backup:

@@ -45,7 +45,7 @@ class BoxProgram:
         self.running = RunningBox(
             loop, params, launch, wait_for_journal(params.log_dir),
             Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
-        self._pages = WebParts(loop, settings, self.running, make_peer)
+        self._web = WebParts(loop, settings, self.running, make_peer)
         self._backup: Optional[Backup] = None
         self._door_file = ""
         self._tasks: List[asyncio.Task] = []  # a loop does not keep them
@@ -60,7 +60,7 @@ class BoxProgram:
             self._modules.start(self.running)
         if self._params.backup_dir:
             self._backup = Backup(self._loop, self._params.backup_dir, self._params.log_dir, self.running)
-        self._pages.start()
+        self._web.start()
         port = self.running.door.open(LOOPBACK)
         self._door_file = door_file
         write_place(door_file, f"ws://{LOOPBACK}:{port}/door", self.running.door.token)
@@ -69,7 +69,7 @@ class BoxProgram:
         """End everything. Runs continue with the next start."""
         if self._door_file and _is_own(self._door_file, self.running.door.token):
             os.unlink(self._door_file)
-        self._pages.close()
+        self._web.close()
         self.running.door.close()
         if self._modules is not None:
             self._modules.close()
@@ -81,12 +81,13 @@ class BoxProgram:
         if self._backup is not None:
             self._backup.close()
 
-    def open_pages(self, in_browser: bool) -> bool:
-        """Show the organiser the way to the pages: in a browser, if there is one, and in the log. Returns whether a
-        browser was opened."""
-        if not self._pages.url:
-            return False  # their log says why
-        url = self._pages.pair_organiser()
+    async def open_pages(self, in_browser: bool) -> bool:
+        """Show the organiser the way to the pages once they are served: in a browser, if there is one, and in the log.
+        Returns whether a browser was opened."""
+        if not self._web.has_pages:
+            return False
+        await asyncio.wrap_future(self._web.url)
+        url = await self._loop.run_in_executor(None, self._web.pair_organiser)
         _log.info("To pair this computer or another one as the organiser's, open within %.0f s: %s", CODE_VALID_S, url)
         return in_browser and open_in_browser(url)
 

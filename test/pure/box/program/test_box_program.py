@@ -30,11 +30,12 @@ class Demonstration:
     """A box, a robot and a referee in this loop. What happens is waited for, and never a time."""
 
     def __init__(self, log_dir, execute_s=0.05, **changes):
-        self.air = MemoryAir(asyncio.get_event_loop())
+        self.air = MemoryAir()
         self.program = box_program(log_dir, self.air, **changes)
         self._changed = asyncio.Event()
         running = self.program.running
-        self.client = InProcessClient(running.door, running.now, self._changed.set, "referee")
+        loop = asyncio.get_event_loop()
+        self.client = InProcessClient(running.door, loop, loop, self._changed.set, "referee")
         self.door_file = os.path.join(str(log_dir), "door.json")
         self._behaviour = DummyOptions(prepare_duration=0.05, execute_duration=execute_s, seed=1)
 
@@ -166,7 +167,7 @@ def test_the_journal_is_copied(tmp_path):
     ({"web_prot": "1"}, "did you mean 'web_port'"), ({"standby_port": "8083"}, "no standby yet")])
 def test_what_cannot_be_is_said_before_anything_is_opened(tmp_path, changes, said):
     async def make():
-        box_program(tmp_path / "log", MemoryAir(asyncio.get_event_loop()), **changes)
+        box_program(tmp_path / "log", MemoryAir(), **changes)
     with pytest.raises(BadParams, match=said):
         run(make())
     assert not (tmp_path / "log").exists()
