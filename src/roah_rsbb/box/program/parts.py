@@ -9,8 +9,8 @@ from roah_rsbb.bmbox.host.dummy_frames import DummyFrames
 from roah_rsbb.bmbox.host.ground_truth_of_frames import NoFrames, ZonesGroundTruth
 from roah_rsbb.bmbox.host.host import ModulesHost, chosen_benchmarks
 from roah_rsbb.bmbox.host.thread import ModulesThread
-from roah_rsbb.box.program.settings import BoxSettings
 from roah_rsbb.box.running import RunningBox
+from roah_rsbb.box.settings import BoxSettings
 from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.copies.reported import ReportedCopy
