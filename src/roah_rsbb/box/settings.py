@@ -39,7 +39,8 @@ def of_folder(folder: pathlib.Path, without: Container[str] = ()) -> Dict[str, s
     """Return what the launch file of a competition's folder sets, `without` these settings. Raises `BadParams`."""
     path = folder / LAUNCH
     if not path.is_file():
-        raise BadParams(f"{path} is missing: make a competition's folder with 'roah-rsbb new {folder}'")
+        raise BadParams(f"{path} is missing: make a competition's folder with 'roah-rsbb new {folder}', or with ROS "
+                        f"'rosrun roah_rsbb new_competition {folder}'")
     return {name: found.default for name, found in _arguments(path, without).items()}
 
 

@@ -18,7 +18,7 @@ from roah_rsbb.core.copies import CopyReport
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.devices.devices import HomeDevices, open_settings
 from roah_rsbb.devices.home import BadSetting, Home, devices_state
-from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, default_command, words_of
+from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, command_of
 from roah_rsbb.model.modules import ModulesState
 from roah_rsbb.params import BadParams
 
@@ -87,11 +87,10 @@ class Sounds:
 
 
 def _sound(settings: BoxSettings, name: str, file: str) -> Sound:
-    command = settings.given(name)
     try:
-        words = words_of(command) if command else default_command(file)
+        words = command_of(name, settings.given(name), file)
     except ValueError as error:
-        raise BadParams(f"parameter {name}: found {command!r}, expected a command ({error})") from None
+        raise BadParams(str(error)) from None
     return Sound(name.partition("_")[0], words, lambda text: _log.warning("%s", text))
 
 
