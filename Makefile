@@ -55,8 +55,14 @@ build: install-deps ## build into build/devel
 	  || { tail -n 30 build/build.log; echo "The build failed; all of its output is in build/build.log" >&2; exit 1; }
 endif
 
-demo: build ## run the dummy set-up on this machine
+# `make demo ROS=no` needs nothing but Python.
+ifeq ($(ROS),no)
+demo:
+	@tools/demo_without_ros
+else
+demo: build ## run the dummy set-up on this machine; make demo ROS=no: without ROS
 	@$(BUILT); rosrun roah_rsbb demo
+endif
 
 WITHOUT := $(if $(filter no,$(LINT)),--without lint)
 

@@ -10,8 +10,8 @@ import typing
 from typing import Any, List, NamedTuple
 
 from roah_rsbb.client.client import Client
-from roah_rsbb.model.document import Document
 from roah_rsbb.client.places import DoorPlaces
+from roah_rsbb.model.document import Document
 
 if typing.TYPE_CHECKING:
     import processes

@@ -12,12 +12,13 @@ import time
 import urllib.request
 from typing import Dict, List, NamedTuple, Optional
 
-import rospy
 from addresses import BOX_HOST, BROADCAST
 from processes import ROOT, Box, Measured, wait
 from support.waiting import wait_until
 
-from roah_rsbb.srv import PairDevice
+from roah_rsbb.client.client import Client
+from roah_rsbb.model.document import Document
+from roah_rsbb.ros.place import DoorPlaces
 
 VIEWERS = pathlib.Path(__file__).resolve().parent / "viewers.py"
 SETTLE_S = 2.0
@@ -57,14 +58,30 @@ class Gateway:
         return True
 
 
+def organisers_code() -> Dict[str, str]:
+    """Wait until the gateway makes a code for an organiser's device; returns it with its address."""
+    found: List[Dict[str, str]] = []
+
+    def made() -> bool:
+        answer = client.call("pair", role="organiser").result()
+        if answer.is_answered and not answer.reasons:
+            found.append(answer.answer)
+        return bool(found)
+
+    client = Client(Document, DoorPlaces().find)
+    client.start()
+    wait(made, "the gateway makes a code")
+    client.close()
+    return found[0]
+
+
 class Phone:
     """A paired device of an organiser, without a browser."""
 
     def __init__(self, gateway: Gateway) -> None:
         self._url = f"http://127.0.0.1:{gateway.port}"
         self.cookie = ""
-        self._send("pair", {"code": rospy.ServiceProxy("/web/pair", PairDevice)("organiser", "").code,
-                            "person": "Bench"})
+        self._send("pair", {"code": organisers_code()["code"], "person": "Bench"})
 
     def command(self, name: str, fields: Dict[str, object]) -> None:
         """Send a command as the page does."""

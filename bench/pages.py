@@ -4,14 +4,12 @@ import random
 import time
 from typing import List, NamedTuple, Tuple
 
-import rospy
 from fleet import Fleet, Robot
-from gateway import LONGEST_PAUSE_S, Gateway
+from gateway import LONGEST_PAUSE_S, Gateway, organisers_code
 from processes import Box, wait
 from support.browser import Browser, Page, find
 
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.srv import PairDevice
 
 PHONE, SCREEN = (360, 740), (1280, 800)
 # 1 Mbit/s, and a delay that a wireless network has.
@@ -108,8 +106,7 @@ class Pages:
 
         Beside them: those from the lift until the page gets the click, which are Chromium's alone.
         """
-        answer = rospy.ServiceProxy("/web/pair", PairDevice)("organiser", "")
-        page = self._browser.page(answer.url, *PHONE)
+        page = self._browser.page(organisers_code()["url"], *PHONE)
         page.wait("document.querySelector('#person') !== null", "the form is shown")
         page.get("document.querySelector('#person').value = 'Bench'")
         page.touch_at("form button")

@@ -3350,6 +3350,21 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>Die Werte der Felder sind kein JSON-Objekt wie {example}</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/box/offers.py"/>
+        <source>No program offers {what} now: start the one that does</source>
+        <translation>Kein Programm bietet {what} jetzt an: starten Sie das zuständige</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/offers.py"/>
+        <source>its connection ended. It may have been done</source>
+        <translation>seine Verbindung ist abgebrochen. Es kann ausgeführt worden sein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/offers.py"/>
+        <source>{what}: malformed answer from the program that offers it. Install the same version there as on the box</source>
+        <translation>{what}: fehlerhafte Antwort des Programms, das es anbietet. Dort dieselbe Version wie auf der Box installieren</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/copies/folder.py"/>
         <source>its disk failed to save what was written. It is written again, and what was there before stays until that is complete. If this happens again, replace the disk</source>
         <translation>Sein Datenträger hat nicht gespeichert, was geschrieben wurde. Es wird noch einmal geschrieben, und was vorher da war, bleibt, bis das vollständig ist. Wenn das wieder vorkommt, ersetzen Sie den Datenträger</translation>

@@ -17,9 +17,10 @@ class Params(abc.ABC):
         self._wrong: List[str] = []
 
     def text(self, name: str, default: Optional[str] = None) -> str:
-        """Return a text that is not empty. Without a default, the parameter is required."""
+        """Return a text. It may be empty if the default is. Without a default, the parameter is required."""
         value = _as_text(self._get(name, default))
-        return self._check(name, value, isinstance(value, str) and value != "", "a text", default or "")
+        fits = isinstance(value, str) and (value != "" or default == "")
+        return self._check(name, value, fits, "a text", default or "")
 
     def secret(self, name: str) -> str:
         """Return a text that is not empty. No error shows its value."""
@@ -53,8 +54,11 @@ class Params(abc.ABC):
         return self._check(name, value, value in choices, "one of " + ", ".join(choices), default)
 
     def path(self, name: str, default: Optional[str] = None) -> str:
-        """Return a path, with ~ and variables expanded. Without a default, the parameter is required."""
+        """Return a path, with ~ and variables expanded. It may be empty if the default is. Without a default, the
+        parameter is required."""
         value = self._get(name, default)
+        if value == default == "":
+            return ""
         path = self._check(name, value, isinstance(value, str) and value != "", "a path", default or ".")
         return os.path.abspath(os.path.expandvars(os.path.expanduser(path)))
 

@@ -5,7 +5,6 @@ was not tried there (docs/architecture.md, "Windows and macOS"). What needs ROS 
 itself.
 """
 
-import asyncio
 import contextlib
 import errno
 import importlib
@@ -18,7 +17,10 @@ import subprocess
 import sys
 import threading
 import time
-from typing import IO, Any, Awaitable, Callable, List, Optional, Tuple, TypeVar
+from typing import IO, TYPE_CHECKING, Any, Awaitable, Callable, List, Optional, Tuple, TypeVar
+
+if TYPE_CHECKING:
+    import asyncio
 
 Result = TypeVar("Result")
 
@@ -207,26 +209,39 @@ def signal_named(name: str) -> Optional[signal.Signals]:
     return getattr(signal, name, None)
 
 
+def open_in_browser(url: str) -> bool:
+    """Open a page in the user's browser; returns whether there is one. A browser in the terminal does not count."""
+    if not (WINDOWS or MACOS or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return False
+    import webbrowser  # only the start of a box needs it
+
+    return webbrowser.open(url)
+
+
 # -- the loop ---------------------------------------------------------------------------------------
 
 _WAKE_S = 0.2  # so late a program notices Ctrl-C on Windows
 _READ_BYTES = 4096
 
 
-def new_loop() -> asyncio.AbstractEventLoop:
+def new_loop() -> "asyncio.AbstractEventLoop":
     """A loop that can wait for sockets (`add_reader`), which the usual one of Windows cannot."""
+    import asyncio  # it takes long, and most programs with this file need no loop
+
     return asyncio.SelectorEventLoop()
 
 
 def run(work: "Awaitable[Result]") -> Result:
     """As `asyncio.run`, in a loop as `new_loop` makes it."""
+    import asyncio
+
     if WINDOWS:
         policy: Any = asyncio  # the checker of types knows the policy on Windows only
         asyncio.set_event_loop_policy(policy.WindowsSelectorEventLoopPolicy())
     return asyncio.run(work)  # type: ignore[arg-type]
 
 
-def on_end(loop: asyncio.AbstractEventLoop, callback: Callable[[], object]) -> None:
+def on_end(loop: "asyncio.AbstractEventLoop", callback: Callable[[], object]) -> None:
     """Call this in the loop when the process is to end: after Ctrl-C and SIGTERM. In the main thread."""
     try:
         for number in (signal.SIGINT, signal.SIGTERM):
@@ -237,12 +252,12 @@ def on_end(loop: asyncio.AbstractEventLoop, callback: Callable[[], object]) -> N
         _wake(loop)
 
 
-def _wake(loop: asyncio.AbstractEventLoop) -> None:
+def _wake(loop: "asyncio.AbstractEventLoop") -> None:
     """Python handles signals between two steps of a program, and a loop that waits on Windows does none."""
     loop.call_later(_WAKE_S, _wake, loop)
 
 
-def on_input(loop: asyncio.AbstractEventLoop, file: Optional[IO[Any]], callback: Callable[[bytes], None]) -> None:
+def on_input(loop: "asyncio.AbstractEventLoop", file: Optional[IO[Any]], callback: Callable[[bytes], None]) -> None:
     """Call this in the loop with what comes from a file, such as the standard input, and with no bytes at its end.
 
     Raises OSError if the system cannot wait for this file, and ValueError if there is none.

@@ -68,7 +68,7 @@ def test_every_topic_of_the_run_log_is_named():
 
 
 def test_files_to_check_are_found():
-    assert len(TYPES) > 40 and len(NAMES) > 20 and len(PARAMETERS) > 30
+    assert len(TYPES) > 30 and len(NAMES) > 20 and len(PARAMETERS) > 30
 
 
 @pytest.mark.parametrize("name", Settings._fields)

@@ -39,8 +39,8 @@ class BoxDoor:
         """Whoever has it is let in."""
         self._soon: Optional[asyncio.TimerHandle] = None
         self._sent_mono = float("-inf")
-        self._door = Door(loop, self.token, {name: self._current(call) for name, call in calls.items()}, now,
-                          self._written, check)
+        self._calls = {name: self._current(call) for name, call in calls.items()}
+        self._door = Door(loop, self.token, self._calls, now, self._written, check)
         self.document = self._documents.last
         self._is_current = True
         self.on_news: Callable[[], object] = lambda: None
@@ -52,6 +52,10 @@ class BoxDoor:
         port = self._door.open(host)
         self._sign()
         return port
+
+    def add_calls(self, calls: Mapping[str, Call]) -> None:
+        """Let clients make further calls, which change nothing of the box."""
+        self._calls.update(calls)
 
     @property
     def is_followed(self) -> bool:

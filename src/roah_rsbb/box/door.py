@@ -3,7 +3,8 @@
 A WebSocket in the core's loop. Each client is sent the document (`document/document.py`), and calls what the core
 offers: `{"id": 7, "call": "act", …arguments}`. The answer has the id, and the `number` of the document that contains
 what the call did; the change is sent before the answer (`document/calls.py`). A malformed request is answered with
-`{"error": text}`. `{"whole": true}` asks for the whole document.
+`{"error": text}`. `{"whole": true}` asks for the whole document. A client may offer further calls (`box/offers.py`):
+`{"offer": ["pair"]}`. It is asked `{"asked": 3, "call": "pair", …}` and answers with the number.
 
 STOP is carried out as soon as it is read. Of all other calls of all clients, each turn of the loop carries out one, and
 the connection of a call that waits for its turn is not read. A client has a second connection for STOP (`?face=stop`),
@@ -20,7 +21,18 @@ from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Set, Uni
 
 from tornado import web
 
-from roah_rsbb.document.calls import Answered, Call, Caller, InThread, Later, Waiting, carried_out, waited
+from roah_rsbb.box.offers import Offers
+from roah_rsbb.document.calls import (
+    MAX_MESSAGE_BYTES,
+    Answered,
+    Call,
+    Caller,
+    InThread,
+    Later,
+    Waiting,
+    carried_out,
+    waited,
+)
 from roah_rsbb.document.document import DocumentReader, Written
 from roah_rsbb.model.clock import Now
 from roah_rsbb.web.limits import Places
@@ -30,7 +42,6 @@ PATH = "/door"
 STOP = "stop"  # the call, and the face of the connections for it
 REFEREE = "referee"  # the face with reserved places
 MAX_CLIENTS, MAX_REFEREES = 80, 20  # together 100; as many more connections for STOP
-MAX_MESSAGE_BYTES = 64 * 1024
 _PING_S = 20.0
 # Of a client that does not read them.
 MAX_ANSWERS = 100
@@ -46,7 +57,7 @@ _Asker = Union["_Client", "_Own"]
 class _Request:
     """A request of a client. `error`: why it is malformed; empty: it is not."""
 
-    def __init__(self, client: "_Asker", message: Union[str, bytes], calls: Mapping[str, Call]) -> None:
+    def __init__(self, client: "_Asker", message: Union[str, bytes], is_known: Callable[[str], bool]) -> None:
         try:
             found = json.loads(message)
         except (ValueError, RecursionError):
@@ -55,10 +66,15 @@ class _Request:
         self.arguments: Dict[str, Any] = found if isinstance(found, dict) else {}
         self.is_for_whole = self.arguments.get("whole") is True
         self.id, self.name = self.arguments.pop("id", None), self.arguments.pop("call", None)
+        # It offers calls, or answers one that it offers. In a call, these are arguments.
+        self.is_of_offer = self.id is None and self.name is None and ("offer" in self.arguments
+                                                                      or "asked" in self.arguments)
         self.error = ""
+        if self.is_of_offer:
+            return
         if type(self.id) not in (int, str):
             self.id, self.error = None, 'a JSON object such as {"id": 7, "call": "act"} is expected'
-        elif not isinstance(self.name, str) or self.name not in calls:
+        elif not isinstance(self.name, str) or not is_known(self.name):
             self.error = f"there is no call {self.name!r:.40}: the box is of another version"
 
 
@@ -73,6 +89,8 @@ class Door:
         self.loop = loop
         self._token = token
         self._calls = calls
+        self._offers = Offers(loop, lambda name: name in self._calls,
+                              lambda client, message: client.send(self.now(), _dumped(message)))
         self._clients: Dict[str, Places[_Client]] = {
             face: Places(lambda client: client.close(1013, "too many clients"), most)
             for face, most in (("", MAX_CLIENTS), (REFEREE, MAX_REFEREES), (STOP, MAX_CLIENTS + MAX_REFEREES))}
@@ -128,13 +146,14 @@ class Door:
         self._clients[face if face in self._clients and not is_full else ""].add(client, address)
 
     def remove(self, client: "_Client") -> None:
-        """Free the place of a client; has no effect if it has none."""
+        """Free the place of a client, and withdraw what it offered; has no effect if it has none."""
         for places in self._clients.values():
             places.remove(client)
+        self._offers.gone(client)
 
     def take(self, client: "_Asker", message: Union[str, bytes]) -> "asyncio.Future[None]":
         """Take a message of a client. Its next one is read when the result is done: not in this turn of the loop."""
-        request = _Request(client, message, self._calls)
+        request = _Request(client, message, lambda name: name in self._calls or self._offers.knows(name))
         read_on: asyncio.Future[None] = self.loop.create_future()
         if request.is_for_whole and isinstance(client, _Client):
             client.send_whole()
@@ -172,6 +191,13 @@ class Door:
 
     def _carry_out(self, request: _Request) -> "Optional[asyncio.Future[Any]]":
         """Carry a call out, and answer it; returns the wait for the disks before the answer, if there is one."""
+        if request.is_of_offer:
+            self._take_of_offer(request.client, request.arguments)
+            return None
+        if request.name not in self._calls:
+            self._offers.pass_on(request.name, request.arguments, request.client.caller,
+                                 lambda answered: self._answer(request, _dumped(answered)))
+            return None
         found = self._guarded(request, lambda: carried_out(
             self._calls[request.name], request.arguments, request.client.caller))
         if isinstance(found, str):
@@ -181,6 +207,12 @@ class Door:
         waits = self.loop.run_in_executor(self._threads, self._guarded, request, lambda: waited(found))
         waits.add_done_callback(lambda done: self._waited(request, done))
         return waits
+
+    def _take_of_offer(self, client: "_Client", message: Mapping[str, Any]) -> None:
+        if "offer" in message:
+            self._offers.offer(client, message["offer"], message.get("node"))
+        else:
+            self._offers.answered(client, message["asked"], message)
 
     def _waited(self, request: _Request, done: "asyncio.Future[Any]") -> None:
         self._waiting -= 1
@@ -209,6 +241,14 @@ class Door:
 
     def _all(self) -> List["_Client"]:
         return [client for places in self._clients.values() for client in places]
+
+
+def _dumped(message: Mapping[str, Any]) -> str:
+    """Return what a client sent as JSON again."""
+    try:
+        return json.dumps(message)
+    except RecursionError:
+        return '{"error": "this message is nested too deeply"}'
 
 
 def _read_on(read_on: "asyncio.Future[None]") -> None:

@@ -1,6 +1,6 @@
 """A box that runs: its configuration, the core with its parts, and the door, from the parameters to the end.
 
-The core node runs it with ROS, and `roah-rsbb run` without. They differ in what they pass: `Around`.
+The core node runs it with ROS, and `roah-rsbb run` without. They differ in what they pass: `Peripherals`.
 """
 
 import asyncio
@@ -46,8 +46,8 @@ _LEVELS = {Level.INFO: logging.INFO, Level.WARNING: logging.WARNING, Level.ERROR
 _log = logging.getLogger(__name__)
 
 
-class Around(NamedTuple):
-    """What a program has around its box. Everything is called in the loop's thread."""
+class Peripherals(NamedTuple):
+    """What a box controls outside of itself. Everything is called in the loop's thread."""
 
     ring_timeout: Callable[[], None]  # a run timed out
     publish_module_runs: Callable[[], None]  # for the benchmarking modules
@@ -61,7 +61,7 @@ class RunningBox:
 
     def __init__(
         self, loop: asyncio.AbstractEventLoop, params: BoxParameters, launch: str, lock: Optional[Lock],
-        around: Around,
+        peripherals: Peripherals,
     ) -> None:
         """`launch` identifies the launch; empty: none. `lock`: of the journal (see `wait_for_journal`). Raises
         `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError."""
@@ -75,7 +75,7 @@ class RunningBox:
         self._door: Optional[BoxDoor] = None
         self._journal_due_mono = 0.0
         outputs = Outputs(
-            around.ring_timeout, around.publish_module_runs, around.set_device,
+            peripherals.ring_timeout, peripherals.publish_module_runs, peripherals.set_device,
             lambda level, text: _log.log(_LEVELS[level], "%s", text), self._report_bug, self._on_changed)
         self.core = CoreAssembly(
             loop, Machine(boot_id(), os.getpid(), self.uuid, time.monotonic, time.time),
@@ -84,7 +84,7 @@ class RunningBox:
             lambda session, events, on_trouble: Journal(
                 params.log_dir, session, events, params.resume, on_trouble, lock),
             PortRecord(params.log_dir), functools.partial(RunLogWriter, params.log_dir), outputs,
-            around.ask_standby, around.make_peer)
+            peripherals.ask_standby, peripherals.make_peer)
         self.box, self.event = self.core.box, self.core.event
         core = self.core
         self.calls = BoxCalls(self.box, self._call, Disks(core.journal.ticket, core.store.why_not_saved,

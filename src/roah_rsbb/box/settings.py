@@ -19,6 +19,8 @@ from roah_rsbb.wording.suggestions import did_you_mean
 
 LAUNCH = "competition.launch"
 _OF_ALL = "launch/roah_rsbb.launch"
+# Names of parameters that the launch files give another name.
+_ARGUMENTS = {"title": "web_title", "parameters_dir": "modules_dir"}
 # Of the launch files, but not of a box without ROS.
 _OF_ROS = ("gui", "part")
 _SUBSTITUTION = re.compile(r"\$\(([^)]*)\)")
@@ -90,7 +92,7 @@ class BoxSettings(Params):
 
     def full_name(self, name: str) -> str:
         """See `Params`."""
-        return name
+        return _ARGUMENTS.get(name, name)
 
     def unknown(self, known: Sequence[str]) -> List[str]:
         """Return a text for each setting that nobody asked for and that is not among `known`."""
@@ -99,6 +101,7 @@ class BoxSettings(Params):
                 for name in self._values if name not in names and name not in _OF_ROS]
 
     def _get(self, name: str, default: object) -> object:
+        name = _ARGUMENTS.get(name, name)
         self._asked.add(name)
         return self._values.get(name, default)
 

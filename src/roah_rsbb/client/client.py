@@ -1,7 +1,8 @@
 """A client of the door of a box (`box/door.py`): keeps its document current, and makes calls.
 
 It connects again for ever, and asks before each attempt where the door is, because the box may have moved to its
-standby. STOP has a connection of its own, so that a large document on its way delays none.
+standby. STOP has a connection of its own, so that a large document on its way delays none. A client may offer calls of
+its own to all others.
 """
 
 import asyncio
@@ -12,12 +13,14 @@ import logging
 import threading
 import time
 import urllib.parse
-from typing import Any, Awaitable, Callable, Dict, Generic, NamedTuple, Optional, Set, Tuple, Type, TypeVar
+from typing import Any, Awaitable, Callable, Dict, Generic, Mapping, NamedTuple, Optional, Set, Tuple, Type, TypeVar
 
 from tornado import httpclient, websocket
 
 from roah_rsbb import platform
 from roah_rsbb.box_clock import BoxClock
+from roah_rsbb.document.calls import MAX_MESSAGE_BYTES as MAX_SENT_BYTES
+from roah_rsbb.document.calls import Call, Caller, InThread, Waiting, carried_out, waited
 from roah_rsbb.document.document import Followed, Gap
 from roah_rsbb.document.place import DoorPlace, NotFound
 from roah_rsbb.model.clock import Now
@@ -41,6 +44,8 @@ MAX_MESSAGE_BYTES = 64 * 1024 * 1024
 FORBIDDEN = 403
 _MAIN, _STOP = "main", "stop"  # the two connections; the second is also its face
 
+NOT_OFFERED = "the box has not answered yet"
+
 _log = logging.getLogger(__name__)
 
 
@@ -55,6 +60,13 @@ class Answer(NamedTuple):
 
 
 UNANSWERED = Answer(is_answered=False)
+
+
+class Offer(NamedTuple):
+    """Calls that a client offers. They are carried out in the client's loop, as those of the door in the box's."""
+
+    calls: Mapping[str, Call]
+    node: str = ""  # the name of this program, for another one that wants to offer the same
 
 
 def answer_of(message: Dict[str, Any]) -> Answer:
@@ -116,13 +128,16 @@ class Client(Generic[D]):
     """A box from afar. All but `wait` may be used in any thread, and `document` is never changed but replaced."""
 
     def __init__(self, root: Type[D], find: Callable[[], DoorPlace], on_change: Callable[[], object] = lambda: None,
-                 loop: Optional[asyncio.AbstractEventLoop] = None, face: str = "") -> None:
+                 loop: Optional[asyncio.AbstractEventLoop] = None, face: str = "",
+                 offer: Optional[Offer] = None) -> None:
         """`root`: type of the document. `find` says where the door is or raises `NotFound`; it is called in a thread.
         `on_change` is called in the loop's thread when the document, its number or `why` has changed. `loop`: in which
-        to run; None: in a thread of its own. `face`: what this is, such as referee."""
+        to run; None: in a thread of its own. `face`: what this is, such as referee. `offer`: calls for all
+        other clients."""
         self.why = "there is no connection to the box yet"  # why there is none, with the remedy; empty: there is one
+        self.not_offered = NOT_OFFERED  # why the calls are not offered; empty: they are
         self.news = 0  # rises whenever something has changed, or failed, and with `wake`; see `wait_news`
-        self._find, self._on_change, self._face = find, on_change, face
+        self._find, self._on_change, self._face, self._offer = find, on_change, face, offer
         self._followed: Followed[D] = Followed(root)
         self._changed = threading.Condition()
         self._clock = BoxClock()
@@ -312,7 +327,7 @@ class Client(Generic[D]):
         finally:
             for link in self._links.values():
                 link.close()
-            self._links = {}
+            self._links, self.not_offered = {}, NOT_OFFERED
 
     async def _open(self, place: DoorPlace, face: str, within_s: float) -> _Link:
         request = httpclient.HTTPRequest(
@@ -352,10 +367,17 @@ class Client(Generic[D]):
                 message = json.loads(text)
                 if "id" in message:
                     link.on_answer(message)
+                elif "asked" in message:
+                    self._spawn(self._answer_asked(link, message))
+                elif "offer" in message:
+                    self.not_offered = "; ".join(message.get("refused", ()))
+                    self._publish()
                 elif way == _MAIN:
                     self._take(link, message, is_first)
                     if is_first:
                         self._spawn(self._prepare_stop(place))
+                        if self._offer is not None:
+                            link.send(json.dumps({"offer": list(self._offer.calls), "node": self._offer.node}))
                     is_first = False
             return "the connection was ended here"
         except asyncio.TimeoutError:
@@ -366,6 +388,23 @@ class Client(Generic[D]):
             link.close()
             if self._links.get(way) is link:
                 del self._links[way]
+
+    async def _answer_asked(self, link: _Link, message: Dict[str, Any]) -> None:
+        """Carry out one of the calls that this client offers, and answer it."""
+        name, number = message["call"], message["asked"]
+        try:
+            assert self._offer is not None, "it offers this call"
+            found = carried_out(self._offer.calls[name], message["arguments"],
+                                Caller(message["face"], message["address"]))
+            if isinstance(found, (InThread, Waiting)):
+                found = await self._loop.run_in_executor(None, waited, found)
+            text = json.dumps({"asked": number, **found})
+            if len(text) > MAX_SENT_BYTES:
+                text = json.dumps({"asked": number, "error": f"the answer to {name} is too long for the box"})
+        except Exception as error:
+            _log.exception("internal error, please report it: %s", name)
+            text = json.dumps({"asked": number, "error": f"internal error, please report it: {name} ({error})"})
+        link.send(text)
 
     def _take(self, link: _Link, message: Dict[str, Any], is_first: bool) -> None:
         """Take a message with the clocks, and perhaps what has changed."""

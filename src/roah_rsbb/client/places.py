@@ -25,7 +25,7 @@ START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch', or without R
 OWN_VARIABLE = "ROAH_RSBB_DOOR"
 
 
-def own_file() -> str:
+def local_door_file() -> str:
     """Return the path of the file in which the box without ROS on this computer says where its door is."""
     return os.environ.get(OWN_VARIABLE) or os.path.join(os.path.expanduser("~"), ".roah_rsbb", "door.json")
 
@@ -78,9 +78,9 @@ class DoorPlaces:
 
     def find(self) -> DoorPlace:
         """Return where to try next; a place that was tried last only if there is no other. Raises `NotFound`."""
-        if self._is_own or (self._is_own is None and os.path.exists(own_file())):
+        if self._is_own or (self._is_own is None and os.path.exists(local_door_file())):
             self._is_own = True
-            return read_place(own_file())
+            return read_place(local_door_file())
         found = self._of_box_with_ros()
         self._is_own = False
         return found
@@ -104,7 +104,8 @@ class DoorPlaces:
     def _ask(self) -> str:
         """Ask the master; returns why nothing was found."""
         try:
-            code, _, value = xmlrpc.client.ServerProxy(self.master_uri, _Impatient()).getParam("/roah_rsbb", PARAM)
+            answer: Any = xmlrpc.client.ServerProxy(self.master_uri, _Impatient()).getParam("/roah_rsbb", PARAM)
+            code, _, value = answer
         except (OSError, HTTPException, xmlrpc.client.Error, ExpatError, ValueError, TypeError) as error:
             why = "does not answer" if isinstance(error, socket.timeout) else f"cannot be reached ({error})"
             return f"ROS master at {self.master_uri} {why}: {START}, or set ROS_MASTER_URI to the box's computer"

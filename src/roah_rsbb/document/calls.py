@@ -9,6 +9,8 @@ from typing import Any, Callable, Dict, Mapping, NamedTuple, Union
 from roah_rsbb.model.reason import encoded
 from roah_rsbb.model.referee import Refused
 
+MAX_MESSAGE_BYTES = 64 * 1024  # of a client's message to the door
+
 
 class Caller(NamedTuple):
     """Who calls: the kind of face, such as referee, and its address."""

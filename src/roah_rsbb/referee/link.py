@@ -3,6 +3,8 @@
 A box or a master that does not answer must not stop the referee: all has a time limit, and errors name the remedy.
 """
 
+import os
+import socket
 import time
 import uuid
 from concurrent.futures import Future
@@ -19,7 +21,6 @@ from roah_rsbb.model.results import RunSheet
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.referee.exits import NoCore
-from roah_rsbb.referee.ros_client import caller_name
 
 # Time limits: for the document, for the answer to a call. A busy computer may take seconds.
 CORE_S, ANSWER_S = 6.0, 6.0
@@ -82,7 +83,7 @@ class Link(Client[Document]):
             referee: str = "") -> None:
         """Do one of `model.actions.EVERY`; raises `Refused` with the core's reasons, or `NoCore`. `given`: the values
         of its fields; `run`: identity of the run that is meant, empty: whichever is there; `referee`: who does it."""
-        self._request("act", action=action, zone=zone, run=run, given=given or {}, by=referee or self.referee)
+        self.request("act", action=action, zone=zone, run=run, given=given or {}, by=referee or self.referee)
 
     def stop_run(self, zone: str, identity: str) -> None:
         """Stop the run of that identity; raises as `act` does."""
@@ -92,22 +93,23 @@ class Link(Client[Document]):
         """Mark an item in the run of that identity. The core applies the mark once, so it is sent again while the core
         does not answer, as while it restarts. Raises as `act` does."""
         mark = {"group": item.group, "desc": item.desc, **entered._asdict(), "role": ROLE, "id": str(uuid.uuid4())}
-        self._request("act", again=True, action=MARK, zone=zone, run=identity, given=mark,
+        self.request("act", again=True, action=MARK, zone=zone, run=identity, given=mark,
                       by=referee or self.referee)
 
     def reload(self, digest: str, referee: str) -> Dict[str, Any]:
         """Check the configuration files, or apply what was listed with this digest. Raises as `act` does."""
-        return cast(Dict[str, Any], self._request("reload", digest=digest, by=referee))
+        return cast(Dict[str, Any], self.request("reload", digest=digest, by=referee))
 
     def run_sheet(self, zone: str, identity: str) -> RunSheet:
         """Return a run's score sheet; an empty identity: of the connected run. Raises as `act` does."""
-        return read(RunSheet, self._request("sheet", zone=zone, run=identity))
+        return read(RunSheet, self.request("sheet", zone=zone, run=identity))
 
     def judging(self, zone: str, identity: str) -> JudgedRun:
         """Return what the head referee may see of a run; raises as `act` does."""
-        return read(JudgedRun, self._request("judges", zone=zone, run=identity))
+        return read(JudgedRun, self.request("judges", zone=zone, run=identity))
 
-    def _request(self, name: str, **arguments: Any) -> Any:
+    def request(self, name: str, **arguments: Any) -> Any:
+        """Make a call of the box (docs/door.md, "Calls") and return its answer; raises as `act` does."""
         return self._answered(self.call(name, None, ANSWER_S, node=self.node, **arguments))
 
     def _answered(self, call: "Future[Answer]") -> Any:
@@ -118,3 +120,9 @@ class Link(Client[Document]):
         if not answer.is_answered:
             raise NoCore(self.why or f"the box did not answer within {ANSWER_S:.0f} s: the core hangs, restart it")
         return answer.answer
+
+
+def caller_name(program: str) -> str:
+    """Return a name for the records that no other process has."""
+    name = f"{program}_{socket.gethostname()}_{os.getpid()}_{int(time.time() * 1000)}"
+    return "/" + "".join(letter if letter.isalnum() and letter.isascii() else "_" for letter in name)

@@ -15,6 +15,7 @@ from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, SheetItem, Zon
 from roah_rsbb.referee.answers import AutomaticAnswers, GivenUp, Keyboard, Note, Operations, Typed
 from roah_rsbb.referee.changes import BoxFollower, Change, news
 from roah_rsbb.referee.exits import Exit, NoCore
+from roah_rsbb.referee.link import ANSWER_S
 from roah_rsbb.referee.words import BadWord, EventWanted, pick_item, value_of
 from roah_rsbb.wording.sheets import END_REASONS
 from roah_rsbb.wording.stop import NOT_DELIVERED_S, Way, leaving, way_text
@@ -75,6 +76,7 @@ class RunScript:
         self._run = ""  # identity of our run; empty: not connected yet
         self._is_ours = False  # the core confirmed our connect
         self._unanswered = False  # a connect was sent, but the core did not answer it
+        self._may_start = False  # a start was sent, and was not refused
         self._event = self._zone().event
         self._uuid = self._follower.box.box.uuid  # of the core that has our run
         self._scores: List[Tuple[SheetItem, Entered]] = []
@@ -214,7 +216,12 @@ class RunScript:
 
     def _give(self, command: str) -> None:
         robot = {"robot": self._plan.robot} if command == "connect" and self._plan.robot else {}
-        self._link.act(command, self._plan.zone, robot)
+        self._may_start = command == "start"
+        try:
+            self._link.act(command, self._plan.zone, robot)
+        except Refused:
+            self._may_start = False
+            raise
 
     def _resolve_scores(self) -> None:
         self._scores = []
@@ -341,7 +348,7 @@ class RunScript:
                 self._note("interrupted: leaving the run")
                 with contextlib.suppress(NoCore):  # a core that publishes nothing may still obey
                     self._settle()
-                if self._is_running():
+                if self._will_run():
                     self._link.stop_run(self._plan.zone, self._run)
                     self._settle()
                     text = "interrupted, the run was stopped"
@@ -350,6 +357,14 @@ class RunScript:
             return ScriptOutcome(Exit.INTERRUPTED, f"interrupted twice{self._left_behind()}")
         except (Refused, NoCore, _Failed) as error:
             return ScriptOutcome(Exit.INTERRUPTED, f"interrupted, but {error}{self._left_behind()}")
+
+    def _will_run(self) -> bool:
+        """Whether our run is in progress. If a start may be on its way, wait for its effect: a STOP before it would be
+        refused, and the robot would start after that."""
+        deadline = self._link.here_s() + ANSWER_S
+        while self._may_start and self._zone().phase == CONNECTED and self._link.here_s() < deadline:
+            self._step(deadline - self._link.here_s())
+        return self._is_running()
 
     def _left_behind(self) -> str:
         may_run = self._run or self._unanswered

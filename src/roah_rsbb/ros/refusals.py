@@ -23,15 +23,7 @@ def error_text(reasons: Sequence[str]) -> str:
 
 def reasons(raised: str) -> List[str]:
     """The reasons in the text of a ServiceException; the whole text if the service did not answer."""
-    return _listed(_server_text(raised))
-
-
-def answered_reasons(answered: str) -> List[str]:
-    """The reasons in a service's error answer, as read from the connection (without the words that rospy adds)."""
-    return _listed(_without_prefix(answered))
-
-
-def _listed(text: str) -> List[str]:
+    text = _server_text(raised)
     found = _list_in(text)
     return [text] if found is None else found
 

@@ -3,7 +3,7 @@
 import asyncio
 from typing import Callable, Optional, Tuple
 
-from roah_rsbb.comm.channels import PublicChannel
+from roah_rsbb.comm.channels import MakePeer, PublicChannel
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -26,8 +26,10 @@ class TabletRadio:
         rsbb_host: str = "10.255.255.255",
         rsbb_port: int = 6666,
         bind_host: str = ANY_HOST,
+        make_peer: Optional[MakePeer] = None,
     ) -> None:
-        """Opens nothing yet. `on_box(changed)` is called for each beacon of the box."""
+        """Opens nothing yet. `on_box(changed)` is called for each beacon of the box. `make_peer`: see
+        `PublicChannel`."""
         self._loop = loop
         self._state = state
         self._on_box = on_box
@@ -35,7 +37,8 @@ class TabletRadio:
         self._present = False
         self._timer: Optional[asyncio.TimerHandle] = None
         self._channel = PublicChannel(
-            loop, rsbb_host, rsbb_port, self._on_message, on_complaint, bind_host=bind_host, apart=True
+            loop, rsbb_host, rsbb_port, self._on_message, on_complaint, bind_host=bind_host, apart=True,
+            make_peer=make_peer,
         )
 
     def open(self) -> None:

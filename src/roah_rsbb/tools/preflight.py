@@ -1,4 +1,4 @@
-"""Checks the set-up before a competition: `roah-rsbb preflight FOLDER`, or with ROS `rosrun roah_rsbb preflight FOLDER`.
+"""Checks the set-up before a competition: `roah-rsbb preflight FOLDER`; with ROS: `rosrun roah_rsbb preflight`.
 
 Prints a line for each check, with the remedy if something is wrong. It needs no ROS master and starts no nodes.
 """
@@ -13,7 +13,7 @@ from roah_rsbb import platform
 from roah_rsbb.arguments import Parser, called, is_without_ros, number
 from roah_rsbb.box.parameters import BoxParameters, parameters_of, read_parameters
 from roah_rsbb.box.settings import of_competition, of_words
-from roah_rsbb.client.places import own_file
+from roah_rsbb.client.places import local_door_file
 from roah_rsbb.devices.sounds import BELL, TIMEOUT, command_of
 from roah_rsbb.params import BadParams
 from roah_rsbb.tools import preflight_checks as checks
@@ -120,7 +120,7 @@ def findings(settings: CheckedSettings, folder: str, listen_s: float) -> List[Re
     if listen_s and reaches_robots.level is not Severity.FAILED:
         found.append(checks.check_other_box(network.rsbb_host, port, bind_host, listen_s))
     if is_without_ros():
-        found.append(checks.check_door(own_file()))
+        found.append(checks.check_door(local_door_file()))
     found.append(checks.check_clock(checks.is_synchronised()) if is_linux else checks.check_elsewhere(port))
     found += checks.check_log_dir(settings.box.log_dir)
     found += checks.check_configuration(files, settings.modules_dir)

@@ -176,7 +176,8 @@ def check_door(path: str) -> Remark:
     try:
         _try_to_write(folder)
     except OSError as error:
-        return Remark(Severity.FAILED, f"{folder} cannot be written: {error.strerror}. Terminals would not find the box",
+        return Remark(Severity.FAILED,
+                      f"{folder} cannot be written: {error.strerror}. Terminals would not find the box",
                       f"give this user write permission, or set {OWN_VARIABLE} to a file in another folder")
     return Remark(Severity.OK, f"terminals will find the box by {path}")
 

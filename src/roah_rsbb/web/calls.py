@@ -2,22 +2,39 @@
 
 import asyncio
 import functools
-from typing import Any, Dict, Tuple
+from concurrent.futures import Future
+from typing import Any, Dict, Protocol, Tuple
 
-from roah_rsbb.client.client import Client
+from roah_rsbb.client.client import Answer
 from roah_rsbb.document.written import read
-from roah_rsbb.model.document import Document
 from roah_rsbb.model.judging import JudgedRun
 from roah_rsbb.model.results import RunSheet
 from roah_rsbb.web.commands import JUDGING, SHEET, STOP, Command, Outcome
+from roah_rsbb.web.numbered import BoxShown
 
 _RESULTS: Dict[str, Any] = {SHEET: RunSheet, JUDGING: JudgedRun}
+
+
+class BoxCommanded(BoxShown, Protocol):
+    """A box that is shown and commanded: a `client.Client`, or what stands for one in the box's process."""
+
+    def start(self) -> None:
+        """Begin to connect."""
+
+    def close(self) -> None:
+        """End the connection."""
+
+    def call(self, name: str, **arguments: Any) -> "Future[Answer]":
+        """Make a call."""
+
+    def stop(self, zone: str, run: str, **arguments: Any) -> "Future[Answer]":
+        """Stop a run."""
 
 
 class PageCalls:
     """Makes the calls. STOP has a connection of its own, so it waits for no other."""
 
-    def __init__(self, client: "Client[Document]", node: str) -> None:
+    def __init__(self, client: BoxCommanded, node: str) -> None:
         """`node`: the name of this program, for the records."""
         self._client, self._node = client, node
 

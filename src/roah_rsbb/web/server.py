@@ -21,6 +21,7 @@ from roah_rsbb.web.displays.listed import Display, Displays, Setting
 from roah_rsbb.web.displays.logos import LogoHandler
 from roah_rsbb.web.displays.requests import DisplaysHandler
 from roah_rsbb.web.documents import DATA
+from roah_rsbb.web.encryption.tls import EncryptedServer
 from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.guarded import FileHandler, Guarded, policy
 from roah_rsbb.web.limits import Places, Rates
@@ -30,7 +31,6 @@ from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind, set_he
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.teams.codes import TeamCodes
 from roah_rsbb.web.teams.requests import CODE, CodesHandler, TeamHandler
-from roah_rsbb.web.tls import EncryptedServer
 from roah_rsbb.web.writing import CommandHandler, DeviceEventsHandler, PairHandler, SessionHandler, StopEventsHandler
 from roah_rsbb.wording.device import TOO_MANY_TEAM_GUESSES
 

@@ -4,8 +4,8 @@ import pathlib
 
 import pytest
 
-from roah_rsbb.box.parameters import read_parameters
 from roah_rsbb.box import settings as settings_of
+from roah_rsbb.box.parameters import read_parameters
 from roah_rsbb.box.settings import BoxSettings
 from roah_rsbb.params import BadParams
 from roah_rsbb.shipped import shipped_folder

@@ -12,8 +12,11 @@ from helpers.toy_box import HOST, TOKEN, ToyBox
 from helpers.toy_document import LOW, Toy
 from roah_rsbb.box import door
 from roah_rsbb.client import client as client_file
-from roah_rsbb.client.client import UNANSWERED, Answer, Client
+from roah_rsbb.client.client import UNANSWERED, Answer, Client, Offer
+from roah_rsbb.document.calls import Caller, InThread, Waiting
 from roah_rsbb.document.place import DoorPlace, NotFound
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.wording.device import NO_WEB
 
 __all__ = ["running"]
 
@@ -246,6 +249,92 @@ def test_a_call_after_the_end_is_not_answered(world):
     client.close()
     assert waiting.result(0) == UNANSWERED
     assert client.call("act").result(0) == UNANSWERED
+
+
+# -- calls that a client offers -----------------------------------------------------------------------
+
+
+def refuse(given, caller):
+    raise Refused([LOW(robot="r1", number=2)])
+
+
+OFFERED = {
+    "pair": lambda given, caller: [given, caller], "no": refuse,
+    "thread": lambda given, caller: InThread(lambda: threading.current_thread().name),
+    "saved": lambda given, caller: Waiting(lambda: "the disk is full"),
+    "broken": lambda given, caller: 1 / 0, "strange": lambda given, caller: {1},
+    "long": lambda given, caller: "x" * 70000,
+}
+
+
+def offering(world, calls=OFFERED, **how):
+    return world.client(offer=Offer(calls, "/offering"), **how)
+
+
+def test_a_client_carries_out_what_it_offers(world):
+    client, other = offering(world), world.connected(face="referee")
+    world.until(lambda: not client.not_offered)
+    given, caller = world.answer(other.call("pair", role="judge")).answer
+    assert (given, Caller(*caller)) == ({"role": "judge"}, Caller("referee", HOST))
+    assert world.answer(other.call("no")).reasons[0].values == {"robot": "r1", "number": 2}
+    assert world.answer(other.call("thread")).answer != client._thread.name
+    saved = world.answer(other.call("saved"))
+    assert (saved.reasons, saved.is_known) == (("the disk is full",), False)
+    for name in ("broken", "strange"):
+        assert "please report it" in world.answer(other.call(name)).reasons[0]
+    assert "too long" in world.answer(other.call("long")).reasons[0]
+    assert world.answer(client.call("pair")).answer[0] == {}, "also to itself"
+
+
+def test_what_is_offered_is_offered_again_to_the_next_box(world):
+    client, other = offering(world), world.connected()
+    world.until(lambda: not client.not_offered)
+    world.restart()
+    world.until(lambda: world.box.door._offers._in_force and not client.not_offered)
+    assert world.answer(other.call("pair", again=True, timeout_s=60.0)).answer[0] == {}
+
+
+def test_a_second_one_knows_why_it_waits(world):
+    first = offering(world)
+    world.until(lambda: not first.not_offered)
+    seen = threading.Event()
+    second = offering(world, {"pair": lambda given, caller: 2},
+                      on_change=lambda: seen.set() if "/offering at" in world.clients[1].not_offered else None)
+    world.until(seen.is_set)
+    assert second.not_offered == f"/offering at {HOST} offers pair already"
+    first.close()
+    world.until(lambda: not second.not_offered)
+    assert world.answer(second.call("pair")).answer == 2
+
+
+def test_a_client_in_a_loop_that_there_is_offers_calls(world):
+    client = offering(world, loop=world.running.loop)
+    world.until(lambda: not client.not_offered)
+    assert world.answer(world.connected().call("pair")).answer[0] == {}
+
+
+def test_stop_does_not_wait_for_one_that_hangs(world):
+    held = threading.Event()
+    client, other = offering(world, {"pair": lambda given, caller: held.wait(60)}), world.connected()
+    world.until(lambda: not client.not_offered)
+    waiting = other.call("pair", timeout_s=60.0)
+    world.until(lambda: world.box.door._offers._asked)
+    assert world.answer(other.stop("Home", "run 1")).is_answered
+    assert world.answer(other.call("act")).answer == {"count": 2}
+    assert not waiting.done()
+    held.set()
+    assert world.answer(waiting).answer is True
+
+
+def test_one_that_dies_is_not_waited_for(world):
+    held = threading.Event()
+    client, other = offering(world, {"pair": lambda given, caller: InThread(lambda: held.wait(60))}), world.connected()
+    world.until(lambda: not client.not_offered)
+    waiting = other.call("pair", timeout_s=60.0)
+    world.until(lambda: world.box.door._offers._asked)
+    client._loop.call_soon_threadsafe(client._links["main"].socket.close)
+    assert NO_WEB in world.answer(waiting).reasons[0]
+    held.set()
 
 
 # -- STOP ---------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ import socket
 
 import pytest
 
-from roah_rsbb.client.places import OWN_VARIABLE, DoorPlaces, file_of, own_file
+from roah_rsbb.client.places import OWN_VARIABLE, DoorPlaces, file_of, local_door_file
 from roah_rsbb.document.place import DoorPlace, NotFound, write_place
 
 
@@ -42,8 +42,8 @@ def own(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.delenv("ROS_MASTER_URI", raising=False)
     monkeypatch.delenv(OWN_VARIABLE, raising=False)
-    write_place(own_file(), "ws://127.0.0.1:3/door", "without ROS")
-    return own_file()
+    write_place(local_door_file(), "ws://127.0.0.1:3/door", "without ROS")
+    return local_door_file()
 
 
 def test_a_box_without_ros_is_found_unless_a_master_is_named(own, monkeypatch):

@@ -358,6 +358,25 @@ def test_an_interrupt_before_the_start_disconnects(link):
     assert link.commands == ["connect", "disconnect"]
 
 
+def test_an_interrupt_while_the_start_is_on_its_way_stops_what_it_starts(link):
+    """The core carries the start out after the program was interrupted, which got no answer."""
+    link.answers["start"] = [KeyboardInterrupt()]
+    link.at(0.5, lambda: link.change(phase="running"))
+    outcome, _ = _run(link)
+    assert (outcome.status, outcome.text) == (Exit.INTERRUPTED, "interrupted, the run was stopped")
+    assert link.commands == ["connect", "start", "stop_run", "disconnect"]
+    assert outcome.zone.end_reason == "stopped"
+
+
+def test_an_interrupt_after_a_refused_start_waits_for_nothing(link):
+    link.answers["start"] = [Refused(["Skew"])] * 100
+    link.at(3, _interrupt)
+    outcome, _ = _run(link)
+    assert (outcome.status, outcome.text) == (Exit.INTERRUPTED, "interrupted")
+    assert link.commands[-1] == "disconnect"
+    assert link.time < 4.0
+
+
 def test_an_interrupt_before_connect_changes_nothing(link):
     link.block("connect", "No robot")
     link.at(5, _interrupt)

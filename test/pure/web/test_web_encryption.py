@@ -18,7 +18,7 @@ from roah_rsbb import durable
 from roah_rsbb.rulebook.errors import Place, Report
 from roah_rsbb.tools.competition import certificate as maker
 from roah_rsbb.web import limits
-from roah_rsbb.web.certificate import Certificate, CertificateError, CertificateFiles
+from roah_rsbb.web.encryption.certificate import Certificate, CertificateError, CertificateFiles
 from roah_rsbb.web.pairing import Grant, Sessions
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store

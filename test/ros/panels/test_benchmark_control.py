@@ -310,7 +310,6 @@ class TestBenchmarkControl(PanelCase):
             with self.subTest(raised):
                 self.assertIn("is the core running?", calls.failure_text(raised))
                 self.assertIn(raised, calls.failure_text(raised))
-        self.assertIn("unless web is false", calls.failure_text("service [/web/pair] unavailable"))
 
     def test_nothing_moves_under_the_referees_hand(self) -> None:
         places = set()

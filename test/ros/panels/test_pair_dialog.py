@@ -1,23 +1,15 @@
-"""The dialog that pairs phones, with fake services of the web pages' node."""
+"""The dialog that pairs phones, with a fake core that has the calls of the web pages."""
 
+from typing import Any, Mapping
 from unittest import mock
 
-import rospy
 from support.gui_testing import LONG_S, click, limit, wait_until
 from support.panel_case import PanelCase
 
 from roah_rsbb import qr_code
-from roah_rsbb.msg import PairedDevice
+from roah_rsbb.document.calls import Caller
 from roah_rsbb.rqt.widgets import basic, pair_dialog
 from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
-from roah_rsbb.srv import (
-    PairDevice,
-    PairDeviceResponse,
-    PairedDevices,
-    PairedDevicesResponse,
-    RevokeDevice,
-    RevokeDeviceResponse,
-)
 
 
 class TestPairDialog(PanelCase):
@@ -27,24 +19,22 @@ class TestPairDialog(PanelCase):
         super().setUp()
         self.asked = []
         self.devices = [
-            PairedDevice(id=number, role="referee", zone="Home A", person=person, device="iPhone", connected=True)
+            {"id": number, "role": "referee", "zone": "Home A", "person": person, "device": "iPhone", "paired": 0.0,
+             "seen": 0.0, "connected": True}
             for number, person in (("1f3c9a02", "Anna"), ("5d", "Ben"))
         ]
-        for name, kind, answer in (
-            ("pair", PairDevice, self.pair), ("revoke", RevokeDevice, self.revoke),
-            ("sessions", PairedDevices, lambda request: PairedDevicesResponse(self.devices)),
-        ):
-            service = rospy.Service(f"/web/{name}", kind, answer)
-            self.addCleanup(service.shutdown)
+        for name, call in (("pair", self.pair), ("revoke", self.revoke),
+                           ("paired", lambda given, caller: {"devices": self.devices})):
+            self.core.add_call(name, call)
 
-    def pair(self, request: PairDevice) -> PairDeviceResponse:
-        self.asked.append((request.role, request.zone))
+    def pair(self, given: Mapping[str, Any], caller: Caller) -> Any:
+        self.asked.append((given["role"], given["zone"]))
         code = f"ABCD-EFG{len(self.asked) + 1}"
-        return PairDeviceResponse(code, f"http://192.0.2.1:8081/pair#{code}", rospy.Duration(120))
+        return {"code": code, "url": f"http://192.0.2.1:8081/pair#{code}", "valid": 120.0}
 
-    def revoke(self, request: RevokeDevice) -> RevokeDeviceResponse:
-        self.devices = [one for one in self.devices if one.id != request.id]
-        return RevokeDeviceResponse(1)
+    def revoke(self, given: Mapping[str, Any], caller: Caller) -> Any:
+        self.devices = [one for one in self.devices if one["id"] != given["device"]]
+        return {"revoked": 1}
 
     def open_dialog(self) -> PairDialog:
         """Open the dialog by its menu entry."""

@@ -71,9 +71,9 @@ class TestCalls(unittest.TestCase):
             self.calls.run(self, what, self.gate.wait, self.outcomes.append)
 
     def test_a_node_that_hangs_keeps_no_command_for_another_one_from_being_sent(self) -> None:
-        self.call("/web/sessions", calls.MAX_WAITING + 1)
+        self.call("/devices/dimmer", calls.MAX_WAITING + 1)
         self.assertEqual(len(self.outcomes), 1)
-        self.assertIn("/web/sessions: not sent", self.outcomes[0].error)
+        self.assertIn("/devices/dimmer: not sent", self.outcomes[0].error)
         self.call("/devices/bell/mock", 1)
         self.assertEqual(len(self.outcomes), 1)
 

@@ -2,8 +2,10 @@
 
 import json
 import urllib.request
-from typing import Any, Dict
+from typing import Any, Dict, List
 
+from roah_rsbb.wording.device import NO_WEB
+from support.box_client import BoxClient, Refusal
 from support.connections import kill
 from support.robots import RSBB_PORT
 from support.waiting import wait_until
@@ -16,6 +18,19 @@ def answer(name: str) -> Dict[str, Any]:
     """A document of data."""
     with urllib.request.urlopen(f"{URL}/api/v1/{name}", timeout=30) as opened:
         return json.load(opened)
+
+
+def ask(box: BoxClient, name: str, **arguments: object) -> Any:
+    """Make a call that the gateway offers, as soon as one runs, and return its answer; raises `Refusal`."""
+    def answered() -> List[Any]:
+        try:
+            return [box.ask(name, **arguments)]
+        except Refusal as refused:
+            if NO_WEB not in str(refused):
+                raise
+            return []
+
+    return wait_until(answered, "a gateway answers")[0]
 
 
 def session() -> str:

@@ -1,12 +1,14 @@
 """A connection to a topic that is not shared with other listeners of the process, as those of rospy are."""
 
+import io
+import socket
 import struct
-import time
+import xmlrpc.client
 from typing import Any, Optional
 
 import rosgraph
+import rosgraph.network
 
-from roah_rsbb.referee.ros_client import Connection, RosError, xml_rpc
 from support.waiting import LIMIT_S
 
 _CALLER = "/late_listener"
@@ -17,18 +19,18 @@ class Listener:
     """A connection to the first publisher of a topic."""
 
     def __init__(self, topic: str, kind: Any) -> None:
-        until = time.monotonic() + LIMIT_S
-        master = rosgraph.get_master_uri()
-        publishers = dict(xml_rpc(master, "getSystemState", [_CALLER], until)[0])[topic]
-        node = xml_rpc(master, "lookupNode", [_CALLER, publishers[0]], until)
-        _, host, port = xml_rpc(node, "requestTopic", [_CALLER, topic, [["TCPROS"]]], until)
-        connection = Connection(host, port, until)
-        connection.handshake({"callerid": _CALLER, "topic": topic, "md5sum": kind._md5sum, "type": kind._type,
-                              "tcp_nodelay": "1"}, until)
-        self._socket = connection.socket
+        master = rosgraph.Master(_CALLER)
+        publisher = dict(master.getSystemState()[0])[topic][0]
+        _, _, (_, host, port) = xmlrpc.client.ServerProxy(master.lookupNode(publisher)).requestTopic(
+            _CALLER, topic, [["TCPROS"]])
+        self._socket = socket.create_connection((host, port), LIMIT_S)
+        rosgraph.network.write_ros_handshake_header(self._socket, {
+            "callerid": _CALLER, "topic": topic, "md5sum": kind._md5sum, "type": kind._type, "tcp_nodelay": "1"})
+        rest = io.BytesIO()  # what comes with the header
+        rosgraph.network.read_ros_handshake_header(self._socket, rest, 1 << 16)
         self._socket.setblocking(False)
         self._kind = kind
-        self._buffer = bytearray()
+        self._buffer = bytearray(rest.getvalue())
 
     def fileno(self) -> int:
         """For `select`."""
@@ -39,7 +41,7 @@ class Listener:
         self._socket.close()
 
     def take(self) -> Any:
-        """Return the newest message that has arrived, or None. Raises `RosError` when the publisher is gone."""
+        """Return the newest message that has arrived, or None. Raises ConnectionError when the publisher is gone."""
         is_gone = False
         while not is_gone:
             try:
@@ -50,7 +52,7 @@ class Listener:
             is_gone = not data
         newest = self._newest()
         if newest is None and is_gone:
-            raise RosError("the publisher has closed the connection")
+            raise ConnectionError("the publisher has closed the connection")
         return None if newest is None else self._kind().deserialize(newest)
 
     def _newest(self) -> Optional[bytes]:

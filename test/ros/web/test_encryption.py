@@ -5,16 +5,14 @@ import hashlib
 import pathlib
 import tempfile
 
-import rospy
 from cryptography import x509
 from cryptography.hazmat.backends import default_backend
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 from support.box_case import BoxCase
 from support.browser import Browser, NeedsBrowser, find
+from support.gateway import ask
 from support.programs import Program, own, run
-from support.waiting import LIMIT_S
 
-from roah_rsbb.srv import PairDevice
 from roah_rsbb.tools.competition.certificate import AUTHORITY, CERTIFICATE, KEY
 from roah_rsbb.web.writing import ENCRYPTED_COOKIE
 
@@ -30,7 +28,7 @@ def key_of(authority: pathlib.Path) -> str:
 
 
 class TestEncryption(NeedsBrowser, BoxCase):
-    """A second gateway of the box, with a certificate."""
+    """A gateway with a certificate."""
 
     PAGES = "encrypted pages"
 
@@ -40,14 +38,11 @@ class TestEncryption(NeedsBrowser, BoxCase):
         folder = pathlib.Path(temporary.name)
         made = run(own("new_competition"), "--certificate", str(folder), "--names", HOST)
         self.assertEqual(made.returncode, 0, made.stderr)
-        services = [f"/web/{name}:=/{NODE}/{name}" for name in ("pair", "sessions", "revoke")]
         gateway = self._leaving(Program(
             own("roah_rsbb_web"), f"__name:={NODE}", "_rsbb_host:=127.255.255.255", f"_web_host:={HOST}",
-            "_web_port:=0", f"_log_dir:={folder}", f"_web_cert:={folder / CERTIFICATE}", f"_web_key:={folder / KEY}",
-            *services))
+            "_web_port:=0", f"_log_dir:={folder}", f"_web_cert:={folder / CERTIFICATE}", f"_web_key:={folder / KEY}"))
         gateway.wait_printed("The web pages: open https://")
-        rospy.wait_for_service(f"/{NODE}/pair", LIMIT_S)
-        url = rospy.ServiceProxy(f"/{NODE}/pair", PairDevice)("referee", ZONE).url
+        url = ask(self.box, "pair", role="referee", zone=ZONE)["url"]
         self.assertTrue(url.startswith(f"https://{HOST}:"), url)
 
         with self.assertRaisesRegex(ConnectionError, "ERR_CERT_AUTHORITY_INVALID"):

@@ -10,15 +10,13 @@ import unittest
 from typing import List
 from unittest import mock
 
-import rospy
 from support.box_case import BoxCase
 from support.browser import NeedsBrowser, Page
 from support.connections import kill, process_of
-from support.gateway import GATEWAY, URL, answer, kill_gateway, wait_served
+from support.gateway import GATEWAY, URL, answer, ask, kill_gateway, wait_served
 from support.waiting import wait_until
 
 from roah_rsbb.nodes.web import node as web
-from roah_rsbb.srv import PairDevice
 from roah_rsbb.web.server import PAGES
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -171,7 +169,7 @@ class TestPages(NeedsBrowser, BoxCase):
 
     def pair_an_organiser(self) -> None:
         """Pair the browser."""
-        code = rospy.ServiceProxy("/web/pair", PairDevice)("organiser", "").code
+        code = ask(self.box, "pair", role="organiser")["code"]
         page = self.open(f"/pair#{code}", *LAPTOP)
         page.wait("document.querySelector('#person') !== null", "the form is shown")
         page.fill("#person", "Olga")

@@ -8,14 +8,12 @@ import urllib.request
 from typing import Any
 
 import rosgraph
-import rospy
 from support.box_case import BoxCase
+from support.box_client import Refusal
 from support.browser import NeedsBrowser, Page
-from support.gateway import GATEWAY, URL, kill_gateway, session, wait_served
+from support.gateway import GATEWAY, URL, ask, kill_gateway, session, wait_served
 from support.programs import Program, own
 from support.referee_program import called
-
-from roah_rsbb.srv import PairDevice, RevokeDevice
 
 SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
 ZONE = "Room"
@@ -47,7 +45,7 @@ class TestPairing(NeedsBrowser, BoxCase):
     def setUp(self) -> None:
         super().setUp()
         wait_served()
-        rospy.ServiceProxy("/web/revoke", RevokeDevice)("")
+        ask(self.box, "revoke")
 
     def pair(self, url: str, person: str) -> Page:
         """Open the address of a QR code, and type a name."""
@@ -102,25 +100,24 @@ class TestPairing(NeedsBrowser, BoxCase):
         self.assertEqual(devices(), [])
 
     def test_wrong_requests_are_refused_with_reasons(self) -> None:
-        ask = rospy.ServiceProxy("/web/pair", PairDevice)
         for role, zone, reason in (("king", ZONE, "choose one of"), ("referee", "", "needs a zone"),
                                    ("referee", "Rom", "did you mean"), ("organiser", ZONE, "leave out zone")):
-            with self.subTest(role=role, zone=zone), self.assertRaisesRegex(rospy.ServiceException, reason):
-                ask(role, zone)
+            with self.subTest(role=role, zone=zone), self.assertRaisesRegex(Refusal, reason):
+                ask(self.box, "pair", role=role, zone=zone)
         self.assertEqual(called("pair").returncode, 2)
         self.assertEqual(called("devices", "--revoke", "none").returncode, 2)
 
     def test_a_second_gateway_says_so_and_takes_nothing_over(self) -> None:
-        first, master = session(), rosgraph.Master(rospy.get_name())
-        at = master.lookupService("/web/pair"), master.lookupNode(GATEWAY)
+        first, master = session(), rosgraph.Master("/test")
+        at = master.lookupNode(GATEWAY)
         for name in ("roah_rsbb_web", "another_gateway"):
             with self.subTest(name):
                 second = Program(own("roah_rsbb_web"), f"__name:={name}", "_rsbb_host:=127.255.255.255", "_web_port:=0",
                                  f"_log_dir:={os.environ['ROS_HOME']}/second")
                 self.addCleanup(second.close)
-                second.wait_printed("another gateway is running: /roah_rsbb_web at ")
+                second.wait_printed("another gateway is running (/roah_rsbb_web at ")
                 second.close()
-                self.assertEqual((master.lookupService("/web/pair"), master.lookupNode(GATEWAY)), at)
+                self.assertEqual(master.lookupNode(GATEWAY), at)
                 self.assertEqual(session(), first)
                 self.assertEqual(called("pair", ZONE).returncode, 0)
 

@@ -10,18 +10,16 @@ import signal
 import uuid
 from typing import Any, Dict, Optional
 
-import rospy
 from support.box_case import BoxCase
 from support.box_client import Refusal
 from support.browser import IS_ALL, Browser, NeedsBrowser, Page, find
 from support.connections import process_of
-from support.gateway import GATEWAY, URL, kill_gateway, wait_served
+from support.gateway import GATEWAY, URL, ask, kill_gateway, wait_served
 from support.waiting import wait_until
 
 from roah_rsbb.document.written import read
 from roah_rsbb.model.judging import JudgedRun
 from roah_rsbb.model.results import RunSheet
-from roah_rsbb.srv import PairDevice, RevokeDevice
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"
@@ -77,24 +75,15 @@ class TestRefereePage(NeedsBrowser, BoxCase):
     def setUp(self) -> None:
         super().setUp()
         wait_served()
-        wait_until(self.revoked, "the devices are unpaired")
-        self.addCleanup(wait_until, self.revoked, "the devices are unpaired")
-
-    @staticmethod
-    def revoked() -> bool:
-        """End all pairings; false: a gateway that a test has killed is not back yet."""
-        try:
-            rospy.ServiceProxy("/web/revoke", RevokeDevice)("")
-        except rospy.ServiceException:
-            return False
-        return True
+        ask(self.box, "revoke")
+        self.addCleanup(ask, self.box, "revoke")
 
     def paired(self, role: str = "referee", person: str = "Anna", language: str = "en", zone: str = "",
                browser: Optional[Browser] = None) -> Page:
         """A phone with the page of this role. `zone`: another one than usual, on a phone beside others."""
         is_alone = bool(zone)
         zone = "" if role == "organiser" else zone or ZONE
-        url = rospy.ServiceProxy("/web/pair", PairDevice)(role, zone).url.replace("/pair", f"/pair?language={language}")
+        url = ask(self.box, "pair", role=role, zone=zone)["url"].replace("/pair", f"/pair?language={language}")
         page = (browser or self.browser).page(url, *PHONE, is_alone=is_alone)
         if browser is None:
             self._leaving(page)
@@ -464,7 +453,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertEqual(self.post(page, "connect"), 403)
         self.assertEqual(self.post(page, "mark", identity="x", id="x", group="x", desc="x", judge="Dora"), 403)
         self.assert_accessible("judge", page)
-        rospy.ServiceProxy("/web/revoke", RevokeDevice)("")
+        ask(self.box, "revoke")
         page.wait(f"{TEXT}.includes('This device is not paired')", "the page says so")
         self.assert_accessible("not paired", page)
         self.assertEqual(self.post(page, "connect"), 401)

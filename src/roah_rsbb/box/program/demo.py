@@ -93,7 +93,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
                 team, config.passwords[team], options=behaviour, rsbb_host=LOOPBACK_BROADCAST,
                 bind_host=f"127.0.0.{number_ + 2}", name_in_log=team, make_peer=airs[0].peer)
             program.keep(robot.run())
-        if not options.scripted and False:
+        if not options.scripted and program.open_pages(in_browser=True):
             await asyncio.get_event_loop().create_future()
         return await asyncio.get_event_loop().run_in_executor(None, functools.partial(_scripted, door, log_dir))
 

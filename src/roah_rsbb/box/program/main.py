@@ -111,7 +111,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
 
     async def work(program: BoxProgram) -> int:
         await program.start(door_file(settings.path("log_dir")))
-        # pages
+        program.open_pages(in_browser=not options.no_browser)
         await asyncio.get_event_loop().create_future()
         return 0
 

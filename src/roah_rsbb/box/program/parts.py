@@ -3,14 +3,17 @@
 import asyncio
 import logging
 import threading
-from typing import Callable, Optional
+from typing import Callable, List, Mapping, Optional, Union
 
 from roah_rsbb.bmbox.host.dummy_frames import DummyFrames
 from roah_rsbb.bmbox.host.ground_truth_of_frames import NoFrames, ZonesGroundTruth
 from roah_rsbb.bmbox.host.host import ModulesHost, chosen_benchmarks
 from roah_rsbb.bmbox.host.thread import ModulesThread
+from roah_rsbb.box.in_process_client import InProcessClient
 from roah_rsbb.box.running import RunningBox
 from roah_rsbb.box.settings import BoxSettings
+from roah_rsbb.comm.channels import MakePeer
+from roah_rsbb.comm.sockets import source_host
 from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.copies.reported import ReportedCopy
@@ -19,11 +22,21 @@ from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.devices.devices import HomeDevices, open_settings
 from roah_rsbb.devices.home import BadSetting, Home, devices_state
 from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, command_of
+from roah_rsbb.document.calls import Call, Caller
 from roah_rsbb.model.modules import ModulesState
+from roah_rsbb.model.web_calls import PAIR
 from roah_rsbb.params import BadParams
+from roah_rsbb.shipped import shipped_folder
+from roah_rsbb.tablet.tablet_page import TabletPage
+from roah_rsbb.web.gateway import Gateway, GatewayHost
+from roah_rsbb.web.pairing import ORGANISER
 
 # Interval of reports about the copy; and a stick that hangs must not keep the box from ending.
 COPY_PERIOD_S, COPY_END_S = 1.0, 5.0
+NAME = "roah_rsbb"  # of this program, for the box's records
+LOOPBACK = "127.0.0.1"
+# Any address outside of this computer: nothing is sent to it.
+PUBLIC_ADDRESS = "192.0.2.1"
 NO_DEVICES = "this box controls no home devices: start it with devices:=true"
 
 _log = logging.getLogger(__name__)
@@ -40,7 +53,8 @@ class DrivenModules:
         self._running: Optional[RunningBox] = None
 
         def make(its_loop: asyncio.AbstractEventLoop, send: Callable[[ModulesState], object]) -> ModulesHost:
-            return ModulesHost(its_loop, folder, benchmarks, ZonesGroundTruth(folder, make_frames), send)
+            return ModulesHost(
+                its_loop, folder, benchmarks, truth=ZonesGroundTruth(folder, make_frames), send=send)
 
         self._thread = ModulesThread(make, self._take_state, loop.call_soon_threadsafe)
 
@@ -137,6 +151,48 @@ class ControlledDevices:
         """Disconnect."""
         if self._home is not None:
             self._home.close()
+
+
+class WebParts:
+    """The web pages and the tablet's page."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, running: RunningBox,
+                 make_peer: MakePeer) -> None:
+        """Raises `BadParams`."""
+        self._calls: Mapping[str, Call] = {}
+        self.url = ""  # of the web pages, on this computer; empty: they are not served
+        resource = shipped_folder().parent / "resource"
+        address = source_host(PUBLIC_ADDRESS) or LOOPBACK
+        names = [*settings.given("web_names").lower().split(), address]
+        self._parts: List[Union[Gateway, TabletPage]] = []
+        if settings.flag("web", True):
+            def make_client(on_change: Callable[[], object], calls: Mapping[str, Call]) -> InProcessClient:
+                running.door.add_calls(calls)
+                self._calls = calls
+                return InProcessClient(running.door, running.now, on_change, "referee")
+
+            self._parts.append(Gateway(loop, settings, GatewayHost(
+                resource, NAME, address, make_client, self._take_url, names)))
+        if settings.flag("tablet", False):
+            self._parts.append(TabletPage(loop, settings, str(resource), names, lambda url: None, make_peer))
+
+    def start(self) -> None:
+        """Serve as soon as that is possible."""
+        for part in self._parts:
+            part.start()
+
+    def pair_organiser(self) -> str:
+        """Return an address that pairs one device as the organiser's. The pages must be served."""
+        made = self._calls[PAIR]({"role": ORGANISER}, Caller(ORGANISER))
+        return str(made["url"])
+
+    def _take_url(self, url: str) -> None:
+        self.url = url
+
+    def close(self) -> None:
+        """Stop serving."""
+        for part in self._parts:
+            part.stop()
 
 
 class Backup:

@@ -9,17 +9,16 @@ import os
 from typing import Any, Coroutine, List, Optional
 
 from roah_rsbb.box.parameters import parameters_of
-from roah_rsbb.box.program.parts import Backup, ControlledDevices, DrivenModules, Sounds
-from roah_rsbb.box.running import Around, RunningBox
+from roah_rsbb.box.program.parts import LOOPBACK, Backup, ControlledDevices, DrivenModules, Sounds, WebParts
+from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.settings import BoxSettings
 from roah_rsbb.box.standing_by import wait_for_journal
-from roah_rsbb.client.places import OWN_VARIABLE, is_answering, own_file
+from roah_rsbb.client.places import OWN_VARIABLE, is_answering, local_door_file
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.document.place import NotFound, read_place, write_place
-
-NAME = "roah_rsbb"  # of this program, for the box's records
-LOOPBACK = "127.0.0.1"
+from roah_rsbb.platform import open_in_browser
+from roah_rsbb.web.pairing import CODE_VALID_S
 
 _log = logging.getLogger(__name__)
 
@@ -30,7 +29,7 @@ class BoxProgram:
     def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, launch: str,
                  make_peer: MakePeer = Peer, is_dummy: bool = False) -> None:
         """`launch`: identifies the supervisor (`resume:=launch`). `is_dummy`: a demonstration, see
-        `DrivenModules`. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError, whose texts name the remedy."""
+        `DrivenModules`. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError; their texts name the remedy."""
         params = parameters_of(settings)
         self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
         self._sounds = Sounds(settings)
@@ -38,7 +37,8 @@ class BoxProgram:
         self._devices = ControlledDevices(loop, settings, params.log_dir, self._sounds.ring_bell)
         self.running = RunningBox(
             loop, params, launch, wait_for_journal(params.log_dir),
-            Around(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
+            Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
+        self._pages = WebParts(loop, settings, self.running, make_peer)
         self._backup: Optional[Backup] = None
         self._door_file = ""
         self._tasks: List[asyncio.Task] = []  # a loop does not keep them
@@ -53,6 +53,7 @@ class BoxProgram:
             self._modules.start(self.running)
         if self._params.backup_dir:
             self._backup = Backup(self._loop, self._params.backup_dir, self._params.log_dir, self.running)
+        self._pages.start()
         port = self.running.door.open(LOOPBACK)
         self._door_file = door_file
         write_place(door_file, f"ws://{LOOPBACK}:{port}/door", self.running.door.token)
@@ -61,6 +62,7 @@ class BoxProgram:
         """End everything. Runs continue with the next start."""
         if self._door_file and _is_own(self._door_file, self.running.door.token):
             os.unlink(self._door_file)
+        self._pages.close()
         self.running.door.close()
         if self._modules is not None:
             self._modules.close()
@@ -71,6 +73,15 @@ class BoxProgram:
         self.running.close()
         if self._backup is not None:
             self._backup.close()
+
+    def open_pages(self, in_browser: bool) -> bool:
+        """Show the organiser the way to the pages: in a browser, if there is one, and in the log. Returns whether a
+        browser was opened."""
+        if not self._pages.url:
+            return False  # their log says why
+        url = self._pages.pair_organiser()
+        _log.info("To pair this computer or another one as the organiser's, open within %.0f s: %s", CODE_VALID_S, url)
+        return in_browser and open_in_browser(url)
 
     def keep(self, work: Coroutine[Any, Any, Any]) -> None:
         """Run something until this program ends, such as a robot of a demonstration."""
@@ -83,7 +94,7 @@ class BoxProgram:
 
 def door_file(log_dir: str) -> str:
     """Return where a box says how its door is found: in the user's folder, unless another box answers there."""
-    usual = own_file()
+    usual = local_door_file()
     if OWN_VARIABLE in os.environ or not is_answering(usual):
         return usual
     own = os.path.join(log_dir, "door.json")

@@ -18,7 +18,7 @@ import rospy
 from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.box.parameters import read_parameters
-from roah_rsbb.box.running import PERIOD_S, Around, RunningBox
+from roah_rsbb.box.running import PERIOD_S, Peripherals, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
 from roah_rsbb.durable import close_to_others
 from roah_rsbb.journal.file import DamagedJournal
@@ -59,7 +59,7 @@ class CoreNode:
         self._others = OtherNodes(ros)
         self._running = running = RunningBox(
             ros.loop, params, rospy.get_param("/run_id", ""), lock,
-            Around(self._bell.ring, self._others.publish_module_runs, self._others.set_device,
+            Peripherals(self._bell.ring, self._others.publish_module_runs, self._others.set_device,
                    self._others.ask_standby))
         self._services = LoopServices(ros.loop, running.core.fence.check)
         CoreServices(running.box, self._services, running.calls)

@@ -13,7 +13,6 @@ from roah_rsbb.model.actions import MARK
 from roah_rsbb.model.document import Document
 from roah_rsbb.ros import refusals
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
-from roah_rsbb.wording.device import NO_WEB
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.said import tr_said
 
@@ -118,7 +117,7 @@ class Calls(QObject):
     def _outcome(self, name: str, answer: Answer) -> CallOutcome:
         if answer.is_answered:
             return CallOutcome("; ".join(map(tr_said, answer.reasons)), answer.answer, True, answer.number)
-        return CallOutcome(tr("no answer: {why} ({error})", why=_missing(name), error=self._afar.why)
+        return CallOutcome(tr("no answer: {why} ({error})", why=_missing(), error=self._afar.why)
                            if self._afar.why else _late(name), is_answered=False)
 
     # -- of other nodes -------------------------------------------------------------------------------
@@ -174,13 +173,11 @@ class Calls(QObject):
 
 
 def _late(what: str) -> str:
-    return tr("{what}: no answer within {time:.0f} s: {why}", what=what, time=TIMEOUT_S, why=_missing(what))
+    return tr("{what}: no answer within {time:.0f} s: {why}", what=what, time=TIMEOUT_S, why=_missing())
 
 
-def _missing(text: str) -> str:
-    """Return what to check, for a call that `text` names."""
-    if "/web/" in text:
-        return f"{tr(NO_WEB)}."
+def _missing() -> str:
+    """Return what to check if there was no answer."""
     return tr("is the core running? Check the state when it is back.")
 
 
@@ -191,5 +188,5 @@ _UNREACHED = ("unable to connect to service", "unable to contact master", "trans
 def failure_text(raised: str) -> str:
     """Return the reasons of a service, or what to check if there was no answer."""
     if raised.endswith("unavailable") or raised.startswith(_UNREACHED):
-        return tr("no answer: {why} ({error})", why=_missing(raised), error=raised)
+        return tr("no answer: {why} ({error})", why=_missing(), error=raised)
     return "; ".join(map(tr_said, refusals.reasons(raised)))

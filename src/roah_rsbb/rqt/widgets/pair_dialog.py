@@ -5,6 +5,7 @@ from functools import partial
 from typing import List, Optional
 
 from roah_rsbb import qr_code
+from roah_rsbb.model.web_calls import PAIR, PAIRED, REVOKE
 from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.qt import (
     QColor,
@@ -22,7 +23,6 @@ from roah_rsbb.rqt.qt import (
     QWidget,
 )
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.srv import PairDevice, PairedDevices, RevokeDevice
 from roah_rsbb.wording.device import ROLES, encryption_text, role_text
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.times import Moments, countdown
@@ -128,14 +128,14 @@ class PairDialog(QDialog):
         zone = "" if role == ORGANISER else self._zone
         self._show_code("", "", 0.0)
         self.make.setEnabled(False)
-        self._calls.service(self, "/web/pair", PairDevice, (role, zone), self._on_code)
+        self._calls.call(self, PAIR, self._on_code, role=role, zone=zone)
 
     def _on_code(self, outcome: CallOutcome) -> None:
         self.make.setEnabled(True)
         self.trouble.setText(outcome.error)
         if not outcome.error:
             answer = outcome.result
-            self._show_code(answer.code, answer.url, answer.valid.to_sec())
+            self._show_code(answer["code"], answer["url"], answer["valid"])
 
     def _show_code(self, code: str, url: str, valid_s: float) -> None:
         self._valid_until = time.monotonic() + valid_s
@@ -165,31 +165,31 @@ class PairDialog(QDialog):
     # -- devices --------------------------------------------------------------------------------------
 
     def _ask_list(self) -> None:
-        self._calls.service(self, "/web/sessions", PairedDevices, (), self._on_list)
+        self._calls.call(self, PAIRED, self._on_list)
 
     def _on_list(self, outcome: CallOutcome) -> None:
         if outcome.error:
             self.trouble.setText(outcome.error)
             return
         shown = [self.devices.topLevelItem(i).data(0, Qt.UserRole) for i in range(self.devices.topLevelItemCount())]
-        if [one.id for one in outcome.result.devices] != shown:
-            self._fill(outcome.result.devices)
-        for i, one in enumerate(outcome.result.devices):
-            seen_s = one.seen.to_sec() or one.paired.to_sec()
+        devices = outcome.result["devices"]
+        if [one["id"] for one in devices] != shown:
+            self._fill(devices)
+        for i, one in enumerate(devices):
             self.devices.topLevelItem(i).setText(
-                3, tr("connected") if one.connected else self._moments.stamp(seen_s))
+                3, tr("connected") if one["connected"] else self._moments.stamp(one["seen"] or one["paired"]))
 
     def _fill(self, devices: list) -> None:
         self.devices.clear()
         for one in devices:
-            item = QTreeWidgetItem([one.person, role_text(one.role, one.zone), one.device, ""])
-            item.setData(0, Qt.UserRole, one.id)
+            item = QTreeWidgetItem([one["person"], role_text(one["role"], one["zone"]), one["device"], ""])
+            item.setData(0, Qt.UserRole, one["id"])
             self.devices.addTopLevelItem(item)
             end = basic.CommandButton(tr("End pairing"), tr("End this pairing at once"), 1.0)
             end.allow(True)
             end.hold()  # a click may be meant for the one that was here
-            end.setAccessibleName(tr("End the pairing of {person}", person=one.person))
-            end.clicked.connect(partial(self._revoke, one.id))
+            end.setAccessibleName(tr("End the pairing of {person}", person=one["person"]))
+            end.clicked.connect(partial(self._revoke, one["id"]))
             self.devices.setItemWidget(item, 4, end)
         for column in range(4):
             self.devices.resizeColumnToContents(column)
@@ -199,4 +199,4 @@ class PairDialog(QDialog):
             self.trouble.setText(outcome.error)
             self._ask_list()
 
-        self._calls.service(self, "/web/revoke", RevokeDevice, (device,), done)
+        self._calls.call(self, REVOKE, done, device=device)

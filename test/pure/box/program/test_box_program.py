@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from roah_rsbb.box.own_client import OwnClient
+from roah_rsbb.box.in_process_client import InProcessClient
 from roah_rsbb.box.program.demo import settings
 from roah_rsbb.box.program.program import BoxProgram, door_file
 from roah_rsbb.client.places import OWN_VARIABLE
@@ -34,7 +34,7 @@ class Demonstration:
         self.program = box_program(log_dir, self.air, **changes)
         self._changed = asyncio.Event()
         running = self.program.running
-        self.client = OwnClient(running.door, running.now, self._changed.set, "referee")
+        self.client = InProcessClient(running.door, running.now, self._changed.set, "referee")
         self.door_file = os.path.join(str(log_dir), "door.json")
         self._behaviour = DummyOptions(prepare_duration=0.05, execute_duration=execute_s, seed=1)
 
@@ -120,7 +120,7 @@ def test_a_run_continues_with_the_next_start(tmp_path):
             await demo.until(lambda zone: zone.robot.robot_state == "EXECUTING")
             return demo.zone
 
-    async def go_on(before):
+    async def continued(before):
         async with Demonstration(tmp_path) as demo:
             assert (demo.zone.phase, demo.zone.identity) == (RUNNING, before.identity)
             await demo.until(lambda zone: zone.robot.heard)
@@ -130,7 +130,7 @@ def test_a_run_continues_with_the_next_start(tmp_path):
 
     async def first():
         return await play(Demonstration(tmp_path, execute_s=1000.0))
-    run(go_on(run(first())))
+    run(continued(run(first())))
 
 
 def test_the_door_is_open_for_programs_and_its_file_goes_with_the_box(tmp_path):

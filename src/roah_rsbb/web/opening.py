@@ -1,14 +1,15 @@
 """What all parts of the gateway do to open their ports: retry, and name their addresses."""
 
 import asyncio
+import logging
 from typing import Callable, List
-
-import rospy
 
 from roah_rsbb.comm import sockets
 
 RETRY_S = 3.0
 LOOPBACK = "127.0.0.1"
+
+_log = logging.getLogger(__name__)
 
 
 def retry_until_open(loop: asyncio.AbstractEventLoop, open_it: Callable[[], None], reported: str = "") -> None:
@@ -17,7 +18,7 @@ def retry_until_open(loop: asyncio.AbstractEventLoop, open_it: Callable[[], None
         open_it()
     except OSError as error:
         if str(error) != reported:
-            rospy.logerr("%s. Retrying every %.0f s", error, RETRY_S)
+            _log.error("%s. Retrying every %.0f s", error, RETRY_S)
         loop.call_later(RETRY_S, retry_until_open, loop, open_it, str(error))
 
 

@@ -13,7 +13,7 @@ from roah_rsbb.model.document import Document
 STOP = "stop"
 
 
-class OwnClient:
+class InProcessClient:
     """What `Client` is over the door, without a connection. The document is that of the box, and nothing is written or
     read. Call everything in the loop's thread."""
 

@@ -1,0 +1,94 @@
+"""The calls of the gateway, which it offers through the door of the box (docs/door.md, "Calls of the web pages"): codes
+for devices and the list of paired devices (docs/web.md, "Pairing"), and the codes of teams ("Pages of teams")."""
+
+import logging
+from typing import Any, Callable, Dict, Mapping
+
+from roah_rsbb.document.calls import Call, Caller
+from roah_rsbb.model.fields import is_encodable
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.web_calls import PAIR, PAIRED, REVOKE, TEAM_CODES
+from roah_rsbb.web.pairing import CODE_VALID_S, ORGANISER, ROLES, Grant
+from roah_rsbb.web.server import WebServer
+from roah_rsbb.wording.device import CODES_NOT_SAVED
+from roah_rsbb.wording.suggestions import did_you_mean
+
+# Characters of a text. The longest name of a zone is shorter.
+MAX_TEXT = 500
+
+_log = logging.getLogger(__name__)
+
+
+class PairingCalls:
+    """Pairs devices, and gives teams their codes. Everything is done in the loop's thread."""
+
+    def __init__(self, server: Callable[[], WebServer], url: Callable[[], str]) -> None:
+        """`server` is asked with each call; `url`: of the pages, for devices; empty: they are not served yet."""
+        self._find_server, self._url = server, url
+
+    @property
+    def _server(self) -> WebServer:
+        return self._find_server()
+
+    def named(self) -> Dict[str, Call]:
+        """Return all calls by their names."""
+        return {PAIR: self._pair, PAIRED: self._paired, REVOKE: self._revoke, TEAM_CODES: self._team_codes}
+
+    def _problem(self, role: str, zone: str) -> str:
+        """Say why no code can be made; empty: one can."""
+        zones = self._server.desk.zones()
+        if role not in ROLES:
+            return f"no role '{role}'{did_you_mean(role, ROLES)}: choose one of {', '.join(ROLES)}"
+        if role == ORGANISER:
+            return f"an organiser may act in all zones: leave out zone '{zone}'" if zone else ""
+        if not zone:
+            return f"a {role} needs a zone"
+        if zones and zone not in zones:
+            return f"no zone '{zone}'{did_you_mean(zone, zones)}"
+        return ""
+
+    def _pair(self, found: Mapping[str, Any], caller: Caller) -> Any:
+        grant = Grant(_text(found, "role"), _text(found, "zone"))
+        problem, url = self._problem(*grant), self._url()
+        if problem or not url:
+            raise Refused([problem or "the web pages are not served yet: their log names the remedy"])
+        code = self._server.codes.make(self._server.now(), grant)
+        return {"code": code, "url": f"{url}pair#{code}", "valid": CODE_VALID_S}
+
+    def _paired(self, found: Mapping[str, Any], caller: Caller) -> Any:
+        connected = self._server.connected()
+        return {"devices": [
+            {"id": one.id, "role": one.grant.role, "zone": one.grant.zone, "person": one.person, "device": one.device,
+             "paired": one.paired_utc, "seen": one.seen_utc, "connected": one.id in connected}
+            for one in self._server.sessions.listed(self._server.utc())]}
+
+    def _revoke(self, found: Mapping[str, Any], caller: Caller) -> Any:
+        try:
+            ended = self._server.revoke(_text(found, "device"))
+        except OSError as error:
+            raise Refused([f"ended, but not saved ({error}): it would be valid again after a restart. Free or repair "
+                           "the disk of log_dir, and try again"]) from None
+        for one in ended:
+            _log.info("Pairing ended: %s", one.who)
+        return {"revoked": len(ended)}
+
+    def _team_codes(self, found: Mapping[str, Any], caller: Caller) -> Any:
+        codes, teams, renews = self._server.team_codes, self._server.store.teams(), found.get("renew") is True
+        try:
+            if renews:
+                codes.renew()
+            answer = {"team_pages": self._server.team_pages, "teams": teams,
+                      "codes": [codes.code(team) for team in teams]}
+        except OSError as error:
+            raise Refused([CODES_NOT_SAVED.format(error=error)]) from None
+        if renews:
+            _log.info("All teams have new codes")
+        return answer
+
+
+def _text(found: Mapping[str, Any], name: str) -> str:
+    """Return a text in the arguments of a call; empty: it is not among them. Raises `Refused`."""
+    value = found.get(name, "")
+    if not isinstance(value, str) or len(value) > MAX_TEXT or not is_encodable(value):
+        raise Refused([f"{name} is not a text of at most {MAX_TEXT} characters"])
+    return value
