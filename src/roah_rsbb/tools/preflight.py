@@ -14,6 +14,7 @@ from roah_rsbb.arguments import Parser, called, is_without_ros, number
 from roah_rsbb.box.parameters import BoxParameters, parameters_of, read_parameters
 from roah_rsbb.box.settings import of_competition, of_words
 from roah_rsbb.client.places import local_door_file
+from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.devices.sounds import BELL, TIMEOUT, command_of
 from roah_rsbb.params import BadParams
 from roah_rsbb.tools import preflight_checks as checks
@@ -22,6 +23,7 @@ from roah_rsbb.tools.competition.files import FIREWALL
 from roah_rsbb.tools.interfaces import interfaces
 from roah_rsbb.tools.open_ports import listeners
 from roah_rsbb.tools.preflight_checks import Remark, Severity
+from roah_rsbb.web.opening import LOOPBACK
 
 PROGRAM = called("preflight")
 _DESCRIPTION = """\
@@ -109,16 +111,18 @@ def findings(settings: CheckedSettings, folder: str, listen_s: float) -> List[Re
     """Return the results of all checks, in the order in which an organiser would check. `folder`: the competition's;
     empty: there is none."""
     files = dict(zip(("benchmarks_file", "schedule_file", "passwords_file"), settings.box.files))
-    network, bind_host, port = settings.box.network, settings.box.network.bind_host, settings.box.network.rsbb_port
+    network, port = settings.box.network, settings.box.network.rsbb_port
+    # Pages are for this computer only if robots are on it, and have nothing to do with bind_host.
+    pages_host = LOOPBACK if network.rsbb_host.startswith("127.") else ANY_HOST
     is_linux = not (platform.WINDOWS or platform.MACOS)
     own = interfaces()
     reaches_robots = checks.check_network(network.rsbb_host, own)
-    found = [reaches_robots, *checks.check_ports(bind_host, port)]
+    found = [reaches_robots, *checks.check_ports(network.bind_host, port)]
     if is_linux:
         firewall_file = os.path.join(folder or "COMPETITION", FIREWALL)
         found += checks.check_exposure(network.rsbb_host, own, listeners(), checks.list_firewall(), firewall_file)
     if listen_s and reaches_robots.level is not Severity.FAILED:
-        found.append(checks.check_other_box(network.rsbb_host, port, bind_host, listen_s))
+        found.append(checks.check_other_box(network.rsbb_host, port, network.bind_host, listen_s))
     if is_without_ros():
         found.append(checks.check_door(local_door_file()))
     found.append(checks.check_clock(checks.is_synchronised()) if is_linux else checks.check_elsewhere(port))
@@ -130,9 +134,9 @@ def findings(settings: CheckedSettings, folder: str, listen_s: float) -> List[Re
         if settings.has_devices:
             found += venue.check_devices(loaded, settings.smartif_host, settings.smartif_port)
         if settings.tablet_port:
-            found += venue.check_tablet_port(loaded, bind_host, settings.tablet_port)
+            found += venue.check_tablet_port(loaded, pages_host, settings.tablet_port)
     if settings.web_port:
-        found.append(venue.check_web_port(bind_host, settings.web_port))
+        found.append(venue.check_web_port(pages_host, settings.web_port))
     found += [checks.check_player(player) for player in settings.players]
     return found + (_check_display() if is_linux else [])
 

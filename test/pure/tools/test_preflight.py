@@ -133,6 +133,15 @@ def test_what_the_launch_file_starts_is_checked(folder, port, without_ros, capsy
     assert f"ok       TCP port {port + 61} of the tablet's page is free" in lines
 
 
+def test_the_ports_of_pages_are_those_where_they_are_served(folder, port, without_ros, capsys):
+    """bind_host is another address."""
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", port + 60))
+        other.listen(1)
+        _, lines = run(capsys, *on_loopback(folder, port))
+    assert f"FAILED   TCP port {port + 60} of the web pages cannot be used: Address already in use" in lines
+
+
 def test_pages_that_are_not_served_need_no_port(folder, port, without_ros, capsys):
     _, lines = run(capsys, *on_loopback(folder, port, "web:=false"))
     assert "of the web pages" not in "\n".join(lines)

@@ -29,7 +29,7 @@ class BoxProgram:
     def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, launch: str,
                  make_peer: MakePeer = Peer, is_dummy: bool = False) -> None:
         """`launch`: identifies the supervisor (`resume:=launch`). `is_dummy`: a demonstration, see
-        `DrivenModules`. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError; their texts name the remedy."""
+        `DrivenModules`. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError: their text is the remedy."""
         params = parameters_of(settings)
         self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
         self._sounds = Sounds(settings)
