@@ -78,7 +78,7 @@ def _value(path: pathlib.Path, name: str, text: str) -> str:
 
 
 class BoxSettings(Params):
-    """The settings of a box as its parameters. `used_up` says which nobody asked for."""
+    """The settings of a box as its parameters. `unknown` says which nobody asked for."""
 
     def __init__(self, values: Dict[str, str]) -> None:
         super().__init__()

@@ -38,7 +38,7 @@ The exit status is 0 if no check failed (possibly with warnings), 1 if a check f
 
 Run it while your box is not running: it listens for other boxes on the public UDP port.
 """
-# The settings with an option of their own: what they are, and how their values are called.
+# The settings with an option of their own: the name of the value, and what it is.
 _OPTIONS = {
     "rsbb_host": ("ADDRESS", "broadcast address of the network with the robots"),
     "rsbb_port": ("PORT", "public UDP port"),
