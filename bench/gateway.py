@@ -17,8 +17,8 @@ from processes import ROOT, Box, Measured, wait
 from support.waiting import wait_until
 
 from roah_rsbb.client.client import Client
+from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.model.document import Document
-from roah_rsbb.ros.place import DoorPlaces
 
 VIEWERS = pathlib.Path(__file__).resolve().parent / "viewers.py"
 SETTLE_S = 2.0

@@ -37,6 +37,7 @@ import resume  # noqa: E402
 import rosgraph  # noqa: E402
 import rospy  # noqa: E402
 import takeover  # noqa: E402
+import without_ros  # noqa: E402
 from addresses import BOX_HOST, host_of  # noqa: E402
 from fleet import REGULAR_S, Fleet  # noqa: E402
 from processes import Box, wait  # noqa: E402
@@ -52,6 +53,7 @@ WINDOW_ZONES = 20
 RESUMED = 10
 MANY_VIEWERS = 200
 REPEATING = 40  # robots
+WARM_S = 2.0  # until a box that was started has done all that it does once
 # How many times the bare loop's load the core's may be, without and with a subscriber, by the robots' period (s).
 REPEAT_TARGETS = {load.ORIGINAL_PERIOD_S: (1.25, 1.4), load.PERIOD_S: (1.2, 1.2)}
 START_RUNS = 500
@@ -184,6 +186,28 @@ class Bench:
             fleet.keep_sending(load.PERIOD_S)
             taken = reaction.react(fleet, fleet.robots, self.extent.probes)
             results.add_spread(f"reaction, {REPEATING} robots at 50 ms", "ms", taken, {0.99: 5})
+
+    def without_ros(self) -> None:
+        """The box without ROS in turns with the core node: load, memory, start, reaction."""
+        results, seconds = self.results, self.extent.seconds
+        with without_ros.both_in_runs(REPEATING) as sides:
+            for period_s in REPEAT_TARGETS:
+                found = without_ros.shares(sides, period_s, seconds)
+                name = f"{REPEATING} robots, {1.0 / period_s:g}/s each"
+                results.add(f"{name}: CPU of the core node", "% of a core", quantile(found.node, 0.5))
+                results.add(f"{name}: CPU of the box without ROS", "% of a core", quantile(found.without, 0.5))
+                results.add(f"{name}: as much as the core node", "times", found.ratio, 0.7)
+            for (box, fleet), what in zip(sides, ("core node", "box without ROS")):
+                fleet.keep_sending(load.PERIOD_S)
+                taken = reaction.react(fleet, fleet.robots, self.extent.probes)
+                fleet.keep_sending(REGULAR_S)
+                results.add_spread(f"reaction, {REPEATING} robots at 50 ms, {what}", "ms", taken, {0.99: 5})
+                results.add(f"{REPEATING} robots: memory of the {what}", "MB", box.process.memory_mb())
+        with without_ros.BoxWithoutRos(1) as box:
+            time.sleep(WARM_S)
+            results.add("box without ROS: memory", "MB", box.process.memory_mb(), 60)
+        taken_s = [without_ros.first_beacon_s() for _ in range(self.extent.kills)]
+        results.add("box without ROS: start to the first beacon, median", "s", quantile(taken_s, 0.5), 0.6)
 
     def _unfollowed(self, box: Box) -> None:
         """Cost of robots without runs, without a subscriber."""
@@ -490,7 +514,7 @@ def profile(robots: int, seconds: float) -> None:
 
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
-    "one", "door", "resume", "hung", "takeover", "copying", "repeats", "hundred", "hostile", "floods",
+    "one", "door", "resume", "hung", "takeover", "copying", "repeats", "without_ros", "hundred", "hostile", "floods",
     "window", "web", "browser", "journal", "comm")}
 
 

@@ -3361,6 +3361,16 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/offers.py"/>
+        <source>{what}: no answer within {time} s: {why}</source>
+        <translation>{what}: keine Antwort innerhalb von {time} s: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/offers.py"/>
+        <source>{what}: not sent, because too many calls wait for an answer. Try again in a moment</source>
+        <translation>{what}: nicht gesendet, weil zu viele Aufrufe auf Antwort warten. Versuchen Sie es gleich noch einmal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/offers.py"/>
         <source>{what}: malformed answer from the program that offers it. Install the same version there as on the box</source>
         <translation>{what}: fehlerhafte Antwort des Programms, das es anbietet. Dort dieselbe Version wie auf der Box installieren</translation>
     </message>

@@ -21,8 +21,8 @@ ASKED_S = 4.0
 NOBODY = say("No program offers {what} now: start the one that does")
 NO_ANSWER = say("no answer: {why} ({error})")
 ENDED = say("its connection ended. It may have been done")
-LATE = say("{what}: no answer within {time:.0f} s: {why}")
-BUSY = say("{what}: not sent, because {n} commands are still waiting for an answer")
+LATE = say("{what}: no answer within {time} s: {why}")
+BUSY = say("{what}: not sent, because too many calls wait for an answer. Try again in a moment")
 STRANGE = say("{what}: malformed answer from the program that offers it. Install the same version there as on the box")
 
 
@@ -117,11 +117,11 @@ class Offers:
         if offering is None:
             answer(_refused(_remedy(name)))
         elif len(self._asked) >= MAX_ASKED:
-            answer(_refused(BUSY(what=name, n=len(self._asked))))
+            answer(_refused(BUSY(what=name)))
         else:
             self._last += 1
             self._asked[self._last] = _Asked(name, offering, answer, self._loop.call_later(
-                ASKED_S, self._end, self._last, lambda name: LATE(what=name, time=ASKED_S, why=_remedy(name))))
+                ASKED_S, self._end, self._last, lambda name: LATE(what=name, time=f"{ASKED_S:g}", why=_remedy(name))))
             self._send(offering, {"asked": self._last, "call": name, "face": caller.face, "address": caller.address,
                                   "arguments": arguments})
 

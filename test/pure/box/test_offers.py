@@ -186,7 +186,7 @@ def test_the_calls_that_wait_are_limited(box, monkeypatch):
     waiting = [asked_by(box, client) for _ in range(2)]
     late = Bare(box)
     late.send(id=1, call="pair")
-    assert "still waiting" in late.read_answer()["refused"][0][0]
+    assert "too many calls wait" in late.read_answer()["refused"][0][0]
     asking, asked = waiting[0]
     client.send(asked=asked["asked"], answer=1)
     assert asking.read_answer()["answer"] == 1
