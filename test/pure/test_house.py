@@ -117,7 +117,8 @@ OTHERS = {"robot": {"google", "cryptography", "argcomplete"},
           "comm": {"google", *ROS},
           "check": {"google", "cryptography", "argcomplete", "yaml"},
           "results": {"yaml", "argcomplete", "mcap", "mcap_ros2"},
-          "box": {"google", "cryptography", "argcomplete", "yaml", "tornado", "qrcode"}}
+          "box": {"google", "cryptography", "argcomplete", "yaml", "tornado", "qrcode",
+                  "roah_rsbb.nodes.modules.check_ground_truth", "roah_rsbb.ros.display"}}
 
 
 def _of_package(package: str) -> List[pathlib.Path]:

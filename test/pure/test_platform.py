@@ -484,7 +484,8 @@ def test_interfaces(monkeypatch):
 
 # What needs ROS or only runs on Linux, and the only part of tools/ that runs anywhere.
 LINUX_ONLY = ("capture", "nodes", "ros", "rqt", "standby.program", "tools")
-ANYWHERE = ("tools.competition", "tools.interfaces", "tools.team")
+ANYWHERE = ("tools.competition", "tools.interfaces", "tools.open_ports", "tools.preflight", "tools.preflight_checks",
+            "tools.preflight_venue", "tools.team")
 # What may be missing: the messages of ROS, and its libraries.
 OF_ROS = ("roah_rsbb.msg", "roah_rsbb.srv", "genpy", "rosgraph", "rospkg", "rospy")
 

@@ -3,12 +3,13 @@
 import os
 from typing import List, NamedTuple, Optional
 
+from roah_rsbb.box.settings import BoxSettings, of_box
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.journal.file import Resume
-from roah_rsbb.params import Params
+from roah_rsbb.params import BadParams, Params
 from roah_rsbb.radio.radio import Network
 from roah_rsbb.results.standings import public_standings
 
@@ -57,6 +58,18 @@ def read_parameters(params: Params) -> BoxParameters:
     )
     params.done()
     return found
+
+
+def parameters_of(settings: BoxSettings) -> BoxParameters:
+    """Return the parameters of a box without ROS. Raises `BadParams` for wrong values, for settings that do not exist,
+    and for what such a box cannot do."""
+    params = read_parameters(settings)
+    wrong = settings.unknown(list(of_box()))
+    if params.standby_port:
+        wrong.append("standby_port: a box without ROS has no standby yet: leave it out, or start the box with ROS")
+    if wrong:
+        raise BadParams("\n".join(wrong))
+    return params
 
 
 def _settings(params: Params) -> Settings:

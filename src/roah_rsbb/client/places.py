@@ -19,6 +19,7 @@ PARAM = "/roah_rsbb_door"
 # ROS's default, for a shell in which no setup file is sourced.
 MASTER_URI = "http://localhost:11311"
 ANSWER_S = 3.0
+DOOR_ANSWER_S = 1.0
 START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch', or without ROS with 'roah-rsbb run FOLDER'"
 # Names the file of the door of a box without ROS, if several run on this computer.
 OWN_VARIABLE = "ROAH_RSBB_DOOR"
@@ -27,6 +28,16 @@ OWN_VARIABLE = "ROAH_RSBB_DOOR"
 def local_door_file() -> str:
     """Return the path of the file in which the box without ROS on this computer says where its door is."""
     return os.environ.get(OWN_VARIABLE) or os.path.join(os.path.expanduser("~"), ".roah_rsbb", "door.json")
+
+
+def is_answering(path: str) -> bool:
+    """Whether there is a door on this computer at the place in a file."""
+    try:
+        host, port = urllib.parse.urlsplit(read_place(path).url).netloc.split(":")
+        with socket.create_connection((host, int(port)), DOOR_ANSWER_S):
+            return True
+    except (NotFound, OSError, ValueError):
+        return False
 
 
 def file_of(master_uri: str) -> str:

@@ -98,6 +98,15 @@ def words_of(command: str, system: str = sys.platform) -> List[str]:
     return words
 
 
+def command_of(setting: str, command: str, file: str) -> List[str]:
+    """The words of a setting's command; an empty one: of that which plays an included sound. Raises ValueError, whose
+    text names the setting, and `NotShipped`."""
+    try:
+        return words_of(command) if command else default_command(file)
+    except ValueError as error:
+        raise ValueError(f"parameter {setting}: found {command!r}, expected a command ({error})") from None
+
+
 def default_command(
     file: str, system: str = sys.platform, which: Callable[[str], Optional[str]] = shutil.which,
 ) -> List[str]:

@@ -1,4 +1,5 @@
-"""Finds the TCP ports on which this computer accepts connections, from /proc, as far as this user may read it."""
+"""Finds the TCP ports on which a computer with Linux accepts connections, from /proc, as far as this user may read
+it. On other systems it finds none."""
 
 import contextlib
 import os
@@ -6,6 +7,8 @@ import pathlib
 import socket
 import struct
 from typing import Dict, Iterator, List, NamedTuple
+
+from roah_rsbb import platform
 
 _LISTEN = "0A"
 _EVERYWHERE = ("0.0.0.0", "::")
@@ -30,6 +33,13 @@ def listeners() -> List[Listener]:
         for name in ("tcp", "tcp6")
         for address, port, inode in _sockets(f"/proc/net/{name}")
     ]
+
+
+def command_that_shows(protocol: str, port: int) -> str:
+    """Return the command that shows which program uses a port. `protocol`: tcp or udp."""
+    if platform.WINDOWS:
+        return f"netstat -ano -p {protocol}"
+    return f"lsof -i {protocol}:{port}" if platform.MACOS else f"ss -{protocol[0]}lpn sport = :{port}"
 
 
 def open_to(found: List[Listener], address: str) -> List[Listener]:

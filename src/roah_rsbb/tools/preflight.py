@@ -1,134 +1,181 @@
-"""Checks the set-up before a competition: `rosrun roah_rsbb preflight --rsbb-host 192.168.1.255`.
+"""Checks the set-up before a competition: `roah-rsbb preflight FOLDER`; with ROS: `rosrun roah_rsbb preflight`.
 
 Prints a line for each check, with the remedy if something is wrong. It needs no ROS master and starts no nodes.
 """
 
 import argparse
+import importlib.util
 import os
 import sys
-from typing import Dict, List, Optional
+from typing import List, NamedTuple, Optional
 
-import rospkg
-
-from roah_rsbb.arguments import Parser, number
-from roah_rsbb.devices.sounds import BELL, default_command
-from roah_rsbb.ros.display import has_display
-from roah_rsbb.rulebook.errors import Report
-from roah_rsbb.rulebook.launch_file import arguments
+from roah_rsbb import platform
+from roah_rsbb.arguments import Parser, called, is_without_ros, number
+from roah_rsbb.box.parameters import BoxParameters, parameters_of, read_parameters
+from roah_rsbb.box.settings import of_competition, of_words
+from roah_rsbb.client.places import local_door_file
+from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.devices.sounds import BELL, TIMEOUT, command_of
+from roah_rsbb.params import BadParams
 from roah_rsbb.tools import preflight_checks as checks
 from roah_rsbb.tools import preflight_venue as venue
-from roah_rsbb.tools.competition.files import FIREWALL, LAUNCH, MODULES
-from roah_rsbb.tools.competition.firewall import TABLET_PORT
+from roah_rsbb.tools.competition.files import FIREWALL
 from roah_rsbb.tools.interfaces import interfaces
 from roah_rsbb.tools.open_ports import listeners
 from roah_rsbb.tools.preflight_checks import Remark, Severity
+from roah_rsbb.web.opening import LOOPBACK
 
-PROGRAM = "preflight"
+PROGRAM = called("preflight")
 _DESCRIPTION = """\
-Check the set-up before a competition, with the settings for roah_rsbb.launch: network, UDP ports, firewall, other
-boxes, clock, disk, configuration, modules, passwords, motion capture, home devices, tablet, sounds, display.
+Check the set-up before a competition, with the box's settings: network, UDP ports, firewall, other boxes, clock, disk,
+configuration, modules, passwords, motion capture, home devices, tablet, web pages, sounds, display.
 """
 _EPILOG = """\
+The settings are those of the folder's launch file and, for what that does not set, of roah_rsbb.launch. Each can also
+be given as name:=value, as for the box, such as rsbb_host:=192.168.1.255.
+
 The exit status is 0 if no check failed (possibly with warnings), 1 if a check failed, 2 for wrong usage.
 
 Run it while your box is not running: it listens for other boxes on the public UDP port.
 """
-FILES = ("benchmarks", "schedule", "passwords")
-_LOG_DIR = "~/.ros/roah_rsbb"  # roah_rsbb.launch's
-_SMARTIF_HOST, _SMARTIF_PORT = "192.168.1.56", 6665  # roah_rsbb.launch's
-_WEB_PORT = 8081  # roah_rsbb.launch's
+# The settings with an option of their own: the name of the value, and what it is.
+_OPTIONS = {
+    "rsbb_host": ("ADDRESS", "broadcast address of the network with the robots"),
+    "rsbb_port": ("PORT", "public UDP port"),
+    "bind_host": ("ADDRESS", "own address to use"),
+    "benchmarks_file": ("FILE", "the benchmarks"),
+    "schedule_file": ("FILE", "the schedule"),
+    "passwords_file": ("FILE", "the teams' passwords"),
+    "modules_dir": ("DIR", "the parameters of the benchmarking modules"),
+    "tablet_port": ("PORT", "TCP port of the tablet's page"),
+    "web_port": ("PORT", "TCP port of the web pages"),
+    "smartif_host": ("HOST", "controller of the home devices"),
+    "smartif_port": ("PORT", "its TCP port"),
+    "log_dir": ("DIR", "the journal and the run logs"),
+}
 # Seconds to wait for invisible markers.
 _MARKERS_S = 3.0
 
 _MARKS = {Severity.OK: "ok     ", Severity.WARNING: "WARNING", Severity.FAILED: "FAILED "}
 
 
+class CheckedSettings(NamedTuple):
+    """The settings of the box whose set-up is checked."""
+
+    box: BoxParameters
+    modules_dir: str
+    has_devices: bool
+    smartif_host: str
+    smartif_port: int
+    tablet_port: int  # 0: any free port, or no page
+    web_port: int  # 0: any free port, or no pages
+    players: List[str]  # the programs that play sounds
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
-    parser.add_argument("--rsbb-host", default="10.255.255.255",
-                        help="broadcast address of the network with the robots (default: %(default)s)")
-    parser.add_argument("--rsbb-port", type=int, default=6666, help="public UDP port (default: %(default)s)")
-    parser.add_argument("--bind-host", default="0.0.0.0", help="own address to use (default: all)")
-    parser.add_argument("--competition", metavar="DIR",
-                        help="a folder that new_competition created: check its files and its log")
-    for name in FILES:
-        parser.add_argument(f"--{name}-file", metavar="FILE",
-                            help="default: the competition's, or the included one")
-    parser.add_argument("--modules-dir", metavar="DIR",
-                        help="the parameters of the benchmarking modules (default: the competition's modules/ if it "
-                        "exists, else the included ones)")
-    parser.add_argument("--tablet-port", type=int, default=TABLET_PORT, metavar="PORT",
-                        help="TCP port of the tablet's page (default: %(default)s)")
-    parser.add_argument("--web-port", type=int, default=_WEB_PORT, metavar="PORT",
-                        help="TCP port of the web pages (default: %(default)s)")
-    parser.add_argument("--smartif-host", metavar="HOST",
-                        help=f"controller of the home devices (default: the competition's, or {_SMARTIF_HOST})")
-    parser.add_argument("--smartif-port", type=int, default=_SMARTIF_PORT, metavar="PORT",
-                        help="its TCP port (default: %(default)s)")
-    parser.add_argument("--log-dir", metavar="DIR", help=f"default: the competition's log/, or {_LOG_DIR}")
+    parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG, usage=f"{PROGRAM} [OPTION ...] [FOLDER] [name:=value ...]")
+    folder = parser.add_mutually_exclusive_group()
+    folder.add_argument("folder", metavar="FOLDER", nargs="?",
+                        help="the competition's folder (default: none, the included files)")
+    folder.add_argument("--competition", metavar="FOLDER", help="the same")
+    for name, (value, what) in _OPTIONS.items():
+        parser.add_argument("--" + name.replace("_", "-"), metavar=value, help=f"{what} (setting {name})")
     parser.add_argument("--listen", type=number(0.0, 3600.0), default=5.0, metavar="S",
                         help="seconds to listen for another box; 0: do not listen (default: %(default)s)")
     return parser
 
 
-def complete(options: argparse.Namespace, config_dir: str) -> None:
-    """Set the files and directories that were not given to their defaults."""
-    folder = options.competition or config_dir
-    for name in FILES:
-        if getattr(options, f"{name}_file") is None:
-            setattr(options, f"{name}_file", os.path.join(folder, f"{name}.yaml"))
-    if options.modules_dir is None:
-        # A competition without a modules folder uses the included one, as its launch file does.
-        own = os.path.join(folder, MODULES)
-        options.modules_dir = own if os.path.isdir(own) else os.path.join(config_dir, MODULES)
-    if options.log_dir is None:
-        options.log_dir = os.path.join(options.competition, "log") if options.competition else _LOG_DIR
+def read_settings(options: argparse.Namespace, words: List[str]) -> CheckedSettings:
+    """Return the settings: those of the command line, else those of the competition's folder, else the defaults.
+
+    `words`: those of the command line that are name:=value. Raises `BadParams`, also for what the box would refuse.
+    """
+    given = {name: getattr(options, name) for name in _OPTIONS if getattr(options, name) is not None}
+    settings = of_competition(options.folder or options.competition or "", {**of_words(words), **given})
+    try:
+        players = [command_of(name, settings.given(name), file)[0] for name, file in (
+            ("bell_ring_command", BELL), ("timeout_ring_command", TIMEOUT))]
+    except ValueError as error:
+        raise BadParams(str(error)) from None
+    modules_dir = settings.path("modules_dir")
+    has_devices, has_tablet, has_web = (settings.flag(name, True) for name in ("devices", "tablet", "web"))
+    smartif_host, smartif_port = settings.text("smartif_host"), settings.whole("smartif_port", 6665, 1, 65535)
+    tablet_port, web_port = (settings.whole(name, 0, 0, 65535) for name in ("tablet_port", "web_port"))
+    # Of the launch file of a box with ROS, only roslaunch knows which arguments it uses.
+    box = parameters_of(settings) if is_without_ros() else read_parameters(settings)
+    return CheckedSettings(box, modules_dir, has_devices, smartif_host, smartif_port, tablet_port if has_tablet else 0,
+                           web_port if has_web else 0, list(dict.fromkeys(players)))
 
 
-def findings(options: argparse.Namespace) -> List[Remark]:
-    """Return the results of all checks, in the order in which an organiser would check."""
-    files = {f"{name}_file": getattr(options, f"{name}_file") for name in FILES}
+def findings(settings: CheckedSettings, folder: str, listen_s: float) -> List[Remark]:
+    """Return the results of all checks, in the order in which an organiser would check. `folder`: the competition's;
+    empty: there is none."""
+    files = dict(zip(("benchmarks_file", "schedule_file", "passwords_file"), settings.box.files))
+    network, port = settings.box.network, settings.box.network.rsbb_port
+    # Pages are for this computer only if robots are on it, and have nothing to do with bind_host.
+    pages_host = LOOPBACK if network.rsbb_host.startswith("127.") else ANY_HOST
+    is_linux = not (platform.WINDOWS or platform.MACOS)
     own = interfaces()
-    network = checks.check_network(options.rsbb_host, own)
-    ports = checks.check_ports(options.bind_host, options.rsbb_port)
-    found = [network, *ports]
-    firewall_file = os.path.join(options.competition or "COMPETITION", FIREWALL)
-    found += checks.check_exposure(options.rsbb_host, own, listeners(), checks.list_firewall(), firewall_file)
-    if options.listen and network.level is not Severity.FAILED:
-        found.append(checks.check_other_box(options.rsbb_host, options.rsbb_port, options.bind_host, options.listen))
-    found.append(checks.check_clock(checks.is_synchronised()))
-    found += checks.check_log_dir(os.path.expanduser(options.log_dir))
-    found += checks.check_configuration(files, options.modules_dir)
-    found += _check_venue(options, files)
-    found.append(venue.check_web_port(options.bind_host, options.web_port))
-    found.append(checks.check_player(default_command(BELL)[0]))
-    found.append(checks.check_display(has_display()))
-    return found
-
-
-def _check_venue(options: argparse.Namespace, files: Dict[str, str]) -> List[Remark]:
-    from roah_rsbb.nodes.modules.check_ground_truth import look  # imported late: it needs the built messages
-
+    reaches_robots = checks.check_network(network.rsbb_host, own)
+    found = [reaches_robots, *checks.check_ports(network.bind_host, port)]
+    if is_linux:
+        firewall_file = os.path.join(folder or "COMPETITION", FIREWALL)
+        found += checks.check_exposure(network.rsbb_host, own, listeners(), checks.list_firewall(), firewall_file)
+    if listen_s and reaches_robots.level is not Severity.FAILED:
+        found.append(checks.check_other_box(network.rsbb_host, port, network.bind_host, listen_s))
+    if is_without_ros():
+        found.append(checks.check_door(local_door_file()))
+    found.append(checks.check_clock(checks.is_synchronised()) if is_linux else checks.check_elsewhere(port))
+    found += checks.check_log_dir(settings.box.log_dir)
+    found += checks.check_configuration(files, settings.modules_dir)
     loaded = venue.loaded_config(files)
-    if loaded is None:
+    if loaded is not None:
+        found += venue.check_ground_truth(loaded, settings.modules_dir, _look())
+        if settings.has_devices:
+            found += venue.check_devices(loaded, settings.smartif_host, settings.smartif_port)
+        if settings.tablet_port:
+            found += venue.check_tablet_port(loaded, pages_host, settings.tablet_port)
+    if settings.web_port:
+        found.append(venue.check_web_port(pages_host, settings.web_port))
+    found += [checks.check_player(player) for player in settings.players]
+    return found + (_check_display() if is_linux else [])
+
+
+def _look() -> Optional[venue.Look]:
+    """Return who looks at the markers; None: a box without ROS, or a computer without it, sees none."""
+    if is_without_ros():
+        return None
+    try:
+        from roah_rsbb.nodes.modules.check_ground_truth import look
+    except ImportError:
+        return None
+    return lambda truth: look(truth, _MARKERS_S)
+
+
+def _check_display() -> List[Remark]:
+    """Check that windows can be opened, where there are any."""
+    if is_without_ros() and importlib.util.find_spec("PyQt5") is None:
         return []
-    # Errors in the launch file are those of `check_configuration`.
-    given = arguments(Report(), os.path.join(options.competition, LAUNCH)) if options.competition else {}
-    set_here = given["smartif_host"].default if "smartif_host" in given else ""
-    host = options.smartif_host or set_here or _SMARTIF_HOST
-    return [
-        *venue.check_ground_truth(loaded, options.modules_dir, lambda truth: look(truth, _MARKERS_S)),
-        *venue.check_devices(loaded, host, options.smartif_port),
-        *venue.check_tablet_port(loaded, options.bind_host, options.tablet_port),
-    ]
+    try:
+        from roah_rsbb.ros.display import has_display
+    except ImportError:
+        return []
+    return [checks.check_display(has_display())]
 
 
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
-    config_dir = os.path.join(rospkg.RosPack().get_path("roah_rsbb"), "config")
-    options = _parser().parse_args(sys.argv[1:] if arguments is None else arguments)
-    complete(options, config_dir)
-    found = findings(options)
+    given = sys.argv[1:] if arguments is None else arguments
+    options = _parser().parse_args([word for word in given if ":=" not in word])
+    folder = options.folder or options.competition or ""
+    try:
+        settings = read_settings(options, given)
+    except BadParams as error:
+        # Which files and ports to check is not known.
+        found = [Remark(Severity.FAILED, line, "correct the settings, then run this program again")
+                 for line in str(error).splitlines()]
+    else:
+        found = findings(settings, folder, options.listen)
     for finding in found:
         print(f"{_MARKS[finding.level]}  {finding.text}")
         if finding.remedy:

@@ -1,9 +1,9 @@
 """The checks before a competition. Each gives a line for what it found, with the remedy.
 
-A check returns its findings and raises nothing. `roah_rsbb.tools.preflight` is the program.
+A check returns its findings and raises nothing. `roah_rsbb.tools.preflight` is the program. `check_exposure` and
+`check_clock` are for Linux only.
 """
 
-import asyncio
 import ctypes
 import enum
 import os
@@ -12,6 +12,9 @@ import subprocess
 import tempfile
 from typing import Callable, Dict, List, NamedTuple, Optional
 
+from roah_rsbb import platform
+from roah_rsbb.arguments import is_without_ros
+from roah_rsbb.client.places import OWN_VARIABLE, is_answering
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -20,7 +23,7 @@ from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.tools.competition import firewall
 from roah_rsbb.tools.competition.check import module_errors, scheduled_modules
 from roah_rsbb.tools.interfaces import Interface
-from roah_rsbb.tools.open_ports import Listener, open_to
+from roah_rsbb.tools.open_ports import Listener, command_that_shows, open_to
 
 # GiB. The run logs of a competition take megabytes. Below the first value, warn; below the second, the disk will fill.
 ENOUGH_BYTES = 2 * 1024**3
@@ -59,6 +62,9 @@ def check_network(rsbb_host: str, found: List[Interface]) -> Remark:
                 return Remark(Severity.WARNING, f"rsbb_host {rsbb_host} reaches this computer only",
                               f"good for a test; for robots in a network, use its broadcast address: {there_are}")
             return Remark(Severity.OK, f"rsbb_host {rsbb_host} is the broadcast address of {interface.name}")
+    if platform.WINDOWS:
+        return Remark(Severity.WARNING, f"rsbb_host {rsbb_host} was not checked: Windows does not report broadcast "
+                      "addresses", "compare it with the address and the subnet mask that ipconfig shows")
     return Remark(Severity.FAILED, f"rsbb_host {rsbb_host} is not a broadcast address of this computer's networks",
                   f"connect the network with the robots, or set rsbb_host to one of: {there_are}")
 
@@ -97,10 +103,20 @@ def check_exposure(
         remedy += f", or check whether it is loaded: sudo nft list table inet {firewall.TABLE}"
     reached = [port for port in open_to(listening, interface.address) if port.port != firewall.TABLET_PORT]
     shown = ", ".join(map(str, reached[:MAX_SHOWN])) + (", …" if len(reached) > MAX_SHOWN else "")
-    text = f"robots' network on {interface.name}: the box's firewall was not found there, and ROS has no password"
+    text = f"robots' network on {interface.name}: the box's firewall was not found there"
+    if not is_without_ros():
+        text += ", and ROS has no password"
     if reached:
         text += f"; open now: TCP {shown}"
     return [Remark(Severity.WARNING, text, remedy)]
+
+
+def check_elsewhere(rsbb_port: int) -> Remark:
+    """Say what is not checked on other systems than Linux."""
+    return Remark(Severity.WARNING, "firewall, open TCP ports and clock are checked on Linux only",
+                  f"let this system's firewall accept UDP ports {rsbb_port} to {rsbb_port + PORTS} and the TCP ports "
+                  "of tablet and web pages, close all others to the robots' network, and synchronise the clock with "
+                  "the robots' NTP server")
 
 
 def check_ports(bind_host: str, port: int) -> List[Remark]:
@@ -110,8 +126,8 @@ def check_ports(bind_host: str, port: int) -> List[Remark]:
         return [Remark(Severity.OK, f"UDP ports {port} to {port + PORTS} are free")]
     if taken[0] == port:
         return [Remark(Severity.FAILED, f"UDP port {port} is used by another program",
-                       f"end it ('ss -ulpn sport = :{port}' shows it; it may be a running box), or choose another "
-                       "rsbb_port")]
+                       f"end it ('{command_that_shows('udp', port)}' shows it; it may be a running box), or choose "
+                       "another rsbb_port")]
     numbers = ", ".join(map(str, taken))
     return [Remark(Severity.WARNING, f"UDP ports are used by other programs: {numbers}",
                    "the box will skip them, but a firewall may not allow the ports that it uses instead")]
@@ -128,7 +144,7 @@ def _is_free(bind_host: str, port: int) -> bool:
 def check_other_box(rsbb_host: str, port: int, bind_host: str, seconds: float) -> Remark:
     """Check that no other box transmits: listen for `seconds`, as the box itself does."""
     heard: List[str] = []
-    loop = asyncio.new_event_loop()
+    loop = platform.new_loop()
 
     def on_message(message: object, sender: tuple) -> None:
         if isinstance(message, pb.RoahRsbbBeacon):
@@ -149,6 +165,21 @@ def check_other_box(rsbb_host: str, port: int, bind_host: str, seconds: float) -
         return Remark(Severity.FAILED, f"another RSBB transmits from {heard[0]}",
                       "end it: robots obey both. If it is your own box, it is already running")
     return Remark(Severity.OK, f"no other RSBB was heard in {seconds:g} s")
+
+
+def check_door(path: str) -> Remark:
+    """Check that terminals will find the box without ROS. `path`: the file in which it says where its door is."""
+    if is_answering(path):
+        return Remark(Severity.WARNING, f"a box without ROS runs already: {path} says where its door is",
+                      f"end it. If both are to run, start this one with {OWN_VARIABLE} set to another file")
+    folder = os.path.dirname(os.path.abspath(path))
+    try:
+        _try_to_write(folder)
+    except OSError as error:
+        return Remark(Severity.FAILED,
+                      f"{folder} cannot be written: {error.strerror}. Terminals would not find the box",
+                      f"give this user write permission, or set {OWN_VARIABLE} to a file in another folder")
+    return Remark(Severity.OK, f"terminals will find the box by {path}")
 
 
 def is_synchronised() -> Optional[bool]:
@@ -173,11 +204,7 @@ def check_clock(synchronised: Optional[bool]) -> Remark:
 def check_log_dir(log_dir: str, usage: Callable[[str], object] = shutil.disk_usage) -> List[Remark]:
     """Check that logs can be written, and that the disk has enough space."""
     try:
-        os.makedirs(log_dir, mode=0o750, exist_ok=True)
-        with tempfile.TemporaryFile(dir=log_dir) as trial:
-            trial.write(b"x" * 4096)
-            trial.flush()
-            os.fsync(trial.fileno())
+        _try_to_write(log_dir)
         free = usage(log_dir).free
     except OSError as error:
         return [Remark(Severity.FAILED, f"log_dir {log_dir} cannot be written: {error.strerror}",
@@ -190,6 +217,15 @@ def check_log_dir(log_dir: str, usage: Callable[[str], object] = shutil.disk_usa
     else:
         found.append(Remark(Severity.OK, text))
     return found
+
+
+def _try_to_write(folder: str) -> None:
+    """Make a folder, and try to write a file there. Raises OSError."""
+    os.makedirs(folder, mode=0o750, exist_ok=True)
+    with tempfile.TemporaryFile(dir=folder) as trial:
+        trial.write(b"x" * 4096)
+        trial.flush()
+        os.fsync(trial.fileno())
 
 
 def check_configuration(files: Dict[str, str], modules_dir: str) -> List[Remark]:
@@ -226,10 +262,10 @@ def _check_passwords(loaded: Config) -> Remark:
 
 
 def check_player(command: str, installed: Callable[[str], Optional[str]] = shutil.which) -> Remark:
-    """Check that the bell and the timeout can be heard. `command`: the program that plays sounds."""
+    """Check that the bell and the timeout can be heard. `command`: a program that plays sounds."""
     if installed(command):
         return Remark(Severity.OK, f"sounds are played by {command}")
-    return Remark(Severity.WARNING, f"{command} is not installed: neither the bell nor the timeout will be heard",
+    return Remark(Severity.WARNING, f"{command} is not installed: the sounds that it plays will not be heard",
                   "install alsa-utils, or set bell_ring_command and timeout_ring_command")
 
 
@@ -237,6 +273,7 @@ def check_display(there_is_one: bool) -> Remark:
     """Check that the referee's window can open."""
     if there_is_one:
         return Remark(Severity.OK, "windows can be opened here")
+    instead = ("the web pages or a terminal (roah-rsbb referee)" if is_without_ros() else
+               "other computers (roah_rsbb_client.launch) or a terminal (rosrun roah_rsbb referee)")
     return Remark(Severity.WARNING, "no window can be opened here",
-                  "log in at a desktop, or let referees use other computers (roah_rsbb_client.launch) or a terminal "
-                  "(rosrun roah_rsbb referee)")
+                  f"log in at a desktop, or let referees use {instead}")

@@ -7,16 +7,19 @@ import os
 import socket
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
+from roah_rsbb import platform
+from roah_rsbb.arguments import is_without_ros
 from roah_rsbb.bmbox.framework.ground_truth import Source
 from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruthConfig, load
 from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.bmbox.framework.zone_folders import file_in
-from roah_rsbb.bmbox.host.ground_truth_of_frames import FrameState
+from roah_rsbb.bmbox.host.ground_truth_of_frames import FrameState, NoFrames
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.registry import BELL, DEVICES, TABLET, BenchmarkKind
+from roah_rsbb.tools.open_ports import command_that_shows
 from roah_rsbb.tools.preflight_checks import Remark, Severity
 
 CONNECT_S = 3.0
@@ -49,19 +52,21 @@ def check_tablet_port(loaded: Config, host: str, port: int) -> List[Remark]:
 
 
 def check_web_port(host: str, port: int) -> Remark:
-    """Check that the web pages can be served. Runs do not need them."""
-    return _check_tcp_port(host, port, "the web pages", "web_port", Severity.WARNING, "")
+    """Check that the web pages can be served. With ROS, there are panels, and runs do not need the pages."""
+    level = Severity.FAILED if is_without_ros() else Severity.WARNING
+    return _check_tcp_port(host, port, "the web pages", "web_port", level, "")
 
 
 def _check_tcp_port(host: str, port: int, what: str, parameter: str, level: Severity, purpose: str) -> Remark:
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as trial:
-        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if not platform.WINDOWS:  # there, it would be bound beside the other program
+            trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             trial.bind((host, port))
         except OSError as error:
-            return Remark(level, f"TCP port {port} of {what} cannot be used: {error.strerror}",
-                          f"end the program that uses it ('ss -tlpn sport = :{port}' shows it), or choose another "
-                          f"{parameter}{purpose}")
+            return Remark(level, f"TCP port {port} of {what} cannot be used: {platform.reason_of(error)}",
+                          f"end the program that uses it ('{command_that_shows('tcp', port)}' shows it), or choose "
+                          f"another {parameter}{purpose}")
     return Remark(Severity.OK, f"TCP port {port} of {what} is free")
 
 
@@ -79,8 +84,9 @@ def check_devices(loaded: Config, host: str, port: int) -> List[Remark]:
     return [Remark(Severity.OK, f"the SmartIF controller at {host}:{port} can be reached")]
 
 
-def check_ground_truth(loaded: Config, modules_dir: str, look: Look) -> List[Remark]:
-    """Check that the motion-capture system sees the markers that the scheduled benchmarks need."""
+def check_ground_truth(loaded: Config, modules_dir: str, look: Optional[Look]) -> List[Remark]:
+    """Check that the motion-capture system sees the markers that the scheduled benchmarks need. `look`: None: without
+    ROS nobody can look."""
     found: List[Remark] = []
     for path, subjects in _subjects_by_file(loaded, modules_dir).items():
         try:
@@ -90,6 +96,9 @@ def check_ground_truth(loaded: Config, modules_dir: str, look: Look) -> List[Rem
         if truth.source is not Source.MOTION_CAPTURE:
             who = "the referee enters all poses" if truth.source is Source.REFEREE else "poses are not scored"
             found.append(Remark(Severity.OK, f"no motion capture in {path}: {who}"))
+            continue
+        if look is None:
+            found.append(_not_seen(path))
             continue
         states = look(truth)
         if states is None:
@@ -103,6 +112,13 @@ def check_ground_truth(loaded: Config, modules_dir: str, look: Look) -> List[Rem
         if not missing:
             found.append(Remark(Severity.OK, f"the motion capture sees all markers of {path}"))
     return found
+
+
+def _not_seen(path: str) -> Remark:
+    if is_without_ros():
+        return Remark(Severity.WARNING, f"a box without ROS sees no markers of {path}", NoFrames.REMEDY_MARKER)
+    return Remark(Severity.WARNING, f"the markers of {path} were not checked: only ROS can see them",
+                  "run 'rosrun roah_rsbb preflight' on a computer with ROS")
 
 
 def _subjects_by_file(loaded: Config, modules_dir: str) -> Dict[str, Tuple[str, ...]]:

@@ -4,14 +4,12 @@ import socket
 
 import pytest
 
-pytest.importorskip("rospkg")
-
-from helpers.competition import competition, event  # noqa: E402
-from helpers.config_files import SHIPPED  # noqa: E402
-from roah_rsbb.bmbox.framework.ground_truth import Pose3  # noqa: E402
-from roah_rsbb.bmbox.host.ground_truth_of_frames import FrameState  # noqa: E402
-from roah_rsbb.tools import preflight_venue as venue  # noqa: E402
-from roah_rsbb.tools.preflight_checks import Severity  # noqa: E402
+from helpers.competition import competition, event
+from helpers.config_files import SHIPPED
+from roah_rsbb.bmbox.framework.ground_truth import Pose3
+from roah_rsbb.bmbox.host.ground_truth_of_frames import FrameState
+from roah_rsbb.tools import preflight_venue as venue
+from roah_rsbb.tools.preflight_checks import Severity
 
 HOST = "127.0.77.2"
 SEEN = Pose3(0.0, 0.0, 0.0, 0.0)
@@ -54,13 +52,15 @@ def test_the_tablets_port():
     assert levels(venue.check_tablet_port(loaded, HOST, port)) == [Severity.OK]
 
 
-def test_the_port_of_the_web_pages():
+@pytest.mark.parametrize("program, level", [("preflight", Severity.WARNING), ("roah-rsbb", Severity.FAILED)])
+def test_the_port_of_the_web_pages(monkeypatch, program, level):
+    monkeypatch.setattr("sys.argv", [program])
     with socket.socket() as other:
         other.bind((HOST, 0))
         other.listen(1)
         port = other.getsockname()[1]
         found = venue.check_web_port(HOST, port)
-        assert (found.level, "web_port" in found.remedy) == (Severity.WARNING, True), "runs do not need it"
+        assert (found.level, "web_port" in found.remedy) == (level, True), "with ROS, runs do not need it"
     assert venue.check_web_port(HOST, port).level == Severity.OK
 
 
@@ -87,6 +87,15 @@ def test_markers_that_the_schedule_needs(folder):
 def test_without_a_ros_master_markers_are_not_checked(folder):
     found, = venue.check_ground_truth(competition(arena=["HNF"]), str(folder), lambda config: None)
     assert (found.level, "no ROS master" in found.text) == (Severity.WARNING, True)
+
+
+def test_without_ros_nobody_looks_at_markers(folder, monkeypatch):
+    loaded = competition(arena=["HNF"])
+    found, = venue.check_ground_truth(loaded, str(folder), None)
+    assert (found.level, "only ROS can see them" in found.text) == (Severity.WARNING, True)
+    monkeypatch.setattr("sys.argv", ["roah-rsbb"])
+    found, = venue.check_ground_truth(loaded, str(folder), None)
+    assert (found.level, "a box without ROS sees no markers" in found.text) == (Severity.WARNING, True)
 
 
 def test_each_zone_has_its_own_motion_capture(folder):

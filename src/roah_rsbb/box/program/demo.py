@@ -16,7 +16,7 @@ import sys
 from typing import Dict, List, Optional
 
 from roah_rsbb.arguments import Parser, called, number
-from roah_rsbb.box.program import settings as settings_of
+from roah_rsbb.box import settings as settings_of
 from roah_rsbb.box.program.main import log_to_terminal, serve
 from roah_rsbb.client.places import OWN_VARIABLE
 from roah_rsbb.comm.memory import MemoryAir

@@ -9,7 +9,6 @@ import argparse
 import asyncio
 import logging
 import os
-import pathlib
 import sys
 import textwrap
 from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence
@@ -19,7 +18,7 @@ from roah_rsbb.durable import close_to_others
 from roah_rsbb.params import BadParams
 
 if TYPE_CHECKING:
-    from roah_rsbb.box.program.settings import BoxSettings
+    from roah_rsbb.box.settings import BoxSettings
 
 # Seconds after which the loop's thread gets Python's lock from another thread. Usual are 0.005: too long for STOP.
 SWITCH_S = 0.0005
@@ -45,7 +44,7 @@ def _parser(explains: bool) -> argparse.ArgumentParser:
 
 
 def _explanation() -> str:
-    from roah_rsbb.box.program.settings import of_box
+    from roah_rsbb.box.settings import of_box
 
     return _EPILOG.format(settings="\n".join(textwrap.fill(
         f"{name}: {found.doc} (default: {found.default or 'empty'})", 110, initial_indent="  ",
@@ -121,6 +120,6 @@ def main(arguments: Optional[List[str]] = None) -> None:
 
 def _settings(folder: str, words: Sequence[str]) -> "BoxSettings":
     """Return the settings of the box of a competition. Raises `BadParams`."""
-    from roah_rsbb.box.program.settings import BoxSettings, defaults, of_folder, of_words
+    from roah_rsbb.box.settings import of_competition, of_words
 
-    return BoxSettings({**defaults(), **of_folder(pathlib.Path(folder)), **of_words(words)})
+    return of_competition(folder, of_words(words))

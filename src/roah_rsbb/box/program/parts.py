@@ -11,8 +11,8 @@ from roah_rsbb.bmbox.host.ground_truth_of_frames import NoFrames, ZonesGroundTru
 from roah_rsbb.bmbox.host.host import ModulesHost, chosen_benchmarks
 from roah_rsbb.bmbox.host.thread import ModulesThread
 from roah_rsbb.box.in_process_client import InProcessClient
-from roah_rsbb.box.program.settings import BoxSettings
 from roah_rsbb.box.running import RunningBox
+from roah_rsbb.box.settings import BoxSettings
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.sockets import source_host
 from roah_rsbb.copies.folder import Stick
@@ -22,7 +22,7 @@ from roah_rsbb.core.copies import CopyReport
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.devices.devices import HomeDevices, open_settings
 from roah_rsbb.devices.home import BadSetting, Home, devices_state
-from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, default_command, words_of
+from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, command_of
 from roah_rsbb.document.calls import Call, Caller, InThread
 from roah_rsbb.in_loop import call_in_loop
 from roah_rsbb.model.modules import ModulesState
@@ -105,11 +105,10 @@ class Sounds:
 
 
 def _sound(settings: BoxSettings, name: str, file: str) -> Sound:
-    command = settings.given(name)
     try:
-        words = words_of(command) if command else default_command(file)
+        words = command_of(name, settings.given(name), file)
     except ValueError as error:
-        raise BadParams(f"parameter {name}: found {command!r}, expected a command ({error})") from None
+        raise BadParams(str(error)) from None
     return Sound(name.partition("_")[0], words, lambda text: _log.warning("%s", text))
 
 

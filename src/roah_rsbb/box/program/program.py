@@ -6,24 +6,19 @@ Only the rules of benchmarks have a thread of their own, because they are code o
 import asyncio
 import logging
 import os
-import socket
 from typing import Any, Coroutine, List, Optional
-from urllib.parse import urlsplit
 
-from roah_rsbb.box.parameters import BoxParameters, read_parameters
+from roah_rsbb.box.parameters import parameters_of
 from roah_rsbb.box.program.parts import LOOPBACK, Backup, ControlledDevices, DrivenModules, Sounds, WebParts
-from roah_rsbb.box.program.settings import BoxSettings, of_box
 from roah_rsbb.box.running import Peripherals, RunningBox
+from roah_rsbb.box.settings import BoxSettings
 from roah_rsbb.box.standing_by import wait_for_journal
-from roah_rsbb.client.places import OWN_VARIABLE, local_door_file
+from roah_rsbb.client.places import OWN_VARIABLE, is_answering, local_door_file
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.document.place import NotFound, read_place, write_place
-from roah_rsbb.params import BadParams
 from roah_rsbb.platform import open_in_browser
 from roah_rsbb.web.pairing import CODE_VALID_S
-
-ANSWER_S = 1.0
 
 _log = logging.getLogger(__name__)
 
@@ -34,10 +29,8 @@ class BoxProgram:
     def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, launch: str,
                  make_peer: MakePeer = Peer, is_dummy: bool = False) -> None:
         """`launch`: identifies the supervisor (`resume:=launch`). `is_dummy`: a demonstration, see
-        `DrivenModules`. Raises
-        `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError, whose texts name the remedy."""
-        params = read_parameters(settings)
-        _check(settings, params)
+        `DrivenModules`. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError: their text is the remedy."""
+        params = parameters_of(settings)
         self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
         self._sounds = Sounds(settings)
         os.makedirs(params.log_dir, exist_ok=True)
@@ -100,34 +93,15 @@ class BoxProgram:
             self._modules.publish_runs()
 
 
-def _check(settings: BoxSettings, params: BoxParameters) -> None:
-    """Raise `BadParams` for settings that do not exist, and for what a box without ROS cannot do."""
-    wrong = settings.unknown(list(of_box()))
-    if params.standby_port:
-        wrong.append("standby_port: a box without ROS has no standby yet: leave it out, or start the box with ROS")
-    if wrong:
-        raise BadParams("\n".join(wrong))
-
-
 def door_file(log_dir: str) -> str:
     """Return where a box says how its door is found: in the user's folder, unless another box answers there."""
     usual = local_door_file()
-    if OWN_VARIABLE in os.environ or not _answers(usual):
+    if OWN_VARIABLE in os.environ or not is_answering(usual):
         return usual
     own = os.path.join(log_dir, "door.json")
     _log.warning("Another box of this user runs on this computer. Terminals find this one with %s=%s",
                  OWN_VARIABLE, own)
     return own
-
-
-def _answers(path: str) -> bool:
-    """Whether there is a door at the place in a file."""
-    try:
-        host, port = urlsplit(read_place(path).url).netloc.split(":")
-        with socket.create_connection((host, int(port)), ANSWER_S):
-            return True
-    except (NotFound, OSError, ValueError):
-        return False
 
 
 def _is_own(path: str, token: str) -> bool:

@@ -357,9 +357,12 @@ def _next_steps(options: argparse.Namespace, found: Dict[str, object]) -> int:
     example = host or "192.168.1.255"
     print(f"Close the robots' network: check the interface in {files.FIREWALL}, then: sudo nft -f "
           f"{shlex.quote(os.path.join(directory, files.FIREWALL))}")
-    if not is_without_ros():
+    setting = "" if host else f" rsbb_host:={example}"
+    if is_without_ros():
+        print(f"Check the set-up: roah-rsbb preflight {shlex.quote(directory)}{setting}")
+        print(f"Start the box: roah-rsbb run {shlex.quote(directory)}{setting}")
+    else:
         print(f"Check the set-up: rosrun roah_rsbb preflight --rsbb-host {example} --competition "
               f"{shlex.quote(directory)}")
-    start = f"roah-rsbb run {shlex.quote(directory)}" if is_without_ros() else f"roslaunch {path}"
-    print(f"Start the box: {start}" + ("" if host else f" rsbb_host:={example}"))
+        print(f"Start the box: roslaunch {path}{setting}")
     return 0

@@ -33,6 +33,15 @@ def test_options_alone(run, tmp_path):
     assert first.scheduled == datetime.datetime(2026, 11, 28, 9, tzinfo=datetime.timezone.utc).timestamp()
 
 
+@pytest.mark.parametrize("host, setting", [([], " rsbb_host:=192.168.1.255"), (["--rsbb-host", "10.0.0.255"], "")])
+def test_the_next_steps_without_ros(run, tmp_path, monkeypatch, host, setting):
+    monkeypatch.setattr("sys.argv", ["roah-rsbb"])
+    _, out, _ = run("erl", *OPTIONS, *host)
+    assert out.splitlines()[-2:] == [
+        f"Check the set-up: roah-rsbb preflight {tmp_path}/erl{setting}",
+        f"Start the box: roah-rsbb run {tmp_path}/erl{setting}"]
+
+
 def test_all_options(run, tmp_path):
     status, out, _ = run("erl", *OPTIONS[:4], "--days", "2026-11-28", "--zones", "A: HNF, B", "--begin", "10:00",
                          "--end", "10:40", "--every", "20", "--time-zone", "+01:00", "--rsbb-host", "10.0.0.255",

@@ -9,7 +9,7 @@ import contextlib
 import os
 import pathlib
 import re
-from typing import Dict, List, Sequence, Set
+from typing import Container, Dict, List, Sequence, Set
 
 from roah_rsbb.params import BadParams, Params
 from roah_rsbb.rulebook.errors import Report
@@ -37,12 +37,13 @@ def defaults() -> Dict[str, str]:
     return {name: found.default for name, found in of_box().items()}
 
 
-def of_folder(folder: pathlib.Path) -> Dict[str, str]:
-    """Return what the launch file of a competition's folder sets. Raises `BadParams`."""
+def of_folder(folder: pathlib.Path, without: Container[str] = ()) -> Dict[str, str]:
+    """Return what the launch file of a competition's folder sets, `without` these settings. Raises `BadParams`."""
     path = folder / LAUNCH
     if not path.is_file():
-        raise BadParams(f"{path} is missing: make a competition's folder with 'roah-rsbb new {folder}'")
-    return {name: found.default for name, found in _arguments(path).items()}
+        raise BadParams(f"{path} is missing: make a competition's folder with 'roah-rsbb new {folder}', or with ROS "
+                        f"'rosrun roah_rsbb new_competition {folder}'")
+    return {name: found.default for name, found in _arguments(path, without).items()}
 
 
 def of_words(words: Sequence[str]) -> Dict[str, str]:
@@ -50,10 +51,10 @@ def of_words(words: Sequence[str]) -> Dict[str, str]:
     return dict(word.split(":=", 1) for word in words if ":=" in word)
 
 
-def _arguments(path: pathlib.Path) -> Dict[str, LaunchArgument]:
+def _arguments(path: pathlib.Path, without: Container[str] = ()) -> Dict[str, LaunchArgument]:
     report = Report()
     found = {name: argument._replace(default=_value(path, name, argument.default))
-             for name, argument in arguments(report, str(path)).items()}
+             for name, argument in arguments(report, str(path)).items() if name not in without}
     if report.errors:
         raise BadParams("\n".join(map(str, report.errors)))
     return found
@@ -71,13 +72,13 @@ def _value(path: pathlib.Path, name: str, text: str) -> str:
         if command in ("env", "optenv"):
             variable, _, instead = what.partition(" ")
             return os.environ.get(variable, instead)
-        raise BadParams(f"{path}: a box without ROS cannot compute $({found[1]}) for {name}: give {name}:=value")
+        raise BadParams(f"{path}: only roslaunch can compute $({found[1]}) for {name}: give {name}:=value")
 
     return _SUBSTITUTION.sub(value_of, text)
 
 
 class BoxSettings(Params):
-    """The settings of a box as its parameters. `used_up` says which nobody asked for."""
+    """The settings of a box as its parameters. `unknown` says which nobody asked for."""
 
     def __init__(self, values: Dict[str, str]) -> None:
         super().__init__()
@@ -107,6 +108,13 @@ class BoxSettings(Params):
     def _plain(self, name: str, default: object) -> object:
         found = self._get(name, default)
         return _plain(found) if isinstance(found, str) else found
+
+
+def of_competition(folder: str, given: Dict[str, str]) -> BoxSettings:
+    """Return the settings of a competition's box: those `given`, else those of its folder, else the defaults. Without
+    a folder (empty), it has none. Raises `BadParams`."""
+    of_launch_file = of_folder(pathlib.Path(folder), given) if folder else {}
+    return BoxSettings({**defaults(), **of_launch_file, **given})
 
 
 def _plain(text: str) -> object:

@@ -4,14 +4,14 @@ import pathlib
 
 import pytest
 
+from roah_rsbb.box import settings as settings_of
 from roah_rsbb.box.parameters import read_parameters
-from roah_rsbb.box.program import settings as settings_of
-from roah_rsbb.box.program.settings import BoxSettings
+from roah_rsbb.box.settings import BoxSettings
 from roah_rsbb.params import BadParams
 from roah_rsbb.shipped import shipped_folder
 from roah_rsbb.tools.competition.files import launch_text
 
-ROOT = pathlib.Path(__file__).resolve().parents[4]
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 
 def settings(folder="", **given):
@@ -71,6 +71,7 @@ def test_what_only_roslaunch_can_compute_is_to_be_given(tmp_path, monkeypatch):
     path.write_text('<launch><arg name="log_dir" default="$(anon x)"/></launch>', "utf-8")
     with pytest.raises(BadParams, match="give log_dir:=value"):
         settings_of.of_folder(tmp_path)
+    assert settings_of.of_competition(str(tmp_path), {"log_dir": "/logs"}).path("log_dir") == "/logs"
     path.write_text('<launch><arg name="log_dir"></launch>', "utf-8")
     with pytest.raises(BadParams, match="invalid XML"):
         settings_of.of_folder(tmp_path)
