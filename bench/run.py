@@ -188,21 +188,22 @@ class Bench:
             results.add_spread(f"reaction, {REPEATING} robots at 50 ms", "ms", taken, {0.99: 5})
 
     def without_ros(self) -> None:
-        """The box without ROS in turns with the core node: load, memory, start, reaction."""
+        """The box without ROS in turns with the nodes of the one with ROS: load, memory, start, reaction."""
         results, seconds = self.results, self.extent.seconds
         with without_ros.both_in_runs(REPEATING) as sides:
             for period_s in REPEAT_TARGETS:
                 found = without_ros.shares(sides, period_s, seconds)
                 name = f"{REPEATING} robots, {1.0 / period_s:g}/s each"
-                results.add(f"{name}: CPU of the core node", "% of a core", quantile(found.node, 0.5))
+                results.add(f"{name}: CPU of core, pages and modules", "% of a core", quantile(found.node, 0.5))
                 results.add(f"{name}: CPU of the box without ROS", "% of a core", quantile(found.without, 0.5))
-                results.add(f"{name}: as much as the core node", "times", found.ratio, 0.7)
-            for (box, fleet), what in zip(sides, ("core node", "box without ROS")):
+                results.add(f"{name}: without ROS as much as with", "times", found.ratio, 0.7)
+            for (box, fleet), what in zip(sides, ("box with ROS", "box without ROS")):
                 fleet.keep_sending(load.PERIOD_S)
                 taken = reaction.react(fleet, fleet.robots, self.extent.probes)
                 fleet.keep_sending(REGULAR_S)
                 results.add_spread(f"reaction, {REPEATING} robots at 50 ms, {what}", "ms", taken, {0.99: 5})
-                results.add(f"{REPEATING} robots: memory of the {what}", "MB", box.process.memory_mb())
+                results.add(f"{REPEATING} robots: memory of the {what}", "MB",
+                            sum(process.memory_mb() for process in box.processes))
         with without_ros.BoxWithoutRos(1) as box:
             time.sleep(WARM_S)
             results.add("box without ROS: memory", "MB", box.process.memory_mb(), 60)

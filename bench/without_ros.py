@@ -1,4 +1,4 @@
-"""Measures the box without ROS, `roah-rsbb run`, in turns with the core node."""
+"""Measures the box without ROS, `roah-rsbb run`, in turns with the nodes of the box with ROS."""
 
 import contextlib
 import os
@@ -12,7 +12,7 @@ import reaction
 import rospy
 from addresses import BROADCAST
 from fleet import REGULAR_S, Fleet
-from processes import START_S, Box, Measured
+from processes import ROOT, START_S, Box, Measured, wait
 from table import quantile
 
 from roah_rsbb.client.client import Client
@@ -49,6 +49,11 @@ class BoxWithoutRos(Box):
         self._client.close()
         super().__exit__(*error)
 
+    @property
+    def processes(self) -> List[Measured]:
+        """The only one."""
+        return [self.process]
+
     def command(self, command: str, zone: int) -> None:
         """A referee's command, as a panel gives it. Raises ServiceException, as that of the core node does."""
         answer = self._client.call("act", action=command, zone=f"zone {zone}", given={}).result()
@@ -56,8 +61,35 @@ class BoxWithoutRos(Box):
             raise rospy.ServiceException(", ".join(map(str, answer.reasons)))
 
 
+class BoxWithRos(Box):
+    """The nodes that do what `BoxWithoutRos` does: core, web pages, benchmarking modules. Use it as a context
+    manager."""
+
+    def __enter__(self) -> "BoxWithRos":
+        super().__enter__()
+        self.others = [
+            Measured(sys.executable, str(ROOT / "scripts" / name),
+                     *(f"_{key}:={value}" for key, value in given.items()))
+            for name, given in (
+                ("roah_rsbb_web", {"rsbb_host": BROADCAST, "web_port": 0, "log_dir": self.log_dir}),
+                ("roah_rsbb_modules", {}))]
+        rospy.wait_for_message("/modules/state", rospy.AnyMsg, START_S)
+        wait(lambda: rospy.has_param("/roah_rsbb_web/url"), "the web pages are served")
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        for other in self.others:
+            other.close()
+        super().__exit__(*error)
+
+    @property
+    def processes(self) -> List[Measured]:
+        """All of them."""
+        return [self.process, *self.others]
+
+
 class Sides(NamedTuple):
-    """What was measured of the core node, and of the box without ROS."""
+    """What was measured of the box with ROS, and of the one without."""
 
     node: List[float]
     without: List[float]
@@ -73,7 +105,7 @@ def both_in_runs(robots: int):
     """Both boxes, each with robots that execute."""
     with contextlib.ExitStack() as stack:
         sides = []
-        for kind in (Box, BoxWithoutRos):
+        for kind in (BoxWithRos, BoxWithoutRos):
             box = stack.enter_context(kind(robots))
             fleet = stack.enter_context(Fleet(robots, box.port))
             reaction.connect(box, fleet, robots)
@@ -82,14 +114,21 @@ def both_in_runs(robots: int):
         yield sides
 
 
+def share(processes: List[Measured], seconds: float) -> float:
+    """Share of a processor (per cent) that all of them use in the next `seconds`."""
+    began, used = time.monotonic(), sum(process.cpu_s() for process in processes)
+    time.sleep(seconds)
+    return 100.0 * (sum(process.cpu_s() for process in processes) - used) / (time.monotonic() - began)
+
+
 def shares(sides, period_s: float, seconds: float) -> Sides:
     """Shares of a processor (per cent) in turns, while robots send with this period (s)."""
     found = Sides([], [])
     for _ in range(TURNS):
         for (box, fleet), values in zip(sides, found):
             fleet.keep_sending(period_s)
-            box.process.cpu_percent(WARM_S)
-            values.append(box.process.cpu_percent(seconds))
+            time.sleep(WARM_S)
+            values.append(share(box.processes, seconds))
             fleet.keep_sending(REGULAR_S)
     return found
 

@@ -40,8 +40,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--scripted", action="store_true", help="use the scripted referee")
     parser.add_argument("--robots", type=int, choices=range(1, MOST_ROBOTS + 1), default=1, metavar="N",
                         help="number of dummy robots, each of another team (default: 1)")
-    parser.add_argument("--execute-duration", type=number(0, 1e6), default=3.0, metavar="S",
-                        help="seconds of a dummy robot for each goal (default: %(default)s)")
+    parser.add_argument("--duration", type=number(0, 1e6), default=3.0, metavar="S",
+                        help="seconds that a dummy robot takes to prepare, and for each goal (default: %(default)s)")
     parser.add_argument("--log-dir", default=os.path.join("~", ".roah_rsbb", "demo"), metavar="DIR",
                         help="where the runs are kept (default: %(default)s)")
     return parser
@@ -86,7 +86,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
         door = os.path.join(log_dir, "door.json")  # terminals are not to take it for the box of a competition
         await program.start(door)
         config = program.running.config
-        behaviour = DummyOptions(execute_duration=options.execute_duration)
+        behaviour = DummyOptions(options.duration, options.duration)
         for number_, team in enumerate(teams_of(config)[:options.robots]):
             robot = dummy_client(
                 team, config.passwords[team], options=behaviour, rsbb_host=LOOPBACK_BROADCAST,

@@ -6,7 +6,6 @@ started again at once.
 """
 
 import argparse
-import asyncio
 import logging
 import os
 import sys
@@ -18,6 +17,8 @@ from roah_rsbb.durable import close_to_others
 from roah_rsbb.params import BadParams
 
 if TYPE_CHECKING:
+    import asyncio
+
     from roah_rsbb.box.settings import BoxSettings
 
 # Seconds after which the loop's thread gets Python's lock from another thread. Usual are 0.005: too long for STOP.
@@ -57,10 +58,12 @@ def log_to_terminal(level: int = logging.INFO) -> None:
     logging.getLogger("tornado").setLevel(logging.ERROR)
 
 
-def serve(make: Callable[[asyncio.AbstractEventLoop], Any], work: Callable[[Any], Any]) -> int:
+def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[Any], Any]) -> int:
     """Run a box until a signal ends it or its `work` is done; returns the exit status. `make` makes the box, and may
     raise what `BoxProgram` raises. `work` is a coroutine, and returns an exit status."""
-    # Imported late: help or a wrong setting need none of it.
+    # Imported late: the supervisor, help or a wrong setting need none of it.
+    import asyncio
+
     from roah_rsbb.journal.file import DamagedJournal
     from roah_rsbb.platform import new_loop, on_end
     from roah_rsbb.rulebook.errors import ConfigErrors
@@ -101,6 +104,8 @@ def main(arguments: Optional[List[str]] = None) -> None:
 
         command = [sys.executable, "-m", "roah_rsbb.tools.team", "run", *given, ALONE]
         sys.exit(supervise(command, lambda: _settings(options.folder, given).path("log_dir")))
+    import asyncio
+
     from roah_rsbb.box.program.program import BoxProgram, door_file
     from roah_rsbb.box.program.supervisor import LAUNCH
 
