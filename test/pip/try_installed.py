@@ -1,11 +1,12 @@
 """Run by tools/test_pip_install with the Python of a venv that has wheels of roah_rsbb.
 
-Arguments: the source tree, and the last wheel that was installed: robot, or check, or results. Everything in them
-imports, with protobuf, cryptography and PyYAML alone. The documented example completes a benchmark against a box, both
-of them from the wheels.
+Arguments: the source tree, and the last wheel that was installed: robot, check, results or box. Everything in them
+imports, with protobuf, cryptography and PyYAML alone, and the box with tornado. The documented example completes a
+benchmark against a box, both of them from the wheels.
 """
 
 import asyncio
+import contextlib
 import importlib
 import importlib.metadata
 import importlib.util
@@ -13,6 +14,7 @@ import os
 import pathlib
 import pkgutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -22,7 +24,8 @@ import roah_rsbb
 SOURCE, PACKAGE = pathlib.Path(sys.argv[1]), sys.argv[2]
 EXAMPLE = SOURCE / "docs" / "examples" / "my_robot.py"
 BIN = pathlib.Path(sys.executable).parent
-FOREIGN = ("rospy", "genpy", "rospkg", "catkin_pkg", "numpy", "tornado")
+FOREIGN = ("rospy", "genpy", "rospkg", "catkin_pkg", "numpy", *([] if PACKAGE == "box" else ["tornado"]))
+LIMIT_S = 120.0
 INSTALLED = {each.metadata["Name"]: each.version for each in importlib.metadata.distributions()}
 
 
@@ -56,10 +59,11 @@ def check_programs():
     for command, (package, _, _) in COMMANDS.items():
         ended = subprocess.run([str(BIN / "roah-rsbb"), command, "--help"], stdout=subprocess.PIPE,
                                stderr=subprocess.STDOUT, check=False, text=True)
-        if f"roah-rsbb-{package}" in INSTALLED:
+        wheel = "roah-rsbb" if package == "box" else f"roah-rsbb-{package}"
+        if wheel in INSTALLED:
             assert ended.stdout.startswith("usage:"), ended.stdout
         else:
-            assert ended.returncode == 1 and f"roah-rsbb-{package}" in ended.stdout, ended.stdout
+            assert ended.returncode == 1 and f"package {wheel}," in ended.stdout, ended.stdout
 
 
 async def complete_a_benchmark():
@@ -99,6 +103,59 @@ def check_results():
         assert pathlib.Path(folder, "report", "index.html").is_file()
 
 
+def run(*arguments, **options):
+    """Run a command of the wheels to its end; returns what it printed."""
+    ended = subprocess.run([str(BIN / "roah-rsbb"), *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                           check=False, text=True, timeout=LIMIT_S, **options)
+    assert ended.returncode == 0, f"{arguments}: {ended.stdout}"
+    return ended.stdout
+
+
+def check_demo():
+    """The demonstration completes and scores both runs; their score sheets can be printed."""
+    with tempfile.TemporaryDirectory() as folder:
+        printed = run("demo", "--scripted", "--duration", "0.2", "--log-dir", f"{folder}/log")
+        assert printed.count("the run is completed") == 2, printed
+        assert "3  Waypoints reached" in printed, printed
+        run("results", "--log-dir", f"{folder}/log", "export", "--html", f"{folder}/sheets")
+        assert list(pathlib.Path(folder, "sheets").glob("*.html"))
+
+
+def check_box():
+    """The box of a new competition is commanded from a terminal. A killed one is replaced; the next one continues."""
+    with tempfile.TemporaryDirectory() as folder:
+        home = {**os.environ, "HOME": folder}
+        competition = str(pathlib.Path(folder, "competition"))
+        run("new", competition, "--teams", "A", "--benchmarks", "HGTKMH", "--days", "2026-11-28", "--rsbb-host",
+            "127.255.255.255", env=home)
+        with free_udp_port() as port:
+            settings = ("bind_host:=127.0.0.1", f"rsbb_port:={port}", "web_port:=0", "listen_duration:=0.2")
+        with subprocess.Popen([str(BIN / "roah-rsbb"), "run", competition, "--no-browser", *settings], env=home,
+                              stderr=subprocess.PIPE, text=True) as box:
+            try:
+                lines = iter(box.stderr.readline, "")
+                served = next(line for line in lines if "as the organiser's, open" in line)
+                assert "http://127.0.0.1:" in served and "/pair#" in served, served
+                assert "NOT CONNECTED" in run("referee", "status", env=home)
+                children = pathlib.Path(f"/proc/{box.pid}/task/{box.pid}/children").read_text().split()
+                os.kill(int(children[0]), signal.SIGKILL)
+                assert any("ended unexpectedly" in line for line in lines)
+                next(line for line in lines if "as the organiser's, open" in line)
+                assert "NOT CONNECTED" in run("referee", "status", env=home)
+            finally:
+                box.send_signal(signal.SIGINT)
+                box.stderr.read()
+        assert box.returncode == 0
+
+
+@contextlib.contextmanager
+def free_udp_port():
+    """A public UDP port that nobody else uses."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        yield probe.getsockname()[1]
+
+
 check_imports()
 check_programs()
 if PACKAGE == "robot":
@@ -107,5 +164,9 @@ if PACKAGE == "check":
     check_shipped()
 if PACKAGE == "results":
     check_results()
-versions = [f"{name} {INSTALLED[name]}" for name in ("protobuf", "cryptography", "PyYAML") if name in INSTALLED]
+if PACKAGE == "box":
+    check_demo()
+    check_box()
+versions = [f"{name} {INSTALLED[name]}" for name in ("protobuf", "cryptography", "PyYAML", "tornado")
+            if name in INSTALLED]
 print(f"pip test: Python {sys.version.split()[0]}, {', '.join(versions)}: {PACKAGE} works")
