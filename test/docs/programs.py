@@ -57,6 +57,12 @@ def help_of(script: str, word: str) -> Said:
     return ask(str(ROOT / "scripts" / script), word, "--help")
 
 
+@functools.lru_cache(maxsize=None)
+def help_without_ros(command: str) -> Said:
+    """The --help output of a command of `roah-rsbb`."""
+    return ask(sys.executable, "-m", "roah_rsbb.tools.team", command, "--help")
+
+
 def ros_args(launch_file: str) -> Dict[str, str]:
     """The help of `roslaunch --ros-args` for each argument of a launch file."""
     path = str(ROOT / "launch" / launch_file)

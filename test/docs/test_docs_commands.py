@@ -11,7 +11,7 @@ import programs
 import pytest
 from pages import ROOT
 
-from roah_rsbb.tools.team import COMMANDS as COMMANDS_OF_TEAMS
+from roah_rsbb.tools.team import COMMANDS as COMMANDS_WITHOUT_ROS
 
 # Programs that a venue's computer has, and this one perhaps not: they are taken on trust.
 ELSEWHERE = {"apt-get", "apt-key", "catkin_make", "chronyc", "curl", "git", "pip", "sudoedit", "systemctl", "ufw",
@@ -114,8 +114,12 @@ def check(words):
     elif re.fullmatch(r".*python3?", program):
         check_python(*given)
     elif program == "roah-rsbb":
-        assert given[0] in COMMANDS_OF_TEAMS, f"no command {given[0]}"
-        check_options(programs.helps()[given[0].replace("-", "_")].text, given[1:])
+        assert given[0] in COMMANDS_WITHOUT_ROS, f"no command {given[0]}"
+        said = programs.help_without_ros(given[0]).text
+        check_options(said, given[1:])
+        for each in given[1:]:
+            name, is_setting, _ = each.partition(":=")
+            assert not is_setting or re.search(rf"\b{name}\b", said), f"{given[0]} has no setting {name}"
     elif "/" in program:
         assert os.access(str(ROOT / program), os.X_OK), f"no program {program}"
     elif program not in IN_THE_SHELL | ELSEWHERE:
@@ -136,6 +140,7 @@ def test_there_are_commands():
     "rosrun roah_rsbb no_such_script", "rosrun roah_rsbb preflight --no-such-option",
     "rosrun roah_rsbb panel no_such_panel", "rosrun roah_rsbb referee no_such_command",
     "rosrun roah_rsbb referee run Home --no-such-option",
+    "roah-rsbb no-such-command", "roah-rsbb demo --no-such-option", "roah-rsbb run DIR no_such_setting:=1",
     "rosrun roah_rsbb roah_rsbb_core _no_such_parameter:=1", "roslaunch roah_rsbb no_such.launch",
     "roslaunch roah_rsbb roah_rsbb.launch no_such_argument:=1", "cd /tmp && make no-such-target",
     "no_such_program", "tools/no_such_tool", "A=1 sudo no_such_program", "python3 -m roah_rsbb.no_such_module",
