@@ -816,6 +816,131 @@
         <translation>Keine Antwort von der Box: prüfen Sie das Netz und versuchen Sie es noch einmal</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Demonstration</source>
+        <translation>Vorführung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Run a competition</source>
+        <translation>Einen Wettbewerb durchführen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>New competition</source>
+        <translation>Neuer Wettbewerb</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Check a robot</source>
+        <translation>Einen Roboter prüfen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>A box with a dummy robot on this computer alone. The organiser&apos;s page opens.</source>
+        <translation>Eine Box mit einem simulierten Roboter, nur auf diesem Computer. Die Seite des Veranstalters öffnet sich.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The box of a competition. The organiser&apos;s page opens. Runs continue where they were.</source>
+        <translation>Die Box eines Wettbewerbs. Die Seite des Veranstalters öffnet sich. Läufe gehen dort weiter, wo sie waren.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Creates the folder of a competition: benchmarks, schedule, a password for each team.</source>
+        <translation>Legt den Ordner eines Wettbewerbs an: Benchmarks, Zeitplan, ein Passwort für jedes Team.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Plays the box against a robot and reports what works. The robot moves: keep the emergency stop at hand.</source>
+        <translation>Spielt die Box für einen Roboter und berichtet, was funktioniert. Der Roboter bewegt sich: Not-Aus bereithalten.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Start the demonstration</source>
+        <translation>Vorführung starten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Start the box</source>
+        <translation>Box starten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Create it</source>
+        <translation>Anlegen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Check it</source>
+        <translation>Prüfen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Broadcast address of the robots&apos; network</source>
+        <translation>Broadcast-Adresse des Netzes der Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Competition</source>
+        <translation>Wettbewerb</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Name of the competition</source>
+        <translation>Name des Wettbewerbs</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Rulebook</source>
+        <translation>Regelwerk</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Teams, separated by commas</source>
+        <translation>Teams, durch Kommas getrennt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Days</source>
+        <translation>Tage</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Team, as the robot sends it</source>
+        <translation>Team, wie der Roboter es sendet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Password of the team</source>
+        <translation>Passwort des Teams</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>in progress</source>
+        <translation>läuft</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>done</source>
+        <translation>fertig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>ended with status {status}</source>
+        <translation>endete mit Status {status}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>End it</source>
+        <translation>Beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>may be given later</source>
+        <translation>kann auch später angegeben werden</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/explained.py"/>
         <source>The robot prepares</source>
         <translation>Der Roboter bereitet sich vor</translation>

@@ -1,6 +1,7 @@
 """`roah-rsbb COMMAND`: the programs that pip installs, without ROS."""
 
 import importlib
+import importlib.util
 import sys
 from typing import List, Optional
 
@@ -22,7 +23,8 @@ COMMANDS = {
 def _usage() -> str:
     lines = [f"  {name:<13}{what}" for name, (_, _, what) in COMMANDS.items()]
     return "\n".join([
-        "usage: roah-rsbb COMMAND [ARGUMENT...]", "", "Programs that need no ROS.", "", "commands:", *lines,
+        "usage: roah-rsbb [COMMAND [ARGUMENT...]]", "", "Programs that need no ROS. Without a command, a page in the "
+        "browser leads to them.", "", "commands:", *lines,
         "", "'roah-rsbb COMMAND --help' explains a command."])
 
 
@@ -31,6 +33,9 @@ def main(arguments: Optional[List[str]] = None) -> None:
     given = sys.argv[1:] if arguments is None else arguments
     if given and given[0] in ("-h", "--help"):
         print(_usage())
+        return
+    if not given and importlib.util.find_spec("roah_rsbb.box") is not None:
+        importlib.import_module("roah_rsbb.box.program.start_page").main()
         return
     if not given or given[0] not in COMMANDS:
         wrong = f"roah-rsbb: no command '{given[0]}'\n" if given else ""

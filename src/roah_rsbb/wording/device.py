@@ -147,3 +147,31 @@ def page_words() -> Dict[str, Any]:
         "uphold": tr(judging.UPHOLD), "reject": tr(judging.REJECT),
         "no_answer": tr("No answer from the box: check the network, and try again"),
     }
+
+
+class StartWords:
+    """The texts of the page to which `roah-rsbb` alone leads."""
+
+    DEMO, RUN, NEW, CHECK = "demo", "run", "new", "check"
+
+    TITLES: Dict[str, str] = {
+        DEMO: tr_later("Demonstration"), RUN: tr_later("Run a competition"), NEW: tr_later("New competition"),
+        CHECK: tr_later("Check a robot"),
+    }
+    EXPLANATIONS: Dict[str, str] = {
+        DEMO: tr_later("A box with a dummy robot on this computer alone. The organiser's page opens."),
+        RUN: tr_later("The box of a competition. The organiser's page opens. Runs continue where they were."),
+        NEW: tr_later("Creates the folder of a competition: benchmarks, schedule, a password for each team."),
+        CHECK: tr_later("Plays the box against a robot and reports what works. The robot moves: keep the emergency "
+                        "stop at hand."),
+    }
+    BUTTONS: Dict[str, str] = {
+        DEMO: tr_later("Start the demonstration"), RUN: tr_later("Start the box"), NEW: tr_later("Create it"),
+        CHECK: tr_later("Check it"),
+    }
+    HOST = tr_later("Broadcast address of the robots' network")
+    COMPETITION, NAME, RULEBOOK = tr_later("Competition"), tr_later("Name of the competition"), tr_later("Rulebook")
+    TEAMS, DAYS = tr_later("Teams, separated by commas"), tr_later("Days")
+    TEAM, PASSWORD = tr_later("Team, as the robot sends it"), tr_later("Password of the team")
+    IN_PROGRESS, DONE, FAILED = tr_later("in progress"), tr_later("done"), tr_later("ended with status {status}")
+    END, OPTIONAL = tr_later("End it"), tr_later("may be given later")
