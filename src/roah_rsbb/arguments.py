@@ -4,15 +4,23 @@ import argparse
 import difflib
 import os
 import sys
-from typing import Any, Callable, NoReturn, TypeVar
+from typing import Any, Callable, List, NoReturn, TypeVar
 
 T = TypeVar("T")
 
 
 def is_without_ros() -> bool:
     """Whether this program is a command of `roah-rsbb`, which pip installed."""
-    # The second is `python -m roah_rsbb.tools.team`.
-    return os.path.basename(sys.argv[0]) in ("roah-rsbb", "team.py", "roah-rsbb.exe")
+    # team.py is that of `python -m roah_rsbb.tools.team`; also roah-rsbb.exe, roah-rsbb.pyz.
+    program = os.path.basename(sys.argv[0])
+    return program == "team.py" or program.partition(".")[0] == "roah-rsbb"
+
+
+def without_ros(*words: str) -> List[str]:
+    """Return a command of `roah-rsbb` for another process."""
+    # In a single file, Python finds no module by its name.
+    here = [sys.argv[0]] if sys.argv[0].endswith(".pyz") else ["-m", "roah_rsbb.tools.team"]
+    return [sys.executable, *here, *words]
 
 
 def called(name: str, command: str = "") -> str:

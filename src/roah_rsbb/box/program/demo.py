@@ -15,7 +15,7 @@ import subprocess
 import sys
 from typing import Dict, List, Optional
 
-from roah_rsbb.arguments import Parser, called, number
+from roah_rsbb.arguments import Parser, called, number, without_ros
 from roah_rsbb.box import settings as settings_of
 from roah_rsbb.box.program.main import log_to_terminal, serve
 from roah_rsbb.client.places import OWN_VARIABLE
@@ -102,11 +102,10 @@ def main(arguments: Optional[List[str]] = None) -> None:
 def _scripted(door: str, log_dir: str) -> int:
     """Let a scripted referee lead the runs; returns the exit status."""
     print(f"A scripted referee takes a dummy robot through {' and '.join(RUNS)}.", flush=True)
-    command = [sys.executable, "-m", "roah_rsbb.tools.team"]
     for benchmark, does in RUNS.items():
         print(f"\n--- {benchmark}", flush=True)
         status = subprocess.call(
-            [*command, "referee", "run", ZONE, "--benchmark", benchmark, "--wait", str(WAIT_FOR_ROBOT_S), *does],
+            without_ros("referee", "run", ZONE, "--benchmark", benchmark, "--wait", str(WAIT_FOR_ROBOT_S), *does),
             env={**os.environ, OWN_VARIABLE: door})
         if status != 0:
             print(f"{called('demo')}: {benchmark} was not completed (the referee's exit status is {status})",

@@ -12,7 +12,7 @@ import sys
 import textwrap
 from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence
 
-from roah_rsbb.arguments import Parser, called
+from roah_rsbb.arguments import Parser, called, without_ros
 from roah_rsbb.durable import close_to_others
 from roah_rsbb.params import BadParams
 
@@ -102,8 +102,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     if not options.unsupervised:
         from roah_rsbb.box.program.supervisor import supervise
 
-        command = [sys.executable, "-m", "roah_rsbb.tools.team", "run", *given, ALONE]
-        sys.exit(supervise(command, lambda: _settings(options.folder, given).path("log_dir")))
+        sys.exit(supervise(without_ros("run", *given, ALONE), lambda: _settings(options.folder, given).path("log_dir")))
     import asyncio
 
     from roah_rsbb.box.program.program import BoxProgram, door_file

@@ -11,12 +11,12 @@ import os
 import pathlib
 import secrets
 import subprocess
-import sys
 import threading
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from tornado import web
 
+from roah_rsbb.arguments import without_ros
 from roah_rsbb.box.settings import LAUNCH
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE
 from roah_rsbb.platform import new_loop, on_end, open_in_browser
@@ -111,7 +111,7 @@ def start(task: Task, typed: Dict[str, str]) -> Started:
     """Start the command of a task."""
     arguments, variables = task.command(typed)
     process = subprocess.Popen(
-        [sys.executable, "-m", "roah_rsbb.tools.team", *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+        without_ros(*arguments), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT, text=True, errors="replace", env={**os.environ, **variables, "PYTHONUNBUFFERED": "1"})
     found = Started(task, process, [])
     threading.Thread(target=_follow, args=(found,), daemon=True).start()
