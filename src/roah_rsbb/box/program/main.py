@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 # Seconds after which the loop's thread gets Python's lock from another thread. Usual are 0.005: too long for STOP.
 SWITCH_S = 0.0005
-ALONE = "--unsupervised"
+ALONE, SILENT = "--unsupervised", "--no-browser"
 
 _EPILOG = """\
 settings, given as name:=value; those in FOLDER/competition.launch are their defaults:
@@ -38,7 +38,7 @@ def _parser(explains: bool) -> argparse.ArgumentParser:
     parser = Parser(called("run"), str(__doc__).strip(), _explanation() if explains else "",
                     usage=f"{called('run')} [-h] [--no-browser] [{ALONE}] FOLDER [name:=value ...]")
     parser.add_argument("folder", metavar="FOLDER", help="the competition's folder, made by 'roah-rsbb new'")
-    parser.add_argument("--no-browser", action="store_true", help="do not open the pages in a browser")
+    parser.add_argument(SILENT, action="store_true", help="do not open the pages in a browser")
     parser.add_argument(ALONE, action="store_true",
                         help="do not start the box again if it ends unexpectedly, because something else does")
     return parser
@@ -102,7 +102,8 @@ def main(arguments: Optional[List[str]] = None) -> None:
     if not options.unsupervised:
         from roah_rsbb.box.program.supervisor import supervise
 
-        sys.exit(supervise(without_ros("run", *given, ALONE), lambda: _settings(options.folder, given).path("log_dir")))
+        command = without_ros("run", *given, ALONE)
+        sys.exit(supervise(command, [*command, SILENT], lambda: _settings(options.folder, given).path("log_dir")))
     import asyncio
 
     from roah_rsbb.box.program.program import BoxProgram, door_file

@@ -1,4 +1,4 @@
-"""What a box without ROS has around it in its process: benchmarking modules, home devices, sounds."""
+"""What a box without ROS has around it in its process: modules, home devices, sounds, pages, copy of the journal."""
 
 import asyncio
 import concurrent.futures
@@ -178,6 +178,7 @@ class WebParts:
                 resource, NAME, address, self._make_client, self.url.set_result, names)))
         if settings.flag("tablet", False):
             self._parts.append(TabletPage(self._loop, settings, str(resource), names, lambda url: None, make_peer))
+        settings.done()
         self._thread = threading.Thread(target=self._run, name="web pages", daemon=True)
 
     def _make_client(self, on_change: Callable[[], object], calls: Mapping[str, Call]) -> InProcessClient:

@@ -1,6 +1,7 @@
-"""A whole box in one process: its core and door, and all around it, in one loop.
+"""A whole box in one process.
 
-Only the rules of benchmarks have a thread of their own, because they are code of others (`bmbox/host/thread.py`).
+Core, radio, door and home devices share a loop. The rules of benchmarks have a thread of their own, because they are
+code of others (`bmbox/host/thread.py`), and so have the web pages (`WebParts`).
 """
 
 import asyncio
@@ -35,6 +36,7 @@ class BoxProgram:
         self._sounds = Sounds(settings)
         os.makedirs(params.log_dir, exist_ok=True)
         self._devices = ControlledDevices(loop, settings, params.log_dir, self._sounds.ring_bell)
+        settings.done()
         self.running = RunningBox(
             loop, params, launch, wait_for_journal(params.log_dir),
             Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
@@ -55,8 +57,12 @@ class BoxProgram:
             self._backup = Backup(self._loop, self._params.backup_dir, self._params.log_dir, self.running)
         self._web.start()
         port = self.running.door.open(LOOPBACK)
-        self._door_file = door_file
-        write_place(door_file, f"ws://{LOOPBACK}:{port}/door", self.running.door.token)
+        try:
+            write_place(door_file, f"ws://{LOOPBACK}:{port}/door", self.running.door.token)
+            self._door_file = door_file
+        except OSError as error:  # the box has other faces
+            _log.error("Terminals cannot find this box: %s cannot be written: %s. Repair that, and start the box again",
+                       door_file, error.strerror)
 
     def close(self) -> None:
         """End everything. Runs continue with the next start."""

@@ -27,10 +27,11 @@ END_S = 10.0
 _log = logging.getLogger(__name__)
 
 
-def supervise(command: Sequence[str], log_dir: Callable[[], str]) -> int:
+def supervise(command: Sequence[str], again: Sequence[str], log_dir: Callable[[], str]) -> int:
     """Run a box until it ends by itself or this process is interrupted; returns its exit status.
 
-    `log_dir` returns that of the box, or raises `BadParams`: the box then says what is wrong, and ends.
+    `command` starts it for the first time, and `again` continues its runs. `log_dir` returns that of the box, or raises
+    `BadParams`: the box then says what is wrong, and ends.
     """
     environment = {**os.environ, LAUNCH: str(uuid.uuid4())}
     wishes: list = []  # signals that this process got
@@ -38,6 +39,7 @@ def supervise(command: Sequence[str], log_dir: Callable[[], str]) -> int:
         signal.signal(number, lambda wish, _frame: wishes.append(wish))
     while True:
         status = _run(command, environment, wishes, log_dir)
+        command = again
         if wishes or status in ENDED:
             return 0 if wishes else status
         _log.error("The box has ended unexpectedly (%s): the next one continues its runs", status)

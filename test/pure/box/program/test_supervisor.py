@@ -1,12 +1,15 @@
 """The supervisor of a box without ROS."""
 
 import os
+import pathlib
 import signal
 import subprocess
 import sys
 import textwrap
 
 import pytest
+
+from roah_rsbb import signs_of_life
 
 LIMIT_S = 60.0
 # The box: it notes its start, and ends as the test wants it to.
@@ -15,12 +18,13 @@ import os, signal, sys, time
 with open("starts", "a") as file:
     file.write(os.environ["ROAH_RSBB_LAUNCH"] + "\\n")
 starts = len(open("starts").readlines())
-print("started", starts, flush=True)
+print("started", starts, *sys.argv[1:], flush=True)
 """
 SUPERVISOR = """
 import sys
 from roah_rsbb.box.program.supervisor import supervise
-sys.exit(supervise([sys.executable, "-c", open("box.py").read()], lambda: "."))
+command = [sys.executable, "-c", open("box.py").read()]
+sys.exit(supervise(command, [*command, "again"], lambda: "."))
 """
 
 
@@ -49,7 +53,7 @@ def starts(tmp_path):
 def test_a_killed_box_is_started_again_within_the_same_launch(supervised, tmp_path):
     process = supervised("if starts < 3: os.kill(os.getpid(), signal.SIGKILL)")
     out, error = process.communicate(timeout=LIMIT_S)
-    assert (process.returncode, out.split()) == (0, ["started", "1", "started", "2", "started", "3"])
+    assert (process.returncode, out.split()) == (0, ["started", "1", "started", "2", "again", "started", "3", "again"])
     assert error.count("ended unexpectedly") == 2
     assert len(set(starts(tmp_path))) == 1
 
@@ -75,3 +79,25 @@ def test_whoever_ends_the_supervisor_ends_the_box(supervised, tmp_path, number):
     assert process.returncode == 0
     assert (tmp_path / "ended").exists()
     assert len(starts(tmp_path)) == 1
+
+
+def test_a_box_that_does_not_answer_is_replaced(supervised, tmp_path):
+    process = supervised("""
+        from roah_rsbb.signs_of_life import Signs
+        signs = Signs(".")
+        while starts == 1:  # until the supervisor listens; then the box hangs
+            signs.send()
+            if os.path.exists("heard"):
+                signs.send()
+                time.sleep(1000)
+            time.sleep(0.01)
+        """)
+    assert process.stdout.readline() == "started 1\n"
+    # The supervisor listens on this address once it has started the box.
+    address = signs_of_life._address(str(tmp_path), signs_of_life.SUPERVISOR)[1:].decode()
+    while address not in pathlib.Path("/proc/net/unix").read_text("utf-8"):
+        os.sched_yield()
+    (tmp_path / "heard").touch()
+    out, error = process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0 and out == "started 2 again\n"
+    assert "has not answered for 2 s" in error
