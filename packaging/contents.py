@@ -9,16 +9,16 @@ CONTENTS: Dict[str, Tuple[str, ...]] = {
     # A robot without ROS.
     "robot": (
         "roah_rsbb/__init__.py", "roah_rsbb/arguments.py", "roah_rsbb/comm/", "roah_rsbb/in_loop.py",
-        "roah_rsbb/params.py", "roah_rsbb/pb/", "roah_rsbb/platform.py", "roah_rsbb/protocol.py",
-        "roah_rsbb/replaced.py", "roah_rsbb/robot/", "roah_rsbb/rulebook/__init__.py", "roah_rsbb/rulebook/registry.py",
-        "roah_rsbb/tools/__init__.py", "roah_rsbb/tools/team.py", "docs/protocol.md", "docs/robot_without_ros.md",
-        "docs/team.md"),
+        "roah_rsbb/log_lines.py", "roah_rsbb/params.py", "roah_rsbb/pb/", "roah_rsbb/platform.py",
+        "roah_rsbb/protocol.py", "roah_rsbb/replaced.py", "roah_rsbb/robot/", "roah_rsbb/rulebook/__init__.py",
+        "roah_rsbb/rulebook/registry.py", "roah_rsbb/tools/__init__.py", "roah_rsbb/tools/team.py", "docs/protocol.md",
+        "docs/robot_without_ros.md", "docs/team.md"),
     # A robot with ROS, and all that catkin generates.
     "comm": (
         "", "roah_rsbb/nodes/__init__.py", "roah_rsbb/nodes/team/", "roah_rsbb/ros/__init__.py",
-        "roah_rsbb/ros/command_line.py", "roah_rsbb/ros/connections.py", "roah_rsbb/ros/log_lines.py",
-        "roah_rsbb/ros/loop.py", "roah_rsbb/ros/params.py", "roah_rsbb/ros/times.py", "roah_rsbb/msg/",
-        "roah_rsbb/srv/", "launch/dummy_robot.launch", "launch/robot_comm.launch"),
+        "roah_rsbb/ros/command_line.py", "roah_rsbb/ros/connections.py", "roah_rsbb/ros/loop.py",
+        "roah_rsbb/ros/params.py", "roah_rsbb/ros/times.py", "roah_rsbb/msg/", "roah_rsbb/srv/",
+        "launch/dummy_robot.launch", "launch/robot_comm.launch"),
     "check": (
         "roah_rsbb/bmbox/", "roah_rsbb/capture/", "roah_rsbb/check/", "roah_rsbb/core/", "roah_rsbb/model/",
         "roah_rsbb/radio/", "roah_rsbb/results/__init__.py", "roah_rsbb/results/page.py", "roah_rsbb/rulebook/",

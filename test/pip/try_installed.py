@@ -131,9 +131,9 @@ def check_box():
         with free_udp_port() as port:
             settings = ("bind_host:=127.0.0.1", f"rsbb_port:={port}", "web_port:=0", "listen_duration:=0.2")
         with subprocess.Popen([str(BIN / "roah-rsbb"), "run", competition, "--no-browser", *settings], env=home,
-                              stderr=subprocess.PIPE, text=True) as box:
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as box:
             try:
-                lines = iter(box.stderr.readline, "")
+                lines = iter(box.stdout.readline, "")
                 served = next(line for line in lines if "as the organiser's, open" in line)
                 assert "http://127.0.0.1:" in served and "/pair#" in served, served
                 assert "NOT CONNECTED" in run("referee", "status", env=home)
@@ -144,7 +144,7 @@ def check_box():
                 assert "NOT CONNECTED" in run("referee", "status", env=home)
             finally:
                 box.send_signal(signal.SIGINT)
-                box.stderr.read()
+                box.stdout.read()
         assert box.returncode == 0
 
 

@@ -21,13 +21,13 @@ from roah_rsbb.copies.follower import Follower
 from roah_rsbb.copies.reported import ReportedCopy
 from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.durable import close_to_others
+from roah_rsbb.log_lines import LogLines
 from roah_rsbb.model import shown
 from roah_rsbb.model.reason import is_made
 from roah_rsbb.msg import CopyQuestion, CopyState
 from roah_rsbb.nodes.handover import Handover
 from roah_rsbb.params import BadParams
 from roah_rsbb.ros.command_line import run_node
-from roah_rsbb.ros.log_lines import LogLines
 from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.box_end import BoxEnd

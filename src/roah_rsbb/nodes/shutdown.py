@@ -22,9 +22,9 @@ from typing import Optional
 import rospy
 from std_srvs.srv import Empty, EmptyResponse
 
+from roah_rsbb.log_lines import LogLines
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
-from roah_rsbb.ros.log_lines import LogLines
 from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, Signs, Watch, state_of
 

@@ -90,7 +90,7 @@ def _action(commands, action: Action) -> None:
     _by(one)
 
 
-# What whoever types an action means, without saying it: a run in progress is disconnected, too.
+# What whoever types an action means, without saying it: a run in progress is stopped and disconnected, too.
 ALWAYS: Dict[str, Dict[str, Any]] = {"disconnect": {"running": True}}
 # A word for each kind of field, in examples.
 _EXAMPLES = {"name": "r1", "text": "'the reason'", "number": "60", "choice": "yes", "toggle": "yes", "robot": "r1",

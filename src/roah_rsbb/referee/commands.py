@@ -10,10 +10,10 @@ from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.scoring import Entered
-from roah_rsbb.model.zone import CONNECTED, IDLE, SheetItem, ZoneSeen
+from roah_rsbb.model.zone import CONNECTED, IDLE, RUNNING, SheetItem, ZoneSeen
 from roah_rsbb.referee import judges, sheets, view
 from roah_rsbb.referee.answers import Keyboard, Operations
-from roah_rsbb.referee.args import given_in
+from roah_rsbb.referee.args import ALWAYS, given_in
 from roah_rsbb.referee.changes import BoxFollower, Change
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.link import Link
@@ -134,10 +134,21 @@ def _act(link: Link, options: Any, output: Output) -> Exit:
     """Do an action of the table."""
     action = ACTIONS[options.command.replace("-", "_")]
     if action.leaves:
+        if action.name in ALWAYS:
+            _stop_first(link, options)
         _check_stopped(link, options)
     name = _zone_name(link, options.zone)
     link.act(action.name, name, given_in(options, action), referee=options.referee)
     return _say_done(link, name, output, options.command)
+
+
+def _stop_first(link: Link, options: Any) -> None:
+    """Stop a run in progress that is left: the box sends its robot nothing more then."""
+    zone = _zone(link, options)
+    if zone.phase == RUNNING:
+        with contextlib.suppress(Refused):  # it has just ended
+            link.stop_run(zone.zone, zone.identity)
+        link.settle()
 
 
 def _check_stopped(link: Link, options: Any) -> None:

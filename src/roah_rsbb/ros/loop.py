@@ -12,7 +12,7 @@ from typing import Any, Callable, Dict, TypeVar
 import rospy
 
 from roah_rsbb.in_loop import ANSWER_TIMEOUT_S, call_in_loop
-from roah_rsbb.ros.log_lines import LogLines
+from roah_rsbb.log_lines import LogLines
 
 T = TypeVar("T")
 

@@ -115,6 +115,20 @@ class TestCommands(WithCore):
                 self.core.deaf = False
                 self.core.box.zones["Home A"].move(-zone.index)
 
+    def test_a_run_in_progress_is_stopped_before_it_is_left(self) -> None:
+        zone = self.core.zones["Home A"]
+        zone.command("connect", "start")
+        before = len(self.core.calls)
+        self.assertEqual(self.called("disconnect", "home a").returncode, 0)
+        self.assertEqual([call[0] for call in self.core.calls[before:]], ["stop_run", "disconnect"])
+        zone.command("connect", "start")
+        self.core.deaf = True
+        done = self.called("disconnect", "home a")
+        self.assertEqual((done.returncode, zone.phase), (1, "ended"))
+        self.assertIn("did not answer STOP", done.stderr)
+        self.assertEqual(self.called("disconnect", "home a", "--yes").returncode, 0)
+        self.core.deaf = False
+
     def test_a_run_without_a_robot_and_a_team_that_does_not_appear(self) -> None:
         for command, shown in (("open-sheet", "Without a robot"), ("start", "RUNNING"),
                                ("stop", "the clock is stopped"), ("withdrawn", "NOT CONNECTED"),

@@ -68,9 +68,9 @@ def settings(log_dir: str, **changes: str) -> settings_of.BoxSettings:
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
     options = _parser().parse_args(arguments)
-    log_to_terminal(logging.WARNING if options.scripted else logging.INFO)
     close_to_others()
     log_dir = os.path.expanduser(options.log_dir)
+    log_to_terminal(logging.WARNING if options.scripted else logging.INFO, log_dir)
     found = settings(log_dir)
     # Imported late: help needs none of it.
     from roah_rsbb.box.program.program import BoxProgram

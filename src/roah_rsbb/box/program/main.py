@@ -6,7 +6,9 @@ started again at once.
 """
 
 import argparse
+import contextlib
 import logging
+import logging.handlers
 import os
 import sys
 import textwrap
@@ -14,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence
 
 from roah_rsbb.arguments import Parser, called, without_ros
 from roah_rsbb.durable import close_to_others
+from roah_rsbb.log_lines import LogLines
 from roah_rsbb.params import BadParams
 
 if TYPE_CHECKING:
@@ -23,6 +26,8 @@ if TYPE_CHECKING:
 
 # Seconds after which the loop's thread gets Python's lock from another thread. Usual are 0.005: too long for STOP.
 SWITCH_S = 0.0005
+LOG_FILE, MAX_LOG_BYTES = "box.log", 5_000_000
+_LINE = "%(asctime)s %(levelname)s %(message)s"
 ALONE, SILENT = "--unsupervised", "--no-browser"
 
 _EPILOG = """\
@@ -52,10 +57,21 @@ def _explanation() -> str:
         subsequent_indent="      ") for name, found in of_box().items()))
 
 
-def log_to_terminal(level: int = logging.INFO) -> None:
-    """Let the lines of the log from this level on appear on the standard error."""
-    logging.basicConfig(level=level, format="%(asctime)s %(levelname)s %(message)s", datefmt="%H:%M:%S")
+def log_to_terminal(level: int = logging.INFO, log_dir: str = "") -> None:
+    """Let the lines of the log from this level on appear on the standard error, and all in a file of `log_dir`, if that
+    can be written. Nothing waits for either."""
+    terminal = logging.StreamHandler()
+    terminal.setLevel(level)
+    terminal.setFormatter(logging.Formatter(_LINE, "%H:%M:%S"))
+    handlers: List[logging.Handler] = [terminal]
+    if log_dir:
+        with contextlib.suppress(OSError):  # the box says what is wrong with the folder
+            os.makedirs(log_dir, exist_ok=True)
+            handlers.append(logging.handlers.RotatingFileHandler(
+                os.path.join(log_dir, LOG_FILE), maxBytes=MAX_LOG_BYTES, backupCount=1, encoding="utf-8"))
+    logging.basicConfig(level=logging.INFO, handlers=handlers, format=_LINE)
     logging.getLogger("tornado").setLevel(logging.ERROR)
+    LogLines("")
 
 
 def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[Any], Any]) -> int:
@@ -96,12 +112,12 @@ def main(arguments: Optional[List[str]] = None) -> None:
     given = sys.argv[1:] if arguments is None else arguments
     options = _parser(bool({"-h", "--help"}.intersection(given))).parse_args(
         [word for word in given if ":=" not in word])
-    log_to_terminal()
     close_to_others()
     # Imported late, because the supervisor needs none of it before it has started the box.
     if not options.unsupervised:
         from roah_rsbb.box.program.supervisor import supervise
 
+        log_to_terminal()
         command = without_ros("run", *given, ALONE)
         sys.exit(supervise(command, [*command, SILENT], lambda: _settings(options.folder, given).path("log_dir")))
     import asyncio
@@ -114,8 +130,11 @@ def main(arguments: Optional[List[str]] = None) -> None:
     except BadParams as error:
         sys.exit(f"{called('run')}: {error}")
 
+    log_dir = settings.path("log_dir")
+    log_to_terminal(log_dir=log_dir)
+
     async def work(program: BoxProgram) -> int:
-        await program.start(door_file(settings.path("log_dir")))
+        await program.start(door_file(log_dir))
         await program.open_pages(in_browser=not options.no_browser)
         await asyncio.get_event_loop().create_future()
         return 0

@@ -5,6 +5,7 @@ code of others (`bmbox/host/thread.py`), and so have the web pages (`WebParts`).
 """
 
 import asyncio
+import functools
 import logging
 import os
 from typing import Any, Coroutine, List, Optional
@@ -81,13 +82,14 @@ class BoxProgram:
             self._backup.close()
 
     async def open_pages(self, in_browser: bool) -> bool:
-        """Show the organiser the way to the pages once they are served: in a browser, if there is one, and in the log.
-        Returns whether a browser was opened."""
+        """Show the organiser the way to the pages once they are served: in a browser, if there is one, and on the
+        standard output, because others may read the log. Returns whether a browser was opened."""
         if not self._web.has_pages:
             return False
         await asyncio.wrap_future(self._web.url)
         url = await self._loop.run_in_executor(None, self._web.pair_organiser)
-        _log.info("To pair this computer or another one as the organiser's, open within %.0f s: %s", CODE_VALID_S, url)
+        text = f"To pair this computer or another one as the organiser's, open within {CODE_VALID_S:.0f} s: {url}"
+        await self._loop.run_in_executor(None, functools.partial(print, text, flush=True))
         return in_browser and open_in_browser(url)
 
     def keep(self, work: Coroutine[Any, Any, Any]) -> None:

@@ -1,6 +1,7 @@
-"""Shows a node's log lines, and publishes them on /rosout, in another thread.
+"""Shows a program's log lines, which rospy also publishes on /rosout, in another thread.
 
-rospy writes each line to the terminal, and waits while that takes none (Ctrl-S): so would everything in the loop.
+A line is written to the terminal, which may take none (Ctrl-S, a pipe that nobody reads). Everything in the loop would
+wait for it.
 """
 
 import logging
@@ -9,11 +10,10 @@ import queue
 
 
 class LogLines(logging.handlers.QueueHandler):
-    """Handles the lines of `rospy.loginfo` and so on in another thread. rospy's log file has them at once, as before.
-    """
+    """Handles the lines of a logger in another thread. rospy's log file has those of a node at once, as before."""
 
     def __init__(self, logger_name: str = "rosout") -> None:
-        """Create it after `rospy.init_node`, which adds the handlers."""
+        """Create it when the logger has its handlers: after `rospy.init_node`."""
         lines: queue.SimpleQueue[logging.LogRecord] = queue.SimpleQueue()
         super().__init__(lines)
         self._logger = logging.getLogger(logger_name)
