@@ -21,6 +21,7 @@ MASTER_URI = "http://localhost:11311"
 ANSWER_S = 3.0
 DOOR_ANSWER_S = 1.0
 START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch', or without ROS with 'roah-rsbb run FOLDER'"
+START_HERE = "start it with 'roah-rsbb run FOLDER'"
 # Names the file of the door of a box without ROS, if several run on this computer.
 OWN_VARIABLE = "ROAH_RSBB_DOOR"
 
@@ -64,15 +65,16 @@ class DoorPlaces:
     """Finds the door of a box: of the one without ROS, if there is one and no ROS master is named; else of the box of a
     master, in the file and in the parameter by turns. It never changes from one box to the other."""
 
-    def __init__(self, master_uri: Optional[str] = None) -> None:
-        """`master_uri`: None: that of ROS_MASTER_URI."""
+    def __init__(self, master_uri: Optional[str] = None, without_ros: bool = False) -> None:
+        """`master_uri`: None: that of ROS_MASTER_URI. `without_ros`: nobody expects a box with ROS, unless a master is
+        named."""
         named = master_uri or os.environ.get("ROS_MASTER_URI", "")
         self.master_uri = named or MASTER_URI
         self._is_own: Optional[bool] = None  # whether it is the box without ROS; None: none was found yet
         if OWN_VARIABLE in os.environ and not master_uri:
             self._is_own = True
-        elif named:
-            self._is_own = False
+        elif named or without_ros:
+            self._is_own = not named
         self._tried: Optional[DoorPlace] = None  # the last one
         self._of_master: Optional[DoorPlace] = None  # where the master said last that it is
 
@@ -80,6 +82,8 @@ class DoorPlaces:
         """Return where to try next; a place that was tried last only if there is no other. Raises `NotFound`."""
         if self._is_own or (self._is_own is None and os.path.exists(local_door_file())):
             self._is_own = True
+            if not os.path.exists(local_door_file()):
+                raise NotFound(f"no box of this user runs on this computer: {START_HERE}")
             return read_place(local_door_file())
         found = self._of_box_with_ros()
         self._is_own = False

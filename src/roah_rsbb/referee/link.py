@@ -10,6 +10,7 @@ import uuid
 from concurrent.futures import Future
 from typing import Any, Dict, Optional, cast
 
+from roah_rsbb.arguments import is_without_ros
 from roah_rsbb.client.client import OLD_S, Answer, Client
 from roah_rsbb.client.places import START, DoorPlaces
 from roah_rsbb.document.written import read
@@ -33,7 +34,7 @@ class Link(Client[Document]):
     """A box from afar. Call `start` and `open` first, and `close` at the end."""
 
     def __init__(self) -> None:
-        super().__init__(Document, DoorPlaces().find, face=ROLE)
+        super().__init__(Document, DoorPlaces(without_ros=is_without_ros()).find, face=ROLE)
         self.node = caller_name(ROLE)  # of this program, for the box's records
         self.referee = ""  # who acts, where a call names nobody
         self._seen = 0  # the news at the end of the last `next`

@@ -59,7 +59,7 @@ def test_nobody_is_led_from_one_box_to_another(own, monkeypatch):
     without = DoorPlaces()
     without.find()
     os.unlink(own)
-    with pytest.raises(NotFound, match="start the box"):
+    with pytest.raises(NotFound, match="no box of this user runs on this computer: start it with"):
         without.find()
     with_ros = DoorPlaces()
     assert with_ros.find().token == "with ROS"
@@ -73,3 +73,12 @@ def test_one_of_several_boxes_without_ros_is_named(own, monkeypatch, tmp_path):
     monkeypatch.setenv(OWN_VARIABLE, other)
     monkeypatch.setenv("ROS_MASTER_URI", "http://localhost:11311")
     assert DoorPlaces().find().token == "another"
+
+
+def test_nobody_without_ros_hears_of_a_master(own, monkeypatch):
+    os.unlink(own)
+    with pytest.raises(NotFound, match="roah-rsbb run"):
+        DoorPlaces(without_ros=True).find()
+    monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:1")
+    with pytest.raises(NotFound, match="ROS master at http://127.0.0.1:1 cannot be reached"):
+        DoorPlaces(without_ros=True).find()
