@@ -13,6 +13,7 @@ import tempfile
 import time
 
 LIMIT_S = 60.0
+STILL = 3  # looks in which nothing has moved
 PROGRAM = str(pathlib.Path(sys.executable).parent / "roah-rsbb")
 DOOR = "Detects the door whose state has changed"
 
@@ -56,15 +57,24 @@ class Referee:
             assert time.monotonic() - began < LIMIT_S, f"not within {LIMIT_S} s: {what}"
             self.qt.QTest.qWait(20)
 
+    def places(self):
+        """Where all visible parts of the window are."""
+        return [(part.mapToGlobal(self.qt.QPoint()), part.size()) for part in self.window.findChildren(self.qt.QWidget)
+                if part.isVisible()]
+
     def click(self, what, widget, place=None):
-        """Click as soon as a referee could."""
+        """Click as soon as a referee could: when nothing moves any more."""
+        seen = []  # where everything was
+
         def at():
             return widget.mapToGlobal(widget.rect().center() if place is None else place)
 
         def is_seen():
             there = self.qt.QApplication.widgetAt(at())
             is_on = getattr(widget, "is_on", widget.isEnabled)
-            return is_on() and there is not None and (there is widget or widget.isAncestorOf(there))
+            seen[:] = [*seen[-STILL + 1:], self.places()]
+            return (is_on() and there is not None and (there is widget or widget.isAncestorOf(there))
+                    and len(seen) == STILL and all(places == seen[0] for places in seen))
 
         self.until(f"{what} can be clicked", is_seen)
         _xtst.XTestFakeMotionEvent(self.display, 0, at().x(), at().y(), 0)
@@ -98,6 +108,8 @@ class Referee:
         self.to_phase("start", "RUNNING")
         self.click("STOP", self.window.strip.stop)
         self.until("it has ended", lambda: "ENDED" in self.control._phase.text())
+        # Until the robot has stopped, the window asks before it leaves the run.
+        self.until("it is left at once", lambda: not self.control._leaving(self.control.model.zone_name)[1])
         self.to_phase("disconnect", "NOT CONNECTED")
 
     def run_with_a_module(self):
@@ -167,7 +179,7 @@ def main():
                 referee.until("the box has ended", lambda: demo.poll() is not None)
                 assert demo.returncode == 0, demo.returncode
                 assert not failed, failed
-                print(f"window test: Python {sys.version.split()[0]}, {application.QTimer.__module__}: works")
+                print(f"window test: Python {sys.version.split()[0]}, {application.QTimer.__module__}: works", flush=True)
                 return 0
             except BaseException:
                 sys.excepthook(*sys.exc_info())
