@@ -2357,11 +2357,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>The devices node is not running. Was roah_rsbb.launch started with devices:=true?</source>
-        <translation>Der Geräteknoten läuft nicht. Wurde roah_rsbb.launch mit devices:=true gestartet?</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>What you set here takes effect when the controller is connected again.</source>
         <translation>Was Sie hier einstellen, wirkt, sobald die Steuerung wieder verbunden ist.</translation>
     </message>
@@ -2432,8 +2427,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>✘ NO DEVICES NODE</source>
-        <translation>✘ KEIN GERÄTEKNOTEN</translation>
+        <source>✘ NO DEVICES</source>
+        <translation>✘ KEINE GERÄTE</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
@@ -3445,6 +3440,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>{group}, von {name}, Eintrag {number} des Verlaufs</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/rqt/with_ros/host.py"/>
+        <source>The devices node is not running. Was roah_rsbb.launch started with devices:=true?</source>
+        <translation>Der Geräteknoten läuft nicht. Wurde roah_rsbb.launch mit devices:=true gestartet?</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/bmbox/framework/module.py"/>
         <source>Pose</source>
         <translation>Pose</translation>
@@ -3498,6 +3498,21 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/box/offers.py"/>
         <source>{what}: malformed answer from the program that offers it. Install the same version there as on the box</source>
         <translation>{what}: fehlerhafte Antwort des Programms, das es anbietet. Dort dieselbe Version wie auf der Box installieren</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/program/parts.py"/>
+        <source>this box controls no home devices: start it with devices:=true</source>
+        <translation>Diese Box steuert keine Geräte der Wohnung: Starten Sie sie mit devices:=true</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/program/parts.py"/>
+        <source>there is no device {name}, or its value is not a whole number: give one of {names}</source>
+        <translation>Es gibt kein Gerät {name}, oder sein Wert ist keine ganze Zahl: Geben Sie eines von {names} an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/program/program.py"/>
+        <source>Runs in progress: {runs}. End the box when they are over, or confirm that it is to end now: they continue when it is started again</source>
+        <translation>Laufende Läufe: {runs}. Beenden Sie die Box, wenn sie vorbei sind, oder bestätigen Sie, dass sie jetzt enden soll: Die Läufe gehen weiter, wenn sie wieder gestartet wird</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/copies/folder.py"/>

@@ -57,9 +57,9 @@ def check_programs():
     from roah_rsbb.tools.team import COMMANDS
 
     for command, (package, _, _) in COMMANDS.items():
+        wheel = "roah-rsbb" if package == "box" else f"roah-rsbb-{package}"
         ended = subprocess.run([str(BIN / "roah-rsbb"), command, "--help"], stdout=subprocess.PIPE,
                                stderr=subprocess.STDOUT, check=False, text=True)
-        wheel = "roah-rsbb" if package == "box" else f"roah-rsbb-{package}"
         if wheel in INSTALLED:
             assert ended.stdout.startswith("usage:"), ended.stdout
         else:

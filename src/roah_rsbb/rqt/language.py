@@ -9,9 +9,8 @@ import os
 import pathlib
 from typing import List, Mapping, Optional
 
-import rospkg
-
 from roah_rsbb.rqt.qt import QCoreApplication, QLibraryInfo, QTranslator
+from roah_rsbb.shipped import NotShipped, shipped_folder
 from roah_rsbb.wording.catalogues import CONTEXT, Texts, form, read
 from roah_rsbb.wording.language import set_translation
 
@@ -57,8 +56,8 @@ def install() -> None:
     if _installed or not wanted(os.environ):
         return
     try:
-        folder = pathlib.Path(rospkg.RosPack().get_path("roah_rsbb"), "resource", "languages")
-    except rospkg.ResourceNotFound:  # without the package's environment there are no files: English
+        folder = shipped_folder().parent / "resource" / "languages"
+    except NotShipped:  # English
         return
     language = chosen(folder, os.environ)
     if language == SOURCE:

@@ -17,11 +17,11 @@ MARKS = ("tr", "tr_later", SAY)
 
 # Calls whose texts no window shows: log lines, errors of programs, command lines, formats.
 NOT_SHOWN = {
-    "logdebug", "loginfo", "logwarn", "logerr", "logerror", "print", "_say", "exit", "add_argument", "Parser",
+    "logdebug", "loginfo", "logwarn", "logerr", "logerror", "error", "print", "_say", "exit", "add_argument", "Parser",
     "ArgumentTypeError", "NotImplementedError", "AttributeError", "ServiceException", "signal_shutdown", "shutdown",
     "strftime", "_format", "moment", "strptime", "compile", "sub", "findall", "set_style", "setStyleSheet",
     "setObjectName", "QSettings", "value", "setValue", "QColor", "Tone", "QKeySequence", "get_param", "TwiceKey",
-    "service", "command", "Thread", "_key", "_changer", "TypeVar", "import_module",
+    "service", "command", "Thread", "_key", "TypeVar", "import_module",
 }
 # A word of two letters or more, and another word or a capital letter: what no identifier or key has.
 _SENTENCE = re.compile(r"[^\W\d_]{2,}\W* \W*[^\W\d_]|^[^\w]*[A-Z][a-z]+[^\w]*$|[^\w] ?[A-Za-z]{2,}$|^[A-Z]{2,}$")

@@ -12,25 +12,29 @@ pytest.importorskip("python_qt_binding")
 STARTING = """
 import os, signal
 from roah_rsbb.rqt.app import application
+from roah_rsbb.rqt.with_ros import node
 
 def register(name, **_):
     os.kill(os.getpid(), signal.SIGNAL)
     print("registered")
 
-application.rosgraph.is_master_online = lambda: True
-application.connections.init_node = register
+node.display.has_display = lambda: True
+node.rosgraph.is_master_online = lambda: True
+node.connections.init_node = register
+host = node.WindowNode()
 app = application.make_application(["test", "-platform", "offscreen"])
-application.init_node("test")
+host.begin("test")
 print("started")
-print("ended with", application.run(app))
+print("ended with", application.run(app, host))
 """
 WAITING = """
 import os, signal, sys
-from roah_rsbb.rqt.app import application
+from roah_rsbb.rqt.with_ros import node
 
-application.rosgraph.is_master_online = lambda: os.kill(os.getpid(), signal.SIGNAL)
-application.connections.init_node = lambda *_, **__: print("registered")
-application.init_node("test")
+node.display.has_display = lambda: True
+node.rosgraph.is_master_online = lambda: os.kill(os.getpid(), signal.SIGNAL)
+node.connections.init_node = lambda *_, **__: print("registered")
+node.WindowNode().begin("test")
 """
 
 

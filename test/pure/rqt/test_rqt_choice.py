@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from roah_rsbb.ros import display
-from roah_rsbb.rqt.app import gui
+from roah_rsbb.rqt.with_ros import gui
 
 
 @pytest.mark.parametrize(("wanted", "has_rqt", "command"), [
@@ -42,7 +42,7 @@ def test_rqt_starts_with_a_clear_settings_file_of_its_own():
 # Like rqt_gui's Main, up to the moment in which something happens to it. A destructor would print a line.
 RQT = """
 import signal, sys, time
-from roah_rsbb.rqt.app.application import run_rqt
+from roah_rsbb.rqt.with_ros.rqt_program import run_rqt
 from roah_rsbb.rqt.qt import QApplication, QMainWindow, QTimer, Signal
 
 class Window(QMainWindow):

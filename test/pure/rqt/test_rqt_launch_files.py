@@ -41,7 +41,7 @@ def test_arguments_are_explained(path):
 def test_each_panel_of_the_list_is_a_plugin():
     named = {element.get("name"): element.get("type") for element in PLUGINS.iter("class")}
     listed = list(map(plugin_name, PANELS))
-    assert named == {f"rqt_roah_rsbb/{name}": f"roah_rsbb.rqt.app.plugins.{name}" for name in listed}
+    assert named == {f"rqt_roah_rsbb/{name}": f"roah_rsbb.rqt.with_ros.plugins.{name}" for name in listed}
     for said in ("description", "qtgui/statustip"):
         assert {e.get("name").partition("/")[2]: e.findtext(said) for e in PLUGINS.iter("class")} == \
             dict(zip(listed, PANELS.values()))

@@ -12,6 +12,7 @@ from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.rqt.model import calls
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.with_ros.host import failure_text
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 
 
@@ -269,9 +270,9 @@ class TestBenchmarkControl(PanelCase):
         self.wait_call("connect", "Home B")
 
     def test_without_a_choice_the_first_zone_is_shown(self) -> None:
-        wait_until(lambda: self.client.model._zone_parameter.value == "Home A", "the parameter is read")
+        wait_until(lambda: self.client.model._zone.value == "Home A", "the parameter is read")
         rospy.set_param("current_zone", "")
-        wait_until(lambda: self.client.model._zone_parameter.value == "", "the parameter is read")
+        wait_until(lambda: self.client.model._zone.value == "", "the parameter is read")
         self.assertEqual(self.client.model.zone_name, "Home A")
 
     def test_a_zone_that_there_is_not_is_not_replaced_by_another(self) -> None:
@@ -308,8 +309,8 @@ class TestBenchmarkControl(PanelCase):
         for raised in ("service [/core/stop] unavailable", "unable to connect to service: [Errno 104] Connection reset",
                        "transport error completing service call: unable to receive data from sender"):
             with self.subTest(raised):
-                self.assertIn("is the core running?", calls.failure_text(raised))
-                self.assertIn(raised, calls.failure_text(raised))
+                self.assertIn("is the core running?", failure_text(raised))
+                self.assertIn(raised, failure_text(raised))
 
     def test_nothing_moves_under_the_referees_hand(self) -> None:
         places = set()

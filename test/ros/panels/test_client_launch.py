@@ -22,6 +22,7 @@ from support.waiting import LIMIT_S
 
 from roah_rsbb.rqt.app.panel_list import PANELS
 from roah_rsbb.rqt.model.client import RefereeClient
+from roah_rsbb.rqt.with_ros.host import HostWithRos
 
 ROS_TESTS = pathlib.Path(__file__).resolve().parents[1]
 PURE_TESTS = ROS_TESTS.parent / "pure"
@@ -60,7 +61,7 @@ class TestPrograms(unittest.TestCase):
 
     def test_a_core_that_was_killed_is_found_again(self) -> None:
         core = self.start_core()
-        client = RefereeClient.acquire()
+        client = RefereeClient.acquire(HostWithRos)
         self.addCleanup(RefereeClient.release)
         wait_until(lambda: not client.model.is_old, "the core is heard")
         core.kill()

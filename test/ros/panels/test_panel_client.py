@@ -51,6 +51,7 @@ from roah_rsbb.rqt.widgets.basic import ALARM, OLD
 from roah_rsbb.rqt.widgets.focus_ring import FocusRing
 from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
 from roah_rsbb.rqt.widgets.sheet_view import ARRANGEMENTS, SheetView
+from roah_rsbb.rqt.with_ros.host import HostWithRos
 
 PLUGIN_XML = pathlib.Path(__file__).resolve().parents[3] / "plugin.xml"
 
@@ -60,7 +61,7 @@ class TestCalls(unittest.TestCase):
 
     def setUp(self) -> None:
         limit(self, calls, "TIMEOUT_S", LONG_S)
-        self.calls = calls.Calls(None, calls.RefereeName())  # without a box
+        self.calls = calls.Calls(None, calls.RefereeName(), lambda: "")  # without a box
         self.gate = threading.Event()
         self.outcomes: List[calls.CallOutcome] = []
         self.addCleanup(lambda: wait_until(lambda: not self.calls.are_waiting, "all calls have ended"))
@@ -428,7 +429,7 @@ class TestWindow(CoreCase):
     def test_the_window_keeps_its_layout_and_its_panels_settings(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             settings = QSettings(f"{folder}/window.ini", QSettings.IniFormat)
-            window = Window(settings)
+            window = Window(HostWithRos(), settings)
             show(window, 1200, 700)
             wait_until(lambda: "live" in window.panels["ScoringPanel"]._news.text(), "the core is shown")
             self.assertTrue(all(dock.isVisible() or window.tabifiedDockWidgets(dock) for dock in window.docks.values()))
@@ -436,7 +437,7 @@ class TestWindow(CoreCase):
             window.panels["LogDisplayPanel"].follow.setChecked(False)
             window.shutdown()
             window.close()
-            again = Window(QSettings(f"{folder}/window.ini", QSettings.IniFormat))
+            again = Window(HostWithRos(), QSettings(f"{folder}/window.ini", QSettings.IniFormat))
             show(again, 1200, 700)
             self.assertFalse(again.docks["TabletStatusPanel"].isVisible())
             self.assertFalse(again.panels["LogDisplayPanel"].follow.isChecked())
@@ -445,7 +446,7 @@ class TestWindow(CoreCase):
 
     def test_closing_the_window_of_a_launch_asks(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
-            window = Window(QSettings(f"{folder}/window.ini", QSettings.IniFormat), of_launch=True)
+            window = Window(HostWithRos(), QSettings(f"{folder}/window.ini", QSettings.IniFormat), of_launch=True)
             show(window, 1200, 700)
             window.close()
             self.assertTrue(window.isVisible())

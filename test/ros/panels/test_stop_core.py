@@ -14,8 +14,9 @@ from roah_rsbb.client import client
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rqt.app.window import Window
 from roah_rsbb.rqt.model.client import RefereeClient
-from roah_rsbb.rqt.model.zone_parameter import NAME
 from roah_rsbb.rqt.qt import QSettings
+from roah_rsbb.rqt.with_ros.host import HostWithRos
+from roah_rsbb.rqt.with_ros.zone_parameter import NAME
 from roah_rsbb.wording import stop
 
 
@@ -29,7 +30,7 @@ class TestCore(OwnCoreCase):
         self.start()
         self.zone = self.box.document.box.zones[0]
         rospy.set_param(NAME, self.zone)
-        self.window = Window(QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
+        self.window = Window(HostWithRos(), QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
         self.addCleanup(self.window.close)
         self.addCleanup(self.window.shutdown)
         self.client, self.strip = RefereeClient._shared, self.window.strip

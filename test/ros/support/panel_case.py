@@ -6,10 +6,11 @@ import unittest
 import rospy
 
 from roah_rsbb.client import client
-from roah_rsbb.rqt.model import zone_parameter
 from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.panels.benchmark_control import BenchmarkControlPanel
 from roah_rsbb.rqt.widgets.stop_strip import StopStrip
+from roah_rsbb.rqt.with_ros import zone_parameter
+from roah_rsbb.rqt.with_ros.host import HostWithRos
 from support.fakes.core import FakeCore
 from support.gui_testing import QApplication, limit, show, wait_until, without_hurry
 
@@ -39,7 +40,7 @@ class CoreCase(unittest.TestCase):
 
     def open(self, kind: type):
         """Open one panel, until the test ends."""
-        self.client = RefereeClient.acquire()
+        self.client = RefereeClient.acquire(HostWithRos)
         self.addCleanup(RefereeClient.release)
         panel = kind(self.client)
         self.addCleanup(panel.close)

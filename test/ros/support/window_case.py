@@ -8,6 +8,7 @@ from roah_rsbb.rqt.app.window import Window
 from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.qt import QDialog, QRect, QSettings
 from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
+from roah_rsbb.rqt.with_ros.host import HostWithRos
 from support import gui_testing
 from support.fakes.core import ITEMS, FakeCore
 from support.gui_testing import QApplication, QPoint, QWidget, settle, show, wait_until
@@ -30,7 +31,7 @@ class WindowCase(CoreCase):
         super().setUp()
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        self.window = Window(QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
+        self.window = Window(HostWithRos(), QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
         self.addCleanup(self.end)
         self.client = RefereeClient._shared
         self.window.move(0, 0)

@@ -94,6 +94,7 @@ def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[An
             logging.critical("%s", line)
         return 1
     working = loop.create_task(work(program))
+    program.on_exit = working.cancel
     on_end(loop, working.cancel)
     try:
         return int(loop.run_until_complete(working))

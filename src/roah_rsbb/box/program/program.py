@@ -8,8 +8,9 @@ import asyncio
 import functools
 import logging
 import os
-from typing import Any, Coroutine, List, Optional
+from typing import Any, Callable, Coroutine, List, Mapping, Optional
 
+from roah_rsbb.box.calls import who_of
 from roah_rsbb.box.parameters import parameters_of
 from roah_rsbb.box.program.parts import LOOPBACK, Backup, ControlledDevices, DrivenModules, Sounds, WebParts
 from roah_rsbb.box.running import Peripherals, RunningBox
@@ -18,9 +19,18 @@ from roah_rsbb.box.standing_by import wait_for_journal
 from roah_rsbb.client.places import OWN_VARIABLE, is_answering, local_door_file
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
+from roah_rsbb.document.calls import EXIT, Caller
 from roah_rsbb.document.place import NotFound, read_place, write_place
+from roah_rsbb.model.reason import say
+from roah_rsbb.model.referee import Refused, checked_who
+from roah_rsbb.model.zone import RUNNING
 from roah_rsbb.platform import open_in_browser
 from roah_rsbb.web.pairing import CODE_VALID_S
+
+# Delay of the exit, so that its caller gets the answer.
+EXIT_S = 0.2
+IN_PROGRESS = say("Runs in progress: {runs}. End the box when they are over, or confirm that it is to end now: they "
+                  "continue when it is started again")
 
 _log = logging.getLogger(__name__)
 
@@ -46,6 +56,8 @@ class BoxProgram:
         self._door_file = ""
         self._tasks: List[asyncio.Task] = []  # a loop does not keep them
         self._loop, self._params = loop, params
+        self.on_exit: Callable[[], object] = lambda: None
+        """Called when somebody ends the box through its door."""
 
     async def start(self, door_file: str) -> None:
         """Start everything. `door_file`: where this box says how its door is found."""
@@ -57,6 +69,7 @@ class BoxProgram:
         if self._params.backup_dir:
             self._backup = Backup(self._loop, self._params.backup_dir, self._params.log_dir, self.running)
         self._web.start()
+        self.running.door.add_calls({EXIT: self._exit})
         port = self.running.door.open(LOOPBACK)
         try:
             write_place(door_file, f"ws://{LOOPBACK}:{port}/door", self.running.door.token)
@@ -95,6 +108,15 @@ class BoxProgram:
     def keep(self, work: Coroutine[Any, Any, Any]) -> None:
         """Run something until this program ends, such as a robot of a demonstration."""
         self._tasks.append(self._loop.create_task(work))
+
+    def _exit(self, found: Mapping[str, Any], _caller: Caller) -> None:
+        """The call `exit` of the door."""
+        who, zones = who_of(found), self.running.door.publish().zones
+        runs = [f"{zone.zone} ({zone.robot_name})" for zone in zones.values() if zone.phase == RUNNING]
+        if runs and found.get("anyway") is not True:
+            raise Refused([IN_PROGRESS(runs=", ".join(runs))])
+        _log.info("The box ends, because %s asked for it", checked_who(who) or "a client")
+        self._loop.call_later(EXIT_S, self.on_exit)
 
     def _publish_module_runs(self) -> None:
         if self._modules is not None:

@@ -1,1 +1,1 @@
-"""Programs with windows: the list of panels, rqt plugins, our own window."""
+"""Programs with windows: the list of panels, our own window, single panels, the window without ROS."""

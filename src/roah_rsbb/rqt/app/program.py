@@ -1,38 +1,41 @@
-"""`rosrun roah_rsbb panel`: opens one panel alone, or our own window with all of them."""
+"""`roah-rsbb window`: the referee's window without ROS."""
 
 import os
 import sys
+from functools import partial
+from typing import List, Optional
 
-from roah_rsbb.arguments import Parser
-from roah_rsbb.rqt.app.panel_list import PANELS
+from roah_rsbb import platform
+from roah_rsbb.arguments import Parser, called
 
-WINDOW = "window"
-# Programs of the original have this before the name of their panel. They are links to `panel`.
-ORIGINAL = "roah_rsbb_"
-_ZONE = """\
-It shows the zone of the client in whose namespace it runs: __ns:=/some_client. Without __ns it selects its own zone.
-docs/referee.md explains the panels.
+NAME = "window"  # of its settings
+_MORE = """\
+It finds the box of this user on this computer. ROAH_RSBB_DOOR names the file of the door of another one
+(docs/door.md). docs/referee.md explains the panels.
 """
+NO_DISPLAY = "no display: no window can be opened here. Use 'roah-rsbb referee' in a terminal"
 
 
-def main() -> None:
-    """Show what the command line asks for, until it is closed or ROS ends."""
-    words = [word for word in sys.argv[1:] if ":=" not in word]  # ROS adds words such as __name:=x
-    program = os.path.basename(sys.argv[0])
-    if program.startswith(ORIGINAL):
-        words.insert(0, program[len(ORIGINAL):])
-    choices = {**PANELS, WINDOW: "All panels in one window, which needs no rqt"}
-    listed = "\n".join(f"  {name:18}{what}" for name, what in choices.items())
-    parser = Parser("panel", f"Opens one of the referee's panels:\n\n{listed}", _ZONE)
-    parser.add_argument("panel", nargs="?", choices=choices, metavar="PANEL", help="one of the names above")
-    chosen = parser.parse_args(words).panel
-    if chosen is None:
-        parser.print_help()
-    elif chosen == WINDOW:
-        from roah_rsbb.rqt.app import window  # late: help needs no Qt, and one panel not all
+def main(arguments: Optional[List[str]] = None) -> None:
+    """Run the program with these arguments (default: those of the process)."""
+    parser = Parser(called("window"), "The referee's window, with all panels. It needs no ROS.", _MORE)
+    parser.add_argument("--utc", action="store_true", help="show times in UTC (default: the local time)")
+    options = parser.parse_args(arguments)
+    if not (platform.WINDOWS or platform.MACOS or _has_display()):
+        sys.exit(f"{called('window')}: {NO_DISPLAY}")
+    # Late: help needs no Qt.
+    from roah_rsbb.rqt import interruptible  # noqa: F401
+    from roah_rsbb.rqt.qt import NoQt
 
-        window.main()
-    else:
-        from roah_rsbb.rqt.app import standalone
+    try:
+        from roah_rsbb.rqt.app.application import show
+        from roah_rsbb.rqt.app.window import Window
+        from roah_rsbb.rqt.app.without_ros import HostWithoutRos
+    except NoQt as error:
+        sys.exit(f"{called('window')}: {error}")
+    host = HostWithoutRos(NAME, options.utc)
+    show(host, NAME, partial(Window, host))
 
-        standalone.main(chosen)
+
+def _has_display() -> bool:
+    return any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")))

@@ -3,11 +3,9 @@
 It shows the zone of the namespace in which it is started (`__ns:=`), as all panels of a client do.
 """
 
-from functools import partial
-
-from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.app.application import PanelSettings
 from roah_rsbb.rqt.app.panel_list import load
+from roah_rsbb.rqt.host import WindowHost
 from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.qt import QMainWindow, QSettings
 from roah_rsbb.rqt.widgets import basic
@@ -20,13 +18,13 @@ WIDE_EMS, HIGH_EMS = 40, 40
 class PanelWindow(QMainWindow):
     """A window with one panel. Its size and the panel's settings are saved."""
 
-    def __init__(self, name: str, settings: QSettings) -> None:
+    def __init__(self, host: WindowHost, name: str, settings: QSettings) -> None:
         """`name` is that of the panel."""
         super().__init__()
         kind = load(name)
         self._settings = settings
         self._of_panel = PanelSettings(settings, kind.__name__)
-        self._panel = kind(RefereeClient.acquire())
+        self._panel = kind(RefereeClient.acquire(lambda: host))
         self.setCentralWidget(self._panel)
         self._panel.client.add_strip(self)
         self.setWindowTitle(f"{tr(kind.TITLE)} – RoAH RSBB")
@@ -43,8 +41,3 @@ class PanelWindow(QMainWindow):
         self._settings.sync()
         self._panel.shutdown()
         RefereeClient.release()
-
-
-def main(name: str) -> None:
-    """Show the panel of this name until it is closed or ROS ends."""
-    application.show(f"roah_rsbb_{name}", partial(PanelWindow, name))

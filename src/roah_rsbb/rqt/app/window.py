@@ -1,11 +1,10 @@
-"""Our own window with all panels, for machines without rqt: `rosrun roah_rsbb panel window`."""
+"""Our own window with all panels, for machines without rqt or ROS."""
 
-from functools import partial
 from typing import Dict
 
-from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.app.application import PanelSettings
 from roah_rsbb.rqt.app.panel_list import PANELS, load
+from roah_rsbb.rqt.host import WindowHost
 from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.panel import Panel
@@ -23,14 +22,14 @@ MOST_OF_SCREEN = 0.95
 class Window(QMainWindow):
     """All panels, as docks that can be moved, stacked and closed. The layout is saved."""
 
-    def __init__(self, settings: QSettings, of_launch: bool = False) -> None:
+    def __init__(self, host: WindowHost, settings: QSettings, of_launch: bool = False) -> None:
         """`of_launch`: closing the window asks, then ends what was launched; otherwise it just closes."""
         super().__init__()
         self._settings = settings
         self._of_launch = of_launch
         self.setWindowTitle(tr("RoAH RSBB – referee"))
         self.setObjectName("RoahRsbbWindow")
-        client = RefereeClient.acquire()
+        client = RefereeClient.acquire(lambda: host)
         self._model = client.model
         self._title = MarkedTitle(self)
         self._model.updated.connect(self._mark)
@@ -102,8 +101,3 @@ class Window(QMainWindow):
             self.restoreState(layout, LAYOUT_VERSION)
         for name, panel in self.panels.items():
             panel.restore_settings(PanelSettings(self._settings, name))
-
-
-def main(of_launch: bool = False) -> None:
-    """Open the window until it is closed or ROS ends."""
-    application.show("roah_rsbb_window", partial(Window, of_launch=of_launch))

@@ -6,12 +6,9 @@ import threading
 import uuid
 from typing import Any, Callable, Counter, Dict, Mapping, NamedTuple
 
-import rospy
-
 from roah_rsbb.client.client import Answer, Client
 from roah_rsbb.model.actions import MARK
 from roah_rsbb.model.document import Document
-from roah_rsbb.ros import refusals
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.said import tr_said
@@ -52,6 +49,15 @@ class CallOutcome(NamedTuple):
 Done = Callable[[CallOutcome], None]
 
 
+class CallFailed(Exception):
+    """A call failed; the text is for the referee."""
+
+    def __init__(self, text: str, is_answered: bool) -> None:
+        """`is_answered`: otherwise it may have been carried out."""
+        super().__init__(text)
+        self.is_answered = is_answered
+
+
 class _Waiting(NamedTuple):
     owner: object
     done: Done
@@ -62,9 +68,10 @@ class Calls(QObject):
 
     _answered = Signal(int, object)
 
-    def __init__(self, afar: Client[Document], referee: RefereeName) -> None:
-        """`referee`: their name goes with each call."""
+    def __init__(self, afar: Client[Document], referee: RefereeName, node: Callable[[], str]) -> None:
+        """`referee`, `node`: their name, and that of this program, go with each call."""
         super().__init__()
+        self._node = node
         self._afar = afar
         self._referee = referee
         self._waiting: Dict[int, _Waiting] = {}
@@ -107,7 +114,7 @@ class Calls(QObject):
         self._afar.stop(zone, run, self._on_answer(owner, "stop", done), TIMEOUT_S, **self._who(""))
 
     def _who(self, referee: str) -> Dict[str, str]:
-        return {"by": referee or self._referee.name, "node": rospy.get_name()}
+        return {"by": referee or self._referee.name, "node": self._node()}
 
     def _on_answer(self, owner: object, name: str, done: Done) -> Callable[[Answer], None]:
         """Return what takes the answer, in the client's thread."""
@@ -117,17 +124,14 @@ class Calls(QObject):
     def _outcome(self, name: str, answer: Answer) -> CallOutcome:
         if answer.is_answered:
             return CallOutcome("; ".join(map(tr_said, answer.reasons)), answer.answer, True, answer.number)
-        return CallOutcome(tr("no answer: {why} ({error})", why=_missing(), error=self._afar.why)
+        return CallOutcome(tr("no answer: {why} ({error})", why=missing(), error=self._afar.why)
                            if self._afar.why else _late(name), is_answered=False)
 
-    # -- of other nodes -------------------------------------------------------------------------------
-
-    def service(self, owner: object, name: str, kind: type, request: tuple, done: Done) -> None:
-        """Call the ROS service `name` of type `kind` with the request's fields; `done` receives the outcome."""
-        self.run(owner, name, lambda: rospy.ServiceProxy(name, kind)(*request), done)
+    # -- of other programs ----------------------------------------------------------------------------
 
     def run(self, owner: object, what: str, job: Callable[[], Any], done: Done) -> None:
-        """Run `job` in a thread; `done` receives its result or error, unless `owner` was forgotten."""
+        """Run `job`, which may raise `CallFailed`, in a thread; `done` receives its result or error, unless `owner` was
+        forgotten."""
         if self._threads[what] >= MAX_WAITING:
             done(CallOutcome(tr("{what}: not sent, because {n} commands are still waiting for an answer",
                                 what=what, n=self._threads[what]), is_answered=False))
@@ -146,7 +150,7 @@ class Calls(QObject):
         try:
             outcome = CallOutcome("", job())
         except Exception as e:  # the referee reads any error beside the command
-            outcome = CallOutcome(failure_text(str(e)) or type(e).__name__, None, refusals.was_answered(str(e)))
+            outcome = CallOutcome(str(e) or type(e).__name__, None, isinstance(e, CallFailed) and e.is_answered)
 
         def ended() -> CallOutcome:
             self._threads[what] -= 1
@@ -173,20 +177,9 @@ class Calls(QObject):
 
 
 def _late(what: str) -> str:
-    return tr("{what}: no answer within {time:.0f} s: {why}", what=what, time=TIMEOUT_S, why=_missing())
+    return tr("{what}: no answer within {time:.0f} s: {why}", what=what, time=TIMEOUT_S, why=missing())
 
 
-def _missing() -> str:
+def missing() -> str:
     """Return what to check if there was no answer."""
     return tr("is the core running? Check the state when it is back.")
-
-
-# How rospy begins to say that it did not reach a service.
-_UNREACHED = ("unable to connect to service", "unable to contact master", "transport error")
-
-
-def failure_text(raised: str) -> str:
-    """Return the reasons of a service, or what to check if there was no answer."""
-    if raised.endswith("unavailable") or raised.startswith(_UNREACHED):
-        return tr("no answer: {why} ({error})", why=_missing(), error=raised)
-    return "; ".join(map(tr_said, refusals.reasons(raised)))

@@ -1,18 +1,15 @@
 """What all panels of a process share: one connection to the box, one zone, one queue of calls, the referee's name."""
 
-from typing import Optional
+from typing import Callable, Optional
 
-import rospy
-
-from roah_rsbb.ros.feed import Feed
 from roah_rsbb.rqt import language
+from roah_rsbb.rqt.host import WindowHost
 from roah_rsbb.rqt.model.calls import Calls, RefereeName
 from roah_rsbb.rqt.model.failures import log_failures
 from roah_rsbb.rqt.model.garbage import collect_here
-from roah_rsbb.rqt.model.model import TOPICS, Model
+from roah_rsbb.rqt.model.model import Model
 from roah_rsbb.rqt.model.presses import DoublePress
 from roah_rsbb.rqt.model.stops import Stops
-from roah_rsbb.rqt.model.zone_parameter import ZoneParameter
 from roah_rsbb.rqt.qt import QMainWindow, QWidget
 from roah_rsbb.rqt.widgets.focus_ring import FocusRing
 from roah_rsbb.rqt.widgets.keep_clear import KeepClear
@@ -22,20 +19,18 @@ from roah_rsbb.rqt.widgets.stop_strip import StopStrip, add_strip
 from roah_rsbb.rqt.widgets.stop_window import StopWindow
 from roah_rsbb.wording.times import Moments
 
-# A parameter in the client's namespace (launch/roah_rsbb_client.launch).
-TIMES_IN_UTC = "times_in_utc"
-
 
 class RefereeClient:
-    """A referee's client. Call rospy.init_node first."""
+    """A referee's client. Its host has begun."""
 
     _shared: Optional["RefereeClient"] = None
     _users = 0
 
-    def __init__(self) -> None:
-        self.model = Model(Feed(TOPICS), ZoneParameter())
+    def __init__(self, host: WindowHost) -> None:
+        self.host = host
+        self.model = Model(host)
         self.referee = RefereeName()
-        self.calls = Calls(self.model.afar, self.referee)
+        self.calls = Calls(self.model.afar, self.referee, lambda: host.node)
         self.presses = DoublePress()
         self.stops = Stops(self.model, self.calls)
         self.stop_keys = StopKeys(self.model, self.stops)
@@ -43,21 +38,22 @@ class RefereeClient:
         self.keep_clear = KeepClear()
         self.keys_key = KeysKey()
         self.focus_ring = FocusRing(_is_ours)
-        self.moments = Moments(bool(rospy.get_param(TIMES_IN_UTC, False)))
+        self.moments = Moments(host.times_in_utc())
 
     def add_strip(self, window: QMainWindow) -> StopStrip:
         """Put the STOP strip into a main window, once. It ends with the client."""
         return add_strip(window, self.model, self.stops)
 
     @classmethod
-    def acquire(cls) -> "RefereeClient":
-        """Return the client of this process; the first call creates it. Call `release` once for each call."""
+    def acquire(cls, make_host: Callable[[], WindowHost]) -> "RefereeClient":
+        """Return the client of this process; the first call creates it, in the host that `make_host` returns. Call
+        `release` once for each call."""
         if cls._shared is None:
             # In rqt, whose application is not ours.
             log_failures()
             collect_here()
             language.install()
-            cls._shared = RefereeClient()
+            cls._shared = RefereeClient(make_host())
             cls._shared.model.start()
         cls._users += 1
         return cls._shared

@@ -1,16 +1,17 @@
 """Exceptions in panels. One panel that fails must not end the others, and STOP least of all."""
 
 import contextlib
+import logging
 import sys
 import threading
 import traceback
 from typing import Callable, Iterator, List, Set
 
-import rospy
-
 # Each is called with the name of the part that failed.
 listeners: List[Callable[[str], None]] = []
 _logged: Set[str] = set()
+# What rospy.logerr uses. Without ROS, it is a logger like any other.
+_logger = logging.getLogger("rosout")
 
 
 def log_failures() -> None:
@@ -36,7 +37,7 @@ def _report(part: str, text: str) -> None:
     if text not in _logged:
         _logged.add(text)
         # rospy may ask the master before it logs, and a master that hangs must not stop the window.
-        threading.Thread(target=lambda: rospy.logerr("%s failed. Please report this: %s", part, text),
+        threading.Thread(target=lambda: _logger.error("%s failed. Please report this: %s", part, text),
                          daemon=True).start()
     for listener in tuple(listeners):
         listener(part)

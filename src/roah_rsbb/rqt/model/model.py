@@ -8,43 +8,36 @@ from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxSeen, Document
 from roah_rsbb.model.judging import Judging
+from roah_rsbb.model.messages import DevicesState
 from roah_rsbb.model.results import RunLine, UnsavedParts
 from roah_rsbb.model.zone import RUNNING, ZoneSeen
-from roah_rsbb.msg import DevicesState, DevicesStatus
+from roah_rsbb.rqt.host import ControllerStatus, WindowHost
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.wording import clock, judging, superseded
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.replay import NO_COMMANDS
 
-DEVICES_TOPIC, DEVICES_STATUS_TOPIC = "/devices/state", "/devices/status"
-TOPICS = {DEVICES_TOPIC: DevicesState, DEVICES_STATUS_TOPIC: DevicesStatus}
 TICK_MS = 200
-# Interval at which to subscribe to the devices again while the box is silent, seconds.
+# Interval at which to look for the devices again while the box is silent, seconds.
 RENEW_S = 5.0
 
 
 class Model(QObject):
-    """The newest document, whether it is old, and the zone that is shown.
+    """The newest document, whether it is old, and the zone that is shown."""
 
-    `feed` is a `Feed` of `ros.feed`, and `zone_parameter` a `ZoneParameter`, or objects that behave like them.
-    """
-
-    updated = Signal()  # the document, its age or the zone that is shown is another one; or a message of the devices
+    updated = Signal()  # the document, its age or the zone that is shown is another one; or news of the devices
     ticked = Signal()  # a moment has passed: for what shows times and silences
     _came = Signal()  # from the client's thread
 
-    def __init__(self, feed, zone_parameter, find: Optional[Callable] = None) -> None:
-        """`find`: see `Client`; None: where the box of the ROS master is."""
+    def __init__(self, host: WindowHost, find: Optional[Callable] = None) -> None:
+        """`find`: see `Client`; None: where `DoorPlaces` finds it."""
         super().__init__()
-        self._feed = feed
-        self._zone_parameter = zone_parameter
+        self._zone, self._devices = host.zone, host.devices
         self._is_coming = False
         self._came.connect(self._take)
         self.afar = Client(Document, find or DoorPlaces().find, self._on_change, face="referee")
         self.document: Optional[Document] = None
         self.number = 0  # of the document
-        self.devices: Optional[DevicesState] = None
-        self.devices_status: Optional[DevicesStatus] = None
         self._stands: Optional[Now] = None  # when the document became old; None: it is not
         self._renewed = time.monotonic()
         self._shown: tuple = ()
@@ -53,16 +46,16 @@ class Model(QObject):
     def start(self) -> None:
         """Start listening."""
         self.afar.start()
-        self._feed.start()
-        self._zone_parameter.start()
+        self._devices.start(self.afar)
+        self._zone.start()
         self._timer.start(TICK_MS)
 
     def stop(self) -> None:
         """Stop listening."""
         self._timer.stop()
         self.afar.close()
-        self._feed.stop()
-        self._zone_parameter.stop()
+        self._devices.stop()
+        self._zone.stop()
 
     # -- for panels ---------------------------------------------------------------------------------
 
@@ -122,7 +115,7 @@ class Model(QObject):
     @property
     def zone_name(self) -> str:
         """The zone that this client shows: the chosen one, or the first one if none was chosen."""
-        return self._zone_parameter.value or next(iter(self.zone_names), "")
+        return self._zone.value or next(iter(self.zone_names), "")
 
     @property
     def zone_names(self) -> List[str]:
@@ -171,13 +164,23 @@ class Model(QObject):
         return [] if self.document is None else judging.judgings_of(self.document, zone_name)
 
     @property
-    def has_devices(self) -> bool:
-        """Whether the devices node is running. Its topics are published on change only, so silence means nothing."""
-        return self.devices is not None and self._feed.has_publisher(DEVICES_TOPIC)
+    def devices(self) -> Optional[DevicesState]:
+        """The home devices; None: never heard."""
+        return self._devices.state
+
+    @property
+    def devices_status(self) -> Optional[ControllerStatus]:
+        """Of the devices' controller; None: never heard."""
+        return self._devices.status
+
+    @property
+    def why_no_devices(self) -> str:
+        """Why nothing controls the devices, for the referee; empty: something does."""
+        return self._devices.why_missing
 
     def choose_zone(self, zone_name: str) -> None:
         """Show another zone, in all panels of this client."""
-        self._zone_parameter.choose(zone_name)
+        self._zone.choose(zone_name)
         self._look()
 
     # -- listening ----------------------------------------------------------------------------------
@@ -194,12 +197,10 @@ class Model(QObject):
         self._look()
 
     def _tick(self) -> None:
-        devices, status = (self._feed.take(topic) for topic in (DEVICES_TOPIC, DEVICES_STATUS_TOPIC))
-        self.devices = self.devices if devices is None else devices.message
-        self.devices_status = self.devices_status if status is None else status.message
+        self._devices.look()
         if self.afar.is_old and time.monotonic() - max(self.afar.heard_mono, self._renewed) > RENEW_S:
             self._renewed = time.monotonic()
-            self._feed.renew()
+            self._devices.renew()
         self._look()
         self.ticked.emit()
 
@@ -211,7 +212,7 @@ class Model(QObject):
         elif self._stands is None and self.document is not None:
             self._stands = self.afar.now()
         shown = (self.document, self.number, is_old, self.why, self.zone_name, self.devices, self.devices_status,
-                 self.has_devices)
+                 self.why_no_devices)
         if not same(shown, self._shown):
             self._shown = shown
             self.updated.emit()

@@ -2,15 +2,10 @@
 
 *Reload* checks the configuration files and lists what they change, before anything is applied.
 
-What *exit* ends depends on the launch file. A client's own shutdown node ends that client, unless the client was
-started together with the core (`exit_ends_rsbb`). Without a client, the core's shutdown node in the root namespace ends
-the whole RSBB.
+What *exit* ends depends on the launch file (`HostWithRos.ends_box`). Without ROS it is the box.
 """
 
 from typing import Callable, Dict, Optional, Sequence
-
-import rospy
-from std_srvs.srv import Empty
 
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels.panel import AnswerLine, Panel, ask
@@ -20,9 +15,7 @@ from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.said import tr_said
 
-SHUTDOWN = "roah_rsbb_shutdown"
 RELOAD = "reload"
-ENDS_RSBB = "exit_ends_rsbb"
 
 FIELDS = {
     "addr": tr_later("Broadcast to"),
@@ -133,14 +126,9 @@ class CoreStatusPanel(Panel):
     def ask_exit(self) -> None:
         """Find out what *exit* would end, then ask."""
         self.exit.hold()
-        service = rospy.resolve_name(SHUTDOWN)
-        at_root = service == f"/{SHUTDOWN}"
-        self.client.calls.run(
-            self, "exit", lambda: at_root or bool(rospy.get_param(ENDS_RSBB, False)),
-            lambda outcome: self._ask(outcome, service),
-        )
+        self.client.calls.run(self, "exit", self.client.host.ends_box, self._ask)
 
-    def _ask(self, found: CallOutcome, service: str) -> None:
+    def _ask(self, found: CallOutcome) -> None:
         if found.error:
             self._answer.show_outcome(tr("Exit"), found)
             return
@@ -153,7 +141,7 @@ class CoreStatusPanel(Panel):
             question, yes = tr("End this client?"), tr("End this client")
             text = tr("This ends only this referee's client. The core and its runs continue.")
         in_progress = [tr("Runs in progress: {runs}", runs=", ".join(runs))] if runs else []
-        ask(self, question, "\n\n".join([text, *in_progress]), yes, lambda: self._exit(service))
+        ask(self, question, "\n\n".join([text, *in_progress]), yes, lambda: self._exit(bool(runs)))
 
-    def _exit(self, service: str) -> None:
-        self.client.calls.service(self, service, Empty, (), self._answer.begin(tr("Exit")))
+    def _exit(self, anyway: bool) -> None:
+        self.client.host.exit(self.client.calls, self, anyway, self._answer.begin(tr("Exit")))

@@ -1,15 +1,14 @@
-"""Devices: the last known state of each home device, and controls to operate it (docs/ros_interface.md, "Devices
-node").
+"""Devices: the last known state of each home device, and controls to operate it (docs/referee.md, "Devices").
 
-The devices have their own node: the panel also works while the core is silent.
+With ROS, the devices have their own node: the panel then also works while the core is silent.
 """
 
 import time
 from functools import partial
 from typing import Callable, Dict, List, Sequence
 
-from std_srvs.srv import Empty
-
+from roah_rsbb.document.calls import DOOR, RING
+from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.edits import Edits
 from roah_rsbb.rqt.panels.panel import AnswerLine, Panel
@@ -26,7 +25,6 @@ from roah_rsbb.rqt.qt import (
     QWidget,
 )
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.srv import Bool, Percentage
 from roah_rsbb.wording.language import tr, tr_later
 
 # Marks a value that the devices node has not confirmed.
@@ -167,10 +165,8 @@ class PercentageRow(DeviceRow):
 
 
 SWITCHES = {"switch_1": 1, "switch_2": 2, "switch_3": 3}
-PERCENTAGES = {"dimmer": tr_later("Dimmer"), "blinds": tr_later("Blinds")}
-DOOR = "door_win_detect"
+PERCENTAGE_NAMES = {"dimmer": tr_later("Dimmer"), "blinds": tr_later("Blinds")}
 
-NO_NODE = tr_later("The devices node is not running. Was roah_rsbb.launch started with devices:=true?")
 AWAY = tr_later("What you set here takes effect when the controller is connected again.")
 # States carry no time: an older one may still arrive for this long after the answer to a change.
 LATE_S = 1.0
@@ -197,13 +193,13 @@ class DevicesPanel(Panel):
         edge = round(0.3 * basic.em())  # for the frame of the focus
         self._lines.setContentsMargins(edge, edge, edge, edge)
         for device, number in SWITCHES.items():
-            change = self._changer(device, f"{device}/set", Bool)
             self._add(device, TwoStateRow(
-                tr("Switch {number}", number=number), change, (tr("off"), tr("ON")), (tr("Turn off"), tr("Turn on"))))
-        for device, name in PERCENTAGES.items():
-            self._add(device, PercentageRow(tr(name), self._changer(device, f"{device}/set", Percentage)))
-        change = self._changer(DOOR, f"{DOOR}/mock", Bool)
-        self._add(DOOR, TwoStateRow(tr("Door"), change, (tr("closed"), tr("OPEN")), (tr("Close"), tr("Open"))))
+                tr("Switch {number}", number=number), partial(self._change, device), (tr("off"), tr("ON")),
+                (tr("Turn off"), tr("Turn on"))))
+        for device, name in PERCENTAGE_NAMES.items():
+            self._add(device, PercentageRow(tr(name), partial(self._change, device)))
+        self._add(DOOR, TwoStateRow(tr("Door"), partial(self._change, DOOR), (tr("closed"), tr("OPEN")),
+                                    (tr("Close"), tr("Open"))))
         self._lines.addLayout(self._bell_line())
         self._lines.addStretch(1)
         area = QScrollArea(widgetResizable=True)
@@ -216,9 +212,6 @@ class DevicesPanel(Panel):
     def _add(self, device: str, row: DeviceRow) -> None:
         self.rows[device] = row
         self._lines.addWidget(row)
-
-    def _changer(self, device: str, service: str, kind: type) -> Callable[[int], None]:
-        return partial(self._change, device, f"/devices/{service}", kind)
 
     def _bell_line(self) -> QHBoxLayout:
         line = QHBoxLayout()
@@ -235,28 +228,27 @@ class DevicesPanel(Panel):
     # -- showing ------------------------------------------------------------------------------------
 
     def parts(self) -> tuple:
-        return (self.model.devices, self.model.devices_status, self.model.has_devices)
+        return (self.model.devices, self.model.devices_status, self.model.why_no_devices)
 
     def show_model(self) -> None:
-        there = self.model.has_devices
-        self._show_connection(there)
-        self.ring.allow(there, self._off())
+        self._show_connection()
+        self.ring.allow(not self._off(), self._off())
 
     def show_times(self) -> None:
         state = self.model.devices
         for device, row in self.rows.items():
             published = 0 if state is None else int(getattr(state, device))
             row.show_value(self._edits.value(device, published), self._edits.is_waiting(device), self._off())
-        self._show_bell(0.0 if state is None else state.bell.to_sec())
+        self._show_bell(0.0 if state is None else wire_seconds(state.bell))
 
     def _off(self) -> List[str]:
-        return [] if self.model.has_devices else [tr(NO_NODE)]
+        return [self.model.why_no_devices] if self.model.why_no_devices else []
 
-    def _show_connection(self, there: bool) -> None:
+    def _show_connection(self) -> None:
         status = self.model.devices_status
-        if not there:
-            self.connection.show_text(tr("✘ NO DEVICES NODE"), basic.ALARM)
-            self.reason.setText(tr(NO_NODE))
+        if self._off():
+            self.connection.show_text(tr("✘ NO DEVICES"), basic.ALARM)
+            self.reason.setText(self.model.why_no_devices)
         elif status is None or not status.connected:
             self.connection.show_text(tr("⚠ NOT CONNECTED"), basic.OLD)
             self.reason.setText(f"{'' if status is None else status.text}\n{tr(AWAY)}".strip())
@@ -273,29 +265,28 @@ class DevicesPanel(Panel):
 
     # -- operating ----------------------------------------------------------------------------------
 
-    def _change(self, device: str, service: str, kind: type, value: int) -> None:
+    def _change(self, device: str, value: int) -> None:
         """Handle another value that the referee set."""
         send = self._edits.wish(device, value)
         if send is not None:
-            self._send(device, service, kind, send)
+            self._send(device, send)
         self.show_times()
 
-    def _send(self, device: str, service: str, kind: type, value: int) -> None:
-        self.client.calls.service(self, service, kind, (value,), partial(self._answered, device, service, kind, value))
+    def _send(self, device: str, value: int) -> None:
+        self.client.host.devices.set(self.client.calls, self, device, value, partial(self._answered, device, value))
 
-    def _answered(self, device: str, service: str, kind: type, value: int, outcome: CallOutcome) -> None:
-        what = f"{self.rows[device].name}: {value}{' %' if kind is Percentage else ''}"
+    def _answered(self, device: str, value: int, outcome: CallOutcome) -> None:
+        what = f"{self.rows[device].name}: {value}{' %' if device in PERCENTAGE_NAMES else ''}"
         self._answer.show_outcome(what, outcome)
         if outcome.error:
             self._edits.failed(device)
         else:
             following = self._edits.carried_out(device, time.monotonic() + LATE_S)
             if following is not None:
-                self._send(device, service, kind, following)
+                self._send(device, following)
         self.show_times()
 
     def _ring(self) -> None:
         self.ring.hold()
-        self.client.calls.service(
-            self, "/devices/bell/mock", Empty, (), lambda outcome: self._answer.show_outcome(tr("Bell"), outcome)
-        )
+        self.client.host.devices.set(
+            self.client.calls, self, RING, 1, lambda outcome: self._answer.show_outcome(tr("Bell"), outcome))

@@ -2,11 +2,13 @@
 
 import asyncio
 import os
+from types import SimpleNamespace
 
 import pytest
 
 from roah_rsbb.box.in_process_client import InProcessClient
 from roah_rsbb.box.program.demo import settings
+from roah_rsbb.box.program.main import serve
 from roah_rsbb.box.program.program import BoxProgram, door_file
 from roah_rsbb.client.places import OWN_VARIABLE
 from roah_rsbb.comm.memory import MemoryAir
@@ -62,10 +64,15 @@ class Demonstration:
                 await self._changed.wait()
         await asyncio.wait_for(wait(), LIMIT_S)
 
-    async def act(self, action, **given):
-        call = self.client.call("act", action=action, zone=ZONE, run=self.zone.identity, given=given, by="Ann")
+    async def ask(self, name, **arguments):
+        """Make a call; returns its answer, and why it was refused."""
+        call = self.client.call(name, **arguments)
         answer = await asyncio.wait_for(asyncio.wrap_future(call), LIMIT_S)
-        assert not answer.reasons, [str(reason) for reason in answer.reasons]
+        return answer.answer, "; ".join(map(str, answer.reasons))
+
+    async def act(self, action, **given):
+        _, refused = await self.ask("act", action=action, zone=ZONE, run=self.zone.identity, given=given, by="Ann")
+        assert not refused
 
     async def choose(self, code):
         """Go to the next event with this benchmark."""
@@ -150,6 +157,59 @@ def test_a_robots_command_for_a_device_is_refused_where_there_are_none(tmp_path)
             await demo.begin()
             await demo.until(lambda zone: "no home devices" in zone.log)
     run(play())
+
+
+def test_a_referee_operates_the_devices(tmp_path):
+    async def play():
+        async with Demonstration(tmp_path, devices="true", smartif_host="127.0.0.1", smartif_port="1",
+                                 bell_ring_command="true") as demo:
+            before, _ = await demo.ask("devices")
+            for device, value in (("dimmer", 37), ("switch_2", 1), ("door_win_detect", 1), ("bell", 1)):
+                assert await demo.ask("set_device", device=device, value=value) == (None, "")
+            after, _ = await demo.ask("devices")
+            refused = [(await demo.ask("set_device", device=device, value=value))[1]
+                       for device, value in (("dimmer", 101), ("dimmer", "37"), ("oven", 1), (["dimmer"], 1))]
+            return before, after, refused
+    before, after, refused = run(play())
+    assert before["devices"]["dimmer"] == 0 and before["devices"]["bell"] == [0, 0]
+    assert not before["connected"] and "127.0.0.1:1" in before["text"]
+    seen = after["devices"]
+    assert (seen["dimmer"], seen["switch_2"], seen["switch_1"], seen["door_win_detect"]) == (37, True, False, True)
+    assert seen["bell"] > [0, 0]
+    assert "takes 0 to 100" in refused[0]
+    assert all("there is no device" in reason for reason in refused[1:])
+
+
+def test_a_box_without_devices_says_so(tmp_path):
+    async def play():
+        async with Demonstration(tmp_path) as demo:
+            return await demo.ask("devices"), await demo.ask("set_device", device="dimmer", value=1)
+    assert all("start it with devices:=true" in refused for _, refused in run(play()))
+
+
+def test_a_referee_ends_the_box_but_no_run_without_being_asked(tmp_path):
+    async def play():
+        async with Demonstration(tmp_path, execute_s=1000.0) as demo:
+            ended = asyncio.Event()
+            demo.program.on_exit = ended.set
+            await demo.begin()
+            _, refused = await demo.ask("exit", by="Ann")
+            assert not ended.is_set()
+            answered = await demo.ask("exit", by="Ann", anyway=True)
+            await asyncio.wait_for(ended.wait(), LIMIT_S)
+            return refused, answered
+    refused, answered = run(play())
+    assert refused.startswith(f"Runs in progress: {ZONE} (DummyRobot)")
+    assert answered == (None, "")
+
+
+def test_the_exit_of_a_box_is_a_success():
+    async def work(program):
+        program.on_exit()
+        await asyncio.get_event_loop().create_future()
+    closed = []
+    assert serve(lambda loop: SimpleNamespace(close=lambda: closed.append(True)), work) == 0
+    assert closed == [True]
 
 
 def test_the_journal_is_copied(tmp_path):

@@ -23,9 +23,9 @@ def arm() -> None:
     """Start when the window's program runs its Qt loop."""
     run = application.run
 
-    def run_with_clicker(app) -> int:
+    def run_with_clicker(app, host) -> int:
         clicker = Clicker()
-        code = run(app)
+        code = run(app, host)
         clicker.end()
         return code
 

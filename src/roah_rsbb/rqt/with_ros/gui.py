@@ -20,13 +20,13 @@ NO_RQT = "rqt is not installed: install ros-noetic-rqt-gui and ros-noetic-rqt-gu
 # A locked rqt (qt_gui 0.4.2) crashes at every start except the first, when it replaces the layout that it imported
 # before. It therefore gets its own settings file, which is cleared at the start.
 _RUN_RQT = (
-    "from rqt_gui.main import Main; from roah_rsbb.rqt.app.application import run_rqt; "
+    "from rqt_gui.main import Main; from roah_rsbb.rqt.with_ros.rqt_program import run_rqt; "
     "run_rqt(Main(filename='rqt', settings_filename='roah_rsbb_rqt'))"
 )
 # rqt caches its list of plugins: make it search again. The layout is frozen and locked, so that no panel is closed
 # accidentally. For another layout, start rqt yourself.
 RQT = [sys.executable, "-c", _RUN_RQT, "--clear-config", "--force-discover", "--lock-perspective", "--freeze-layout"]
-WINDOW = [sys.executable, "-c", "from roah_rsbb.rqt.app.window import main; main(of_launch=True)"]
+WINDOW = [sys.executable, "-c", "from roah_rsbb.rqt.with_ros.program import show_window; show_window(of_launch=True)"]
 
 REOPEN_S = 1.0
 # A window that ends sooner has failed; after this many failures in a row the program gives up.

@@ -8,6 +8,7 @@ from roah_rsbb.rqt.app.panel_list import PANELS, load, plugin_name
 from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QMainWindow, QTimer
+from roah_rsbb.rqt.with_ros.host import HostWithRos
 
 
 class PanelPlugin(Plugin):
@@ -18,7 +19,7 @@ class PanelPlugin(Plugin):
     def __init__(self, context) -> None:
         super().__init__(context)
         self.setObjectName(type(self).__name__)
-        self.panel = self.PANEL(RefereeClient.acquire())
+        self.panel = self.PANEL(RefereeClient.acquire(HostWithRos))
         if context.serial_number() > 1:
             self.panel.setWindowTitle(f"{self.panel.windowTitle()} ({context.serial_number()})")
         context.add_widget(self.panel)

@@ -1,0 +1,114 @@
+"""What windows need of ROS: a parameter for their zone, and services to operate devices and to end the launch."""
+
+from typing import Callable
+
+import rospy
+from std_srvs.srv import Empty
+
+from roah_rsbb.client.client import Client
+from roah_rsbb.document.calls import DOOR, RING
+from roah_rsbb.model.document import Document
+from roah_rsbb.model.messages import DevicesState
+from roah_rsbb.msg import DevicesState as DevicesStateMsg
+from roah_rsbb.msg import DevicesStatus as DevicesStatusMsg
+from roah_rsbb.protocol import PERCENTAGES
+from roah_rsbb.ros import refusals
+from roah_rsbb.rqt.host import ControllerStatus, DevicesAfar
+from roah_rsbb.rqt.model.calls import CallFailed, Calls, Done, missing
+from roah_rsbb.rqt.with_ros.feed import Feed
+from roah_rsbb.rqt.with_ros.node import WindowNode
+from roah_rsbb.rqt.with_ros.zone_parameter import ZoneParameter
+from roah_rsbb.srv import Bool, Percentage
+from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.said import tr_said
+
+SHUTDOWN = "roah_rsbb_shutdown"
+# A parameter in the client's namespace (launch/roah_rsbb_client.launch).
+ENDS_RSBB = "exit_ends_rsbb"
+STATE_TOPIC, STATUS_TOPIC = "/devices/state", "/devices/status"
+NO_NODE = tr_later("The devices node is not running. Was roah_rsbb.launch started with devices:=true?")
+
+
+class HostWithRos(WindowNode):
+    """A node of ROS, with a parameter for its zone."""
+
+    def __init__(self) -> None:
+        self.zone, self.devices = ZoneParameter(), DevicesNodeAfar()
+
+    def ends_box(self) -> bool:
+        """A client's own shutdown node ends that client, unless the client was started together with the core
+        (`exit_ends_rsbb`). Without a client, the core's shutdown node in the root namespace ends the whole RSBB."""
+        return _service() == f"/{SHUTDOWN}" or bool(_called(lambda: rospy.get_param(ENDS_RSBB, False)))
+
+    def exit(self, calls: Calls, owner: object, anyway: bool, done: Done) -> None:
+        call_service(calls, owner, _service(), Empty, (), done)
+
+
+def _service() -> str:
+    return str(rospy.resolve_name(SHUTDOWN))
+
+
+class DevicesNodeAfar(DevicesAfar):
+    """The home devices of the node roah_devices. They have their own node: the panel also works while the core is
+    silent."""
+
+    def __init__(self) -> None:
+        self._feed = Feed({STATE_TOPIC: DevicesStateMsg, STATUS_TOPIC: DevicesStatusMsg})
+
+    @property
+    def why_missing(self) -> str:  # type: ignore[override]
+        """Why the node is not running. Its topics are published on change only, so silence means nothing."""
+        return "" if self.state is not None and self._feed.has_publisher(STATE_TOPIC) else tr(NO_NODE)
+
+    def start(self, afar: Client[Document]) -> None:
+        self._feed.start()
+
+    def stop(self) -> None:
+        self._feed.stop()
+
+    def look(self) -> None:
+        state, status = (self._feed.take(topic) for topic in (STATE_TOPIC, STATUS_TOPIC))
+        if state is not None:
+            values = {name: getattr(state.message, name) for name in DevicesState._fields}
+            self.state = DevicesState(**{**values, RING: (state.message.bell.secs, state.message.bell.nsecs)})
+        if status is not None:
+            self.status = ControllerStatus(status.message.connected, status.message.text)
+
+    def renew(self) -> None:
+        self._feed.renew()
+
+    def set(self, calls: Calls, owner: object, device: str, value: int, done: Done) -> None:
+        if device == RING:
+            call_service(calls, owner, "/devices/bell/mock", Empty, (), done)
+        else:
+            what = "mock" if device == DOOR else "set"
+            kind = Percentage if device in PERCENTAGES else Bool
+            call_service(calls, owner, f"/devices/{device}/{what}", kind, (value,), done)
+
+
+# -- calls --------------------------------------------------------------------------------------------
+
+
+def call_service(calls: Calls, owner: object, name: str, kind: type, request: tuple, done: Done) -> None:
+    """Call the ROS service `name` of type `kind` with the request's fields; `done` receives the outcome."""
+    calls.run(owner, name, lambda: _called(lambda: rospy.ServiceProxy(name, kind)(*request)), done)
+
+
+def _called(call: Callable[[], object]) -> object:
+    """Return what a call of ROS returns. Raises `CallFailed`."""
+    try:
+        return call()
+    except Exception as error:  # the referee reads any error beside the command
+        raised = str(error)
+        raise CallFailed(failure_text(raised) or type(error).__name__, refusals.was_answered(raised)) from None
+
+
+# How rospy begins to say that it did not reach a service.
+_UNREACHED = ("unable to connect to service", "unable to contact master", "transport error")
+
+
+def failure_text(raised: str) -> str:
+    """Return the reasons of a service, or what to check if there was no answer."""
+    if raised.endswith("unavailable") or raised.startswith(_UNREACHED):
+        return tr("no answer: {why} ({error})", why=missing(), error=raised)
+    return "; ".join(map(tr_said, refusals.reasons(raised)))
