@@ -179,7 +179,8 @@ def main():
                 referee.until("the box has ended", lambda: demo.poll() is not None)
                 assert demo.returncode == 0, demo.returncode
                 assert not failed, failed
-                print(f"window test: Python {sys.version.split()[0]}, {application.QTimer.__module__}: works", flush=True)
+                python = sys.version.split()[0]
+                print(f"window test: Python {python}, {application.QTimer.__module__}: works", flush=True)
                 return 0
             except BaseException:
                 sys.excepthook(*sys.exc_info())
