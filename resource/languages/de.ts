@@ -272,6 +272,51 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Esc twice</source>
+        <translation>Esc zweimal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>stop the run of the zone, wherever the focus is</source>
+        <translation>den Lauf der Zone stoppen, wo auch immer der Fokus ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Shift+Esc twice</source>
+        <translation>Umschalt+Esc zweimal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>stop the runs of all zones</source>
+        <translation>die Läufe aller Zonen stoppen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>1 to 9</source>
+        <translation>1 bis 9</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>score the item with this number: count one more, or yes</source>
+        <translation>das Kriterium mit dieser Nummer werten: eins mehr oder ja</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Shift+1 to 9</source>
+        <translation>Umschalt+1 bis 9</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>take it back: count one less, or no</source>
+        <translation>zurücknehmen: eins weniger oder nein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>open or close this list</source>
+        <translation>diese Liste öffnen oder schließen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>{role} in {zone}</source>
         <translation>{role} in {zone}</translation>
     </message>
@@ -282,13 +327,258 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Whole box</source>
+        <translation>Ganze Box</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Zone</source>
+        <translation>Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Overview</source>
+        <translation>Übersicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Schedule</source>
+        <translation>Zeitplan</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Robots</source>
+        <translation>Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Results</source>
+        <translation>Ergebnisse</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Log</source>
+        <translation>Protokoll</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Core</source>
+        <translation>Core</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Pairing</source>
+        <translation>Koppeln</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Team</source>
+        <translation>Team</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>All teams</source>
+        <translation>Alle Teams</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>All events</source>
+        <translation>Alle Termine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No event fits these filters.</source>
+        <translation>Kein Termin passt zu diesen Filtern.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Choose this event</source>
+        <translation>Diesen Termin wählen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{run} is not signed off. Its score sheet stays in Results.</source>
+        <translation>{run} ist nicht abgeschlossen. Der Wertungsbogen bleibt in den Ergebnissen.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{number} more are not shown</source>
+        <translation>{number} weitere sind nicht gezeigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No robot is heard</source>
+        <translation>Kein Roboter ist zu hören</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Robot</source>
+        <translation>Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Link</source>
+        <translation>Verbindung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Clock skew</source>
+        <translation>Uhrabweichung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Run in zone</source>
+        <translation>Lauf in Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This zone has no run yet.</source>
+        <translation>Diese Zone hat noch keinen Lauf.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>History</source>
+        <translation>Verlauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Ends</source>
+        <translation>Enden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The run is still connected. Disconnect it first.</source>
+        <translation>Der Lauf ist noch verbunden. Trennen Sie ihn zuerst.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Text</source>
+        <translation>Text</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Search</source>
+        <translation>Suchen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{number} lines</source>
+        <translation>{number} Zeilen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Online Data</source>
+        <translation>Online-Daten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Nothing has been logged yet</source>
+        <translation>Noch nichts protokolliert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No online data from the robot yet</source>
+        <translation>Noch keine Online-Daten vom Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Tablet</source>
+        <translation>Tablet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The tablet was never heard</source>
+        <translation>Vom Tablet wurde noch nichts gehört</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Reload</source>
+        <translation>Neu laden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Reload configuration</source>
+        <translation>Konfiguration neu laden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Apply</source>
+        <translation>Übernehmen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Nothing was changed. Correct this first:</source>
+        <translation>Nichts wurde geändert. Erst ist zu korrigieren:</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Apply these changes? Connected runs keep what they began with.</source>
+        <translation>Diese Änderungen übernehmen? Verbundene Läufe behalten, womit sie begonnen haben.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The files contain what is in force</source>
+        <translation>Die Dateien enthalten, was bereits gilt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The changes are in force</source>
+        <translation>Die Änderungen gelten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>May act as</source>
+        <translation>Darf handeln als</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>New code</source>
+        <translation>Neuer Code</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The code is too old: press New code</source>
+        <translation>Der Code ist zu alt: drücken Sie Neuer Code</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Scan the code with the device, or open {page} and type it. It is for one device.</source>
+        <translation>Scannen Sie den Code mit dem Gerät, oder öffnen Sie {page} und geben Sie ihn ein. Er gilt für ein Gerät.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Open {page} on the device and type the code. It is for one device.</source>
+        <translation>Öffnen Sie {page} auf dem Gerät, und tippen Sie den Code ein. Er gilt für ein Gerät.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Valid for {time}</source>
+        <translation>Noch {time} gültig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Paired devices</source>
+        <translation>Gekoppelte Geräte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>End pairing</source>
+        <translation>Kopplung beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Keys</source>
+        <translation>Tasten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Pair this device</source>
         <translation>Dieses Gerät koppeln</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>A code comes from the referee&apos;s panel (Benchmark Control, ⋯, Pair a phone), or from &apos;rosrun roah_rsbb referee pair&apos; in a terminal. It is valid for two minutes, for one device.</source>
-        <translation>Einen Code zeigt das Fenster der Schiedsrichter (Benchmark-Steuerung, ⋯, Telefon koppeln) oder &apos;rosrun roah_rsbb referee pair&apos; in einem Terminal. Er gilt zwei Minuten lang für ein Gerät.</translation>
+        <source>A code comes from an organiser&apos;s page (Whole box, Pairing), from the referee&apos;s panel (Benchmark Control, ⋯, Pair a phone), or from &apos;referee pair&apos; in a terminal. It is valid for two minutes, for one device.</source>
+        <translation>Einen Code gibt es auf der Seite eines Organisators (Ganze Box, Koppeln), im Fenster der Schiedsrichter (Benchmark-Steuerung, ⋯, Telefon koppeln) oder mit &apos;referee pair&apos; im Terminal. Er gilt zwei Minuten, für ein Gerät.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -474,11 +764,6 @@
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>This device is not paired</source>
         <translation>Dieses Gerät ist nicht gekoppelt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Zone</source>
-        <translation>Zone</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -1220,11 +1505,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>
-        <source>Results</source>
-        <translation>Ergebnisse</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/public.py"/>
         <source>Provisional results</source>
         <translation>Vorläufige Ergebnisse</translation>
     </message>
@@ -1397,11 +1677,6 @@
         <location filename="../../src/roah_rsbb/wording/public.py"/>
         <source>ended</source>
         <translation>beendet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/public.py"/>
-        <source>All teams</source>
-        <translation>Alle Teams</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>
@@ -2069,31 +2344,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>Team</source>
-        <translation>Team</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>Robot</source>
-        <translation>Roboter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>Link</source>
-        <translation>Verbindung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>Clock skew</source>
-        <translation>Uhrabweichung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>Run in zone</source>
-        <translation>Lauf in Zone</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
         <source>Last heard</source>
         <translation>Zuletzt gehört</translation>
     </message>
@@ -2101,11 +2351,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
         <source>Active Robots</source>
         <translation>Aktive Roboter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>Robots</source>
-        <translation>Roboter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
@@ -2121,11 +2366,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
         <source>The robot&apos;s clock minus the box&apos;s: + is ahead, - is behind</source>
         <translation>Uhr des Roboters minus Uhr der Box: + geht vor, - geht nach</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>No robot is heard</source>
-        <translation>Kein Roboter ist zu hören</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -2244,11 +2484,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Core</source>
-        <translation>Core</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
         <source>Exit …</source>
         <translation>Beenden …</translation>
     </message>
@@ -2282,28 +2517,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Reload</source>
-        <translation>Neu laden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Nothing was changed. Correct this first:</source>
-        <translation>Nichts wurde geändert. Erst ist zu korrigieren:</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>The files contain what is in force</source>
-        <translation>Die Dateien enthalten, was bereits gilt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
         <source>Warning: {line}</source>
         <translation>Warnung: {line}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Apply these changes? Connected runs keep what they began with.</source>
-        <translation>Diese Änderungen übernehmen? Verbundene Läufe behalten, womit sie begonnen haben.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
@@ -2586,16 +2801,6 @@
         <translation>Protokoll</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/log_display.py"/>
-        <source>Log</source>
-        <translation>Protokoll</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/log_display.py"/>
-        <source>Nothing has been logged yet</source>
-        <translation>Noch nichts protokolliert</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
         <source>No manual operation now.</source>
         <translation>Zurzeit kein Handeingriff.</translation>
@@ -2725,18 +2930,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/online_data.py"/>
-        <source>Online Data</source>
-        <translation>Online-Daten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/online_data.py"/>
         <source>Online</source>
         <translation>Online</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/online_data.py"/>
-        <source>No online data from the robot yet</source>
-        <translation>Noch keine Online-Daten vom Roboter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
@@ -2755,11 +2950,6 @@
             <numerusform>   (⚠ {n} weitere)</numerusform>
             <numerusform>   (⚠ {n} weitere)</numerusform>
         </translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
-        <source>Overview</source>
-        <translation>Übersicht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
@@ -2803,11 +2993,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>This zone has no run yet.</source>
-        <translation>Diese Zone hat noch keinen Lauf.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>Choose a run above</source>
         <translation>Wählen Sie oben einen Lauf</translation>
     </message>
@@ -2848,16 +3033,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>History</source>
-        <translation>Verlauf</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Ends</source>
-        <translation>Enden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>{time} min</source>
         <translation>{time} min</translation>
     </message>
@@ -2865,11 +3040,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>The run has not been stopped yet</source>
         <translation>Der Lauf wurde noch nicht gestoppt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>The run is still connected. Disconnect it first.</source>
-        <translation>Der Lauf ist noch verbunden. Trennen Sie ihn zuerst.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
@@ -2912,16 +3082,6 @@ Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</t
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>No event fits these filters.</source>
-        <translation>Kein Termin passt zu diesen Filtern.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Choose this event</source>
-        <translation>Diesen Termin wählen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
         <source>Select an event above first.</source>
         <translation>Markieren Sie zuerst oben einen Termin.</translation>
     </message>
@@ -2947,11 +3107,6 @@ Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</t
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Schedule</source>
-        <translation>Zeitplan</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
         <source>Plan</source>
         <translation>Plan</translation>
     </message>
@@ -2959,11 +3114,6 @@ Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</t
         <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
         <source>All days</source>
         <translation>Alle Tage</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>All events</source>
-        <translation>Alle Termine</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
@@ -3096,11 +3246,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Tablet</source>
-        <translation>Tablet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
         <source>⚠ silent</source>
         <translation>⚠ stumm</translation>
     </message>
@@ -3146,46 +3291,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>Esc twice</source>
-        <translation>Esc zweimal</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>stop the run of the zone, wherever the focus is</source>
-        <translation>den Lauf der Zone stoppen, wo auch immer der Fokus ist</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>Shift+Esc twice</source>
-        <translation>Umschalt+Esc zweimal</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>stop the runs of all zones</source>
-        <translation>die Läufe aller Zonen stoppen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>1 to 9</source>
-        <translation>1 bis 9</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>score the item with this number: count one more, or yes</source>
-        <translation>das Kriterium mit dieser Nummer werten: eins mehr oder ja</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>Shift+1 to 9</source>
-        <translation>Umschalt+1 bis 9</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>take it back: count one less, or no</source>
-        <translation>zurücknehmen: eins weniger oder nein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
         <source>Tab, Shift+Tab</source>
         <translation>Tab, Umschalt+Tab</translation>
     </message>
@@ -3220,29 +3325,14 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>diese Seite öffnen; Esc schließt sie</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>Keys</source>
-        <translation>Tasten</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
         <source>Pair a phone or tablet</source>
         <translation>Telefon oder Tablet koppeln</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>New code</source>
-        <translation>Neuer Code</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
         <source>Person</source>
         <translation>Person</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>May act as</source>
-        <translation>Darf handeln als</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
@@ -3256,28 +3346,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>Scan the code with the device, or open {page} and type it. It is for one device.</source>
-        <translation>Scannen Sie den Code mit dem Gerät, oder öffnen Sie {page} und geben Sie ihn ein. Er gilt für ein Gerät.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
         <source>Open {page} on the device and type the code. It is for one device. For a QR code: {install}</source>
         <translation>Öffnen Sie {page} auf dem Gerät und geben Sie den Code ein. Er gilt für ein Gerät. Für einen QR-Code: {install}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>Valid for {time}</source>
-        <translation>Noch {time} gültig</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>The code is too old: press New code</source>
-        <translation>Der Code ist zu alt: drücken Sie Neuer Code</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>End pairing</source>
-        <translation>Kopplung beenden</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
@@ -3288,16 +3358,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
         <source>End the pairing of {person}</source>
         <translation>Kopplung von {person} beenden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/reload_dialog.py"/>
-        <source>Reload configuration</source>
-        <translation>Konfiguration neu laden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/reload_dialog.py"/>
-        <source>Apply</source>
-        <translation>Übernehmen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/run_times.py"/>
@@ -4753,11 +4813,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/zones.py"/>
         <source>no zone &apos;{zone}&apos;{hint}</source>
         <translation>keine Zone „{zone}“{hint}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>Text</source>
-        <translation>Text</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

@@ -33,7 +33,7 @@ function Index({live, words}) {
     ${teams.length > 0 && html`
       <${Links} title=${words.teams} links=${teams.map((team) => [team, address(`/team/${encodeURIComponent(team)}`)])} />`}
     <${Links} title=${words.referees} links=${[
-      [words.referee_page, address("/referee")], [words.pair_page, address("/pair")],
+      [words.referee_page, address("/referee")], [words.box_page, address("/box")], [words.pair_page, address("/pair")],
       [words.displays_page, address("/displays")], [words.codes_page, address("/codes")]]} />
     <${Links} title=${words.data} links=${DATA.map((name) => [name, `/api/v1/${name}`])} />`;
 }

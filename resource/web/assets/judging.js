@@ -70,7 +70,7 @@ export function JudgeRun({zone, run, marks, texts, person, give}) {
 
 // -- the head referee ---------------------------------------------------------------------------------
 
-function Reasoned({label, name, act, texts, more = null, isMain = false, isOff = false}) {
+export function Reasoned({label, name, act, texts, more = null, isMain = false, isOff = false}) {
   const [reason, setReason] = useState("");
   const isBusy = useRef(false);
   const submit = async (event) => {

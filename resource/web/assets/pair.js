@@ -59,7 +59,7 @@ function Pair({live, words}) {
     ${session && html`
       <p class="paired">${texts.paired_as.replace("{role}", () => roleText(session, texts))} (${session.person})</p>
       <p><a class="button main" href=${address("/referee")}>${texts.referee_page}</a></p>
-      ${session.role === "organiser" && html`<p><a class="button" href=${address("/displays")}>${texts.displays}</a></p>`}
+      ${session.role !== "judge" && html`<p><a class="button" href=${address("/box")}>${texts.whole_box}</a></p>`}
       <button type="button" onClick=${end}>${texts.end_pairing}</button>`}
     <form onSubmit=${pair}>
       <${Field} name="code" text=${texts.code} value=${CODE} autocapitalize="characters" />

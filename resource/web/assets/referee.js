@@ -6,9 +6,11 @@ import {Live} from "/assets/live.js";
 import {ask, reasonsText, roleText} from "/assets/device.js";
 import {Marks, send} from "/assets/commands.js";
 import {Cells, Command, Twice} from "/assets/buttons.js";
+import {Keys, listen} from "/assets/keys.js";
 import {lockWhenIdle} from "/assets/lock.js";
-import {Correction} from "/assets/correction.js";
-import {HeadReferee, JudgeRun, Publication} from "/assets/judging.js";
+import {Nav, Part, isSent, partsOf} from "/assets/box.js";
+import {HeadReferee, JudgeRun} from "/assets/judging.js";
+import {FinishedRun} from "/assets/runs.js";
 import {RefusedMark, Sheet} from "/assets/sheet.js";
 
 const SILENT_S = 2.2;
@@ -20,7 +22,10 @@ const CHANGED_MS = 600;
 const language = parameters.get("language") || "";
 const place = document.getElementById("page");
 const {strip} = window;  // STOP: see stop.js
+const IS_BOX = location.pathname === "/box";  // the page of the whole box: with parts, of which one is open
+const OWN = "zone";  // the part that the referee's page consists of
 const state = {session: undefined, live: null, known: null, said: "", place: "", marks: null, tick: null, isChoosing: false,
+  part: IS_BOX && parameters.get("part") || OWN,
   shown: "",  // the zone that was shown last
   gone: ""};  // that a zone is gone, until the reader touches the page
 
@@ -54,6 +59,7 @@ async function begin() {
   if (answer.status === 200) {
     state.session = answer.body;
     strip.pair(true);
+    state.part = partsOf(answer.body).includes(state.part) ? state.part : OWN;
     open(answer.body.zone || parameters.get("zone") || "");
   } else if (answer.status === 401) {
     state.session = null;
@@ -76,13 +82,23 @@ function open(zone) {
   if (state.live) {
     state.live.close();
   }
-  const query = {language: language || navigator.languages.join(",")};
-  if (zone) {
-    query.zone = zone;
-  }
-  state.live = new Live("device", query, changed, SILENT_S);
+  state.live = new Live("device", query(), changed, SILENT_S);
   window.live = state.live;  // for the browser's console, and for tests
   state.marks.isLinked = () => state.live.silentSince === null;
+}
+
+const query = () => ({language: language || navigator.languages.join(","), ...(state.zone && {zone: state.zone}),
+  ...(isSent(state.part) && {part: state.part})});
+
+// Another part: its document is sent from now on, and that of the part before is not.
+function openPart(part) {
+  delete state.live.data[`part.${state.part}`];
+  state.part = part;
+  parameters.set("part", part);
+  history.replaceState(null, "", `${location.pathname}?${parameters}`);
+  scrollTo(0, 0);
+  state.live.reopen(query());
+  draw();
 }
 
 // A page that is not paired still needs its texts.
@@ -335,6 +351,7 @@ function Commands({zone, texts}) {
         <summary class="short">${texts.stop_reason}</summary>
         <${Reason} key=${zone.identity} zone=${zone} texts=${texts} />
       </details>
+      <${Keys} texts=${texts} />
     </section>`;
 }
 
@@ -418,17 +435,8 @@ function Over({zone, texts}) {
       ${judged.map((run) => html`
         <${HeadReferee} key=${run.identity} zone=${zone.zone} run=${run} texts=${texts} give=${give} />`)}
       <ul class="unsigned">${zone.unsigned.map((run) => html`
-        <li key=${run.identity}>
-          <p><strong>${run.title}</strong></p>
-          <p>${run.end}${run.score && ` · ${run.score}`}</p>
-          ${zone.judging.some((one) => one.identity === run.identity && one.count > 0) || html`
-            <${Correction} zone=${zone} run=${run} marks=${state.marks} texts=${texts} undo=${(last) => undo(last, texts)} />`}
-          <${Twice} name="sign_off" label=${texts.sign_off} question=${texts.really}
-            reasons=${state.marks.waiting.some((mark) => mark.identity === run.identity) ? [texts.marks_wait] : []}
-            act=${() => give("sign_off", texts, texts.sign_off, {identity: run.identity})} />
-          ${zone.judging.filter((one) => one.identity === run.identity && one.count === 0).map((one) => html`
-            <${Publication} zone=${zone.zone} run=${one} texts=${texts} give=${give} />`)}
-        </li>`)}</ul>
+        <${FinishedRun} key=${run.identity} zone=${zone} run=${run} marks=${state.marks} texts=${texts} give=${give}
+          undo=${(last) => undo(last, texts)} />`)}</ul>
     </details>`;
 }
 
@@ -444,6 +452,13 @@ function openZone(name) {
   choose(false);
 }
 
+// The zone's own part: commands, score sheet.
+function openInZone(name) {
+  state.part = OWN;
+  parameters.set("part", OWN);
+  openZone(name);
+}
+
 function Header({zone, zones, session, texts}) {
   const name = session.zone || (zone && zone.zone) || "";
   return html`
@@ -451,7 +466,7 @@ function Header({zone, zones, session, texts}) {
       ${session.zone || !zones ? html`<strong class="short">${name}</strong>` : html`
         <button type="button" class="short zones" aria-expanded=${state.isChoosing} aria-label="${texts.zone}: ${name}"
           onClick=${() => choose(!state.isChoosing)}>${name} ▾</button>`}
-      ${session.role === "organiser" && html`<a class="short" href=${address("/displays")}>${texts.displays}</a>`}
+      ${!IS_BOX && session.role !== "judge" && html`<a class="short" href=${address("/box", {zone: name})}>${texts.whole_box}</a>`}
       <a class="short" href=${address("/pair")}>${session.person} · ${roleText(session, texts)}</a>
     </header>`;
 }
@@ -563,7 +578,12 @@ function Page() {
     ${zones && zones.length > 1 && part(texts.all_zones, html`<${Others} zones=${zones} zone=${zone} texts=${texts} />`)}
     ${part("⚠", html`<${Urgent} zone=${zone} zones=${zones} />`)}
     ${zones && state.isChoosing && part("…", html`<${Zones} zones=${zones} texts=${texts} />`)}
-    ${zone ? html`
+    ${IS_BOX && part("nav", html`<${Nav} session=${session} part=${state.part} open=${openPart} texts=${texts} />`)}
+    ${zone && state.part !== OWN ? html`
+      <fieldset disabled=${isOld} class="all whole">${part(texts[`part_${state.part}`], html`
+        <${Part} key=${state.part} part=${state.part} data=${data[`part.${state.part}`]} zone=${zone} zones=${data["page.zones"]}
+          session=${session} texts=${texts} marks=${marks} give=${give} undo=${(last) => undo(last, texts)}
+          openZone=${openInZone} />`)}</fieldset>` : zone ? html`
       <fieldset disabled=${isOld} class="all">
         <div>
           ${part(texts.time, html`<${Run} zone=${zone} texts=${texts} />`)}
@@ -591,5 +611,10 @@ function noZone(texts) {
 
 state.marks = new Marks(draw);
 window.marks = state.marks;
+listen(place, (key) => {
+  const texts = state.live && state.live.data["page.device_words"];
+  state.said = texts && key ? texts.really.replace("{command}", () => key) : "";
+  draw();
+});
 const setOnLock = lockWhenIdle(place, () => state.live && state.live.data["page.device_words"]);
 begin();

@@ -4,7 +4,7 @@ from typing import Any, Dict, NamedTuple, Tuple
 
 from roah_rsbb.model import fields as model_fields
 from roah_rsbb.model.actions import EVERY, JUDGES, MARK, STOP, Action
-from roah_rsbb.web.pairing import JUDGE, DeviceSession
+from roah_rsbb.web.pairing import JUDGE, ORGANISER, DeviceSession
 
 MAX_TEXT = 500
 _MAX_WHOLE = 2**31 - 1
@@ -19,7 +19,9 @@ FIELDS: Dict[str, Dict[str, type]] = {
     "sheet": {"identity": str},
     "judging": {"identity": str},
 }
-SHEET = "sheet"
+# Those for the whole box, which only an organiser may give.
+OF_BOX: Dict[str, Dict[str, type]] = {"reload": {"digest": str}}
+SHEET, RELOAD = "sheet", "reload"
 # What is asked of the judges of a run: its answer depends on the role.
 JUDGING = "judging"
 
@@ -49,7 +51,7 @@ class Outcome(NamedTuple):
 def command_of(name: str, body: Dict[str, Any], session: DeviceSession) -> Command:
     """Read a command; raises `BadCommand`. Fields that are missing are empty or 0."""
     action = None if name == STOP else EVERY.get(name)
-    wanted = FIELDS.get(name) if action is None else SHOWN
+    wanted = {**FIELDS, **OF_BOX}.get(name) if action is None else SHOWN
     zone = body.get("zone", "")
     if wanted is None or not isinstance(zone, str):
         raise BadCommand("There is no such command")
@@ -81,6 +83,8 @@ def command_of(name: str, body: Dict[str, Any], session: DeviceSession) -> Comma
 def may(command: Command) -> bool:
     """Whether the role of the device allows a command, in this zone."""
     grant = command.session.grant
+    if command.name in OF_BOX:
+        return grant.role == ORGANISER
     if not command.zone or not grant.allows(command.zone):
         return False
     if command.name == MARK and grant.role == JUDGE:

@@ -11,6 +11,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.web import documents, zone_documents
+from roah_rsbb.web.box_page.documents import PartShown, made_of, part_name, part_page
 from roah_rsbb.web.numbered import Key, Numbered, NumberedDocument
 from roah_rsbb.web.store import Store
 from roah_rsbb.wording import team_page
@@ -27,7 +28,7 @@ class Desk(Numbered):
     def __init__(self, store: Store) -> None:
         super().__init__(store.box, store.session)
         self._store = store
-        self._shown: Set[Key] = set()  # pairs of language and zone
+        self._shown: Set[Key] = set()  # see `show`
         self._put(NO_STOP, zone_documents.stop_page([], False))
 
     def zones(self) -> List[str]:
@@ -42,9 +43,10 @@ class Desk(Numbered):
         with self._store.speaking(language):
             return team_page.facts(team, document, self.box.now())
 
-    def show(self, zones: Iterable[Key]) -> None:
-        """Make documents for these pairs of language and zone from now on, and for no others."""
-        self._shown = set(zones)
+    def show(self, shown: Iterable[Key]) -> None:
+        """Make documents for these from now on, and for no others: language and zone, and where a part of the page of
+        the whole box is open, that part and the zone in which its device may act; empty: all zones."""
+        self._shown = set(shown)
         self.look()
 
     def look(self) -> bool:
@@ -57,10 +59,16 @@ class Desk(Numbered):
             own = [zone for zone in zones if name in ("", zone.zone)]
             self._renew((STOP, name), own, functools.partial(zone_documents.stop_page, own, name == ""))
         now = self.box.now()
-        for language, name in self._shown:
+        for language, name in {key[:2] for key in self._shown}:
             with self._store.speaking(language):
                 self._renew((ZONES, language), zones, lambda: zone_documents.zones_page(zones))
                 self._make(document, language, name, now)
+        for language, name, part, own in (key for key in self._shown if len(key) > 2):
+            key, shown = (part_name(part), language, name, own), PartShown(document, name, own, now)
+            if self.box.is_old and key in self._made_of:
+                continue  # its clocks stop
+            with self._store.speaking(language):
+                self._renew(key, made_of(part, shown), functools.partial(part_page, part, shown))
         return self.changes != before
 
     def _make(self, document: Document, language: str, name: str, now: Now) -> None:
@@ -85,10 +93,10 @@ class Desk(Numbered):
 
     # -- for devices ----------------------------------------------------------------------------------
 
-    def keys(self, language: str, zone: str) -> List[Key]:
-        """Return the keys of all documents of a page."""
+    def keys(self, language: str, zone: str, part: str = "", own: str = "") -> List[Key]:
+        """Return the keys of all documents of a page; see `show`."""
         return [*self._store.keys(documents.FIXED_TEXTS, language), (ZONES, language), (ZONE, language, zone),
-                (CLOCK, language, zone)]
+                (CLOCK, language, zone), *([(part_name(part), language, zone, own)] if part else [])]
 
     def document(self, key: Key) -> NumberedDocument:
         """Return a document."""

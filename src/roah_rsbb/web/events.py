@@ -19,7 +19,7 @@ class Reader(Guarded, BoundedSocket):
     """The connection of a reader. Its kinds say who may open it, and what is sent."""
 
     session_id = ""  # of a paired device
-    key: Optional[Key] = None  # language and zone of what a paired device shows
+    key: Optional[Key] = None  # what a paired device shows, see `Desk.show`
 
     def initialize(self, server: Any) -> None:
         self._server = server

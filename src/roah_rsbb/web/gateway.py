@@ -83,7 +83,8 @@ class Gateway:
         self._why: Set[str] = set()  # it was not connected; these were logged
         self._server = WebServer(loop, store, str(host.resource / "web"), own_names(host.names), sessions,
                                  PageCalls(self._client, host.name).carry_out,
-                                 self._certificate and self._certificate.context, displays, team_codes, team_pages)
+                                 self._certificate and self._certificate.context, displays, team_codes, team_pages,
+                                 calls.named())
 
     def start(self) -> None:
         """Serve as soon as that is possible."""

@@ -10,10 +10,12 @@ import pathlib
 import socket
 import ssl
 import time
-from typing import Any, Awaitable, Callable, FrozenSet, Iterable, List, Optional, Set
+from typing import Any, Awaitable, Callable, FrozenSet, Iterable, List, Mapping, Optional, Set
 
 from tornado import web
 
+from roah_rsbb.document.calls import Call
+from roah_rsbb.web.box_page.requests import PairingsHandler
 from roah_rsbb.web.commands import Command, Outcome
 from roah_rsbb.web.desk import Desk
 from roah_rsbb.web.displays.listed import PAGES as DISPLAYS
@@ -34,7 +36,11 @@ from roah_rsbb.web.teams.requests import CODE, CodesHandler, TeamHandler
 from roah_rsbb.web.writing import CommandHandler, DeviceEventsHandler, PairHandler, SessionHandler, StopEventsHandler
 from roah_rsbb.wording.device import TOO_MANY_TEAM_GUESSES
 
-PAGES_OF_DEVICES = ("pair", "referee", "displays", "codes")
+# They have STOP, and one script.
+PAGES_WITH_STOP = ("referee", "box")
+# Classes of a page besides its name: of the whole box, also those of the page that it consists of.
+_KINDS = {"box": " device referee"}
+PAGES_OF_DEVICES = ("pair", *PAGES_WITH_STOP, "displays", "codes")
 PAGES = (*DISPLAYS, *PAGES_OF_DEVICES)
 # A device that scores makes some requests a second. A crowd behind the same address has other limits.
 REQUESTS_OF_DEVICE_A_SECOND, REQUESTS_OF_DEVICE_AT_ONCE = 20.0, 100.0
@@ -64,6 +70,7 @@ class WebServer:
         sessions: Optional[Sessions] = None, command: Optional[Callable[[Command], Awaitable[Outcome]]] = None,
         context: Optional[ssl.SSLContext] = None,
         displays: Optional[Displays] = None, team_codes: Optional[TeamCodes] = None, team_pages: str = CODE,
+        calls: Optional[Mapping[str, Call]] = None,
     ) -> None:
         """`folder`: the files of the pages; `names`: of this computer (`limits.own_names`).
 
@@ -71,6 +78,7 @@ class WebServer:
         there is no answer.
         `context`: the certificate; None: nothing is encrypted.
         `displays`: what organisers have set for them, `team_codes`: of the teams; None: forgotten at the end.
+        `calls`: those of `PairingCalls`, for organisers.
         `team_pages`: who sees what the box knows of a team's robot: `all`, or who has the team's `code`.
         """
         self._loop = loop
@@ -85,6 +93,7 @@ class WebServer:
         self.team_guesses = Guesses(TOO_MANY_TEAM_GUESSES)
         self.displays = displays or Displays(lambda records: None, {})
         self.command = command or _no_answer
+        self.calls = calls or {}
         self.device_rates = Rates(REQUESTS_OF_DEVICE_A_SECOND, REQUESTS_OF_DEVICE_AT_ONCE)
         self.devices: Places[Reader] = Places(
             lambda device: device.close(1013, "too many devices"), MAX_DEVICES)
@@ -106,6 +115,7 @@ class WebServer:
                 (r"/api/v1/device", DeviceEventsHandler, shared),
                 (r"/api/v1/stop", StopEventsHandler, shared),
                 (r"/api/v1/displays", DisplaysHandler, shared),
+                (r"/api/v1/pairings", PairingsHandler, shared),
                 (r"/api/v1/codes", CodesHandler, shared),
                 (r"/logos/([^/]+)", LogoHandler, shared),
                 (r"/api/v1/teams/([^/]+)", TeamHandler, shared),
@@ -306,9 +316,10 @@ class PageHandler(Guarded):
         set_headers(self, {"Content-Type": "text/html; charset=utf-8", "Cache-Control": "no-cache",
                            "Content-Security-Policy": policy(self.request, again)})
         self.finish(page.format(
-            again=again, name=name or "index", kind=" device" if name in PAGES_OF_DEVICES else "",
+            again=again, name=name or "index", kind=_KINDS.get(name, " device") if name in PAGES_OF_DEVICES else "",
+            script="referee" if name in PAGES_WITH_STOP else name or "index",
             layout="" if name in DISPLAYS else 'data-layout="list"',
-            stop='<script src="/assets/stop.js"></script>' if name == "referee" else "",
+            stop='<script src="/assets/stop.js"></script>' if name in PAGES_WITH_STOP else "",
         ))
 
     head = get

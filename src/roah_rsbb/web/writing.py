@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 
 from tornado import web
 
+from roah_rsbb.web.box_page.documents import may_show, whole_sheet_page
 from roah_rsbb.web.commands import JUDGING, SHEET, BadCommand, Command, command_of, may
 from roah_rsbb.web.commands import STOP as STOP_COMMAND
 from roah_rsbb.web.desk import NO_STOP, STOP
@@ -18,7 +19,7 @@ from roah_rsbb.web.events import Reader
 from roah_rsbb.web.guarded import TOO_MANY_REQUESTS, Guarded
 from roah_rsbb.web.pairing import JUDGE, ORGANISER, SESSION_VALID_S, DeviceSession, NotPaired, TooManyGuesses, plain
 from roah_rsbb.web.viewer import Viewer
-from roah_rsbb.web.zone_documents import own_sheet, sheet_page, side_by_side
+from roah_rsbb.web.zone_documents import own_sheet, side_by_side
 from roah_rsbb.wording import device
 from roah_rsbb.wording.device import role_text
 from roah_rsbb.wording.language import tr
@@ -101,8 +102,8 @@ class FromOwnPage(OfDevice):
 
     def language(self) -> str:
         """The language of the reader."""
-        return self._server.store.language(str(self.body.get("language", ""))
-                                           or self.request.headers.get("Accept-Language", ""))
+        return self._server.store.language(str(self.body.get("language", "")) or self.get_query_argument(
+            "language", self.request.headers.get("Accept-Language", "")))
 
     def refuse(self, status: int, *reasons: str) -> None:
         """Answer that the request has no effect, and why."""
@@ -226,7 +227,7 @@ class CommandHandler(FromOwnPage):
 def _shown(command: Command, result: Any) -> Dict[str, Any]:
     """Return what the device may see of the result of a command."""
     if command.name == SHEET:
-        return sheet_page(result)
+        return whole_sheet_page(result)
     if command.name == JUDGING:
         return (own_sheet if command.session.grant.role == JUDGE else side_by_side)(result)
     return result or {}
@@ -252,11 +253,15 @@ class DeviceEventsHandler(OfDevice, Reader):
         self.zone = self.get_query_argument("zone", session.grant.zone or next(iter(zones), ""))
         if not session.grant.allows(self.zone):
             raise web.HTTPError(403, reason="This device may not act in this zone")
+        part = self.get_query_argument("part", "")
+        if part and not may_show(part, session.grant):
+            raise web.HTTPError(403, reason="This device may not see this part")
+        self.part = (part, session.grant.zone) if part else ()
         self.session_id = session.id
 
     def open(self, *_args: str, **_kwargs: str) -> None:
         """Send the snapshot."""
-        self.key = (self.language(), self.zone)
+        self.key = (self.language(), self.zone, *self.part)
         self.start(Viewer(self._server.desk, self._server.desk.keys(*self.key)))
         self._server.devices_changed()
 

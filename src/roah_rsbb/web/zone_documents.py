@@ -31,12 +31,11 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
     reasons = [*zone.off("connect"), *zone.off("start")]  # the page shows them beside the commands
     # Those of the zone first: a robot may be moving. The one that says what to do now is not repeated.
     warnings = [tr_said(text) for text in (*zone.unsaid, *document.box.warnings)]
-    mark = _MARKS.get(zone.phase, "–")
     return {
         "zone": zone.zone,
         "identity": zone.identity,
         "phase": zone.phase,
-        "phase_text": f"{mark} {sheets.phase(zone.phase, zone.end_reason)}",
+        "phase_text": phase_text(zone),
         "title": f"{event.code}  {event.desc}",
         "team": event.team,
         "event_id": event.id,
@@ -45,7 +44,7 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
         "robot": zone.robot_name,
         "by_hand": zone.by_hand,
         "todo": task.text,
-        "is_urgent": _is_urgent(task),
+        "is_urgent": is_urgent(task),
         "leaving": stop.leaving(zone),
         "warnings": [text for text in warnings if text != task.text],
         "state": [tr_said(line) for line in zone.state if line not in reasons],
@@ -62,6 +61,11 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
         "judging": [_judging(judgings[run.identity], run, moments, utc_s) for run in runs
                     if run.identity in judgings and (run.closed_utc_s is None or run in unsigned)],
     }
+
+
+def phase_text(zone: ZoneSeen) -> str:
+    """Return the phase of a zone with its mark."""
+    return f"{_MARKS.get(zone.phase, '–')} {sheets.phase(zone.phase, zone.end_reason)}"
 
 
 def moment(document: Document, utc_s: float) -> Tuple[object, ...]:
@@ -91,10 +95,11 @@ def counts(clock: RunClock) -> bool:
 def zones_page(zones: Sequence[ZoneSeen]) -> List[Data]:
     """Return all zones with their phases, and what each needs of its referee."""
     return [{"zone": zone.zone, "team": zone.event.team, "phase": sheets.phase(zone.phase), "todo": task.text,
-             "is_urgent": _is_urgent(task)} for zone in zones for task in [todo.todo(zone)]]
+             "is_urgent": is_urgent(task)} for zone in zones for task in [todo.todo(zone)]]
 
 
-def _is_urgent(task: todo.Todo) -> bool:
+def is_urgent(task: todo.Todo) -> bool:
+    """Whether a zone needs its referee."""
     return task.urgency >= todo.Urgency.LOOK
 
 
@@ -128,12 +133,13 @@ def _unsigned(runs: Sequence[RunLine], document: Document) -> List[RunLine]:
 
 def _run(run: RunLine, moments: Moments, utc_s: float) -> Data:
     when = moments.scheduled(run.opened_utc_s, utc_s)
-    return {"identity": run.identity, "revision": run.revision, "title": f"{when}  {_name(run)}",
+    return {"identity": run.identity, "revision": run.revision, "title": f"{when}  {run_name(run)}",
             "end": with_counting(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason), run.counts),
             "score": run.score}
 
 
-def _name(run: RunLine) -> str:
+def run_name(run: RunLine) -> str:
+    """Return the name of a run."""
     return sheets.run_name(run.code, run.team, run.round, run.run)
 
 
@@ -145,7 +151,7 @@ def _name(run: RunLine) -> str:
 def _judging(one: Judging, run: RunLine, moments: Moments, utc_s: float) -> Data:
     """Return how far the judges and the result of a run are."""
     return {
-        "identity": one.identity, "revision": one.revision, "title": _name(run),
+        "identity": one.identity, "revision": one.revision, "title": run_name(run),
         "off": judging.off(one, run.closed_utc_s is not None), "count": one.count, "missing": one.missing,
         "is_complete": one.complete,
         "waiver": one.waiver, "differences": one.differences,

@@ -2,8 +2,8 @@
 
 from typing import Any, Dict
 
-from roah_rsbb.model.actions import ACTIONS, Action
-from roah_rsbb.wording import judging, stop
+from roah_rsbb.model.actions import ACTIONS, ENTRIES, Action
+from roah_rsbb.wording import judging, schedule, stop
 from roah_rsbb.wording.language import tr, tr_later
 
 # The roles of devices, by the names in the ROS interface.
@@ -32,6 +32,15 @@ NO_SUCH_DISPLAY = tr_later("This display is not connected")
 TOO_MANY_DISPLAYS = tr_later("Too many displays are set: take some back first")
 SETTING_NOT_SAVED = tr_later("The setting cannot be saved ({error}): free or repair the disk of log_dir")
 
+# Keys of the referee's page.
+KEYS = (
+    (tr_later("Esc twice"), tr_later("stop the run of the zone, wherever the focus is")),
+    (tr_later("Shift+Esc twice"), tr_later("stop the runs of all zones")),
+    (tr_later("1 to 9"), tr_later("score the item with this number: count one more, or yes")),
+    (tr_later("Shift+1 to 9"), tr_later("take it back: count one less, or no")),
+    ("?", tr_later("open or close this list")),
+)
+
 
 def role_text(role: str, zone: str) -> str:
     """Return a role and where it counts."""
@@ -53,15 +62,51 @@ def action_words(action: Action) -> Dict[str, Any]:
     }
 
 
+def box_words() -> Dict[str, Any]:
+    """Return the fixed texts of the page of the whole box."""
+    return {
+        "whole_box": tr("Whole box"), "part_zone": tr("Zone"), "part_overview": tr("Overview"),
+        "part_schedule": tr("Schedule"), "part_robots": tr("Robots"), "part_runs": tr("Results"), "part_log": tr("Log"),
+        "part_box": tr("Core"), "part_pairings": tr("Pairing"),
+        "team": tr("Team"), "all_teams": tr("All teams"), "all_events": tr("All events"),
+        "no_events": tr("No event fits these filters."), "choose_event": tr("Choose this event"),
+        "schedule_shows": [[show.value, tr(show.value)] for show in schedule.Show if show is not schedule.Show.ALL],
+        "leave_unsigned": tr("{run} is not signed off. Its score sheet stays in Results.", run="{run}"),
+        "hidden": tr("{number} more are not shown", number="{number}"),
+        "no_robot": tr("No robot is heard"),
+        "robot_columns": [tr("Team"), tr("Robot"), tr("Link"), tr("Clock skew"), tr("Run in zone")],
+        "no_runs": tr("This zone has no run yet."), "history": tr("History"), "ends": tr("Ends"),
+        "withdraw": tr(ENTRIES["withdraw"].label),
+        "still_connected": tr("The run is still connected. Disconnect it first."),
+        "shown_text": tr("Text"), "search": tr("Search"), "matches": tr("{number} lines", number="{number}"),
+        "online": tr("Online Data"), "no_log": tr("Nothing has been logged yet"),
+        "no_online": tr("No online data from the robot yet"),
+        "tablet": tr("Tablet"), "no_tablet": tr("The tablet was never heard"),
+        "reload": tr("Reload"), "reload_title": tr("Reload configuration"), "apply": tr("Apply"),
+        "reload_errors": tr("Nothing was changed. Correct this first:"),
+        "reload_apply": tr("Apply these changes? Connected runs keep what they began with."),
+        "reload_same": tr("The files contain what is in force"), "reload_done": tr("The changes are in force"),
+        "may_act_as": tr("May act as"), "new_code": tr("New code"),
+        "code_old": tr("The code is too old: press New code"),
+        "scan_code": tr("Scan the code with the device, or open {page} and type it. It is for one device.",
+                        page="{page}"),
+        "type_code": tr("Open {page} on the device and type the code. It is for one device.", page="{page}"),
+        "valid_for": tr("Valid for {time}", time="{time}"), "paired_devices": tr("Paired devices"),
+        "end_one": tr("End pairing"),
+        "keys": tr("Keys"), "key_list": [[tr(key), tr(text)] for key, text in KEYS],
+    }
+
+
 def page_words() -> Dict[str, Any]:
     """Return the fixed texts of the pages, by the names that the pages use."""
     return {
-        **{f"role_{name}": tr(text) for name, text in ROLES.items()},
+        **box_words(), **{f"role_{name}": tr(text) for name, text in ROLES.items()},
         "role_in_zone": tr("{role} in {zone}", role="{role}", zone="{zone}"),
         "role_everywhere": tr("{role}, all zones", role="{role}"),
         "pair_title": tr("Pair this device"),
-        "pair_how": tr("A code comes from the referee's panel (Benchmark Control, ⋯, Pair a phone), or from "
-                       "'rosrun roah_rsbb referee pair' in a terminal. It is valid for two minutes, for one device."),
+        "pair_how": tr("A code comes from an organiser's page (Whole box, Pairing), from the referee's panel "
+                       "(Benchmark Control, ⋯, Pair a phone), or from 'referee pair' in a terminal. It is valid for "
+                       "two minutes, for one device."),
         "code": tr("Code"),
         "your_name": tr("Your name"),
         "this_device": tr("This device"),

@@ -105,7 +105,7 @@ def page_words() -> Dict[str, str]:
         "no_signal": tr(NO_SIGNAL, time=TIME), "runs": tr(RUNS), "next": tr(NEXT), "results": tr(RESULTS),
         "provisional": tr(PROVISIONAL), "display": tr("Public display"), "overlay": tr("Overlay for video"),
         "all_zones": tr("all zones"), "teams": tr("Teams"), "standings": tr("Standings"),
-        "referees": tr("Referees"), "referee_page": tr("Referee's page"),
+        "referees": tr("Referees"), "referee_page": tr("Referee's page"), "box_page": tr("Whole box"),
         "data": tr("Data for programs"), "no_results": tr("No results are public yet"),
         "no_standings": tr("No standings are public yet"),
         "pair_page": tr("Pair this device"), "displays_page": tr("What each display shows"),

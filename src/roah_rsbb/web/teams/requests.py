@@ -25,11 +25,8 @@ class TeamHandler(FromOwnPage):
         if not self._may_see(team):
             self.finish({"is_allowed": False, "facts": None})
             return
-        server = self._server
-        language = server.store.language(self.get_query_argument(
-            "language", self.request.headers.get("Accept-Language", "")))
-        desk = server.desk
-        self.finish({"is_allowed": True, "facts": desk.team_facts(team, language) if desk.is_heard else None})
+        desk = self._server.desk
+        self.finish({"is_allowed": True, "facts": desk.team_facts(team, self.language()) if desk.is_heard else None})
 
     def post(self, name: str) -> None:
         """Take the code of the team, and answer with a cookie."""

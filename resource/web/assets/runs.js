@@ -1,0 +1,92 @@
+// A run that is over: its score sheet with history and ends, its sign-off, its way to the final result (docs/web.md).
+
+import {html, useEffect, useState} from "/assets/parts.js";
+import {reasonsText} from "/assets/device.js";
+import {send} from "/assets/commands.js";
+import {Twice} from "/assets/buttons.js";
+import {HeadReferee, Publication, Reasoned} from "/assets/judging.js";
+import {Sheet} from "/assets/sheet.js";
+
+// `run`: as in the zone's list of those that wait for a sign-off, or with more from the list of all runs.
+export function FinishedRun({zone, run, marks, texts, undo, give}) {
+  const judged = zone.judging.find((one) => one.identity === run.identity);
+  const isOpen = run.is_closed === false, isJudged = run.is_judged || Boolean(judged && judged.count > 0);
+  return html`
+    <li key=${run.identity} data-listed=${run.identity}>
+      <p><strong>${run.title}</strong></p>
+      <p>${[run.end, run.score, run.sheet].filter(Boolean).join(" · ")}</p>
+      <${WholeSheet} zone=${zone} run=${run} marks=${marks} texts=${texts} undo=${undo} give=${give}
+        isFixed=${run.is_signed} hasItems=${!run.is_signed && !isJudged} />
+      ${isJudged && run.sheet && judged && html`<${HeadReferee} zone=${zone.zone} run=${judged} texts=${texts} give=${give} />`}
+      ${!run.is_signed && html`
+        <${Twice} name="sign_off" label=${texts.sign_off} question=${texts.really}
+          reasons=${isOpen ? [texts.still_connected] : marks.waiting.some((mark) => mark.identity === run.identity) ? [texts.marks_wait] : []}
+          act=${() => give("sign_off", texts, texts.sign_off, {identity: run.identity})} />`}
+      ${judged && !isJudged && html`<${Publication} zone=${zone.zone} run=${judged} texts=${texts} give=${give} />`}
+    </li>`;
+}
+
+// It is fetched while it is open, again after each change. `hasItems`: they can be corrected here.
+function WholeSheet({zone, run, marks, texts, undo, give, isFixed, hasItems}) {
+  const [isOpen, setOpen] = useState(false);
+  const [sheet, setSheet] = useState(null);
+  const [trouble, setTrouble] = useState("");
+  useEffect(() => {
+    let isCurrent = isOpen;
+    if (isOpen) {
+      send("sheet", {zone: zone.zone, identity: run.identity}).then((answer) => {
+        if (isCurrent) {
+          setTrouble(answer.status === 200 ? "" : reasonsText(answer, texts));
+          setSheet(answer.status === 200 ? answer.body : sheet);
+        }
+      });
+    }
+    return () => {
+      isCurrent = false;
+    };
+  }, [isOpen, run.revision]);
+  const enter = (name, label, more) => give(name, texts, label, {identity: run.identity, ...more});
+  return html`
+    <button type="button" data-command="correct" aria-expanded=${isOpen} onClick=${() => setOpen(!isOpen)}>
+      ${isOpen ? texts.close : hasItems ? texts.correct : texts.sheet}</button>
+    ${isOpen && trouble && html`<p class="alarm" role="alert">${trouble}</p>`}
+    ${isOpen && sheet && html`
+      <div class="correction">
+        <p class="facts">${sheet.facts.join(" · ")}</p>
+        ${hasItems ? html`
+          <${Sheet} zone=${{...sheet, zone: zone.zone, identity: run.identity}} marks=${marks} texts=${texts} undo=${undo} />` : html`
+          <${Facts} lines=${sheet.items.map((item) => [`${item.group}: ${item.desc}`, item.shown])} />
+          <p class="points">${sheet.points}</p>`}
+        <${Facts} lines=${sheet.module} />
+        <details class="history"><summary>${texts.history}: ${sheet.history.length}</summary>
+          <ul>${sheet.history.map((entry) => html`
+            <li key=${entry.number} class=${entry.is_withdrawn ? "withdrawn" : ""} data-entry=${entry.number}><p>${entry.number}. ${entry.text}</p>
+              ${!isFixed && !entry.is_withdrawn && html`<${Asked} name="withdraw" label=${texts.withdraw} texts=${texts}
+                act=${(note) => enter("withdraw", texts.withdraw, {entry: entry.number, note})} />`}</li>`)}</ul>
+        </details>
+        <details class="ends"><summary>${texts.ends}: ${sheet.ends.length}</summary>
+          <ul>${sheet.ends.map((end) => html`
+            <li key=${end.number}><p>${end.number}. ${end.text}${end.reason && `: ${end.reason}`}</p>
+              ${!isFixed && html`<${Asked} name="stop_reason" label=${texts.stop_reason} texts=${texts}
+                act=${(reason) => enter("stop_reason", texts.stop_reason, {reason, stop: end.number})} />`}</li>`)}</ul>
+        </details>
+      </div>`}`;
+}
+
+// A button that opens the field for a reason.
+function Asked({name, label, texts, act}) {
+  const [isOpen, setOpen] = useState(false);
+  const done = async (reason) => {
+    const isDone = await act(reason);
+    setOpen(!isDone);
+    return isDone;
+  };
+  return isOpen ? html`<${Reasoned} name=${name} label=${label} texts=${texts} act=${done} />`
+    : html`<button type="button" data-command=${name} onClick=${() => setOpen(true)}>${label} …</button>`;
+}
+
+// Names and values.
+export function Facts({lines}) {
+  return lines.length > 0 && html`
+    <dl class="named">${lines.map(([name, value]) => html`<div key=${name}><dt>${name}</dt><dd>${value}</dd></div>`)}</dl>`;
+}

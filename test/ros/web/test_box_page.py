@@ -1,0 +1,221 @@
+"""The page of the whole box in a real browser: all that the panels do, against a box without ROS.
+
+`make test-all` leaves screenshots of all parts in build/screenshots, in all sizes and languages.
+"""
+
+import json
+import pathlib
+import shutil
+import tempfile
+
+from support.browser import IS_ALL, NeedsBrowser, Page
+from support.served_box import TEAM, ServedBox
+
+from web.test_stop_page import CLICKED
+
+SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
+HOME, HALL = "Home", "Hall"
+PHONE, LAPTOP, LARGE = (360, 640), (1280, 720), (1920, 1080)
+TEXT = "document.body.innerText"
+PARTS = ("zone", "overview", "schedule", "robots", "runs", "log", "box", "pairings")
+LOG = "document.querySelector('ol.log')"
+EVENT = "    - {{ benchmark: {}, team: " + TEAM + ", round: 1, run: {}, scheduled_time: 2015-12-31 0{}:00:00 }}\n"
+SCHEDULE = "".join([
+    "- zone: Home\n  schedule:\n", EVENT.format("HGTKMH", 1, 1),
+    EVENT.format("HGTKMH", 2, 2), EVENT.format("HWV", 1, 3),
+    "- zone: Hall\n  schedule:\n", EVENT.format("HGTKMH", 3, 4), EVENT.format("HWV", 2, 5)])
+LATER = EVENT.format("HWV", 3, 6)
+
+
+class TestBoxPage(NeedsBrowser):
+    PAGES = "the page of the whole box"
+
+    def setUp(self) -> None:
+        super().setUp()
+        folder = pathlib.Path(tempfile.mkdtemp(prefix="roah_box_page_"))
+        self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
+        self.schedule = folder / "schedule.yaml"
+        self.schedule.write_text(SCHEDULE)
+        self.box = ServedBox(folder, schedule_file=str(self.schedule))
+        self.addCleanup(self.box.close)
+
+    def opened(self, part: str = "zone", role: str = "organiser", zone: str = "", language: str = "en") -> Page:
+        """The page of a device that is paired in this role, on a laptop."""
+        url = self.box.call("pair", role=role, zone=zone)["url"].replace("/pair", f"/pair?language={language}")
+        page = self.browser.page(url, *LAPTOP, is_alone=True)
+        page.fill("#person", "Olga")
+        page.press("form button")
+        page.wait_address("/referee")
+        page.open(f"{url.split('/pair')[0]}/box?language={language}&part={part}")
+        page.wait("document.querySelector('.all > *') !== null", "the part is shown")
+        return page
+
+    def open_part(self, page: Page, part: str) -> None:
+        """Press the button of a part."""
+        page.wait(CLICKED.format(f"[data-part={part}]"), f"the button of {part} is pressed")
+        page.wait(f"document.querySelector('[data-part={part}]').getAttribute('aria-current') === 'page'", "it is open")
+
+    def press(self, page: Page, selector: str) -> None:
+        """Press a button as soon as it is on."""
+        page.wait(CLICKED.format(selector), f"{selector} is pressed")
+
+    def press_twice(self, page: Page, selector: str) -> None:
+        """Press a button that asks for a second press."""
+        self.press(page, selector)
+        page.wait(f"document.querySelector({json.dumps(selector)}).textContent.includes('Press again')", "it asks")
+        self.press(page, selector)
+
+    def running(self, zone: str = HOME) -> str:
+        """Begin a run; returns its identity."""
+        for action in ("connect", "start"):
+            self.box.wait(lambda document, name=action: document.zones[zone].is_on(name), f"{action} is on")
+            self.box.act(action, zone)
+        return self.box.document.zones[zone].identity
+
+    def ended(self, zone: str = HOME) -> str:
+        """A run that is over, with a mark; returns its identity."""
+        identity = self.running(zone)
+        item = self.box.document.zones[zone].items[0]
+        self.box.act("mark", zone, group=item.group, desc=item.desc, value=1, role="referee", id="1")
+        self.box.call("stop", zone=zone, run=identity, by="Rita")
+        return identity
+
+    def test_the_overview_leads_to_a_zone_and_any_event_is_chosen(self) -> None:
+        self.ended()
+        page = self.opened("overview")
+        page.wait("document.querySelector('[data-zone=Home]').textContent.includes('ENDED: stopped')", "its phase")
+        self.press(page, "[data-zone=Hall]")
+        page.wait("document.querySelector('.who .zones').textContent.startsWith('Hall')", "the zone is chosen")
+        page.wait("document.querySelector('.commands') !== null", "its commands are shown")
+        self.open_part(page, "schedule")
+        event = next(one for one in self.box.document.events() if one.zone == HOME and one.code == "HWV")
+        row = f'[data-event="{event.id}"]'
+        self.press(page, f"{row} > button")
+        page.wait(f"{TEXT}.includes('HGTKMH, team {TEAM}, round 1, run 1 is not signed off')", "what is left")
+        self.press_twice(page, "[data-command=choose_event]")
+        self.box.wait(lambda document: document.zones[HOME].event.id == event.id, "the event is chosen")
+        page.wait(f"document.querySelector('{row}').matches('.current')", "the page shows it")
+        page.get("(s => (s.value = 'Hall', s.dispatchEvent(new Event('change', {bubbles: true}))))"
+                 "(document.querySelector('.filters select'))")
+        page.wait("document.querySelectorAll('.event').length === 2", "only those of the hall")
+
+    def test_an_event_is_not_chosen_while_a_run_is_connected(self) -> None:
+        self.running()
+        page = self.opened("schedule", "referee", HOME)
+        self.assertEqual(page.get("[...document.querySelectorAll('.parts button')].map(one => one.dataset.part)"),
+                         ["zone", "schedule", "robots", "runs", "log", "box"])
+        page.wait("document.querySelectorAll('.event').length === 3", "those of the own zone")
+        self.press(page, ".event:last-child > button")
+        page.wait(f"{TEXT}.includes('A run is running in Home. Stop it first.')", "why")
+        self.assertTrue(page.get("document.querySelector('[data-command=choose_event]').disabled"))
+        self.open_part(page, "robots")
+        page.wait("document.querySelector('tbody tr:last-child').textContent.endsWith('Home')", "the robot of the run")
+        self.assertIn("+0.000 s", page.get("document.querySelector('tbody').textContent"))
+        page.touch_at("button[data-command=stop]")
+        self.box.wait(lambda document: document.zones[HOME].phase == "ended", "STOP works beside each part")
+
+    def test_runs_with_history_reasons_and_sign_off(self) -> None:
+        identity = self.ended()
+        self.box.act("disconnect", HOME)
+        page = self.opened("runs")
+        run = f'[data-listed="{identity}"] '
+        self.press(page, run + "[data-command=correct]")
+        page.wait(f"document.querySelector('{run}.history') !== null", "the sheet is shown")
+        page.get("document.querySelectorAll('.correction details').forEach(one => one.open = true)")
+        self.press(page, run + "[data-command=withdraw]")
+        page.fill(run + "[data-form=withdraw] input", "it was another robot")
+        self.press(page, run + "[data-form=withdraw] > button")
+        page.wait(f"document.querySelector('{run}.withdrawn').textContent.includes('another robot')", "it is withdrawn")
+        self.press(page, run + "[data-command=stop_reason]")
+        page.fill(run + "[data-form=stop_reason] input", "it fell over")
+        self.press(page, run + "[data-form=stop_reason] > button")
+        page.wait(f"document.querySelector('{run}.ends').textContent.includes('it fell over')", "the reason")
+        self.press_twice(page, run + "[data-command=sign_off]")
+        page.wait(f"document.querySelector('{run}').textContent.includes('signed off by Olga')", "it stays in the list")
+        sheet = self.box.call("sheet", zone=HOME, run=identity)
+        self.assertEqual((sheet["history"][0]["withdrawn_note"], sheet["ends"][0]["reason"]),
+                         ("it was another robot", "it fell over"))
+        page.wait(f"document.querySelector('{run}.ends button, {run}[data-command=sign_off]') === null", "it is final")
+
+    def test_the_log_grows_and_is_searched(self) -> None:
+        self.running()
+        page = self.opened("log")
+        page.wait(f"{LOG}.textContent.includes('PREPARE')", "the log is shown")
+        self.box.call("stop", zone=HOME, run=self.box.document.zones[HOME].identity, by="Rita")
+        page.wait(f"{LOG}.textContent.includes('stopped by the referee')", "it grows")
+        self.assertTrue(page.get(f"{LOG}.textContent.includes('PREPARE')"), "what was there stays")
+        page.fill("input[type=search]", "prepare")
+        page.wait(f"{LOG}.querySelector('.found.now').textContent.includes('PREPARE')", "it is found")
+        page.fill("input[type=search]", "no such text")
+        page.wait(f"{TEXT}.includes('0 lines')", "nothing is found")
+        page.get("(s => (s.value = 'online', s.dispatchEvent(new Event('change', {bubbles: true}))))"
+                 "(document.querySelector('.filters select'))")
+        page.wait(f"!{LOG}.textContent.includes('PREPARE')", "the other text")
+
+    def test_changed_files_are_listed_and_then_applied(self) -> None:
+        page = self.opened("box")
+        self.press(page, "[data-command=reload]")
+        page.wait(f"{TEXT}.includes('The files contain what is in force')", "nothing has changed")
+        self.schedule.write_text(SCHEDULE + LATER)
+        self.press(page, "[data-command=reload]")
+        page.wait(f"{TEXT}.includes('Apply these changes?')", "the change is listed")
+        self.assertEqual(len(self.box.document.schedule), 5, "it is only listed")
+        self.press(page, "[data-command=apply]")
+        self.box.wait(lambda document: len(document.schedule) == 6, "it is applied")
+        page.wait(f"{TEXT}.includes('The changes are in force')", "the page says so")
+        self.schedule.write_text(SCHEDULE.replace("HWV", "HWW"))
+        self.press(page, "[data-command=reload]")
+        page.wait(f"{TEXT}.includes('Correct this first') && {TEXT}.includes('HWW')", "errors are shown")
+        self.assertIsNone(page.get("document.querySelector('[data-command=apply]')"))
+
+    def test_a_device_is_paired_and_its_pairing_ended(self) -> None:
+        page = self.opened("pairings")
+        self.press(page, "[data-command=new_code]")
+        page.wait("document.querySelector('.code code') !== null", "a code is shown")
+        self.assertEqual(page.get("document.querySelector('.square') === null"), False, "python3-qrcode is installed")
+        url = page.get("document.querySelector('.square').getAttribute('aria-label')")
+        other = self.browser.page(url, *PHONE, is_alone=True)
+        other.fill("#person", "Rita")
+        other.press("form button")
+        other.wait_address("/referee")
+        page.wait(f"{TEXT}.includes('Rita')", "it is listed")
+        self.press_twice(page, "[data-command=end_pairing]")
+        other.wait(f"{TEXT}.includes('This device is not paired')", "the phone says so")
+        page.wait(f"!{TEXT}.includes('Rita')", "it is not listed any more")
+
+    def test_keys_score_and_stop(self) -> None:
+        identity = self.running()
+        page = self.opened()
+        page.wait("document.querySelectorAll('.sheet .item [data-changed]').length === 0 "
+                  "&& document.querySelector('.sheet .item') !== null", "the sheet is shown")
+        page.command("Input.dispatchKeyEvent", type="keyDown", key="1", code="Digit1")
+        self.box.wait(lambda document: document.zones[HOME].items[0].value == 1, "the first item is a yes")
+        page.command("Input.dispatchKeyEvent", type="keyDown", key="!", code="Digit1", modifiers=8)
+        self.box.wait(lambda document: document.zones[HOME].items[0].value == 0, "and a no")
+        page.key("Escape")
+        page.wait("document.querySelector('.stopsaid').textContent.includes('Press again: Esc')", "it asks")
+        self.assertEqual(self.box.document.zones[HOME].phase, "running")
+        page.key("Escape")
+        self.box.wait(lambda document: document.zones[HOME].phase == "ended", "it is stopped")
+        self.assertEqual(self.box.document.zones[HOME].identity, identity)
+
+    def test_all_parts_are_accessible_and_fit_in_all_sizes(self) -> None:
+        self.ended(HALL)
+        self.box.act("disconnect", HALL)
+        self.running()
+        for language in ("en", "de"):
+            page = self.opened(language=language)
+            for part in PARTS:
+                self.open_part(page, part)
+                page.wait(f"document.querySelector('.all') && ({json.dumps(part)} === 'zone' "
+                          "|| document.querySelector('.part').children.length > 1)", f"{part} is shown")
+                for size in (PHONE, LAPTOP, LARGE):
+                    page.resize(*size)
+                    self.assertLessEqual(page.get("document.scrollingElement.scrollWidth"), size[0], (part, size))
+                    page.screenshot(SHOTS / f"web_box_{part}_{language}_{size[0]}.png")
+                for size, scheme in ((PHONE, "light"), (LARGE, "dark")) if language == "en" or IS_ALL else ():
+                    page.resize(*size)
+                    feature = {"name": "prefers-color-scheme", "value": scheme}
+                    page.command("Emulation.setEmulatedMedia", features=[feature])
+                    self.assertEqual(page.inaccessible(), [], (part, scheme))
+                    page.screenshot(SHOTS / f"web_box_{part}_{scheme}.png")
