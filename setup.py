@@ -27,7 +27,8 @@ RUNTIME = "protobuf>=3.20.2,<8"
 # It brings protoc 25.1, and has wheels for Python 3.8 to 3.12.
 COMPILER = "grpcio-tools>=1.62,<1.63; python_version<'3.13'"
 
-REQUIRES = {"robot": [RUNTIME, "cryptography>=2.8"], "check": ["PyYAML>=5.3.1"], "results": [], "box": ["tornado>=6"]}
+REQUIRES = {"robot": [RUNTIME, "cryptography>=2.8"], "check": ["PyYAML>=5.3.1"], "results": [],
+            "box": ["tornado>=6", "qrcode>=6"]}
 # Before Python 3.12, PySide6 6.12.0 ends each program with windows: it releases None too often.
 EXTRAS = {"box": {"window": ["PySide6-Essentials; python_version>='3.12'",
                              "PySide6-Essentials<6.12; python_version<'3.12'"]}}

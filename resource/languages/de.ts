@@ -1222,8 +1222,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>may be given later</source>
-        <translation>kann auch später angegeben werden</translation>
+        <source>optional</source>
+        <translation>optional</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/explained.py"/>

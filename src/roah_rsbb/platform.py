@@ -220,6 +220,7 @@ def open_in_browser(url: str) -> bool:
 
 # -- the loop ---------------------------------------------------------------------------------------
 
+END_S = 1.0  # for what is cancelled at the end
 _WAKE_S = 0.2  # so late a program notices Ctrl-C on Windows
 _READ_BYTES = 4096
 
@@ -229,6 +230,18 @@ def new_loop() -> "asyncio.AbstractEventLoop":
     import asyncio  # it takes long, and most programs with this file need no loop
 
     return asyncio.SelectorEventLoop()
+
+
+def end_loop(loop: "asyncio.AbstractEventLoop") -> None:
+    """Cancel what is left in a loop that does not run any more, and close it."""
+    import asyncio
+
+    tasks = asyncio.all_tasks(loop)
+    for task in tasks:
+        task.cancel()
+    if tasks:
+        loop.run_until_complete(asyncio.wait(tasks, timeout=END_S))
+    loop.close()
 
 
 def run(work: "Awaitable[Result]") -> Result:

@@ -2,7 +2,7 @@
 
 from typing import List, Optional
 
-INSTALL = "sudo apt install python3-qrcode"
+INSTALL = "sudo apt install python3-qrcode"  # pip installs it with the box
 # Light modules around the code, which readers need.
 _BORDER = 2
 

@@ -28,7 +28,12 @@ OWN_VARIABLE = "ROAH_RSBB_DOOR"
 
 def local_door_file() -> str:
     """Return the path of the file in which the box without ROS on this computer says where its door is."""
-    return os.environ.get(OWN_VARIABLE) or os.path.join(os.path.expanduser("~"), ".roah_rsbb", "door.json")
+    return os.environ.get(OWN_VARIABLE) or os.path.join(user_folder(), "door.json")
+
+
+def user_folder() -> str:
+    """Return the folder in which boxes without ROS of this user find each other."""
+    return os.path.join(os.path.expanduser("~"), ".roah_rsbb")
 
 
 def is_answering(path: str) -> bool:

@@ -2,6 +2,7 @@
 
 import errno
 import ipaddress
+import re
 import socket
 from typing import Optional
 
@@ -15,6 +16,7 @@ BIND_HOST = "bind_host (option --bind)"
 # Bytes; Linux doubles it. It holds some seconds of a robot's datagrams, for times when the loop is busy. A flood fills
 # it, and everything then waits until what is in it has been read: more would delay a robot's datagrams by seconds.
 _RECEIVE_BUFFER_SIZE = 256 * 1024
+_NUMBERS = re.compile(r"[\d.]+")
 _PROBE_PORT = 9  # any port: connecting a UDP socket sends nothing
 
 
@@ -78,6 +80,8 @@ def resolve(host: str, parameter: str) -> str:
     except ValueError:
         pass
     try:
+        if _NUMBERS.fullmatch(host):  # the name service takes 10.1 for 10.0.0.1
+            raise ValueError(host)
         return socket.gethostbyname(host)
     except (OSError, ValueError) as error:  # ValueError: not a possible name
         raise OpenError(errno.EINVAL, f"{parameter} '{host}' is neither an IPv4 address nor a known host: "

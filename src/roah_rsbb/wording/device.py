@@ -219,4 +219,4 @@ class StartWords:
     TEAMS, DAYS = tr_later("Teams, separated by commas"), tr_later("Days")
     TEAM, PASSWORD = tr_later("Team, as the robot sends it"), tr_later("Password of the team")
     IN_PROGRESS, DONE, FAILED = tr_later("in progress"), tr_later("done"), tr_later("ended with status {status}")
-    END, OPTIONAL = tr_later("End it"), tr_later("may be given later")
+    END, OPTIONAL = tr_later("End it"), tr_later("optional")

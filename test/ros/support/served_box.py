@@ -47,7 +47,7 @@ class ServedBox:
         return asyncio.run_coroutine_threadsafe(run(), self._loop).result(LIMIT_S)
 
     async def _open(self, robots: int, changes: Any) -> BoxProgram:
-        air = MemoryAir(self._loop)
+        air = MemoryAir()
         found = settings(str(self._folder), **{"web_port": "0", "tablet": "false", **changes})
         program = BoxProgram(self._loop, found, "", air.peer, is_dummy=True)
         await program.start(str(self._folder / "door.json"))

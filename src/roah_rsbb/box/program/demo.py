@@ -10,6 +10,8 @@ import asyncio
 import functools
 import logging
 import os
+import shlex
+import shutil
 import socket
 import subprocess
 import sys
@@ -21,7 +23,8 @@ from roah_rsbb.box.program.main import log_to_terminal, serve
 from roah_rsbb.client.places import OWN_VARIABLE
 from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
-from roah_rsbb.durable import close_to_others
+from roah_rsbb.durable import close_to_others, write_file
+from roah_rsbb.shipped import shipped_folder
 
 ZONE = "Testing TestingTeam"
 # For each benchmark, further options of the scripted referee.
@@ -56,6 +59,14 @@ def _free_port(first: int) -> int:
     return 0
 
 
+def _own_passwords(log_dir: str) -> str:
+    """Return the path of a copy of the included passwords, which others may not read: nobody is warned then."""
+    path = os.path.join(log_dir, "passwords.yaml")
+    os.makedirs(log_dir, exist_ok=True)
+    write_file(path, (shipped_folder() / "passwords.yaml").read_bytes())
+    return path
+
+
 def settings(log_dir: str, **changes: str) -> settings_of.BoxSettings:
     """Return the settings of the demonstration's box. `changes`: others than usual."""
     web_port = _free_port(FIRST_WEB_PORT)
@@ -71,7 +82,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     close_to_others()
     log_dir = os.path.expanduser(options.log_dir)
     log_to_terminal(logging.WARNING if options.scripted else logging.INFO, log_dir)
-    found = settings(log_dir)
+    found = settings(log_dir, passwords_file=_own_passwords(log_dir))
     # Imported late: help needs none of it.
     from roah_rsbb.box.program.program import BoxProgram
     from roah_rsbb.robot.dummy import DummyOptions, dummy_client
@@ -112,5 +123,6 @@ def _scripted(door: str, log_dir: str) -> int:
                   file=sys.stderr)
             return status
     print(f"The logs of the runs (rosbags) are in {log_dir}")
-    print(f"To print both score sheets: {called('results')} export --html sheets --log-dir {log_dir}")
+    program = "roah-rsbb" if shutil.which("roah-rsbb") else shlex.join(without_ros())
+    print(f"To print both score sheets: {program} results export --html sheets --log-dir {log_dir}")
     return 0

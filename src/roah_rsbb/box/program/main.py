@@ -81,7 +81,7 @@ def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[An
     import asyncio
 
     from roah_rsbb.journal.file import DamagedJournal
-    from roah_rsbb.platform import new_loop, on_end
+    from roah_rsbb.platform import end_loop, new_loop, on_end
     from roah_rsbb.rulebook.errors import ConfigErrors
 
     sys.setswitchinterval(SWITCH_S)
@@ -105,7 +105,7 @@ def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[An
         return 1
     finally:
         program.close()
-        loop.close()
+        end_loop(loop)
 
 
 def main(arguments: Optional[List[str]] = None) -> None:

@@ -31,7 +31,7 @@ from roah_rsbb.model.reason import say
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.web_calls import PAIR
 from roah_rsbb.params import BadParams
-from roah_rsbb.platform import new_loop
+from roah_rsbb.platform import end_loop, new_loop
 from roah_rsbb.shipped import shipped_folder
 from roah_rsbb.tablet.tablet_page import TabletPage
 from roah_rsbb.web.gateway import Gateway, GatewayHost
@@ -82,8 +82,9 @@ class DrivenModules:
             self._running.event(self._running.box.modules.on_modules, state)
 
     def close(self) -> None:
-        """End them."""
-        self._thread.close()
+        """End them, if they were started."""
+        if self._running is not None:
+            self._thread.close()
 
 
 class Sounds:
@@ -235,7 +236,7 @@ class WebParts:
         self._loop.run_forever()
         for part in self._parts:
             part.stop()
-        self._loop.close()
+        end_loop(self._loop)
 
     def pair_organiser(self) -> str:
         """Return an address that pairs one device as the organiser's. The pages must be served."""
@@ -244,8 +245,9 @@ class WebParts:
 
     def close(self) -> None:
         """Stop serving. A disk that hangs does not delay the end of the box."""
-        self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join(LEAVE_S)
+        if self._thread.is_alive():
+            self._loop.call_soon_threadsafe(self._loop.stop)
+            self._thread.join(LEAVE_S)
 
 
 class Backup:

@@ -8,15 +8,16 @@ import asyncio
 import functools
 import logging
 import os
-from typing import Any, Callable, Coroutine, List, Mapping, Optional
+from typing import Any, BinaryIO, Callable, Coroutine, List, Mapping, Optional
 
+from roah_rsbb import platform
 from roah_rsbb.box.calls import who_of
 from roah_rsbb.box.parameters import parameters_of
 from roah_rsbb.box.program.parts import LOOPBACK, Backup, ControlledDevices, DrivenModules, Sounds, WebParts
 from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.settings import BoxSettings
 from roah_rsbb.box.standing_by import wait_for_journal
-from roah_rsbb.client.places import OWN_VARIABLE, is_answering, local_door_file
+from roah_rsbb.client.places import OWN_VARIABLE, is_answering, local_door_file, user_folder
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.document.calls import EXIT, Caller
@@ -24,9 +25,15 @@ from roah_rsbb.document.place import NotFound, read_place, write_place
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.referee import Refused, checked_who
 from roah_rsbb.model.zone import RUNNING
+from roah_rsbb.params import BadParams
 from roah_rsbb.platform import open_in_browser
+from roah_rsbb.radio.radio import Network
 from roah_rsbb.web.pairing import CODE_VALID_S
 
+# How often it is checked whether the supervisor is there.
+LOOK_S = 1.0
+UNWATCHED = ("The program that watches this box has ended: after a crash, nothing starts the box again. Between two "
+             "runs, end the box and start it again")
 # Delay of the exit, so that its caller gets the answer.
 EXIT_S = 0.2
 IN_PROGRESS = say("Runs in progress: {runs}. End the box when they are over, or confirm that it is to end now: they "
@@ -45,7 +52,8 @@ class BoxProgram:
         params = parameters_of(settings)
         self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
         self._sounds = Sounds(settings)
-        os.makedirs(params.log_dir, exist_ok=True)
+        _make_folder(params.log_dir)
+        self._port_lock = _lock_port(params.network) if make_peer is Peer else None
         self._devices = ControlledDevices(loop, settings, params.log_dir, self._sounds.ring_bell)
         settings.done()
         self.running = RunningBox(
@@ -55,7 +63,7 @@ class BoxProgram:
         self._backup: Optional[Backup] = None
         self._door_file = ""
         self._tasks: List[asyncio.Task] = []  # a loop does not keep them
-        self._loop, self._params = loop, params
+        self._loop, self._params, self._is_supervised = loop, params, bool(launch)
         self.on_exit: Callable[[], object] = lambda: None
         """Called when somebody ends the box through its door."""
 
@@ -69,6 +77,7 @@ class BoxProgram:
         if self._params.backup_dir:
             self._backup = Backup(self._loop, self._params.backup_dir, self._params.log_dir, self.running)
         self._web.start()
+        self.keep(self._watch_supervisor(os.getppid()))
         self.running.door.add_calls({EXIT: self._exit})
         port = self.running.door.open(LOOPBACK)
         try:
@@ -93,6 +102,8 @@ class BoxProgram:
         self.running.close()
         if self._backup is not None:
             self._backup.close()
+        if self._port_lock is not None:
+            self._port_lock.close()
 
     async def open_pages(self, in_browser: bool) -> bool:
         """Show the organiser the way to the pages once they are served: in a browser, if there is one, and on the
@@ -118,9 +129,46 @@ class BoxProgram:
         _log.info("The box ends, because %s asked for it", checked_who(who) or "a client")
         self._loop.call_later(EXIT_S, self.on_exit)
 
+    async def _watch_supervisor(self, pid: int) -> None:
+        """Warn referees when the process is gone that starts this box again after a crash."""
+        while self._is_supervised and os.getppid() == pid:
+            await asyncio.sleep(LOOK_S)
+        if self._is_supervised:
+            self.running.event(self.running.box.on_trouble, UNWATCHED)
+
     def _publish_module_runs(self) -> None:
         if self._modules is not None:
             self._modules.publish_runs()
+
+
+def _lock_port(network: Network) -> Optional[BinaryIO]:
+    """Keep a second box of this user from the same address and port: neither would hear the other one, and both would
+    command the robots. Returns what keeps it until it is closed; None: the user's folder cannot be written. Raises
+    `BadParams`."""
+    path = os.path.join(user_folder(), f"udp_{network.bind_host}_{network.rsbb_port}.lock")
+    try:
+        os.makedirs(user_folder(), exist_ok=True)
+        file = open(path, "ab", opener=platform.open_file)  # noqa: SIM115
+    except OSError:
+        return None
+    try:
+        platform.lock(file.fileno())
+    except BlockingIOError:
+        file.close()
+        raise BadParams(f"another box of this user is at {network.bind_host}, UDP port {network.rsbb_port}: end it, or "
+                        "give this one another rsbb_port, and its robots, too") from None
+    except OSError:  # a file system without locks
+        pass
+    return file
+
+
+def _make_folder(log_dir: str) -> None:
+    """Make the folder of the journal. Raises `BadParams`."""
+    try:
+        os.makedirs(log_dir, exist_ok=True)
+    except OSError as error:
+        raise BadParams(f"log_dir {log_dir} cannot be created ({error.strerror}): choose another folder, or let this "
+                        "user write there") from None
 
 
 def door_file(log_dir: str) -> str:

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from roah_rsbb.box.in_process_client import InProcessClient
+from roah_rsbb.box.program import program
 from roah_rsbb.box.program.demo import settings
 from roah_rsbb.box.program.main import serve
 from roah_rsbb.box.program.program import BoxProgram, door_file
@@ -39,6 +40,7 @@ class Demonstration:
         loop = asyncio.get_event_loop()
         self.client = InProcessClient(running.door, loop, loop, self._changed.set, "referee")
         self.door_file = os.path.join(str(log_dir), "door.json")
+        self.asked = False
         self._behaviour = DummyOptions(prepare_duration=0.05, execute_duration=execute_s, seed=1)
 
     async def __aenter__(self):
@@ -247,3 +249,44 @@ def test_terminals_are_not_led_from_one_box_to_another(tmp_path, monkeypatch):
             write_place(usual, place.url, place.token)
             return door_file("other")
     assert run(play()) == os.path.join("other", "door.json")
+
+
+def test_two_boxes_of_a_user_are_not_at_the_same_address_and_port(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+
+    async def make():
+        loop = asyncio.get_event_loop()
+        given = {"web": "false", "tablet": "false", "rsbb_port": "17"}
+        first = BoxProgram(loop, settings(str(tmp_path / "1"), **given), "")
+        with pytest.raises(BadParams, match="another box of this user is at 127.0.0.1, UDP port 17: end it, or"):
+            BoxProgram(loop, settings(str(tmp_path / "2"), **given), "")
+        other = BoxProgram(loop, settings(str(tmp_path / "2"), **{**given, "rsbb_port": "18"}), "")
+        first.close()
+        again = BoxProgram(loop, settings(str(tmp_path / "1"), **given), "")
+        other.close()
+        again.close()
+    run(make())
+
+
+def test_a_log_dir_that_cannot_be_created_is_named_with_the_remedy(tmp_path):
+    (tmp_path / "file").touch()
+
+    async def make():
+        box_program(tmp_path / "file" / "log", MemoryAir())
+    with pytest.raises(BadParams, match="cannot be created .*: choose another folder"):
+        run(make())
+
+
+def test_referees_are_warned_when_nobody_watches_the_box(tmp_path, monkeypatch):
+    async def play():
+        monkeypatch.setattr(program, "LOOK_S", 0.01)
+        async with Demonstration(tmp_path) as demo:
+            demo.program._is_supervised = True
+            parent = os.getppid()
+            monkeypatch.setattr(os, "getppid", lambda: parent + (1 if demo.asked else 0))
+            demo.program.keep(demo.program._watch_supervisor(parent))
+            await demo.until(lambda zone: demo.client.document is not None)
+            demo.asked = True
+            await demo.until(lambda zone: any(
+                "watches this box has ended" in str(line) for line in demo.client.document.box.warnings))
+    run(play())
