@@ -8,6 +8,9 @@ import logging
 import logging.handlers
 import queue
 
+# Seconds. Who takes no lines does not keep a process from ending.
+FLUSH_S = 2.0
+
 
 class LogLines(logging.handlers.QueueHandler):
     """Handles the lines of a logger in another thread. rospy's log file has those of a node at once, as before."""
@@ -27,7 +30,10 @@ class LogLines(logging.handlers.QueueHandler):
         calls that when the process ends."""
         if self in self._logger.handlers:
             self._logger.handlers = self._handlers
-            self._listener.stop()
+            self._listener.enqueue_sentinel()
+            thread = self._listener._thread
+            if thread is not None:
+                thread.join(FLUSH_S)
 
     def close(self) -> None:
         """Flush, for good."""

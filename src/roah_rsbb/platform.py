@@ -144,6 +144,7 @@ def open_to_others(path: str) -> int:
 # -- the computer and its processes -----------------------------------------------------------------
 
 _BOOT_STEP_S = 60.0
+_PR_SET_PDEATHSIG = 1
 
 
 def boot_id() -> str:
@@ -178,6 +179,23 @@ def status_of(pid: int) -> List[str]:
             return file.read().rpartition(")")[2].split() or [""]
     except OSError:
         return [""]
+
+
+def end_with_parent() -> None:
+    """End this process when its parent ends. Only Linux can do that."""
+    if sys.platform.startswith("linux"):
+        import ctypes
+
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def allow_many_files() -> None:
+    """Let this process open as many files as the system allows: the journal keeps its files open."""
+    with contextlib.suppress(ImportError, ValueError, OSError):
+        import resource
+
+        _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
 
 
 def processors() -> int:
@@ -254,13 +272,20 @@ def run(work: "Awaitable[Result]") -> Result:
     return asyncio.run(work)  # type: ignore[arg-type]
 
 
+def ending_signals() -> List[int]:
+    """The signals with which a process is asked to end. Under nohup, a terminal that is closed ends nothing."""
+    named = [signal.SIGINT, signal.SIGTERM, *filter(None, [signal_named("SIGHUP")])]
+    return [number for number in named if signal.getsignal(number) is not signal.SIG_IGN]
+
+
 def on_end(loop: "asyncio.AbstractEventLoop", callback: Callable[[], object]) -> None:
-    """Call this in the loop when the process is to end: after Ctrl-C and SIGTERM. In the main thread."""
+    """Call this in the loop when the process is to end: after Ctrl-C and SIGTERM, or when its terminal is closed. In
+    the main thread."""
     try:
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in ending_signals():
             loop.add_signal_handler(number, callback)
     except NotImplementedError:
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in ending_signals():
             signal.signal(number, lambda *_: loop.call_soon_threadsafe(callback))
         _wake(loop)
 

@@ -106,6 +106,11 @@ class Watch:
         self.silence.look(self._now(), pid)
 
     @property
+    def can_hear(self) -> bool:
+        """Whether signs of life can be heard on this system."""
+        return self._socket is not None
+
+    @property
     def is_gone(self) -> bool:
         """Whether the process of a core that did not end by itself does not exist any more."""
         return self.silence.pid > 0 and (began(self.silence.pid) or "none") != self._began

@@ -3,7 +3,7 @@
 import logging
 import sys
 import time
-from typing import Callable, Optional
+from typing import Any, Callable, Optional
 
 from roah_rsbb.journal.file import CannotWriteJournal, JournalInUse, Lock, lock
 from roah_rsbb.standby.partners import is_standby
@@ -21,7 +21,7 @@ def never() -> bool:
     return False
 
 
-def wait_for_takeover(log_dir: str, is_ended: Callable[[], bool] = never) -> None:
+def wait_for_takeover(log_dir: str, is_ended: Callable[[], Any] = never) -> None:
     """Return when this computer is the box. Ends the process if it is interrupted before, or `is_ended`."""
     if not is_standby(log_dir):
         return
@@ -30,7 +30,7 @@ def wait_for_takeover(log_dir: str, is_ended: Callable[[], bool] = never) -> Non
         _pause(is_ended)
 
 
-def wait_for_journal(log_dir: str, is_ended: Callable[[], bool] = never) -> Optional[Lock]:
+def wait_for_journal(log_dir: str, is_ended: Callable[[], Any] = never) -> Optional[Lock]:
     """Lock the journal, as soon as no other process uses it: its runs are those that this core continues. Ends the
     process if it is interrupted before, or `is_ended`. Returns None if the folder cannot be written."""
     warned, said_at = "", 0.0
@@ -50,7 +50,7 @@ def wait_for_journal(log_dir: str, is_ended: Callable[[], bool] = never) -> Opti
         _pause(is_ended)
 
 
-def _pause(is_ended: Callable[[], bool]) -> None:
+def _pause(is_ended: Callable[[], Any]) -> None:
     try:
         if is_ended():
             sys.exit(0)

@@ -19,6 +19,8 @@ COMMANDS = {
     "dummy-box": ("check", "check.dummy_box", "a box for a team: leads one robot through a run"),
     "results": ("results", "results.program.main", "show and export the runs of a competition"),
 }
+# Not for users: the benchmarking modules of a box are a process of their own.
+INTERNAL = {"modules": ("box", "box.program.modules_process", "")}
 
 
 def _usage() -> str:
@@ -38,11 +40,12 @@ def main(arguments: Optional[List[str]] = None) -> None:
     if not given and importlib.util.find_spec("roah_rsbb.box") is not None:
         importlib.import_module("roah_rsbb.box.program.start_page").main()
         return
-    if not given or given[0] not in COMMANDS:
+    commands = {**COMMANDS, **INTERNAL}
+    if not given or given[0] not in commands:
         wrong = f"roah-rsbb: no command '{given[0]}'\n" if given else ""
         print(f"{wrong}{_usage()}", file=sys.stderr)
         sys.exit(2)
-    package, module, _ = COMMANDS[given[0]]
+    package, module, _ = commands[given[0]]
     try:
         program = importlib.import_module(f"roah_rsbb.{module}")
     except ModuleNotFoundError as error:

@@ -87,3 +87,6 @@ def test_names_are_resolved_once_and_errors_name_the_parameter(monkeypatch):
     for host in ("nowhere", "", "10.0.0", "\ud800"):
         with pytest.raises(OSError, match=r"bind_host '.*' is neither an IPv4 address"):
             sockets.resolve(host, "bind_host")
+    monkeypatch.setattr(sockets.socket, "gethostbyname", lambda host: "10.0.0.0")
+    with pytest.raises(OSError, match="'10.0.0' is neither"):  # which the name service takes for an address
+        sockets.resolve("10.0.0", "rsbb_host")

@@ -32,7 +32,7 @@ class ServedBox:
         self._folder = folder
         self.program: BoxProgram = self.do(lambda: self._open(robots, changes))
         running = self.program.running
-        self._client = InProcessClient(running.door, running.now, happened, "referee")
+        self._client = InProcessClient(running.door, self._loop, self._loop, happened, "referee")
 
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)

@@ -2,7 +2,7 @@
 
 Theory of operation (docs/module_protocol.md). The rules and their parameters are files that may be changed, added and
 removed at any time: changes take effect at the next start of a run or the next request for a pose. Everything happens
-in the thread of an asyncio loop, and rules may block it. A box in the same process therefore uses `ModulesThread`.
+in the thread of an asyncio loop, and rules may block it. A box therefore has them in another process.
 """
 
 import asyncio

@@ -7,7 +7,6 @@ functionality benchmark instead. The exit status then says whether both runs wer
 
 import argparse
 import asyncio
-import functools
 import logging
 import os
 import shlex
@@ -35,6 +34,7 @@ RUNS: Dict[str, List[str]] = {
 BOX_HOST = "127.0.0.1"
 FIRST_WEB_PORT = 8081
 WAIT_FOR_ROBOT_S = 40
+LOOK_S = 0.05
 MOST_ROBOTS = 200
 
 
@@ -105,19 +105,25 @@ def main(arguments: Optional[List[str]] = None) -> None:
             program.keep(robot.run())
         if not options.scripted and await program.open_pages(in_browser=True):
             await asyncio.get_event_loop().create_future()
-        return await asyncio.get_event_loop().run_in_executor(None, functools.partial(_scripted, door, log_dir))
+        return await _scripted(door, log_dir)
 
     sys.exit(serve(make, work))
 
 
-def _scripted(door: str, log_dir: str) -> int:
+async def _scripted(door: str, log_dir: str) -> int:
     """Let a scripted referee lead the runs; returns the exit status."""
     print(f"A scripted referee takes a dummy robot through {' and '.join(RUNS)}.", flush=True)
     for benchmark, does in RUNS.items():
         print(f"\n--- {benchmark}", flush=True)
-        status = subprocess.call(
+        referee = subprocess.Popen(
             without_ros("referee", "run", ZONE, "--benchmark", benchmark, "--wait", str(WAIT_FOR_ROBOT_S), *does),
             env={**os.environ, OWN_VARIABLE: door})
+        try:
+            while referee.poll() is None:
+                await asyncio.sleep(LOOK_S)
+        finally:
+            referee.kill()  # of a demonstration that is ended
+        status = referee.wait()
         if status != 0:
             print(f"{called('demo')}: {benchmark} was not completed (the referee's exit status is {status})",
                   file=sys.stderr)

@@ -71,6 +71,7 @@ def log_to_terminal(level: int = logging.INFO, log_dir: str = "") -> None:
                 os.path.join(log_dir, LOG_FILE), maxBytes=MAX_LOG_BYTES, backupCount=1, encoding="utf-8"))
     logging.basicConfig(level=logging.INFO, handlers=handlers, format=_LINE)
     logging.getLogger("tornado").setLevel(logging.ERROR)
+    logging.raiseExceptions = False  # the standard error may be closed, or the disk full: the box says so elsewhere
     LogLines("")
 
 

@@ -6,11 +6,9 @@ import logging
 import threading
 from typing import Any, Callable, Dict, List, Mapping, Optional, Union
 
-from roah_rsbb.bmbox.host.dummy_frames import DummyFrames
-from roah_rsbb.bmbox.host.ground_truth_of_frames import NoFrames, ZonesGroundTruth
-from roah_rsbb.bmbox.host.host import ModulesHost, chosen_benchmarks
-from roah_rsbb.bmbox.host.thread import ModulesThread
+from roah_rsbb.bmbox.host.host import chosen_benchmarks
 from roah_rsbb.box.in_process_client import InProcessClient
+from roah_rsbb.box.program.modules_process import ModulesProcess, modules_command
 from roah_rsbb.box.running import RunningBox
 from roah_rsbb.box.settings import BoxSettings
 from roah_rsbb.comm.channels import MakePeer
@@ -51,31 +49,25 @@ _log = logging.getLogger(__name__)
 
 
 class DrivenModules:
-    """The modules of functionality benchmarks, in a thread of their own."""
+    """The modules of functionality benchmarks, in a process of their own."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, is_dummy: bool) -> None:
         """`is_dummy`: a simulated motion-capture system sees what the rules ask for. Raises `BadParams`."""
         folder = settings.path("modules_dir")
-        benchmarks = chosen_benchmarks(settings, folder)
-        make_frames = DummyFrames if is_dummy else NoFrames
         self._running: Optional[RunningBox] = None
-
-        def make(its_loop: asyncio.AbstractEventLoop, send: Callable[[ModulesState], object]) -> ModulesHost:
-            return ModulesHost(
-                its_loop, folder, benchmarks, truth=ZonesGroundTruth(folder, make_frames), send=send)
-
-        self._thread = ModulesThread(make, self._take_state, loop.call_soon_threadsafe)
+        self._process = ModulesProcess(
+            loop, modules_command(folder, chosen_benchmarks(settings, folder), is_dummy), self._take_state)
 
     def start(self, running: RunningBox) -> None:
         """Drive the runs of a box."""
         self._running = running
-        self._thread.start()
+        self._process.start()
         self.publish_runs()
 
     def publish_runs(self) -> None:
         """Hand the runs over that have a module."""
         if self._running is not None:
-            self._thread.take(self._running.box.modules.runs())
+            self._process.take(self._running.box.modules.runs())
 
     def _take_state(self, state: ModulesState) -> None:
         if self._running is not None:
@@ -84,7 +76,7 @@ class DrivenModules:
     def close(self) -> None:
         """End them, if they were started."""
         if self._running is not None:
-            self._thread.close()
+            self._process.close()
 
 
 class Sounds:

@@ -1,11 +1,11 @@
 """A whole box in one process.
 
-Core, radio, door and home devices share a loop. The rules of benchmarks have a thread of their own, because they are
-code of others (`bmbox/host/thread.py`), and so have the web pages (`WebParts`).
+Core, radio, door and home devices share a loop. The web pages have a thread of their own (`WebParts`). Only the rules
+of benchmarks have another process, because they are code of others (`modules_process.py`).
 """
 
 import asyncio
-import functools
+import contextlib
 import logging
 import os
 from typing import Any, BinaryIO, Callable, Coroutine, List, Mapping, Optional
@@ -28,6 +28,7 @@ from roah_rsbb.model.zone import RUNNING
 from roah_rsbb.params import BadParams
 from roah_rsbb.platform import open_in_browser
 from roah_rsbb.radio.radio import Network
+from roah_rsbb.signs_of_life import Signs
 from roah_rsbb.web.pairing import CODE_VALID_S
 
 # How often it is checked whether the supervisor is there.
@@ -49,6 +50,7 @@ class BoxProgram:
                  make_peer: MakePeer = Peer, is_dummy: bool = False) -> None:
         """`launch`: identifies the supervisor (`resume:=launch`). `is_dummy`: a demonstration, see
         `DrivenModules`. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError: their text is the remedy."""
+        platform.allow_many_files()
         params = parameters_of(settings)
         self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
         self._sounds = Sounds(settings)
@@ -57,7 +59,7 @@ class BoxProgram:
         self._devices = ControlledDevices(loop, settings, params.log_dir, self._sounds.ring_bell)
         settings.done()
         self.running = RunningBox(
-            loop, params, launch, wait_for_journal(params.log_dir),
+            loop, params, launch, wait_for_journal(params.log_dir, Signs(params.log_dir).send),
             Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
         self._web = WebParts(loop, settings, self.running, make_peer)
         self._backup: Optional[Backup] = None
@@ -89,6 +91,10 @@ class BoxProgram:
 
     def close(self) -> None:
         """End everything. Runs continue with the next start."""
+        running = [zone.zone for zone in self.running.door.document.zones.values() if zone.phase == RUNNING]
+        if running:
+            _log.warning("The box ends during a run in %s: its robot is not stopped, and the run continues when the "
+                         "box is started again", ", ".join(running))
         if self._door_file and _is_own(self._door_file, self.running.door.token):
             os.unlink(self._door_file)
         self._web.close()
@@ -113,7 +119,7 @@ class BoxProgram:
         await asyncio.wrap_future(self._web.url)
         url = await self._loop.run_in_executor(None, self._web.pair_organiser)
         text = f"To pair this computer or another one as the organiser's, open within {CODE_VALID_S:.0f} s: {url}"
-        await self._loop.run_in_executor(None, functools.partial(print, text, flush=True))
+        await self._loop.run_in_executor(None, _print, text)
         return in_browser and open_in_browser(url)
 
     def keep(self, work: Coroutine[Any, Any, Any]) -> None:
@@ -139,6 +145,11 @@ class BoxProgram:
     def _publish_module_runs(self) -> None:
         if self._modules is not None:
             self._modules.publish_runs()
+
+
+def _print(text: str) -> None:
+    with contextlib.suppress(OSError):  # nobody reads the standard output any more
+        print(text, flush=True)
 
 
 def _lock_port(network: Network) -> Optional[BinaryIO]:

@@ -50,6 +50,14 @@ def starts(tmp_path):
     return (tmp_path / "starts").read_text("utf-8").split()
 
 
+def until_it_listens(tmp_path):
+    """The supervisor listens on this address once it has started the box."""
+    address = signs_of_life._address(str(tmp_path), signs_of_life.SUPERVISOR)[1:].decode()
+    while address not in pathlib.Path("/proc/net/unix").read_text("utf-8"):
+        os.sched_yield()
+    (tmp_path / "heard").touch()
+
+
 def test_a_killed_box_is_started_again_within_the_same_launch(supervised, tmp_path):
     process = supervised("if starts < 3: os.kill(os.getpid(), signal.SIGKILL)")
     out, error = process.communicate(timeout=LIMIT_S)
@@ -93,11 +101,24 @@ def test_a_box_that_does_not_answer_is_replaced(supervised, tmp_path):
             time.sleep(0.01)
         """)
     assert process.stdout.readline() == "started 1\n"
-    # The supervisor listens on this address once it has started the box.
-    address = signs_of_life._address(str(tmp_path), signs_of_life.SUPERVISOR)[1:].decode()
-    while address not in pathlib.Path("/proc/net/unix").read_text("utf-8"):
-        os.sched_yield()
-    (tmp_path / "heard").touch()
+    until_it_listens(tmp_path)
     out, error = process.communicate(timeout=LIMIT_S)
     assert process.returncode == 0 and out == "started 2 again\n"
     assert "has not answered for 2 s" in error
+
+
+def test_after_a_crash_it_tries_until_the_box_runs_again(supervised, tmp_path):
+    process = supervised("""
+        from roah_rsbb.signs_of_life import Signs
+        while starts == 1 and not os.path.exists("heard"):  # until the supervisor listens
+            time.sleep(0.01)
+        if starts == 1:
+            Signs(".").send()
+            os.kill(os.getpid(), signal.SIGKILL)
+        sys.exit([1, 2, 0][starts - 2])  # somebody edits a file of the competition just now
+        """)
+    until_it_listens(tmp_path)
+    _, error = process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0
+    assert len(starts(tmp_path)) == 4
+    assert error.count("Repair what it says is wrong") == 2

@@ -1,0 +1,130 @@
+"""Rules in a process of their own: whatever they do, the box's loop continues, and the next process follows."""
+
+import asyncio
+import logging
+import shutil
+
+import pytest
+
+from roah_rsbb.box.program import modules_process
+from roah_rsbb.box.program.modules_process import ModulesProcess, modules_command
+from roah_rsbb.model.modules import RunForModule
+from roah_rsbb.platform import run
+from roah_rsbb.shipped import shipped_folder
+
+LIMIT_S = 60.0
+RULES = """
+import logging, os, re, sys
+from roah_rsbb.bmbox.hnf import HNF
+
+
+class Rules(HNF):
+    async def execute(self):
+        print("from the rules")  # disturbs nothing
+        EVIL
+"""
+# No signal ends it, and no other thread runs meanwhile.
+HANG = "logging.error('hang now'); re.match('(a+)+$', 'a' * 60 + 'b')"
+
+
+class Hosted:
+    """The process, and what it sent."""
+
+    def __init__(self, folder):
+        self.states = []
+        command = modules_command(str(folder), ["HNF"], True)
+        self.process = ModulesProcess(asyncio.get_event_loop(), command, self.states.append)
+
+    async def until(self, condition):
+        async def wait():
+            while not condition():
+                await asyncio.sleep(0.02)
+        await asyncio.wait_for(wait(), LIMIT_S)
+
+    @property
+    def nodes(self):
+        """The identities of the processes, in their order."""
+        return list(dict.fromkeys(state.node for state in self.states))
+
+    async def __aenter__(self):
+        self.process.start()
+        await self.until(lambda: any(state.modules for state in self.states))
+        return self
+
+    async def __aexit__(self, *error):
+        self.process.close()
+
+
+@pytest.fixture
+def folder(tmp_path):
+    shutil.copytree(str(shipped_folder() / "modules"), str(tmp_path / "modules"))
+    return tmp_path / "modules"
+
+
+def a_run(running=True):
+    return RunForModule("HNF-1", 1, "Home", "HNF", "A", 1, 1, running)
+
+
+def test_it_drives_runs_and_its_log_is_that_of_the_box(folder, caplog):
+    async def play():
+        async with Hosted(folder) as hosted:
+            hosted.process.take([a_run()])
+            await hosted.until(lambda: hosted.states[-1].progress)
+            return hosted.states[-1].progress[0]
+    with caplog.at_level(logging.INFO):
+        progress = run(play())
+    assert progress.run == "HNF-1" and progress.request is not None
+    assert any("Running modules HNF" in record.getMessage() for record in caplog.records)
+
+
+def with_rules(folder, evil):
+    (folder / "HNF.py").write_text(RULES.replace("EVIL", evil), "utf-8")
+    return folder
+
+
+@pytest.mark.parametrize("evil", ["os._exit(0)", "os._exit(3)", "os.kill(os.getpid(), 9)"])
+def test_after_rules_that_end_their_process_the_next_one_gets_the_runs(folder, caplog, monkeypatch, evil):
+    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
+
+    async def play():
+        async with Hosted(with_rules(folder, evil)) as hosted:
+            hosted.process.take([a_run()])
+            await hosted.until(lambda: len(hosted.nodes) >= 3)  # it got the run again, and ended again
+            (folder / "HNF.py").unlink()
+            hosted.process.take([a_run()])
+            await hosted.until(lambda: hosted.states[-1].progress)
+    run(play())
+    assert "The process of the benchmarking modules has ended" in caplog.text
+
+
+@pytest.mark.parametrize("evil", ["while True: pass", HANG])
+def test_rules_that_do_not_answer_are_replaced(folder, caplog, monkeypatch, evil):
+    monkeypatch.setattr(modules_process, "HUNG_S", 2.0)
+    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
+
+    async def play():
+        async with Hosted(with_rules(folder, evil)) as hosted:
+            hosted.process.take([a_run()])
+            await hosted.until(lambda: "do not answer" in caplog.text)
+            hosted.process.take([])  # the referee leaves the run
+            hung, count = hosted.nodes[-1], len(hosted.states)
+            await hosted.until(lambda: hosted.states[-1].node != hung and len(hosted.states) > count + 2)
+    run(play())
+
+
+def test_rules_that_read_the_input_take_nothing_from_the_box(folder):
+    async def play():
+        async with Hosted(with_rules(folder, "await self.referee(sys.stdin.read() or 'nothing')")) as hosted:
+            hosted.process.take([a_run()])
+            await hosted.until(lambda: hosted.states[-1].progress)
+            return hosted.states[-1].progress[0]
+    assert "nothing" in str(run(play()).request)
+
+
+def test_the_box_ends_although_rules_hang(folder, caplog):
+    async def play():
+        async with Hosted(with_rules(folder, HANG)) as hosted:
+            hosted.process.take([a_run()])
+            await hosted.until(lambda: "hang now" in caplog.text)
+            return hosted.process._process
+    assert run(play()).wait(LIMIT_S) is not None
