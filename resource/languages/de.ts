@@ -862,8 +862,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Stopped by mistake? The rules allow a restart: it continues this run.</source>
-        <translation>Aus Versehen gestoppt? Die Regeln erlauben einen Neustart: Er setzt diesen Lauf fort.</translation>
+        <source>The rules allow a restart, which continues this run.</source>
+        <translation>Die Regeln erlauben einen Neustart, der diesen Lauf fortsetzt.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>

@@ -153,7 +153,7 @@ def page_words() -> Dict[str, Any]:
         "actions": {name: action_words(action) for name, action in ACTIONS.items()},
         "connect_robot": tr("Connect {robot}", robot="{robot}"),
         "continue": tr("▶ Continue the run"),
-        "may_continue": tr("Stopped by mistake? The rules allow a restart: it continues this run."),
+        "may_continue": tr("The rules allow a restart, which continues this run."),
         "stop": tr("■ STOP"), "stop_all": tr("■ STOP ALL"), "hold": tr("hold"),
         "stop_way": {way.value: tr(text, zone="{zone}") for way, text in stop.TEXTS.items()},
         "nothing_to_stop": tr("No run is in progress, so there is nothing to stop"),

@@ -110,7 +110,8 @@ class TestBoxPage(NeedsBrowser):
         self.assertTrue(page.get("document.querySelector('[data-command=choose_event]').disabled"))
         self.open_part(page, "robots")
         page.wait("document.querySelector('tbody tr:last-child').textContent.endsWith('Home')", "the robot of the run")
-        self.assertIn("+0.000 s", page.get("document.querySelector('tbody').textContent"))
+        skew = r"[+\u2212-]\d+\.\d{3} s"  # of a busy computer, too
+        self.assertRegex(page.get("document.querySelector('tbody').textContent"), skew)
         page.touch_at("button[data-command=stop]")
         self.box.wait(lambda document: document.zones[HOME].phase == "ended", "STOP works beside each part")
 

@@ -131,6 +131,7 @@ class StartPage:
     def __init__(self) -> None:
         self.token = secrets.token_urlsafe(16)
         self.started: Optional[Started] = None
+        self._typed: Dict[str, Dict[str, str]] = {}  # by task, to be tried again
         resource = shipped_folder().parent / "resource"
         self.style = (resource / "web" / "assets" / "pages.css").read_text("utf-8")
         self._languages = {path.stem: catalogues.translation(path.stem, catalogues.read(path))
@@ -149,6 +150,12 @@ class StartPage:
         """Stop serving, and end what was started."""
         self._server.stop()
         self.end()
+
+    def start(self, task: Task, typed: Dict[str, str]) -> None:
+        """Start the command of a task, unless another one runs, or something that it needs is not typed."""
+        self._typed[task.name] = {field.name: typed[field.name] for field in task.inputs if field.kind != "password"}
+        if not self.is_busy and all(typed[field.name] or not field.is_required for field in task.inputs):
+            self.started = start(task, typed)
 
     def end(self) -> None:
         """End what was started."""
@@ -186,11 +193,12 @@ class StartPage:
                 f"<pre>{html.escape(''.join(lines))}</pre>" + (end if status is None else ""))
 
     def _form(self, task: Task) -> str:
-        name = task.name
+        name, typed = task.name, self._typed.get(task.name, {})
+        inputs = "".join(_field(field, typed.get(field.name, "")) for field in task.inputs)
         return (f'<h2>{_said(words.TITLES[name])}</h2><form method="post" action="/do">{self._hidden()}'
                 f'<p class="nothing">{_said(words.EXPLANATIONS[name])}</p>'
-                f'<input type="hidden" name="task" value="{name}">' + "".join(map(_field, task.inputs))
-                + f'<button class="main">{_said(words.BUTTONS[name])}</button></form>')
+                f'<input type="hidden" name="task" value="{name}">{inputs}'
+                f'<button class="main">{_said(words.BUTTONS[name])}</button></form>')
 
     def _hidden(self) -> str:
         return f'<input type="hidden" name="token" value="{self.token}">'
@@ -205,14 +213,15 @@ def _said(text: str) -> str:
     return html.escape(tr(text))
 
 
-def _field(field: Input) -> str:
+def _field(field: Input, typed: str) -> str:
     label = f"<label>{_said(field.label)}{'' if field.is_required else f' ({_said(words.OPTIONAL)})'} "
     required = "required" if field.is_required else ""
     if field.choices is not None:
-        options = "".join(f"<option>{html.escape(choice)}</option>" for choice in field.choices())
+        options = "".join(f"<option{' selected' if choice == typed else ''}>{html.escape(choice)}</option>"
+                          for choice in field.choices())
         return f'{label}<select name="{field.name}" {required}>{options}</select></label>'
     return (f'{label}<input name="{field.name}" type="{field.kind}" placeholder="{html.escape(field.example)}" '
-            f'autocomplete="off" spellcheck="false" {required}></label>')
+            f'value="{html.escape(typed)}" autocomplete="off" spellcheck="false" {required}></label>')
 
 
 class _Handler(web.RequestHandler):
@@ -244,10 +253,8 @@ class _Handler(web.RequestHandler):
         task = next((task for task in TASKS if task.name == self.get_argument("task", "")), None)
         if name == "end":
             self._page.end()
-        elif task is not None and not self._page.is_busy:
-            typed = {field.name: self.get_argument(field.name, "").strip() for field in task.inputs}
-            if all(typed[field.name] or not field.is_required for field in task.inputs):
-                self._page.started = start(task, typed)
+        elif task is not None:
+            self._page.start(task, {field.name: self.get_argument(field.name, "").strip() for field in task.inputs})
         self.redirect(f"/?token={self._page.token}", status=303)
 
 

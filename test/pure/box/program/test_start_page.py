@@ -85,6 +85,7 @@ def test_what_went_wrong_is_shown(running, page, ask):  # noqa: F811
     running.until(lambda: any("soon" in line for line in page.started.lines))
     shown = ask()[1]
     assert "ended with status" in shown and "&lt;soon&gt;" in shown and "<soon>" not in shown
+    assert 'value="A, B"' in shown and "<option selected>erl2019</option>" in shown, "it is not typed again"
 
 
 def test_what_runs_is_shown_until_it_is_ended(running, page, ask):  # noqa: F811
@@ -99,13 +100,16 @@ def test_what_runs_is_shown_until_it_is_ended(running, page, ask):  # noqa: F811
     assert "secret" not in " ".join(map(str, first.process.args))
     ask("/end", {"task": ""})
     ended(running, page)
-    assert 'http-equiv="refresh"' not in ask()[1]
+    shown = ask()[1]
+    assert 'http-equiv="refresh"' not in shown
+    assert 'value="127.255.255.255"' in shown and "secret" not in shown
 
 
 @pytest.mark.parametrize("form", [{"task": "nothing"}, {"task": "new", "name": "erl"}, {**NEW, "teams": " "}])
 def test_an_incomplete_form_starts_nothing(page, ask, form):
     assert ask("/do", form)[0] == 303
     assert page.started is None
+    assert ("value=\"erl\"" in ask()[1]) == ("name" in form), "it is not typed again"
 
 
 def test_a_name_leads_out_of_no_folder(tmp_path, monkeypatch):
