@@ -90,22 +90,31 @@ class ModulesProcess:
             process.kill()
 
     def _serve(self) -> None:
-        """In a thread: start processes, and read what they send."""
+        """In a thread: keep a process."""
         while not self._is_closed:
-            self._silent_mono = time.monotonic() + START_S
-            process = self._process = subprocess.Popen(
-                self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8")
-            with self._news:
-                self._is_sent = False
-                self._news.notify_all()
-            assert process.stdout is not None, "it is a pipe"
-            for line in process.stdout:
-                self._silent_mono = time.monotonic() + HUNG_S
-                self._take_line(line)
-            status = process.wait()
+            try:
+                status = self._run_one()
+            except OSError as error:  # the computer has no room for a process just now
+                _log.error("The benchmarking modules cannot be started: %s", error)
+            else:
+                if not self._is_closed:
+                    _log.error("The process of the benchmarking modules has ended (%s): the next one continues", status)
             if not self._is_closed:
-                _log.error("The process of the benchmarking modules has ended (%s): the next one continues", status)
                 time.sleep(PAUSE_S)
+
+    def _run_one(self) -> int:
+        """Start a process, and read what it sends; returns its exit status. Raises OSError."""
+        self._silent_mono = time.monotonic() + START_S
+        process = self._process = subprocess.Popen(
+            self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8")
+        with self._news:
+            self._is_sent = False
+            self._news.notify_all()
+        assert process.stdout is not None, "it is a pipe"
+        for line in process.stdout:
+            self._silent_mono = time.monotonic() + HUNG_S
+            self._take_line(line)
+        return process.wait()
 
     def _take_line(self, line: str) -> None:
         try:

@@ -1,6 +1,7 @@
 """Rules in a process of their own: whatever they do, the box's loop continues, and the next process follows."""
 
 import asyncio
+import errno
 import logging
 import shutil
 
@@ -119,6 +120,23 @@ def test_rules_that_read_the_input_take_nothing_from_the_box(folder):
             await hosted.until(lambda: hosted.states[-1].progress)
             return hosted.states[-1].progress[0]
     assert "nothing" in str(run(play()).request)
+
+
+def test_a_computer_without_room_for_a_process_is_tried_again(folder, caplog, monkeypatch):
+    full, opened = ["full"], modules_process.subprocess.Popen
+
+    def popen(*arguments, **named):
+        if full:
+            raise OSError(errno.EAGAIN, full.pop())
+        return opened(*arguments, **named)
+    monkeypatch.setattr(modules_process.subprocess, "Popen", popen)
+    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
+
+    async def play():
+        async with Hosted(folder):
+            pass
+    run(play())
+    assert "cannot be started" in caplog.text
 
 
 def test_the_box_ends_although_rules_hang(folder, caplog):
