@@ -11,7 +11,7 @@ import rosgraph
 from support.box_case import BoxCase
 from support.box_client import Refusal
 from support.browser import NeedsBrowser, Page
-from support.gateway import GATEWAY, URL, ask, kill_gateway, session, wait_served
+from support.gateway import GATEWAY, URL, ask, kill_gateway, wait_served
 from support.programs import Program, own
 from support.referee_program import called
 
@@ -108,7 +108,7 @@ class TestPairing(NeedsBrowser, BoxCase):
         self.assertEqual(called("devices", "--revoke", "none").returncode, 2)
 
     def test_a_second_gateway_says_so_and_takes_nothing_over(self) -> None:
-        first, master = session(), rosgraph.Master("/test")
+        first, master = wait_served(), rosgraph.Master("/test")
         at = master.lookupNode(GATEWAY)
         for name in ("roah_rsbb_web", "another_gateway"):
             with self.subTest(name):
@@ -118,7 +118,7 @@ class TestPairing(NeedsBrowser, BoxCase):
                 second.wait_printed("another gateway is running (/roah_rsbb_web at ")
                 second.close()
                 self.assertEqual(master.lookupNode(GATEWAY), at)
-                self.assertEqual(session(), first)
+                self.assertEqual(wait_served(), first)
                 self.assertEqual(called("pair", ZONE).returncode, 0)
 
     def test_the_terminal_shows_a_code(self) -> None:
