@@ -227,9 +227,14 @@ def signal_named(name: str) -> Optional[signal.Signals]:
     return getattr(signal, name, None)
 
 
+def has_display() -> bool:
+    """Whether there is a screen for windows."""
+    return WINDOWS or MACOS or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
 def open_in_browser(url: str) -> bool:
     """Open a page in the user's browser; returns whether there is one. A browser in the terminal does not count."""
-    if not (WINDOWS or MACOS or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+    if not has_display():
         return False
     import webbrowser  # only the start of a box needs it
 

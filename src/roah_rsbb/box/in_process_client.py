@@ -8,10 +8,9 @@ from typing import Any, Callable, Optional
 from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.client.client import TIMEOUT_S, UNANSWERED, Answer, Done, answer_of
 from roah_rsbb.document.calls import Caller
+from roah_rsbb.model.actions import STOP
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
-
-STOP = "stop"
 
 
 class InProcessClient:

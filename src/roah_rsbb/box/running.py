@@ -10,6 +10,7 @@ import logging
 import os
 import shlex
 import stat
+import sys
 import threading
 import time
 import uuid
@@ -41,6 +42,8 @@ from roah_rsbb.signs_of_life import Signs
 # Seconds between signs of life, and between looks at what only time changes.
 PERIOD_S = 0.2
 SECOND_S = 1.0
+# After which the loop's thread gets Python's lock from another thread. Usual are 0.005: too long for STOP.
+SWITCH_S = 0.0005
 
 _LEVELS = {Level.INFO: logging.INFO, Level.WARNING: logging.WARNING, Level.ERROR: logging.ERROR}
 _log = logging.getLogger(__name__)
@@ -117,6 +120,7 @@ class RunningBox:
     def start(self) -> None:
         """Continue where the box was, and begin to hear robots. Raises OSError whose text names the remedy."""
         gc.collect()
+        sys.setswitchinterval(SWITCH_S)
         # From here on, robots are heard, and wait for reactions.
         self.core.resume(self._configuration.earlier)
         if self.core.open():

@@ -133,5 +133,3 @@ class _Impatient(xmlrpc.client.Transport):
         connection = super().make_connection(host)
         connection.timeout = ANSWER_S
         return connection
-
-

@@ -8,6 +8,7 @@ import threading
 from typing import Callable, List, Optional, Sequence, Set
 
 from roah_rsbb import platform
+from roah_rsbb.params import BadParams, Params
 from roah_rsbb.shipped import shipped_folder
 
 BELL, TIMEOUT = "bell.wav", "timeout.wav"
@@ -98,13 +99,15 @@ def words_of(command: str, system: str = sys.platform) -> List[str]:
     return words
 
 
-def command_of(setting: str, command: str, file: str) -> List[str]:
-    """The words of a setting's command; an empty one: of that which plays an included sound. Raises ValueError, whose
-    text names the setting, and `NotShipped`."""
+def command_of(params: Params, name: str, file: str) -> List[str]:
+    """The words of the command that a parameter gives; an empty one, which means the default in launch files: of that
+    which plays an included sound. Raises `BadParams` and `NotShipped`."""
+    command = params.text(name, "")
     try:
         return words_of(command) if command else default_command(file)
     except ValueError as error:
-        raise ValueError(f"parameter {setting}: found {command!r}, expected a command ({error})") from None
+        where = params.full_name(name)
+        raise BadParams(f"parameter {where}: found {command!r}, expected a command ({error})") from None
 
 
 def default_command(

@@ -81,6 +81,18 @@ class Document(NamedTuple):
         return tuple(sorted(self.results.values(), key=lambda run: (
             run.closed_utc_s is not None, -(run.closed_utc_s or 0.0), order.get(run.zone, len(order)))))
 
+    def zone_of(self, robot: str) -> str:
+        """Return the zone of the run that a robot takes part in, which is named as in `robots`; empty: none."""
+        seen = self.robots[robot]
+        for zone in self.zones.values():
+            one, several = zone.robot, zone.all_robots
+            is_alone_in_it = one is not None and (zone.event.team, one.robot) == (seen.team, seen.robot)
+            # If all robots run at once, each has a line.
+            if is_alone_in_it or (several is not None and any(
+                    line.startswith(f"{robot}: ") for line in several.robots)):
+                return zone.zone
+        return ""
+
     def runs_shown(self) -> Tuple[PublicRun, ...]:
         """Return the runs that the public may see, in the order of the zones."""
         return tuple(self.public_runs[zone] for zone in self.box.zones if zone in self.public_runs)

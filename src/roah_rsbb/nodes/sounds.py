@@ -7,12 +7,11 @@ Parameters (private): bell_ring_command, timeout_ring_command; empty: the includ
 
 import logging
 import sys
-from typing import List
 
 import rospy
 from std_msgs.msg import Empty
 
-from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, default_command, words_of
+from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, command_of
 from roah_rsbb.params import BadParams, Params
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
@@ -27,21 +26,9 @@ RINGS = {
 _log = logging.getLogger(__name__)
 
 
-def _words(params: Params, name: str, file: str) -> List[str]:
-    # In launch files, an empty text means the default.
-    if rospy.get_param("~" + name, "") == "":
-        return default_command(file)
-    command = params.text(name, "true")  # silence, until a wrong parameter is reported
-    try:
-        return words_of(command)
-    except ValueError as error:
-        where = params.full_name(name)
-        raise BadParams(f"parameter {where}: found {command!r}, expected a command ({error})") from None
-
-
 def _sound(params: Params, name: str) -> Sound:
     topic, file = RINGS[name]
-    return Sound(topic, _words(params, name, file), lambda text: _log.warning("%s", text))
+    return Sound(topic, command_of(params, name, file), lambda text: _log.warning("%s", text))
 
 
 def main() -> None:

@@ -72,8 +72,6 @@ def _open_streams() -> None:
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
     _open_streams()
-    # genpy (`pairing.py`) imports numpy for arrays that our messages do not have. That takes longer than a command.
-    sys.modules.setdefault("numpy", None)  # type: ignore[arg-type]
     options = options_of(sys.argv[1:] if arguments is None else arguments)
     interrupt = Interrupts()
     for number in (signal.SIGINT, signal.SIGTERM):

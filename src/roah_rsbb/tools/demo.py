@@ -12,6 +12,7 @@ import subprocess
 import sys
 from typing import Dict, Iterator, List
 
+from roah_rsbb import platform
 from roah_rsbb.arguments import Parser
 from roah_rsbb.tools import launched
 
@@ -123,6 +124,5 @@ def main() -> None:
     master_port = _free_port(socket.SOCK_STREAM, "127.0.0.1", 11311, 1)
     environment = {**os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{master_port}", "ROS_IP": "127.0.0.1"}
     environment.pop("ROS_HOSTNAME", None)
-    has_display = bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
-    run = _with_window if has_display and not options.no_window else _scripted
+    run = _with_window if platform.has_display() and not options.no_window else _scripted
     sys.exit(run(environment, master_port))

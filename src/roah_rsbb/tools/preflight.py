@@ -92,11 +92,8 @@ def read_settings(options: argparse.Namespace, words: List[str]) -> CheckedSetti
     """
     given = {name: getattr(options, name) for name in _OPTIONS if getattr(options, name) is not None}
     settings = of_competition(options.folder or options.competition or "", {**of_words(words), **given})
-    try:
-        players = [command_of(name, settings.given(name), file)[0] for name, file in (
-            ("bell_ring_command", BELL), ("timeout_ring_command", TIMEOUT))]
-    except ValueError as error:
-        raise BadParams(str(error)) from None
+    players = [command_of(settings, name, file)[0] for name, file in (
+        ("bell_ring_command", BELL), ("timeout_ring_command", TIMEOUT))]
     modules_dir = settings.path("modules_dir")
     has_devices, has_tablet, has_web = (settings.flag(name, True) for name in ("devices", "tablet", "web"))
     smartif_host, smartif_port = settings.text("smartif_host"), settings.whole("smartif_port", 6665, 1, 65535)

@@ -8,7 +8,7 @@ import asyncio
 import datetime
 import logging
 import pathlib
-from typing import Any, Callable, Dict, Iterable, Mapping, NamedTuple, Set
+from typing import Any, Callable, Iterable, Mapping, NamedTuple, Set
 
 from roah_rsbb.comm import sockets
 from roah_rsbb.document.calls import Call
@@ -78,8 +78,8 @@ class Gateway:
         self._url = ""  # for paired devices
         calls = PairingCalls(lambda: self._server, lambda: self._url)
         self._client = host.make_client(lambda: self._server.follow(), calls.named())
-        store = Store(
-            self._client, _languages(host.resource / "languages"), title, logos=read_logos(logos, _log.warning))
+        languages = catalogues.translations(sorted((host.resource / "languages").glob("*.ts")))
+        store = Store(self._client, languages, title, logos=read_logos(logos, _log.warning))
         self._why: Set[str] = set()  # it was not connected; these were logged
         self._server = WebServer(loop, store, str(host.resource / "web"), own_names(host.names), sessions,
                                  PageCalls(self._client, host.name).carry_out,
@@ -139,11 +139,6 @@ class Gateway:
         if is_local or self._host != sockets.ANY_HOST:
             return hosts_of(self._host, self._rsbb_host)[0]
         return host
-
-
-def _languages(folder: pathlib.Path) -> Dict[str, Any]:
-    """The languages of the files, by name."""
-    return {path.stem: catalogues.translation(path.stem, catalogues.read(path)) for path in sorted(folder.glob("*.ts"))}
 
 
 def _certificate(certificate: str, key: str) -> Any:

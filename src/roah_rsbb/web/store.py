@@ -8,10 +8,10 @@ from roah_rsbb.web import documents
 from roah_rsbb.web.documents import TEXTS, Data
 from roah_rsbb.web.numbered import BoxShown, Key, Numbered
 from roah_rsbb.wording import device
+from roah_rsbb.wording.catalogues import ENGLISH, chosen
 from roah_rsbb.wording.language import Translate, in_language
 from roah_rsbb.wording.public import ALL_TEAMS
 
-ENGLISH = "en"
 # UTC slews. While the times of runs differ by less, they are the same.
 SAME_TIME_S = 0.05
 Day = Tuple[int, int, int]
@@ -62,12 +62,7 @@ class Store(Numbered):
 
     def language(self, wanted: str) -> str:
         """Return the first language that is wanted and available, else English. `wanted`: such as ``fr,de-AT``."""
-        for name in wanted.split(","):
-            name = name.partition(";")[0].strip().replace("-", "_")
-            for known in (name, name.partition("_")[0]):
-                if known in self._languages:
-                    return known
-        return ENGLISH
+        return chosen(wanted, self._languages)
 
     def speaking(self, language: str) -> ContextManager[None]:
         """Translate texts to one of the known languages in a `with` block."""

@@ -1,11 +1,12 @@
 """Reads the files of resource/languages, in the format of Qt Linguist (docs/referee.md, "Language")."""
 
 import pathlib
-from typing import Callable, Dict, Optional, Tuple
+from typing import Callable, Container, Dict, Iterable, Optional, Tuple
 from xml.etree import ElementTree
 
 from roah_rsbb.wording.language import Translate
 
+ENGLISH = "en"  # the language of the texts in the code
 # The context of our texts in the files. Further contexts are those of Qt's own texts.
 CONTEXT = "roah_rsbb"
 
@@ -33,6 +34,21 @@ def read(path: pathlib.Path) -> Texts:
             if all(forms) and translation.get("type") not in ("unfinished", "obsolete", "vanished"):
                 found[name, message.findtext("source", "")] = forms
     return found
+
+
+def translations(files: Iterable[pathlib.Path]) -> Dict[str, Translate]:
+    """Return what files translate, by their languages."""
+    return {path.stem: translation(path.stem, read(path)) for path in files}
+
+
+def chosen(wanted: str, known: Container[str]) -> str:
+    """Return the first language that is wanted and known, else English. `wanted`: such as ``fr,de-AT;q=0.8``."""
+    for name in wanted.split(","):
+        name = name.partition(";")[0].strip().replace("-", "_")
+        for one in (name, name.partition("_")[0]):
+            if one in known:
+                return one
+    return ENGLISH
 
 
 def form(language: str, forms: Optional[Tuple[str, ...]], n: int) -> Optional[str]:

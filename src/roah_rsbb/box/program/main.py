@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from roah_rsbb.box.settings import BoxSettings
 
-# Seconds after which the loop's thread gets Python's lock from another thread. Usual are 0.005: too long for STOP.
-SWITCH_S = 0.0005
 LOG_FILE, MAX_LOG_BYTES = "box.log", 5_000_000
 _LINE = "%(asctime)s %(levelname)s %(message)s"
 ALONE, SILENT = "--unsupervised", "--no-browser"
@@ -85,7 +83,6 @@ def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[An
     from roah_rsbb.platform import end_loop, new_loop, on_end
     from roah_rsbb.rulebook.errors import ConfigErrors
 
-    sys.setswitchinterval(SWITCH_S)
     loop = new_loop()
     asyncio.set_event_loop(loop)  # tornado uses the thread's loop
     try:

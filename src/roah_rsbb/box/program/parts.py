@@ -28,7 +28,6 @@ from roah_rsbb.model.modules import ModulesState
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.web_calls import PAIR
-from roah_rsbb.params import BadParams
 from roah_rsbb.platform import end_loop, new_loop
 from roah_rsbb.shipped import shipped_folder
 from roah_rsbb.tablet.tablet_page import TabletPage
@@ -102,11 +101,7 @@ class Sounds:
 
 
 def _sound(settings: BoxSettings, name: str, file: str) -> Sound:
-    try:
-        words = command_of(name, settings.given(name), file)
-    except ValueError as error:
-        raise BadParams(str(error)) from None
-    return Sound(name.partition("_")[0], words, lambda text: _log.warning("%s", text))
+    return Sound(name.partition("_")[0], command_of(settings, name, file), lambda text: _log.warning("%s", text))
 
 
 class ControlledDevices:

@@ -134,8 +134,8 @@ class StartPage:
         self._typed: Dict[str, Dict[str, str]] = {}  # by task, to be tried again
         resource = shipped_folder().parent / "resource"
         self.style = (resource / "web" / "assets" / "pages.css").read_text("utf-8")
-        self._languages = {path.stem: catalogues.translation(path.stem, catalogues.read(path))
-                           for path in (resource / "languages").glob("*.ts")}
+        files = (resource / "languages").glob("*.ts")
+        self._languages = {catalogues.ENGLISH: None, **catalogues.translations(files)}
         self._server = BoundedServer(web.Application(
             [(r"/(|do|end|style\.css)", _Handler, {"page": self})], log_function=lambda handler: None))
 
@@ -169,9 +169,8 @@ class StartPage:
 
     def text(self, accepted: str) -> str:
         """Return the page in the first language that a browser accepts."""
-        names = [word.partition(";")[0].strip().partition("-")[0] for word in accepted.split(",")]
-        name = next((name for name in names if name == "en" or name in self._languages), "en")
-        with in_language(self._languages.get(name)):
+        name = catalogues.chosen(accepted, self._languages)
+        with in_language(self._languages[name]):
             body = self._shown() + ("" if self.is_busy else "".join(map(self._form, filter(_is_possible, TASKS))))
             refresh = f'<meta http-equiv="refresh" content="{REFRESH_S}">' if self.is_busy else ""
             style = f'<link rel="stylesheet" href="/style.css?token={self.token}">'

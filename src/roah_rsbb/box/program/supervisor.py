@@ -4,6 +4,7 @@ The box is a process of its own. One that was killed, that crashed or that hangs
 second, which continues its runs.
 """
 
+import contextlib
 import logging
 import os
 import signal
@@ -68,15 +69,13 @@ def _run(command: Sequence[str], environment: dict, wishes: list, log_dir: Calla
     except BadParams:
         return box.wait(), False
     while True:
-        try:
-            status = box.wait(LOOK_S)
-            watch.look()
-            is_heard = watch.silence.pid == box.pid or is_heard
-            watch.close()
-            return status, is_heard
-        except subprocess.TimeoutExpired:
-            watch.look()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            box.wait(LOOK_S)
+        watch.look()
         is_heard = is_heard or watch.silence.pid == box.pid
+        if box.returncode is not None:
+            watch.close()
+            return box.returncode, is_heard
         if not is_heard and watch.can_hear and time.monotonic() > heard_by_mono:
             _log.error("The box (process %d) has not started within %g s: %s. It is ended, and the next one starts",
                        box.pid, START_S, state_of(box.pid))

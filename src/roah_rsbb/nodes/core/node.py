@@ -41,9 +41,6 @@ GUI_PERIOD_S, PUBLIC_PERIOD_S = 0.1, 0.5
 # Seconds. The node that ends the launch may still be starting, and ending takes some time.
 END_LAUNCH_S = 10.0
 
-# Seconds after which the loop's thread gets Python's lock from another thread. Usual are 0.005: too long for STOP.
-SWITCH_S = 0.0005
-
 
 class CoreNode:
     """The node, from its parameters to its end. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError at the
@@ -60,7 +57,7 @@ class CoreNode:
         self._running = running = RunningBox(
             ros.loop, params, rospy.get_param("/run_id", ""), lock,
             Peripherals(self._bell.ring, self._others.publish_module_runs, self._others.set_device,
-                   self._others.ask_standby))
+                        self._others.ask_standby))
         self._services = LoopServices(ros.loop, running.core.fence.check)
         CoreServices(running.box, self._services, running.calls)
         self._published = PublishedDoor(running.door)
@@ -117,7 +114,6 @@ def main() -> None:
     close_to_others()
     wait_for_other_core()
     connections.init_node(CORE, disable_signals=True)
-    sys.setswitchinterval(SWITCH_S)
     status = 0
     try:
         CoreNode().run()

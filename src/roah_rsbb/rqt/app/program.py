@@ -21,7 +21,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     parser = Parser(called("window"), "The referee's window, with all panels. It needs no ROS.", _MORE)
     parser.add_argument("--utc", action="store_true", help="show times in UTC (default: the local time)")
     options = parser.parse_args(arguments)
-    if not (platform.WINDOWS or platform.MACOS or _has_display()):
+    if not (platform.has_display() or os.environ.get("QT_QPA_PLATFORM")):
         sys.exit(f"{called('window')}: {NO_DISPLAY}")
     # Late: help needs no Qt.
     from roah_rsbb.rqt import interruptible  # noqa: F401
@@ -35,7 +35,3 @@ def main(arguments: Optional[List[str]] = None) -> None:
         sys.exit(f"{called('window')}: {error}")
     host = HostWithoutRos(NAME, options.utc)
     show(host, NAME, partial(Window, host))
-
-
-def _has_display() -> bool:
-    return any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")))

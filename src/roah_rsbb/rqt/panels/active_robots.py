@@ -69,17 +69,6 @@ class ActiveRobotsPanel(CollapsingPanel):
         text = tr("No robot is heard") if self.model.document else tr("Waiting for the core")
         return (text, *("" for _ in COLUMNS[1:]))
 
-    def _zone_of(self, name: str, robot: RobotSeen) -> str:
-        """Return the zone of the run that the robot takes part in."""
-        for zone in self.model.document.zones.values():
-            one, several = zone.robot, zone.all_robots
-            is_alone_in_it = one is not None and (zone.event.team, one.robot) == (robot.team, robot.robot)
-            # If all robots run at once, each has a line.
-            if is_alone_in_it or (several is not None and any(
-                    line.startswith(f"{name}: ") for line in several.robots)):
-                return zone.zone
-        return NO_RUN
-
     def _line(self, name: str, robot: RobotSeen) -> Tuple[str, ...]:
         silent_since = robot.silent_since
         return (
@@ -87,7 +76,7 @@ class ActiveRobotsPanel(CollapsingPanel):
             robot.robot,
             link_quality.text(self._links.longest_silence_s(name)),
             times.skew(robot.skew),
-            self._zone_of(name, robot),
+            self.model.document.zone_of(name) or NO_RUN,
             times.ago(0.0 if silent_since is None else self.model.now().mono - silent_since),
         )
 

@@ -135,15 +135,8 @@ def _robot(name: str, robot: RobotSeen, shown: PartShown) -> Data:
     return {
         "team": robot.team, "robot": robot.robot, "skew": times.skew(robot.skew), "heard": times.ago(silent_s),
         "link": "▮▮▮" if robot.silent_since is None else "▮▯▯" if silent_s < SILENT_S else "▯▯▯",
-        "zone": next((zone.zone for zone in shown.document.zones.values() if _is_in(name, robot, zone)), ""),
+        "zone": shown.document.zone_of(name),
     }
-
-
-def _is_in(name: str, robot: RobotSeen, zone: ZoneSeen) -> bool:
-    """Whether a robot takes part in the run of a zone. If all robots run at once, each has a line."""
-    one, several = zone.robot, zone.all_robots
-    return (one is not None and (zone.event.team, one.robot) == (robot.team, robot.robot)) or (
-        several is not None and any(line.startswith(f"{name}: ") for line in several.robots))
 
 
 # -- the runs of a zone -----------------------------------------------------------------------------
