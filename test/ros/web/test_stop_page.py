@@ -971,7 +971,7 @@ class TestLooks(PhoneCase):
     def _inaccessible(page: Page) -> Any:
         """What axe finds while the page is current. In an old one, all commands are off, and axe takes a list among
         them, which can be reached, for one that cannot."""
-        page.get("window.wasOld = false, new MutationObserver(() => { wasOld = wasOld || document.body.matches('.old'); "
+        page.get("window.wasOld = false, new MutationObserver(() => { wasOld ||= document.body.matches('.old'); "
                  "}).observe(document.body, {attributes: true}), 0")
         while True:
             page.wait("!document.body.matches('.old')", "the page is current")
