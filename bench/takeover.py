@@ -108,7 +108,7 @@ def _handed_over(pair: Pair) -> List[float]:
     pair.wait_ready()
     ports = pair.private_ports(BOX)
     began = pair.now()
-    pair.box.signal(signal.SIGSTOP, "roah_rsbb_backup")
+    pair.box.let_only_copy()
     return [pair.wait_followed(began, ports), *_legs(pair, began), 0.0]
 
 

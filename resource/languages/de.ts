@@ -3941,13 +3941,13 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>
-        <source>node roah_rsbb_backup does not report. Check that it runs</source>
-        <translation>Der Knoten roah_rsbb_backup meldet sich nicht. Prüfen Sie, ob er läuft</translation>
+        <source>the program that copies it does not report. See the terminal of the box; with ROS it is the node roah_rsbb_backup</source>
+        <translation>das Programm, das es kopiert, meldet sich nicht. Siehe Terminal der Box; mit ROS ist es der Node roah_rsbb_backup</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>
-        <source>the journal of this core is not copied yet. If this lasts, start the node roah_rsbb_backup with the log_dir of the core</source>
-        <translation>Das Journal dieses Core ist noch nicht kopiert. Wenn das so bleibt, starten Sie den Knoten roah_rsbb_backup mit dem log_dir des Core</translation>
+        <source>the journal of this core is not copied yet. If this lasts, the program that copies it has another log_dir: end it, and start it with that of the core</source>
+        <translation>das Journal dieses Cores wird noch nicht kopiert. Wenn das so bleibt, hat das Programm, das es kopiert, ein anderes log_dir: es beenden und mit dem des Cores starten</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>

@@ -29,6 +29,11 @@ def called(name: str, command: str = "") -> str:
     return f"roah-rsbb {command or name.replace('_', '-')}" if is_without_ros() else name
 
 
+def typed(name: str) -> str:
+    """Return how users start a program in a terminal, with ROS or without."""
+    return called(name) if is_without_ros() else f"rosrun roah_rsbb {name}"
+
+
 class Parser(argparse.ArgumentParser):
     """Reports a wrong argument in one line. Its help keeps the line breaks of the given texts.
 

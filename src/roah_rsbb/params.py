@@ -5,6 +5,9 @@ import math
 import os
 from typing import List, Optional
 
+# The value of a parameter without its file or folder.
+NONE = "none"
+
 
 class BadParams(Exception):
     """Invalid parameters; the text has a line for each."""
@@ -61,6 +64,10 @@ class Params(abc.ABC):
             return ""
         path = self._check(name, value, isinstance(value, str) and value != "", "a path", default or ".")
         return os.path.abspath(os.path.expandvars(os.path.expanduser(path)))
+
+    def path_or_none(self, name: str) -> str:
+        """Return a path as `path` does; empty: the value is `NONE`, which is the default."""
+        return "" if self.text(name, NONE) == NONE else self.path(name)
 
     def done(self) -> None:
         """Raise `BadParams` if there were any errors."""

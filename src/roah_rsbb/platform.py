@@ -387,10 +387,15 @@ def host_for_broadcasts(broadcast: str) -> str:
     return _ANY_HOST if WINDOWS else broadcast
 
 
+def names_senders() -> bool:
+    """Whether there are sockets for datagrams between processes of this computer, whose senders the system names: only
+    Linux has them."""
+    return hasattr(socket, "SO_PASSCRED")
+
+
 def local_socket() -> Optional[socket.socket]:
-    """A socket for datagrams between processes of this computer, whose senders the system names; None: the system has
-    none, as only Linux has."""
-    if not hasattr(socket, "SO_PASSCRED"):
+    """Such a socket; None: the system has none."""
+    if not names_senders():
         return None
     opened = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     opened.setblocking(False)

@@ -25,6 +25,7 @@ TEAMS = ("Alpha", "Beta", "Gamma", "Delta", "Epsilon", "Zeta", "Eta", "Theta", "
 STANDBY_PORT = 8083
 LIMIT_S = 120.0
 EXECUTE_S = 0.5
+WITH, WITHOUT_ROS = "with ROS", "without ROS"
 # The referee of these tests is a program in the box's namespace, with its own ROS master.
 ROS = {"ROS_MASTER_URI": "http://127.0.0.1:11311", "ROS_IP": "127.0.0.1"}
 WITHOUT = ("gui:=none", "modules:=false", "tablet:=false", "web:=false", "devices:=false")
@@ -92,9 +93,10 @@ class Capture:
 class Computer:
     """A computer that can be the box. Its programs are in its namespace."""
 
-    def __init__(self, station: Station, folder: pathlib.Path) -> None:
+    def __init__(self, station: Station, folder: pathlib.Path, kind: str) -> None:
         self.station = station
         self.folder = folder
+        self.kind = kind  # WITH, WITHOUT_ROS
         folder.mkdir(parents=True)
         self._programs: List[Program] = []
 
@@ -110,10 +112,15 @@ class Computer:
 
     def start(self, *command: str) -> Program:
         """Start a program of this package, or roslaunch."""
-        path = shutil.which(command[0]) if command[0] == "roslaunch" else own(command[0])
+        if self.kind == WITHOUT_ROS:
+            words, environment = ("-m", "roah_rsbb.tools.team", *command), {
+                "HOME": str(self.folder), "ROS_MASTER_URI": ""}
+        else:
+            path = shutil.which(command[0]) if command[0] == "roslaunch" else own(command[0])
+            words, environment = (path, *command[1:]), {
+                **ROS, "ROS_HOME": str(self.folder), "ROS_LOG_DIR": str(self.folder / "ros")}
         # Executed and not forked: the process that forks is in another namespace.
-        program = self.station.host.do(lambda: Program(
-            sys.executable, path, *command[1:], **ROS, ROS_HOME=str(self.folder), ROS_LOG_DIR=str(self.folder / "ros")))
+        program = self.station.host.do(lambda: Program(sys.executable, *words, **environment))
         self._programs.append(program)
         return program
 
@@ -125,7 +132,8 @@ class Computer:
 
     def box(self) -> Program:
         """Start the box as an organiser does."""
-        return self.start("roslaunch", "roah_rsbb", "roah_rsbb.launch", f"log_dir:={self.log_dir}",
+        start = ("run", "--no-browser") if self.kind == WITHOUT_ROS else ("roslaunch", "roah_rsbb", "roah_rsbb.launch")
+        return self.start(*start, f"log_dir:={self.log_dir}",
                           f"rsbb_host:={BROADCAST}", f"standby_port:={STANDBY_PORT}",
                           f"schedule_file:={self.folder}/schedule.yaml",
                           f"passwords_file:={self.folder}/passwords.yaml", *WITHOUT)
@@ -149,9 +157,9 @@ class Computer:
         return program.text
 
     def wait_shows(self, text: str, *command: str) -> None:
-        """Wait until the referee's program shows a text."""
+        """Wait until the referee's program shows a text. The box may just be starting."""
         deadline = time.monotonic() + LIMIT_S
-        while text not in self.shows(*command):
+        while text not in self.run("referee", *command).text:
             assert time.monotonic() < deadline, self.shows(*command)
 
     def referee(self, *command: str) -> None:
@@ -195,12 +203,20 @@ class Computer:
                     yield pid
 
     def signal(self, number: int, *but: str) -> None:
-        """Send a signal to all its processes, but not to nodes with these names."""
+        """Send a signal to all its processes, but not to those with one of these words in their command."""
         for pid in self._processes():
             with contextlib.suppress(OSError):
-                if not any(f"__name:={name}\0".encode() in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes()
-                           for name in but):
+                if not {*pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().decode().split("\0")}.intersection(but):
                     os.kill(pid, number)
+
+    def let_only_copy(self) -> None:
+        """Stop all its processes, except the one that copies the journal."""
+        self.signal(signal.SIGSTOP, *(["copies"] if self.kind == WITHOUT_ROS else ["__name:=roah_rsbb_backup"]))
+
+    @property
+    def restarts(self) -> str:
+        """What its supervisor prints when it starts a core."""
+        return "Listening on UDP" if self.kind == WITHOUT_ROS else "process[roah_rsbb_core-"
 
     def core(self) -> int:
         """The process of its core."""
@@ -227,8 +243,8 @@ def addresses_of() -> List[str]:
 class Pair:
     """Box, standby, witness and robots, on one switch. Use it as a context."""
 
-    def __init__(self, folder: pathlib.Path, robots: int = 2) -> None:
-        """`folder` is emptied. Raises `NoRight`."""
+    def __init__(self, folder: pathlib.Path, robots: int = 2, kind: str = WITH) -> None:
+        """`folder` is emptied. `kind`: WITH, or WITHOUT_ROS. Raises `NoRight`."""
         shutil.rmtree(folder, ignore_errors=True)
         self._cleanup = contextlib.ExitStack()
         self.switch = Switch()
@@ -239,7 +255,7 @@ class Pair:
             self._cleanup.callback(station.host.close)
         self.capture = Capture(self.switch.host)
         self._cleanup.callback(self.capture.close)
-        self.box, self.standby = (Computer(self.stations[number], folder / name)
+        self.box, self.standby = (Computer(self.stations[number], folder / name, kind)
                                   for number, name in ((BOX, "box"), (STANDBY, "standby")))
         self.teams = TEAMS[:robots]
         self.robots: List[Robot] = []
@@ -284,10 +300,11 @@ class Pair:
         wait_until(lambda: "waiting for a takeover" in self.follower.text,
                    lambda: f"the standby is ready; it printed\n{self.follower.text}", LIMIT_S)
 
-    def wait_copied(self, text: str, folder: Optional[pathlib.Path] = None) -> None:
-        """Wait until the copy has an entry with a text."""
-        path = (folder or self.standby.log_dir) / FILE_NAME
-        wait_until(lambda: _has(path, text), f"{path} has {text}", LIMIT_S)
+    def wait_copied(self) -> None:
+        """Wait until the copy has all that is in the journal now."""
+        sizes = _sizes(self.box.log_dir)
+        wait_until(lambda: all(_sizes(self.standby.log_dir).get(name, 0) >= size for name, size in sizes.items()),
+                   "the copy is complete", LIMIT_S)
 
     def release(self) -> None:
         """The robots complete their goals."""
@@ -360,8 +377,9 @@ class Pair:
         return max(begun)
 
 
-def _has(path: pathlib.Path, text: str) -> bool:
-    return any(text.encode("utf-8") in segment.read_bytes() for segment in path.glob("*.log"))
+def _sizes(log_dir: pathlib.Path) -> Dict[str, int]:
+    """The bytes of the segments of a journal."""
+    return {segment.name: segment.stat().st_size for segment in (log_dir / FILE_NAME).glob("*.log")}
 
 
 def zone_of(team: str) -> str:

@@ -1,8 +1,8 @@
 """The parameters of a box (docs/ros_interface.md, "Parameters" explains them)."""
 
-import os
 from typing import List, NamedTuple, Optional
 
+from roah_rsbb import platform
 from roah_rsbb.box.settings import BoxSettings, of_box
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.core.copies import STANDBY
@@ -13,8 +13,6 @@ from roah_rsbb.params import BadParams, Params
 from roah_rsbb.radio.radio import Network
 from roah_rsbb.results.standings import public_standings
 
-# The value of a parameter without its file or folder.
-NO_FILE = "none"
 # How private channels send (parameter private_mode).
 UNICAST, BROADCAST = "unicast", "broadcast"
 
@@ -41,20 +39,17 @@ class BoxParameters(NamedTuple):
 def read_parameters(params: Params) -> BoxParameters:
     """Read all of them. Raises `BadParams`."""
     settings = _settings(params)
-    standings_file = params.text("standings_file", NO_FILE)
-    backup_dir = params.path("backup_dir") if params.text("backup_dir", NO_FILE) != NO_FILE else ""
-    standby_port = params.whole("standby_port", 0, 0, 65535)
     found = BoxParameters(
         settings, _network(params, settings),
         [params.path(name) for name in ("benchmarks_file", "schedule_file", "passwords_file")],
-        None if standings_file == NO_FILE else os.path.expanduser(standings_file),
+        params.path_or_none("standings_file") or None,
         params.path("log_dir", "~/.ros/roah_rsbb"),
         Resume(params.choice("resume", Resume.ALWAYS.value, [choice.value for choice in Resume])),
         Publicity(
             PublicResults(params.choice(
                 "public_results", PublicResults.NONE.value, [choice.value for choice in PublicResults])),
             params.flag("public_provisional", False), params.flag("public_robot_texts", False), public_standings),
-        backup_dir, standby_port,
+        params.path_or_none("backup_dir"), params.whole("standby_port", 0, 0, 65535),
     )
     params.done()
     return found
@@ -65,8 +60,8 @@ def parameters_of(settings: BoxSettings) -> BoxParameters:
     and for what such a box cannot do."""
     params = read_parameters(settings)
     wrong = settings.unknown(list(of_box()))
-    if params.standby_port:
-        wrong.append("standby_port: a box without ROS has no standby yet: leave it out, or start the box with ROS")
+    if params.standby_port and not platform.names_senders():
+        wrong.append("standby_port: only a box on Linux can have a standby: leave it out")
     if wrong:
         raise BadParams("\n".join(wrong))
     return params

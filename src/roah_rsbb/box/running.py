@@ -20,6 +20,7 @@ from roah_rsbb.box.assembly import BoxPlace, CoreAssembly, Machine
 from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.box.calls import BoxCalls, Disks
 from roah_rsbb.box.configuration import Configuration, Content
+from roah_rsbb.box.copy_calls import CopyCalls
 from roah_rsbb.box.driver import Outputs
 from roah_rsbb.box.parameters import BoxParameters
 from roah_rsbb.box.reload import Reloads
@@ -55,7 +56,6 @@ class Peripherals(NamedTuple):
     ring_timeout: Callable[[], None]  # a run timed out
     publish_module_runs: Callable[[], None]  # for the benchmarking modules
     set_device: Callable[[SetDevice], None]
-    ask_standby: Callable[[int], None] = lambda ticket: None  # see `StandbyAnswers`
     make_peer: MakePeer = Peer
 
 
@@ -87,7 +87,7 @@ class RunningBox:
             lambda session, events, on_trouble: Journal(
                 params.log_dir, session, events, params.resume, on_trouble, lock),
             PortRecord(params.log_dir), functools.partial(RunLogWriter, params.log_dir), outputs,
-            peripherals.ask_standby, peripherals.make_peer)
+            lambda ticket: self._copies.ask(ticket), peripherals.make_peer)
         self.box, self.event = self.core.box, self.core.event
         core = self.core
         self.calls = BoxCalls(self.box, self._call, Disks(core.journal.ticket, core.store.why_not_saved,
@@ -97,6 +97,8 @@ class RunningBox:
         self.door = self._door = BoxDoor(
             loop, self.box, self.uuid, params.network.rsbb_host, core.now, lambda: core.run_logs.files, core.unsaved,
             {**self.calls.named(), "reload": reload.call}, core.fence.check, params.publicity)
+        self._copies = CopyCalls(self.uuid, core, self.door)
+        self.door.add_calls(self._copies.named())
         self._signs = Signs(params.log_dir)
         for warning in self._configuration.notices:
             self.event(self.box.on_notice, warning)

@@ -36,6 +36,11 @@ def user_folder() -> str:
     return os.path.join(os.path.expanduser("~"), ".roah_rsbb")
 
 
+def door_file_in(log_dir: str) -> str:
+    """Return the path of the file in which a box without ROS says to what belongs to it where its door is."""
+    return os.path.join(log_dir, "door.json")
+
+
 def is_answering(path: str) -> bool:
     """Whether there is a door on this computer at the place in a file."""
     try:

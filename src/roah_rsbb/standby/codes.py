@@ -1,6 +1,6 @@
 """The code with which a standby is paired: a file in log_dir of the box, which only the box's user can read.
 
-`standby code` writes it, and the node that copies the journal reads it. It is in no log, topic or parameter, because
+`standby code` writes it, and the program that copies the journal reads it. It is in no log, topic or parameter, because
 other users of the computer can read those. A code is valid for some minutes, for one standby, and for a few guesses.
 """
 
@@ -12,6 +12,7 @@ import time
 from typing import Callable
 
 from roah_rsbb import durable
+from roah_rsbb.arguments import typed
 from roah_rsbb.standby.pairing import BOX, STANDBY, Exchange, is_same
 from roah_rsbb.standby.partners import FOLDER
 
@@ -26,7 +27,7 @@ _CODE_LENGTH = 8
 
 def command(log_dir: str) -> str:
     """Return the command that makes a code."""
-    return f"rosrun roah_rsbb standby code --log-dir {log_dir}"
+    return f"{typed('standby')} code --log-dir {log_dir}"
 
 
 def make_code(log_dir: str, now: Callable[[], float] = time.time) -> str:

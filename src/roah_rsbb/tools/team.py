@@ -17,10 +17,11 @@ COMMANDS = {
     "check-robot": ("check", "check.program", "check a robot: plays the box against it, and reports what works"),
     "capture": ("check", "capture.program", "show the datagrams on the network"),
     "dummy-box": ("check", "check.dummy_box", "a box for a team: leads one robot through a run"),
+    "standby": ("box", "standby.program.main", "a second computer that takes over when the box is lost"),
     "results": ("results", "results.program.main", "show and export the runs of a competition"),
 }
-# Not for users: the benchmarking modules of a box are a process of their own.
-INTERNAL = {"modules": ("box", "box.program.modules_process", "")}
+# Not for users: processes of a box.
+INTERNAL = {"modules": ("box", "box.program.modules_process", ""), "copies": ("box", "standby.program.copying", "")}
 
 
 def _usage() -> str:

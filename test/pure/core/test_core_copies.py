@@ -55,7 +55,7 @@ def test_a_short_trouble_is_no_warning(copies):
 
 def test_a_copy_that_never_reports(copies):
     assert not copies.warnings(at(LATE_S - 0.1))
-    assert "roah_rsbb_backup does not report" in copies.warnings(at(LATE_S))[0]
+    assert "the program that copies it does not report" in copies.warnings(at(LATE_S))[0]
 
 
 def test_reports_that_end(copies):
@@ -69,8 +69,8 @@ def test_a_journal_that_is_not_copied(copies):
     for second in range(1, 5):
         copies.report(at(second), report(is_of_this_box=False))
     assert copies.warnings(at(5))[0].endswith(
-        "the journal of this core is not copied yet. If this lasts, start the node roah_rsbb_backup with the log_dir "
-        "of the core")
+        "the journal of this core is not copied yet. If this lasts, the program that copies it has another log_dir: "
+        "end it, and start it with that of the core")
 
 
 def test_a_node_that_started_again_and_has_copied_nothing_yet(copies):

@@ -21,7 +21,7 @@ from support.waiting import LIMIT_S, wait_until
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError
-from roah_rsbb.msg import CopyState, CoreToPublic
+from roah_rsbb.msg import CoreToPublic
 
 ZONE = "Home"
 PORT = RSBB_PORT + 94
@@ -214,7 +214,7 @@ class TestBackup(OwnCoreCase):
         wait_until(lambda: not self.box.document.box.unsaved, "panels mark nothing any more")
 
     def test_a_standby_is_replaced(self) -> None:
-        """Whoever reads the log or a topic cannot do that, and every referee hears of it."""
+        """Whoever reads the log or the document cannot do that, and every referee hears of it."""
         logged: List[str] = []
         self.addCleanup(rospy.Subscriber("/rosout", Log, lambda line: logged.append(line.msg)).unregister)
         self.start_with(standby_port=PORT)
@@ -230,11 +230,10 @@ class TestBackup(OwnCoreCase):
         warning = self.wait_warned(f"instead of {name} at {BOX}")
         self.assertIn(f"The standby is {name} at ", warning)
         wait_until(lambda: any("instead of" in line for line in logged), "the log has it, too")
-        heard = rospy.wait_for_message("/copies/state", CopyState, LIMIT_S)
         unused = self.code()
         self.backup.close()
         self.start_backup(standby_port=PORT)
-        for text in (*logged, str(heard), self.backup.text, self.core.text):
+        for text in (*logged, str(self.box.document), self.backup.text, self.core.text):
             self.assertNotIn(code, text)
             self.assertNotIn(unused, text)
 

@@ -7,6 +7,7 @@ from support.real_input import click_on, press_key
 from support.window_case import WindowCase, in_sight
 
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.rqt.panels.collapsing import MOST_ATTEMPTS
 from roah_rsbb.rqt.qt import QPushButton
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.keys_page import KeysDialog
@@ -45,7 +46,9 @@ class TestCollapse(WindowCase):
         self.zone.command("disconnect")
         wait_until(lambda: not self.overview.is_collapsed and not self.log.is_collapsed, "they are back")
         wait_until(lambda: again, "the panels were updated again")
-        settle(self.window)
+        ticks: list = []
+        self.client.model.ticked.connect(lambda: ticks.append(1))
+        wait_until(lambda: len(ticks) > 2 * MOST_ATTEMPTS, "they looked many times")
         self.scoring.setMinimumHeight(0)
         dock = self.window.docks["OverviewPanel"]
         wait_until(lambda: abs(dock.height() - before) < 2 * basic.em(),

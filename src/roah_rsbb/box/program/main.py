@@ -39,8 +39,9 @@ Parameters of the core that no launch file has, such as allowed_skew:=0.2, can b
 def _parser(explains: bool) -> argparse.ArgumentParser:
     """`explains`: whether the settings are explained, for which their files are read."""
     parser = Parser(called("run"), str(__doc__).strip(), _explanation() if explains else "",
-                    usage=f"{called('run')} [-h] [--no-browser] [{ALONE}] FOLDER [name:=value ...]")
-    parser.add_argument("folder", metavar="FOLDER", help="the competition's folder, made by 'roah-rsbb new'")
+                    usage=f"{called('run')} [-h] [--no-browser] [{ALONE}] [FOLDER] [name:=value ...]")
+    parser.add_argument("folder", nargs="?", default="", metavar="FOLDER",
+                        help="the competition's folder, made by 'roah-rsbb new'; without it, the settings say all")
     parser.add_argument(SILENT, action="store_true", help="do not open the pages in a browser")
     parser.add_argument(ALONE, action="store_true",
                         help="do not start the box again if it ends unexpectedly, because something else does")
@@ -111,14 +112,17 @@ def main(arguments: Optional[List[str]] = None) -> None:
     given = sys.argv[1:] if arguments is None else arguments
     options = _parser(bool({"-h", "--help"}.intersection(given))).parse_args(
         [word for word in given if ":=" not in word])
+    if not options.folder and not any(":=" in word for word in given):
+        sys.exit(f"{called('run')}: which competition? Give its FOLDER")
     close_to_others()
     # Imported late, because the supervisor needs none of it before it has started the box.
     if not options.unsupervised:
         from roah_rsbb.box.program.supervisor import supervise
+        from roah_rsbb.copies.settings import copy_settings
 
         log_to_terminal()
         command = without_ros("run", *given, ALONE)
-        sys.exit(supervise(command, [*command, SILENT], lambda: _settings(options.folder, given).path("log_dir")))
+        sys.exit(supervise(command, [*command, SILENT], lambda: copy_settings(_settings(options.folder, given))))
     import asyncio
 
     from roah_rsbb.box.program.program import BoxProgram, door_file

@@ -1,4 +1,4 @@
-"""What a box without ROS has around it in its process: modules, home devices, sounds, pages, copy of the journal."""
+"""What a box without ROS has around it in its process: modules, home devices, sounds, pages."""
 
 import asyncio
 import concurrent.futures
@@ -13,10 +13,6 @@ from roah_rsbb.box.running import RunningBox
 from roah_rsbb.box.settings import BoxSettings
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.sockets import source_host
-from roah_rsbb.copies.folder import Stick
-from roah_rsbb.copies.follower import Follower
-from roah_rsbb.copies.reported import ReportedCopy
-from roah_rsbb.core.copies import CopyReport
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.devices.devices import HomeDevices, open_settings
 from roah_rsbb.devices.home import OUTPUTS, BadSetting, Home, devices_state
@@ -34,8 +30,6 @@ from roah_rsbb.tablet.tablet_page import TabletPage
 from roah_rsbb.web.gateway import Gateway, GatewayHost
 from roah_rsbb.web.pairing import ORGANISER
 
-# Interval of reports about the copy; and a stick that hangs must not keep the box from ending.
-COPY_PERIOD_S, COPY_END_S = 1.0, 5.0
 LEAVE_S = 1.0
 NAME = "roah_rsbb"  # of this program, for the box's records
 LOOPBACK = "127.0.0.1"
@@ -235,30 +229,3 @@ class WebParts:
         if self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._loop.stop)
             self._thread.join(LEAVE_S)
-
-
-class Backup:
-    """The continuous copy of the journal in another folder (docs/backup.md)."""
-
-    def __init__(self, loop: asyncio.AbstractEventLoop, folder: str, log_dir: str, running: RunningBox) -> None:
-        """Start to copy. Call it when the journal is open."""
-        self._loop, self._running = loop, running
-        _log.info("Copying the journal to %s", folder)
-        self._has_all = threading.Event()
-        self._copy = ReportedCopy(folder, Follower(
-            log_dir, Stick(folder, log_dir).open, on_answer=lambda question: self._has_all.set()))
-        self._timer = loop.call_soon(self._report)
-
-    def _report(self) -> None:
-        self._timer = self._loop.call_later(COPY_PERIOD_S, self._report)
-        news, running = self._copy.news(), self._running
-        is_of_box = news.journal == running.core.store.identity
-        running.event(running.box.on_copy_report, CopyReport(
-            news.place, is_of_box, news.behind_s, news.missing_bytes, news.trouble, news.notice))
-
-    def close(self) -> None:
-        """End it when it has everything of the journal, which is closed, but wait no longer than `COPY_END_S`."""
-        self._timer.cancel()
-        self._copy.follower.ask("end")
-        self._has_all.wait(COPY_END_S)
-        self._copy.follower.end(COPY_END_S)

@@ -13,13 +13,15 @@ from typing import Any, BinaryIO, Callable, Coroutine, List, Mapping, Optional
 from roah_rsbb import platform
 from roah_rsbb.box.calls import who_of
 from roah_rsbb.box.parameters import parameters_of
-from roah_rsbb.box.program.parts import LOOPBACK, Backup, ControlledDevices, DrivenModules, Sounds, WebParts
+from roah_rsbb.box.program.parts import LOOPBACK, ControlledDevices, DrivenModules, Sounds, WebParts
+from roah_rsbb.box.program.supervisor import CopyingProcess
 from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.settings import BoxSettings
-from roah_rsbb.box.standing_by import wait_for_journal
-from roah_rsbb.client.places import OWN_VARIABLE, is_answering, local_door_file, user_folder
+from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
+from roah_rsbb.client.places import OWN_VARIABLE, door_file_in, is_answering, local_door_file, user_folder
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
+from roah_rsbb.copies.settings import copy_settings
 from roah_rsbb.document.calls import EXIT, Caller
 from roah_rsbb.document.place import NotFound, read_place, write_place
 from roah_rsbb.model.reason import say
@@ -55,6 +57,7 @@ class BoxProgram:
         self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
         self._sounds = Sounds(settings)
         _make_folder(params.log_dir)
+        wait_for_takeover(params.log_dir, Signs(params.log_dir).send)
         self._port_lock = _lock_port(params.network) if make_peer is Peer else None
         self._devices = ControlledDevices(loop, settings, params.log_dir, self._sounds.ring_bell)
         settings.done()
@@ -62,8 +65,8 @@ class BoxProgram:
             loop, params, launch, wait_for_journal(params.log_dir, Signs(params.log_dir).send),
             Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
         self._web = WebParts(loop, settings, self.running, make_peer)
-        self._backup: Optional[Backup] = None
-        self._door_file = ""
+        self._copying = CopyingProcess(copy_settings(settings))
+        self._door_files: List[str] = []
         self._tasks: List[asyncio.Task] = []  # a loop does not keep them
         self._loop, self._params, self._is_supervised = loop, params, bool(launch)
         self.on_exit: Callable[[], object] = lambda: None
@@ -76,18 +79,17 @@ class BoxProgram:
         self._devices.start(self.running)
         if self._modules is not None:
             self._modules.start(self.running)
-        if self._params.backup_dir:
-            self._backup = Backup(self._loop, self._params.backup_dir, self._params.log_dir, self.running)
         self._web.start()
-        self.keep(self._watch_supervisor(os.getppid()))
+        self.keep(self._watch_supervisor(os.getppid()) if self._is_supervised else self._keep_copying())
         self.running.door.add_calls({EXIT: self._exit})
         port = self.running.door.open(LOOPBACK)
-        try:
-            write_place(door_file, f"ws://{LOOPBACK}:{port}/door", self.running.door.token)
-            self._door_file = door_file
-        except OSError as error:  # the box has other faces
-            _log.error("Terminals cannot find this box: %s cannot be written: %s. Repair that, and start the box again",
-                       door_file, error.strerror)
+        for path in dict.fromkeys((door_file_in(self._params.log_dir), door_file)):
+            try:
+                write_place(path, f"ws://{LOOPBACK}:{port}/door", self.running.door.token)
+                self._door_files.append(path)
+            except OSError as error:  # the box has other faces
+                _log.error("Other programs cannot find this box: %s cannot be written: %s. Repair that, and start the "
+                           "box again", path, error.strerror)
 
     def close(self) -> None:
         """End everything. Runs continue with the next start."""
@@ -95,8 +97,9 @@ class BoxProgram:
         if running:
             _log.warning("The box ends during a run in %s: its robot is not stopped, and the run continues when the "
                          "box is started again", ", ".join(running))
-        if self._door_file and _is_own(self._door_file, self.running.door.token):
-            os.unlink(self._door_file)
+        for path in self._door_files:
+            if _is_own(path, self.running.door.token):
+                os.unlink(path)
         self._web.close()
         self.running.door.close()
         if self._modules is not None:
@@ -106,8 +109,7 @@ class BoxProgram:
         for task in self._tasks:
             task.cancel()
         self.running.close()
-        if self._backup is not None:
-            self._backup.close()
+        self._copying.end()
         if self._port_lock is not None:
             self._port_lock.close()
 
@@ -137,10 +139,15 @@ class BoxProgram:
 
     async def _watch_supervisor(self, pid: int) -> None:
         """Warn referees when the process is gone that starts this box again after a crash."""
-        while self._is_supervised and os.getppid() == pid:
+        while os.getppid() == pid:
             await asyncio.sleep(LOOK_S)
-        if self._is_supervised:
-            self.running.event(self.running.box.on_trouble, UNWATCHED)
+        self.running.event(self.running.box.on_trouble, UNWATCHED)
+
+    async def _keep_copying(self) -> None:
+        """Copy the journal; of a box with a supervisor, that one does."""
+        while True:
+            self._copying.look()
+            await asyncio.sleep(LOOK_S)
 
     def _publish_module_runs(self) -> None:
         if self._modules is not None:
@@ -187,7 +194,7 @@ def door_file(log_dir: str) -> str:
     usual = local_door_file()
     if OWN_VARIABLE in os.environ or not is_answering(usual):
         return usual
-    own = os.path.join(log_dir, "door.json")
+    own = door_file_in(log_dir)
     _log.warning("Another box of this user runs on this computer. Terminals find this one with %s=%s",
                  OWN_VARIABLE, own)
     return own

@@ -1,7 +1,8 @@
 """Starts the box again if it ends unexpectedly: what roslaunch does for a box with ROS.
 
 The box is a process of its own. One that was killed, that crashed or that hangs is replaced by the next one within a
-second, which continues its runs.
+second, which continues its runs. Beside it runs the program that copies the journal, if it is to be copied: when the
+box does not answer, that one hands over to the standby.
 """
 
 import contextlib
@@ -11,11 +12,13 @@ import signal
 import subprocess
 import time
 import uuid
-from typing import Callable, Sequence, Tuple
+from typing import Callable, Optional, Sequence
 
+from roah_rsbb.arguments import without_ros
+from roah_rsbb.copies.settings import CopySettings
 from roah_rsbb.params import BadParams
 from roah_rsbb.platform import ending_signals
-from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, SUPERVISOR, Watch, state_of
+from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, Signs, Watch, state_of
 
 # Of the environment of the box: identifies the supervisor, so that `resume:=launch` continues after a crash only.
 LAUNCH = "ROAH_RSBB_LAUNCH"
@@ -27,31 +30,69 @@ PAUSE_S, MOST_PAUSE_S = 0.5, 8.0
 START_S = 60.0
 # A box that was asked to end.
 END_S = 10.0
+# The program that copies, of `roah-rsbb`; seconds until it is started again: it says each time why it ended.
+COPIES, COPYING_PAUSE_S = "copies", 5.0
 
 _log = logging.getLogger(__name__)
 
 
-def supervise(command: Sequence[str], again: Sequence[str], log_dir: Callable[[], str]) -> int:
+class CopyingProcess:
+    """The program that copies the journal, started again when it ends. Call `look` often."""
+
+    def __init__(self, settings: CopySettings) -> None:
+        """It is never started if nothing is to be copied."""
+        self._command = without_ros(COPIES, *settings.words) if settings.words else []
+        self._process: Optional[subprocess.Popen] = None
+        self._due_mono = float("-inf")
+
+    def look(self) -> None:
+        """Start it, if that is due."""
+        if self._command and time.monotonic() >= self._due_mono and (
+                self._process is None or self._process.poll() is not None):
+            self._process, self._due_mono = subprocess.Popen(self._command), time.monotonic() + COPYING_PAUSE_S
+
+    def end(self) -> None:
+        """Let it copy what the box wrote last, and end it."""
+        if self._process is not None:
+            self._process.terminate()
+            try:
+                self._process.wait(END_S)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
+
+
+def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], CopySettings]) -> int:
     """Run a box until it ends by itself or this process is interrupted; returns its exit status.
 
-    `command` starts it for the first time, and `again` continues its runs. `log_dir` returns that of the box, or raises
+    `command` starts it for the first time, and `again` continues its runs. `read` reads its settings, or raises
     `BadParams`: the box then says what is wrong, and ends.
     """
     environment = {**os.environ, LAUNCH: str(uuid.uuid4())}
     wishes: list = []  # signals that this process got
     for number in ending_signals():
         signal.signal(number, lambda wish, _frame: wishes.append(wish))
+    box = subprocess.Popen(command, env=environment)
+    try:
+        found = read()
+    except BadParams:
+        return box.wait()
     was_heard, pause_s = False, PAUSE_S
-    while True:
-        status, is_heard = _run(command, environment, wishes, log_dir)
-        command, was_heard = again, was_heard or is_heard
-        # A box that ran before is started until it runs again: its files may be changed just now.
-        if wishes or status == 0 or (status in FAILED and not was_heard):
-            return 0 if wishes else status
-        pause_s = PAUSE_S if is_heard else min(2.0 * pause_s, MOST_PAUSE_S)
-        _log.error("The box has ended unexpectedly (%s): the next one continues its runs%s", status,
-                   "" if is_heard else f", in {pause_s:g} s. Repair what it says is wrong")
-        _wait(pause_s, wishes)
+    copying, signs = CopyingProcess(found), Signs(found.log_dir)
+    try:
+        while True:
+            is_heard = _watch(box, wishes, Watch(found.log_dir, SUPERVISOR, time.monotonic), signs, copying)
+            status, was_heard = box.returncode, was_heard or is_heard
+            # A box that ran before is started until it runs again: its files may be changed just now.
+            if wishes or status == 0 or (status in FAILED and not was_heard):
+                return 0 if wishes else status
+            pause_s = PAUSE_S if is_heard else min(2.0 * pause_s, MOST_PAUSE_S)
+            _log.error("The box has ended unexpectedly (%s): the next one continues its runs%s", status,
+                       "" if is_heard else f", in {pause_s:g} s. Repair what it says is wrong")
+            _wait(pause_s, wishes)
+            box = subprocess.Popen(again, env=environment)
+    finally:
+        copying.end()
 
 
 def _wait(seconds: float, wishes: list) -> None:
@@ -60,14 +101,9 @@ def _wait(seconds: float, wishes: list) -> None:
         time.sleep(LOOK_S)
 
 
-def _run(command: Sequence[str], environment: dict, wishes: list, log_dir: Callable[[], str]) -> Tuple[int, bool]:
-    """Run one process of the box to its end; returns its exit status, and whether it ever gave a sign of life."""
-    box, killed, is_heard = subprocess.Popen(command, env=environment), 0, False
-    until_mono, heard_by_mono = float("inf"), time.monotonic() + START_S
-    try:
-        watch = Watch(log_dir(), SUPERVISOR, time.monotonic)
-    except BadParams:
-        return box.wait(), False
+def _watch(box: subprocess.Popen, wishes: list, watch: Watch, signs: Signs, copying: CopyingProcess) -> bool:
+    """Wait for the end of one process of the box; returns whether it ever gave a sign of life."""
+    killed, is_heard, until_mono, heard_by_mono = 0, False, float("inf"), time.monotonic() + START_S
     while True:
         with contextlib.suppress(subprocess.TimeoutExpired):
             box.wait(LOOK_S)
@@ -75,11 +111,15 @@ def _run(command: Sequence[str], environment: dict, wishes: list, log_dir: Calla
         is_heard = is_heard or watch.silence.pid == box.pid
         if box.returncode is not None:
             watch.close()
-            return box.returncode, is_heard
-        if not is_heard and watch.can_hear and time.monotonic() > heard_by_mono:
-            _log.error("The box (process %d) has not started within %g s: %s. It is ended, and the next one starts",
-                       box.pid, START_S, state_of(box.pid))
-            box.kill()
+            return is_heard
+        if is_heard or not watch.can_hear:
+            copying.look()
+        else:
+            signs.send(STARTING)  # the standby is to wait for it
+            if time.monotonic() > heard_by_mono:
+                _log.error("The box (process %d) has not started within %g s: %s. It is ended, and the next one "
+                           "starts", box.pid, START_S, state_of(box.pid))
+                box.kill()
         if wishes and until_mono == float("inf"):
             until_mono = time.monotonic() + END_S
             box.terminate()

@@ -56,8 +56,7 @@ class CoreNode:
         self._others = OtherNodes(ros)
         self._running = running = RunningBox(
             ros.loop, params, rospy.get_param("/run_id", ""), lock,
-            Peripherals(self._bell.ring, self._others.publish_module_runs, self._others.set_device,
-                        self._others.ask_standby))
+            Peripherals(self._bell.ring, self._others.publish_module_runs, self._others.set_device))
         self._services = LoopServices(ros.loop, running.core.fence.check)
         CoreServices(running.box, self._services, running.calls)
         self._published = PublishedDoor(running.door)

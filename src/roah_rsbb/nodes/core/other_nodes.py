@@ -1,15 +1,13 @@
-"""What the core exchanges with the box's other nodes: home devices, copies of the journal, benchmarking modules."""
+"""What the core exchanges with the box's other nodes: home devices, benchmarking modules."""
 
 from typing import Optional
 
 import rospy
 
 from roah_rsbb.box.running import RunningBox
-from roah_rsbb.core.copies import CopyReport
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules.presence import MAX_NODES
-from roah_rsbb.model import shown
-from roah_rsbb.msg import CopyQuestion, CopyState, DevicesState, DevicesStatus, ModuleRuns, ModulesState
+from roah_rsbb.msg import DevicesState, DevicesStatus, ModuleRuns, ModulesState
 from roah_rsbb.nodes.core.device_calls import DeviceCalls, devices_of
 from roah_rsbb.nodes.core.original_topics import publish
 from roah_rsbb.nodes.modules import convert
@@ -30,11 +28,8 @@ class OtherNodes:
         self._running, self._core, self._box, self._event = running, running.core, running.box, running.event
         self._modules = Newest(self._ros.post, self._take_modules, MAX_NODES)
         self._module_runs = rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True)
-        self._question = rospy.Publisher("/copies/asked", CopyQuestion, queue_size=10)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
         rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
-        rospy.Subscriber("/copies/state", CopyState, self._on_copy, queue_size=10)
-        rospy.Subscriber("/copies/confirmed", CopyQuestion, self._on_confirmed, queue_size=10, tcp_nodelay=True)
         rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
 
     def set_device(self, wish: SetDevice) -> None:
@@ -45,11 +40,6 @@ class OtherNodes:
         """Publish the runs that have a benchmarking module."""
         if self._running is not None:
             self._publish(self._module_runs, convert.runs_message(self._running.uuid, self._box.modules.runs()))
-
-    def ask_standby(self, ticket: int) -> None:
-        """Ask the standby whether it has what was written up to a ticket."""
-        if self._running is not None:
-            self._publish(self._question, CopyQuestion(self._running.uuid, self._core.store.identity, ticket))
 
     def _publish(self, topic: rospy.Publisher, message: object) -> None:
         self._core.fence.check()
@@ -64,20 +54,6 @@ class OtherNodes:
 
     def _on_device_refused(self, wish: SetDevice, reason: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_device_refused, wish.zone, wish.device, wish.value, reason))
-
-    def _on_copy(self, message: CopyState) -> None:
-        trouble, notice = shown.restored((message.trouble, message.notice), message.said)
-        report = CopyReport(message.place, message.journal == self._core.store.identity, message.behind,
-                            message.missing_bytes, trouble, notice)
-        self._ros.post(lambda: self._take_copy(report))
-
-    def _take_copy(self, report: CopyReport) -> None:
-        self._event(self._box.on_copy_report, report)
-        self._core.standby.look()
-
-    def _on_confirmed(self, message: CopyQuestion) -> None:
-        if message.box_uuid == self._running.uuid:
-            self._ros.post(lambda: self._core.standby.on_answer(message.ticket))
 
     def _take_modules(self, state: object) -> None:
         self._event(self._box.modules.on_modules, state)

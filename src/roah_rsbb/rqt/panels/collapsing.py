@@ -19,7 +19,7 @@ SCORING = "ScoringPanel"
 SHOW, HIDE = "▸", "▾"
 SHOW_TIP, HIDE_TIP = tr_later("Show this panel now"), tr_later("Leave the space to Scoring")
 NO_LIMIT = 16777215  # Qt's QWIDGETSIZE_MAX
-# Looks at the model after which the earlier height is no longer asked for.
+# How often the earlier height is asked for: a referee who drags a panel gets the last word.
 MOST_ATTEMPTS = 20
 
 
@@ -107,9 +107,9 @@ class CollapsingPanel(Panel):
         if len(docks) < 2 or None in docks or not isinstance(window, QMainWindow) or not self._height:
             self._attempts = 0
         elif self._attempts:
-            self._attempts -= 1
-            both = sum(dock.height() for dock in docks)
-            if self._height < both:
-                window.resizeDocks(docks, [self._height, both - self._height], Qt.Vertical)
+            left = sum(dock.height() for dock in docks) - self._height
+            if left >= docks[1].minimumSizeHint().height():  # otherwise, Scoring still needs the space
+                self._attempts -= 1
+                window.resizeDocks(docks, [self._height, left], Qt.Vertical)
             if docks[0].height() == self._height:
                 self._attempts = 0

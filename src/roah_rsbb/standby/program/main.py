@@ -10,10 +10,8 @@
 import argparse
 import contextlib
 import datetime
-import fcntl
 import json
 import os
-import pwd
 import shutil
 import signal
 import socket
@@ -23,8 +21,8 @@ import threading
 import time
 from typing import Any, Dict, Iterator, List, Optional, Sequence, TextIO, Tuple
 
-from roah_rsbb import durable
-from roah_rsbb.arguments import Parser, number, read_by
+from roah_rsbb import durable, platform
+from roah_rsbb.arguments import Parser, called, is_without_ros, number, read_by, typed, without_ros
 from roah_rsbb.comm import sockets
 from roah_rsbb.copies.folder import drop_drafts
 from roah_rsbb.journal import epochs, in_force
@@ -84,7 +82,7 @@ A standby: a second computer that has a copy of the box's journal, and takes ove
   rehearse  show a takeover on this computer, with the times. Needs no second computer, and changes nothing
 """
 _EPILOG = """\
-Start the box with standby_port:=8083. Arguments NAME:=VALUE are passed to roah_rsbb.launch when the standby takes over;
+Start the box with standby_port:=8083. Settings NAME:=VALUE are passed to the box when the standby takes over;
 bind_host:=ADDRESS is also used to listen. docs/standby.md explains everything else.
 """
 
@@ -94,7 +92,7 @@ class Denied(Exception):
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
+    parser = Parser(called(PROGRAM), _DESCRIPTION, _EPILOG)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_sub_parser)
     code = commands.add_parser("code", help="on the box: show a code with which one standby can be paired")
     follow = commands.add_parser("follow", help="pair with the box, once, and keep the copy")
@@ -157,7 +155,7 @@ def _code(_options: argparse.Namespace, folder: str) -> int:
     code, standby = codes.make_code(folder), read_standby(folder)
     port = _network_of_box(own).get("standby_port", str(DEFAULT_PORT))
     print(f"The code is {code}, for one standby and for {codes.VALID_S / 60:.0f} minutes. Enter on the second "
-          "computer, with the address of this one:\nrosrun roah_rsbb standby follow ADDRESS --code"
+          f"computer, with the address of this one:\n{typed(PROGRAM)} follow ADDRESS --code"
           f"{'' if port == str(DEFAULT_PORT) else f' --port {port}'}", flush=True)
     if standby is not None:
         print(f"That computer replaces the present standby, which is {standby.described}", flush=True)
@@ -168,6 +166,8 @@ def _check_owner(folder: str) -> None:
     """Refuse to write what the user of the box could not read."""
     owner = os.stat(folder).st_uid
     if owner != os.geteuid():
+        import pwd  # Windows has none
+
         try:
             name = pwd.getpwuid(owner).pw_name
         except KeyError:
@@ -337,7 +337,7 @@ def _check_unused(folder: str) -> None:
         lock = os.path.join(folder, name)
         if _is_held(lock):
             raise Denied(f"another program uses {folder} (process {_noted_pid(lock) or 'unknown'}): end it first. If "
-                         "it is the box, end its launch")
+                         "it is the box, end that")
 
 
 @contextlib.contextmanager
@@ -345,7 +345,7 @@ def _locked(folder: str) -> Iterator[TextIO]:
     """Note that this program keeps the copy, also while the box is not connected. Raises `Denied`."""
     with open(os.path.join(folder, LOCK), "a", encoding="ascii") as file:
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            platform.lock(file.fileno())
         except BlockingIOError:
             raise Denied(f"another program keeps the copy in {folder}: end it first") from None
         with contextlib.suppress(OSError):  # a standby whose disk is full is one, too
@@ -472,7 +472,7 @@ def _not_heard(folder: str, box: PairedBox) -> str:
     """Say which robots the new box does not hear, and what to do."""
     return (f"Robots that send to the box's address {box.host} instead of the broadcast address are not heard here: "
             "panels show them as silent. If there are such robots, take this address over. Enter as root:\n"
-            f"rosrun roah_rsbb standby takeover --take-address --log-dir {folder}")
+            f"{typed(PROGRAM)} takeover --take-address --log-dir {folder}")
 
 
 def _become_box(folder: str, box: Optional[PairedBox], arguments: Sequence[str]) -> Tuple[List[str], List[str]]:
@@ -511,7 +511,7 @@ def _claim_again(folder: str, standby: PairedStandby, anyway: bool) -> int:
     """Let the box that was superseded be the box again, because the one that took over is lost."""
     _check_unused(folder)
     if not _standing(folder).is_superseded:
-        raise Denied(f"{folder} is the log_dir of a box from which nobody took over: start it with roslaunch")
+        raise Denied(f"{folder} is the log_dir of a box from which nobody took over: start it as before")
     if not anyway and is_open(standby.host, standby.port, ALIVE_S):
         raise Denied(f"The box at {standby.host} answers. If it must not continue, switch it off. To take over in any "
                      "case: --anyway")
@@ -541,8 +541,8 @@ def launch_command(folder: str, arguments: Sequence[str]) -> List[str]:
     # A box that hears the one before must not give up: that one stops.
     own = {"log_dir": folder, "resume": "always", "take_over": "true", **_network_of_box(folder),
            **_write_files(folder)}
-    return ["roslaunch", "roah_rsbb", "roah_rsbb.launch",
-            *(f"{name}:={value}" for name, value in own.items() if name not in given), *arguments]
+    start = without_ros("run", "--no-browser") if is_without_ros() else ["roslaunch", "roah_rsbb", "roah_rsbb.launch"]
+    return [*start, *(f"{name}:={value}" for name, value in own.items() if name not in given), *arguments]
 
 
 def _write_files(folder: str) -> Dict[str, str]:
@@ -550,7 +550,7 @@ def _write_files(folder: str) -> Dict[str, str]:
     kept = in_force.read_in_force(folder)
     if kept is None:
         raise Denied(f"the copy in {folder} has no configuration: it is not complete. Use resume and the files of "
-                     "the competition with roslaunch, see docs/standby.md")
+                     "the competition, see docs/standby.md")
     os.makedirs(os.path.join(folder, CONFIGURATION), exist_ok=True)
     found = {"standings_file": "none"}
     for argument, text in zip(FILE_ARGUMENTS, kept.versions[kept.present].texts):
@@ -599,7 +599,7 @@ def _is_held(path: str) -> bool:
 def _is_free(path: str) -> bool:
     with open(path, "a", encoding="ascii") as file:
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            platform.lock(file.fileno())
         except BlockingIOError:
             return False
     return True
@@ -644,7 +644,7 @@ def _rehearse() -> int:
         for line in rehearse():
             print(line, flush=True)
     except Failed as error:
-        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        print(f"{called(PROGRAM)}: {error}", file=sys.stderr)
         return 1
     return 0
 
@@ -657,10 +657,12 @@ def _options(words: Sequence[str]) -> argparse.Namespace:
     return options
 
 
-def main() -> None:
-    """Run the program."""
+def main(arguments: Optional[Sequence[str]] = None) -> None:
+    """Run the program with these arguments (default: those of the process)."""
     durable.close_to_others()
-    options = _options(sys.argv[1:])
+    options = _options(sys.argv[1:] if arguments is None else arguments)
+    if not platform.names_senders():
+        sys.exit(f"{called(PROGRAM)}: both computers need Linux")
     if options.command == "rehearse":
         sys.exit(_rehearse())
     folder = os.path.abspath(os.path.expanduser(options.log_dir))
@@ -671,5 +673,5 @@ def main() -> None:
         sys.exit(acts[options.command](options, folder))
     except (Denied, CannotPair, Lost, OSError, NewerFormat) as error:
         for line in str(error).splitlines():
-            print(f"{PROGRAM}: {line}", file=sys.stderr)
+            print(f"{called(PROGRAM)}: {line}", file=sys.stderr)
         sys.exit(1)

@@ -1,6 +1,7 @@
-"""The box on the standby, started in advance: its ROS master runs, and its core has everything imported and waits.
+"""The box on the standby, started in advance: its core has everything imported and waits, and its ROS master runs.
 
-At a takeover, the core only has to read the journal. The rest of the box (panels, pages, devices) starts beside it.
+At a takeover, the core only has to read the journal. With ROS, the rest of the box (panels, pages, devices) starts
+beside it. A box without ROS has no other parts.
 """
 
 import contextlib
@@ -10,12 +11,12 @@ import subprocess
 import threading
 from typing import Callable, List, Optional, Sequence
 
-import rosgraph
-
-from roah_rsbb.ros.live_core import CORE
+from roah_rsbb.arguments import is_without_ros
 from roah_rsbb.tools import launched
 
 LOOK_S = 1.0
+# What starts the core alone, and then the rest.
+CORE_PART, REST_PART = "part:=core", "part:=rest"
 # roslaunch ends its nodes within this time.
 END_S = 30.0
 _PR_SET_PDEATHSIG = 1
@@ -51,13 +52,14 @@ class Prepared:
     def run(self) -> int:
         """Start the rest of the box, and wait until either part or this program is ended; returns the exit status."""
         over = threading.Event()
+        self._ended.set()  # nothing is prepared any more
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: over.set())
-        rest = _start([*self._command, "part:=rest"])
-        for process in (self._process, rest):
+        parts = [self._process] if is_without_ros() else [_start([*self._command, REST_PART]), self._process]
+        for process in parts:
             threading.Thread(target=lambda process=process: (process.wait(), over.set()), daemon=True).start()
         over.wait()
-        for process in (rest, self._process):
+        for process in parts:
             launched.end(process, END_S)
         return self._process.returncode
 
@@ -65,10 +67,11 @@ class Prepared:
         while not self._ended.is_set():
             with contextlib.suppress(self._not_yet, OSError):
                 command = self._command_of()
-                if _core_runs():
+                if not is_without_ros() and _core_runs():
                     self._on_state("A core runs at ROS_MASTER_URI, so no box is prepared here: a takeover takes longer")
                     return
-                self._command, self._process = command, _start([*command, "part:=core"])
+                self._command, self._process = command, _start(
+                    command if is_without_ros() else [*command, CORE_PART])
                 if self._ended.is_set():
                     launched.end(self._process, END_S)
                 # It gets a signal when the thread that started it ends.
@@ -80,6 +83,11 @@ class Prepared:
 
 
 def _core_runs() -> bool:
+    # Imported late: without ROS, there is neither.
+    import rosgraph
+
+    from roah_rsbb.ros.live_core import CORE
+
     try:
         return bool(rosgraph.Master("/roah_rsbb_standby").lookupNode(f"/{CORE}"))
     except (OSError, rosgraph.MasterException):

@@ -15,6 +15,8 @@ import threading
 import time
 from typing import Iterator, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.arguments import is_without_ros, typed, without_ros
+from roah_rsbb.client.places import OWN_VARIABLE
 from roah_rsbb.core.box import SUPERSEDED
 
 BOX, STANDBY, ROBOT, BROADCAST = "127.0.0.21", "127.0.0.22", "127.0.0.23", "127.255.255.255"
@@ -42,12 +44,16 @@ class _Program:
     """A running program, and the times of its lines."""
 
     def __init__(self, folder: str, command: Tuple[str, ...], master: int) -> None:
-        """`folder`: of its logs. `master`: port of its ROS master; 0: it has none."""
+        """`folder`: of its logs. `command`: of `roah-rsbb`, or rosrun and roslaunch. `master`: port of its ROS master,
+        or of whatever distinguishes two boxes without ROS; 0: it has none."""
         environment = {**os.environ, "PYTHONUNBUFFERED": "1", "ROS_HOME": folder}
         environment.pop("ROS_LOG_DIR", None)
         if master:
             environment["ROS_MASTER_URI"] = f"http://127.0.0.1:{master}"
         self._name = command[0]
+        if is_without_ros():
+            environment.update({"ROS_MASTER_URI": "", OWN_VARIABLE: os.path.join(folder, f"door{master}.json")})
+            command = tuple(without_ros(*command))
         self._lines: List[Tuple[float, str]] = []
         self._is_new = threading.Condition()
         self._process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -114,7 +120,7 @@ def _rehearse(folder: str, cleanup: contextlib.ExitStack, ports: Ports) -> Itera
         return program
 
     def box() -> _Program:
-        return start("roslaunch", "-p", str(ports.box_master), "roah_rsbb", "roah_rsbb.launch", *_WITHOUT,
+        return start(*_launch(ports.box_master), *_WITHOUT,
                      f"rsbb_host:={BROADCAST}", f"rsbb_port:={ports.public}", f"bind_host:={BOX}",
                      f"log_dir:={log_dir}", f"standby_port:={ports.standby}", master=ports.box_master)
 
@@ -122,18 +128,18 @@ def _rehearse(folder: str, cleanup: contextlib.ExitStack, ports: Ports) -> Itera
     first = box()
     for ready in ("For a code, enter", "Listening on UDP"):
         first.wait(ready)
-    _, code = start("rosrun", "roah_rsbb", "standby", "code", "--log-dir", log_dir).wait("The code is ([A-Z0-9-]+)")
-    follower = start("rosrun", "roah_rsbb", "standby", "follow", BOX, "--port", str(ports.standby), "--code", code,
-                     "--log-dir", copy, f"bind_host:={STANDBY}", *_WITHOUT, master=ports.standby_master)
+    _, code = start(*_run("standby"), "code", "--log-dir", log_dir).wait("The code is ([A-Z0-9-]+)")
+    follower = start(*_run("standby"), "follow", BOX, "--port", str(ports.standby), "--code", code, "--log-dir", copy,
+                     f"bind_host:={STANDBY}", *_WITHOUT, master=ports.standby_master)
     follower.wait("The copy is kept")
     follower.wait("waiting for a takeover")
-    robot = start("rosrun", "roah_rsbb", "dummy_robot", "--team", TEAM, "--password", PASSWORD, "--host", BROADCAST,
+    robot = start(*_run("dummy_robot"), "--team", TEAM, "--password", PASSWORD, "--host", BROADCAST,
                   "--port", str(ports.public), "--bind", ROBOT, "--never-end")
     first.wait(f"Robot .* is active at {ROBOT}")
     for command in ("connect", "start"):
         # The box may still listen for another one.
         deadline = time.monotonic() + LIMIT_S
-        while not start("rosrun", "roah_rsbb", "referee", command, ZONE, master=ports.box_master).is_done():
+        while not start(*_run("referee"), command, ZONE, master=ports.box_master).is_done():
             if time.monotonic() > deadline:
                 raise Failed(f"the referee could not {command} the robot in time")
     robot.wait("executing")
@@ -142,9 +148,9 @@ def _rehearse(folder: str, cleanup: contextlib.ExitStack, ports: Ports) -> Itera
     lost = time.monotonic()
     first.lose()
     yield f"{0:5.1f} s  The box is lost, in the middle of a run: all its processes are killed"
-    yield f"{time.monotonic() - lost:5.1f} s  rosrun roah_rsbb standby takeover"
+    yield f"{time.monotonic() - lost:5.1f} s  {typed('standby')} takeover"
     # There is no need to hear that the box is silent.
-    taken = start("rosrun", "roah_rsbb", "standby", "takeover", "--anyway", "--log-dir", copy,
+    taken = start(*_run("standby"), "takeover", "--anyway", "--log-dir", copy,
                   master=ports.standby_master)
     yield f"{0:5.1f} s  {taken.wait('The newest entry of the copy .*')[1]}"
     yield f"{follower.wait('Listening on UDP')[0] - lost:5.1f} s  The second computer is the box, and sends to robots"
@@ -154,6 +160,17 @@ def _rehearse(folder: str, cleanup: contextlib.ExitStack, ports: Ports) -> Itera
     yield "The first box starts again"
     mono, reason = box().wait(f"({SUPERSEDED.template.partition(':')[0]}.*)")
     yield f"{mono - began:5.1f} s  {reason}"
+
+
+def _launch(master: int) -> Tuple[str, ...]:
+    """Return the command that starts a box."""
+    return ("run", "--no-browser") if is_without_ros() else (
+        "roslaunch", "-p", str(master), "roah_rsbb", "roah_rsbb.launch")
+
+
+def _run(program: str) -> Tuple[str, ...]:
+    """Return the command of a program, by its name in ROS."""
+    return (program.replace("_", "-"),) if is_without_ros() else ("rosrun", "roah_rsbb", program)
 
 
 def _free_ports(count: int, kind: int = socket.SOCK_STREAM) -> List[int]:

@@ -218,6 +218,10 @@ def test_the_journal_is_copied(tmp_path):
     async def play():
         async with Demonstration(tmp_path / "log", backup_dir=str(tmp_path / "stick")) as demo:
             await demo.begin()
+            while not list((tmp_path / "stick").rglob("journal-*.log")):  # the program that copies is starting
+                await asyncio.sleep(0.01)
+            item = demo.zone.items[0]
+            await demo.act("mark", group=item.group, desc=item.desc, value=1, role="referee", id="1")
     (tmp_path / "stick").mkdir()
     run(play())
     written = {path.name: path.read_bytes() for path in (tmp_path / "log").rglob("journal-*.log")}
@@ -225,9 +229,12 @@ def test_the_journal_is_copied(tmp_path):
     assert written and copied == written
 
 
-@pytest.mark.parametrize("changes, said", [
-    ({"web_prot": "1"}, "did you mean 'web_port'"), ({"standby_port": "8083"}, "no standby yet")])
-def test_what_cannot_be_is_said_before_anything_is_opened(tmp_path, changes, said):
+@pytest.mark.parametrize("changes, names_senders, said", [
+    ({"web_prot": "1"}, True, "did you mean 'web_port'"),
+    ({"standby_port": "8083"}, False, "only a box on Linux can have a standby")])
+def test_what_cannot_be_is_said_before_anything_is_opened(tmp_path, monkeypatch, changes, names_senders, said):
+    monkeypatch.setattr("roah_rsbb.platform.names_senders", lambda: names_senders)
+
     async def make():
         box_program(tmp_path / "log", MemoryAir(), **changes)
     with pytest.raises(BadParams, match=said):

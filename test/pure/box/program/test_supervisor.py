@@ -20,11 +20,16 @@ with open("starts", "a") as file:
 starts = len(open("starts").readlines())
 print("started", starts, *sys.argv[1:], flush=True)
 """
+# `copies` is a program instead of that which copies.
 SUPERVISOR = """
 import sys
-from roah_rsbb.box.program.supervisor import supervise
-command = [sys.executable, "-c", open("box.py").read()]
-sys.exit(supervise(command, [*command, "again"], lambda: "."))
+from roah_rsbb.box.program import supervisor
+from roah_rsbb.copies.settings import CopySettings
+command, copies = ([sys.executable, "-c", open(name).read()] for name in ("box.py", "copies.py"))
+supervisor.without_ros = lambda *words: copies
+supervisor.COPYING_PAUSE_S = 0.0
+settings = CopySettings(".", "stick", 0, "0.0.0.0", "none", "127.255.255.255", 6666)
+sys.exit(supervisor.supervise(command, [*command, "again"], lambda: settings))
 """
 
 
@@ -33,7 +38,8 @@ def supervised(tmp_path):
     """Start a supervisor over a box with this code; returns the process."""
     found = []
 
-    def start(code):
+    def start(code, copies="sys.exit(1)"):
+        (tmp_path / "copies.py").write_text("import os, signal, sys, time\n" + textwrap.dedent(copies), "utf-8")
         (tmp_path / "box.py").write_text(BOX + textwrap.dedent(code), "utf-8")
         found.append(subprocess.Popen(
             [sys.executable, "-c", SUPERVISOR], cwd=str(tmp_path), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -122,3 +128,35 @@ def test_after_a_crash_it_tries_until_the_box_runs_again(supervised, tmp_path):
     assert process.returncode == 0
     assert len(starts(tmp_path)) == 4
     assert error.count("Repair what it says is wrong") == 2
+
+
+def test_the_journal_is_copied_from_the_first_sign_of_life_until_the_box_has_ended(supervised, tmp_path):
+    """Whatever ends the program that copies, the next one is started."""
+    process = supervised("""
+        from roah_rsbb.signs_of_life import Signs
+        ends = []
+        signal.signal(signal.SIGTERM, lambda *_: ends.append(1))
+        while not os.path.exists("heard"):  # until the supervisor listens
+            time.sleep(0.01)
+        open("copying", "a").write("box ")
+        while not ends:
+            Signs(".").send()
+            time.sleep(0.01)
+        open("copying", "a").write("ended ")
+        """, copies="""
+        open("copying", "a").write("copies ")
+        if open("copying").read().count("copies") < 3:
+            os.kill(os.getpid(), signal.SIGKILL)
+        ends = []
+        signal.signal(signal.SIGTERM, lambda *_: ends.append(1))
+        print("copying", flush=True)
+        while not ends:
+            time.sleep(0.01)
+        open("copying", "a").write("complete")
+        """)
+    until_it_listens(tmp_path)
+    assert [process.stdout.readline() for _ in range(2)] == ["started 1\n", "copying\n"]
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0
+    assert (tmp_path / "copying").read_text("utf-8") == "box copies copies copies ended complete"

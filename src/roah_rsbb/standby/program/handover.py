@@ -1,19 +1,19 @@
 """Hands over to the standby when the core hangs or is gone, and no other core replaces it on this computer.
 
-roslaunch starts a core that ended again, and the node roah_rsbb_core_shutdown ends one that hangs, so that referees
-keep their panels and pages. If no core answers after that, for example because the disk does not, the standby becomes
-the box. Before, the old core is ended, so that it can send nothing whatever happens to it, and the copy is completed.
+A supervisor (of roslaunch, or `box/program/supervisor.py`) starts a core that ended again, and ends one that hangs, so
+that referees keep their panels and pages. If no core answers after that, for example because the disk does not, the
+standby becomes the box. Before, the old core is ended, so that it can send nothing whatever happens to it, and the copy
+is completed.
 """
 
 import contextlib
 import enum
+import logging
 import os
 import signal
 import threading
 import time
 from typing import Callable, Optional
-
-import rospy
 
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal import file as files
@@ -29,6 +29,8 @@ HUNG_S = 4.0
 STARTING_S = 20.0
 # Seconds for the last part of the copy, and for the answer of the standby.
 COPY_S, ANSWER_S = 3.0, 5.0
+
+_log = logging.getLogger(__name__)
 
 
 class Owner(enum.Enum):
@@ -117,22 +119,22 @@ class Handover:
         if holder:
             with contextlib.suppress(OSError):
                 os.kill(holder, signal.SIGKILL)
-        rospy.logerr("The core does not answer, and none was started again within %g s: handing over to the standby",
+        _log.error("The core does not answer, and none was started again within %g s: handing over to the standby",
                      self._watch.silence.seconds)
         for event in (self._is_complete, self._is_taken):
             event.clear()
         self._question = object()
         self._ask(self._question)
         if not self._is_complete.wait(COPY_S):
-            rospy.logerr("The copy could not be completed: the standby may lack the last entries")
+            _log.error("The copy could not be completed: the standby may lack the last entries")
         self._is_handing_over = True
         if not self._is_taken.wait(ANSWER_S):
-            rospy.logerr("The standby does not take over: see its terminal. A core that is started here continues")
+            _log.error("The standby does not take over: see its terminal. A core that is started here continues")
             return
-        rospy.logerr("The standby has taken over")
+        _log.error("The standby has taken over")
         self._watch.silence.forget()
         if lock is not None:  # otherwise the next core asks the standby before it begins
             try:
                 epochs.hand_over(lock.path, time.time(), self._by())
             except (OSError, NewerFormat) as error:
-                rospy.logerr("%s cannot be written: %s", lock.path, error)
+                _log.error("%s cannot be written: %s", lock.path, error)

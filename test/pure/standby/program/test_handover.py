@@ -12,12 +12,8 @@ from helpers.journals import Writer
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME, JournalInUse, lock
 from roah_rsbb.signs_of_life import LOOK_S, STARTING, Signs
+from roah_rsbb.standby.program.handover import HUNG_S, NOBODY_S, STARTING_S, Handover, Owner, is_due
 from roah_rsbb.standby.remote import CoreState
-
-pytest.importorskip("rospy")
-handover = pytest.importorskip("roah_rsbb.nodes.handover")
-HUNG_S, NOBODY_S, STARTING_S = handover.HUNG_S, handover.NOBODY_S, handover.STARTING_S
-Handover, Owner, is_due = handover.Handover, handover.Owner, handover.is_due
 
 STANDBY = "10.1.0.3"
 CORE = """
@@ -94,7 +90,7 @@ class Box:
 
 @pytest.fixture
 def box(tmp_path, monkeypatch):
-    monkeypatch.setattr(handover, "ANSWER_S", 0.2)
+    monkeypatch.setattr("roah_rsbb.standby.program.handover.ANSWER_S", 0.2)
     made = Box(tmp_path / "log")
     yield made
     made.close()
@@ -123,7 +119,7 @@ def test_a_handover_that_the_journal_cannot_take(box, monkeypatch):
     def fail(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(handover.epochs, "hand_over", fail)
+    monkeypatch.setattr(epochs, "hand_over", fail)
     box.start_core().kill()
     box.cores[-1].wait(60.0)
     box.pass_time(NOBODY_S + 2 * LOOK_S)

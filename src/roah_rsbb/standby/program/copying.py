@@ -1,0 +1,169 @@
+"""The program that copies the journal, continuously: to a second folder, such as a USB stick (docs/backup.md), and to a
+standby, which is a second computer (docs/standby.md).
+
+It reads the journal in log_dir, which the core writes. The core never waits for it: it is a process of its own, with
+ROS the node roah_rsbb_backup (`nodes/backup.py`), without ROS a child of the box's supervisor. Through the door of the
+box it says once a second how complete each copy is, and the core warns the referees if one is behind.
+"""
+
+import json
+import logging
+import math
+import os
+import signal
+import sys
+import threading
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence
+
+from roah_rsbb import platform
+from roah_rsbb.box.program.main import log_to_terminal
+from roah_rsbb.box.settings import BoxSettings, of_words
+from roah_rsbb.box.standing_by import wait_for_takeover
+from roah_rsbb.client.client import Client, Offer
+from roah_rsbb.client.places import door_file_in
+from roah_rsbb.copies.folder import Stick
+from roah_rsbb.copies.follower import Follower
+from roah_rsbb.copies.reported import ReportedCopy
+from roah_rsbb.copies.settings import CopySettings, copy_settings
+from roah_rsbb.core.copies import STANDBY
+from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, Caller
+from roah_rsbb.document.place import DoorPlace, read_place
+from roah_rsbb.durable import close_to_others
+from roah_rsbb.model.reason import encode
+from roah_rsbb.standby import codes
+from roah_rsbb.standby.box_end import BoxEnd
+from roah_rsbb.standby.herald import Herald
+from roah_rsbb.standby.messages import NETWORK, PASSWORDS
+from roah_rsbb.standby.partners import read_standby
+from roah_rsbb.standby.program.handover import Handover
+
+NAME = "roah_rsbb_backup"  # of this program
+PERIOD_S = 1.0
+# For the last part of the journal; a stick that hangs must not keep the program from ending.
+END_S = 5.0
+_log = logging.getLogger(__name__)
+
+
+class _Document(NamedTuple):
+    """Nothing of the box's document."""
+
+
+class _Question(NamedTuple):
+    """The box asks whether the standby has everything up to a ticket."""
+
+    box: str  # its uuid
+    journal: str
+    ticket: int
+
+
+def _own_address(bind_host: str) -> str:
+    """Return the address at which the core of this computer hears datagrams from this computer."""
+    return "127.0.0.1" if bind_host == "0.0.0.0" else bind_host
+
+
+class Copying:
+    """The copies, from the start of the program to its end. Call everything in one thread."""
+
+    def __init__(self, settings: CopySettings, name: str, find: Callable[[], DoorPlace]) -> None:
+        """Start to copy. `name`: of this program; `find`: see `Client`. Raises OSError."""
+        self._settings = settings
+        self._copies: List[ReportedCopy] = []
+        self._box = Client(_Document, find, offer=Offer({COPY: self._on_asked} if settings.standby_port else {}, name))
+        if settings.backup_dir:
+            _log.info("Copying the journal to %s", settings.backup_dir)
+            self._add(settings.backup_dir, Follower(settings.log_dir, Stick(
+                settings.backup_dir, settings.log_dir).open, on_answer=self._on_copied))
+        self._box_end: Optional[BoxEnd] = None
+        if settings.standby_port:
+            self._serve_standby(settings)
+        self._box.start()
+
+    def report(self) -> None:
+        """Report to the box how complete the copies are. Call it every `PERIOD_S`."""
+        for copy in self._copies:
+            news = copy.news()
+            self._box.call(COPY_REPORT, **{
+                **news._asdict(), "behind_s": news.behind_s if math.isfinite(news.behind_s) else None,
+                "trouble": encode(news.trouble), "notice": encode(news.notice)})
+
+    def close(self) -> None:
+        """End the copies when they have everything that is in the journal, but wait no longer than `END_S`."""
+        self._complete()
+        if self._box_end is not None:
+            self._handover.end()
+            self._herald.end()
+            self._box_end.close()
+        for copy in self._copies:
+            copy.follower.end(END_S)
+        self._box.close()
+
+    def _add(self, place: str, follower: Follower, notice: Callable[[], str] = lambda: "") -> None:
+        self._copies.append(ReportedCopy(place, follower, notice))
+
+    def _serve_standby(self, settings: CopySettings) -> None:
+        log_dir, port = settings.log_dir, settings.standby_port
+        self._handover = Handover(log_dir, lambda: self._box_end.is_connected,
+                                  lambda question: self._copies[-1].follower.ask(question), self._standby_host)
+        self._herald = Herald(log_dir, (_own_address(settings.bind_host), port),
+                              lambda: self._handover.state().is_alive)
+        self._box_end = end = BoxEnd(log_dir, settings.bind_host, port, lambda text: _log.warning("%s", text),
+                                     self._herald.answer, self._handover.state, self._handover.taken)
+        self._herald.start()
+        network = os.path.join(end.folder, NETWORK)
+        with open(network, "w", encoding="utf-8") as file:
+            json.dump({"rsbb_host": settings.rsbb_host, "rsbb_port": settings.rsbb_port, "standby_port": port}, file)
+        self._add(STANDBY, Follower(log_dir, end.open_copy, {PASSWORDS: settings.passwords_file, NETWORK: network},
+                                    on_answer=self._on_copied), lambda: end.notice)
+        self._handover.start()
+        # Everybody on this computer can read the log, so the code is not in it.
+        known = f"The standby is {end.name}. Another one" if end.is_paired else "A standby"
+        _log.warning("%s can be paired on TCP port %d. For a code, enter on this computer: %s",
+                     known, end.port, codes.command(log_dir))
+
+    def _standby_host(self) -> str:
+        standby = read_standby(self._settings.log_dir)
+        return "" if standby is None else standby.host
+
+    def _on_asked(self, found: Mapping[str, Any], _caller: Caller) -> None:
+        """The box asks; `_on_copied` answers. It asks again with each report, so an answer may get lost."""
+        self._copies[-1].follower.ask(_Question(str(found["box"]), str(found["journal"]), int(found["ticket"])))
+
+    def _on_copied(self, question: object) -> None:
+        """In a thread: a copy has everything for which it was asked."""
+        if isinstance(question, threading.Event):
+            question.set()
+        elif isinstance(question, _Question):
+            # Another box may also ask, but its journal is not copied.
+            if question.journal == self._copies[-1].follower.progress.journal:
+                self._box.call(COPIED, box=question.box, ticket=question.ticket)
+        else:
+            self._handover.complete(question)
+
+    def _complete(self) -> None:
+        """Let those that work get what the core wrote last."""
+        working = [copy.follower for copy in self._copies if not copy.follower.progress.trouble]
+        answers = [threading.Event() for _ in working]
+        for follower, answer in zip(working, answers):
+            follower.ask(answer)
+        for answer in answers:
+            answer.wait(END_S)
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> None:
+    """Copy the journal of a box without ROS. `arguments`: `CopySettings.words`."""
+    platform.end_with_parent()
+    close_to_others()
+    log_to_terminal()
+    ended = threading.Event()
+    for number in platform.ending_signals():
+        signal.signal(number, lambda *_: ended.set())
+    values: Dict[str, str] = of_words(sys.argv[1:] if arguments is None else arguments)
+    settings = copy_settings(BoxSettings(values))
+    wait_for_takeover(settings.log_dir, ended.is_set)
+    try:
+        copying = Copying(settings, NAME, lambda: read_place(door_file_in(settings.log_dir)))
+    except OSError as error:
+        sys.exit(f"The journal is not copied: {error}")
+    while not ended.wait(PERIOD_S):
+        copying.report()
+    copying.close()
