@@ -3942,12 +3942,12 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>
         <source>the program that copies it does not report. See the terminal of the box; with ROS it is the node roah_rsbb_backup</source>
-        <translation>das Programm, das es kopiert, meldet sich nicht. Siehe Terminal der Box; mit ROS ist es der Node roah_rsbb_backup</translation>
+        <translation>Das Programm, das es kopiert, meldet sich nicht. Sehen Sie im Terminal der Box nach; mit ROS ist es der Knoten roah_rsbb_backup</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>
         <source>the journal of this core is not copied yet. If this lasts, the program that copies it has another log_dir: end it, and start it with that of the core</source>
-        <translation>das Journal dieses Cores wird noch nicht kopiert. Wenn das so bleibt, hat das Programm, das es kopiert, ein anderes log_dir: es beenden und mit dem des Cores starten</translation>
+        <translation>das Journal dieses Cores wird noch nicht kopiert. Wenn das so bleibt, hat das Programm, das es kopiert, ein anderes log_dir: beenden Sie es, und starten Sie es mit dem des Cores</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>

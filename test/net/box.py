@@ -1,22 +1,23 @@
-"""The box: the real nodes, in the namespace of the test's own process, with a competition made for the test."""
+"""The box: the real programs, in the namespace of the test's own process, with a competition made for the test."""
 
 import os
 import pathlib
 import re
 import shutil
+import sys
 import time
-import xmlrpc.client
 from typing import List, NamedTuple
 
-import rosgraph
-import rospy
 import yaml
 from crew import ROBOT, password_of
 from namespaces import BROADCAST
-from support.box_client import BoxClient
+from support.door_client import DoorClient
 from support.programs import Program
+from support.waiting import wait_until
 
-from roah_rsbb.ros import connections
+from roah_rsbb.client.places import DoorPlaces
+from roah_rsbb.document.place import read_place
+from roah_rsbb.journal.file import holder_of
 
 HERE = pathlib.Path(__file__).resolve().parent
 # Whatever a robot misses in an outage, it has time for its goal afterwards.
@@ -33,6 +34,10 @@ TEAMS = {
 SPEECH = "HSUF"  # of all teams at once
 
 
+# How the box runs.
+WITH_ROS, WITHOUT_ROS = "with ROS", "without ROS"
+
+
 class Used(NamedTuple):
     """Return the resources that a process has used so far."""
 
@@ -44,44 +49,40 @@ class Used(NamedTuple):
         return 100.0 * (self.cpu_s - before.cpu_s) / (self.mono - before.mono)
 
 
-class Box(BoxClient):
+class Box(DoorClient):
     """The running box, and its client."""
 
-    def __init__(self, folder: pathlib.Path, rounds: int) -> None:
-        """`folder` is emptied for the box's files. Each benchmark can be run `rounds` times."""
-        self.folder = folder
+    def __init__(self, folder: pathlib.Path, rounds: int, kind: str) -> None:
+        """`folder` is emptied for the box's files. Each benchmark can be run `rounds` times. `kind`: WITH_ROS, or
+        WITHOUT_ROS."""
+        self.folder, self.log_dir = folder, folder / "logs"
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         _write_competition(folder, rounds)
-        os.environ.update(
-            ROS_MASTER_URI="http://127.0.0.1:11311", ROS_IP="127.0.0.1", ROS_HOME=str(folder / "home"),
-            ROS_LOG_DIR=str(folder / "log"))
-        os.environ.pop("ROS_HOSTNAME", None)
-        self.program = Program(
-            "roslaunch", str(HERE / "box.launch.xml"), f"folder:={folder}", f"rsbb_host:={BROADCAST}")
-        self.program.wait_printed("started core service")
-        connections.init_node("test_net", disable_signals=True)
-        super().__init__()
-        self.wait_heard()
-        self._core_pid = 0
+        if kind == WITHOUT_ROS:
+            self.program = Program(sys.executable, str(HERE / "box_without_ros.py"), str(folder), BROADCAST,
+                                   HOME=str(folder))
+            find = lambda: read_place(str(self.log_dir / "door.json"))  # noqa: E731
+        else:
+            os.environ.update(
+                ROS_MASTER_URI="http://127.0.0.1:11311", ROS_IP="127.0.0.1", ROS_HOME=str(folder / "home"),
+                ROS_LOG_DIR=str(folder / "log"))
+            os.environ.pop("ROS_HOSTNAME", None)
+            self.program = Program(
+                "roslaunch", str(HERE / "box.launch.xml"), f"folder:={folder}", f"rsbb_host:={BROADCAST}")
+            find = DoorPlaces(os.environ["ROS_MASTER_URI"]).find
+        super().__init__(find, "test_net")
+        wait_until(lambda: self.document, lambda: f"the box is heard; it printed\n{self.program.text}")
 
     def close(self) -> None:
         """End it."""
         super().close()
-        rospy.signal_shutdown("the test is over")
         self.program.close()
         (self.folder / "box.txt").write_text(self.program.text, encoding="utf-8")
 
-    @property
-    def core_pid(self) -> int:
-        """The core's process."""
-        uri = rosgraph.Master("/test_net").lookupNode("/roah_rsbb_core")
-        return xmlrpc.client.ServerProxy(uri).getPid("/test_net")[2]
-
     def core_used(self) -> Used:
         """Return the resources that the core has used so far."""
-        self._core_pid = self._core_pid or self.core_pid
-        text = pathlib.Path(f"/proc/{self._core_pid}/stat").read_text(encoding="ascii")
+        text = pathlib.Path(f"/proc/{holder_of(str(self.log_dir))}/stat").read_text(encoding="ascii")
         fields = text.rpartition(")")[2].split()
         return Used(time.monotonic(), (int(fields[11]) + int(fields[12])) / _TICKS_PER_S)
 
@@ -89,7 +90,7 @@ class Box(BoxClient):
         """The run logs of a benchmark in a round."""
         # Where all robots run at once, each has a log with its name in it.
         who = ROBOT if code == SPEECH else TEAMS[code]
-        paths = sorted((self.folder / "logs").glob(f"online_log_*_{who}_round{number}_run1_*.bag"), key=_when_made)
+        paths = sorted(self.log_dir.glob(f"online_log_*_{who}_round{number}_run1_*.bag"), key=_when_made)
         # Who was connected again has a newer one.
         return sorted({_team(path): path for path in paths}.values())
 

@@ -7,6 +7,9 @@ import pytest
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "ros"), str(HERE.parent / "pure")]
+
+from box import WITH_ROS, WITHOUT_ROS  # noqa: E402 - from the path above
+
 _MEASURED = []
 
 
@@ -24,13 +27,13 @@ def pytest_generate_tests(metafunc) -> None:
         metafunc.parametrize("plan", plans, ids=[plan.name for plan in plans])
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module", params=[WITH_ROS, WITHOUT_ROS])
 def net(request):
     """The network with the box."""
     from namespaces import NoRight
     from net import Net
     try:
-        made = Net(request.config.getoption("--seed"))
+        made = Net(request.config.getoption("--seed"), request.param)
     except NoRight as reason:
         pytest.skip(f"NOT TESTED on a bad network: {reason}")
     yield made

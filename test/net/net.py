@@ -29,8 +29,8 @@ Trouble = Callable[["Round", str], None]
 class Net:
     """The network, made once for all tests: the process that made it is the box's host."""
 
-    def __init__(self, seed: int) -> None:
-        """Raises `NoRight` where such a network cannot be made."""
+    def __init__(self, seed: int, kind: str) -> None:
+        """`kind`: of the box. Raises `NoRight` where such a network cannot be made."""
         self.seed = seed
         self.numbers = {code: FIRST_ROBOT + place for place, code in enumerate(TEAMS)}
         others = TABLET, STRANGER, TWIN, IMPOSTOR, OTHER_BOX, FORGER
@@ -38,7 +38,7 @@ class Net:
         FOLDER.mkdir(parents=True, exist_ok=True)
         self._lock = os.open(FOLDER, os.O_RDONLY)
         fcntl.flock(self._lock, fcntl.LOCK_EX)  # another such run of this checkout ends first
-        self.box = Box(FOLDER / "box", ROUNDS)
+        self.box = Box(FOLDER / "box", ROUNDS, kind)
         self.tablet = Tablet(self.lan.stations[TABLET])
         self.rounds = 0
 
@@ -123,7 +123,7 @@ class Round:
         try:
             referee.connect()
             # A robot without a run follows any box that lists it, as the other box does.
-            self.box.wait_zone(code, lambda z: z.start_enabled, "its robot answers", LIMIT_S)
+            self.box.wait_details(code, lambda d: d.is_on("start"), "its robot answers", LIMIT_S)
             connected.wait(LIMIT_S)
             referee.start()
             return referee.finish()

@@ -1,16 +1,16 @@
-"""A referee who conducts a run through the core's services, as panels do, and retries every command."""
+"""A referee who conducts a run through the door of the box, as panels do, and retries every command."""
 
 import json
 import re
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import rosbag
-from support.box_client import NoAnswer, Refusal, SeenZone
+from support.door_client import NoAnswer, Refusal, SeenZone
 from support.run_logs import RunLog
 from support.waiting import wait_until
 
 from box import SPEECH, Box
-from roah_rsbb.srv import Zone, ZoneUInt8
+from roah_rsbb.model.actions import MARK
 
 # Seconds, on a machine that does much else, with an outage in between.
 LIMIT_S = 240.0
@@ -60,7 +60,7 @@ class Referee:
     def connect(self, robots: int = 1) -> int:
         """Connect; returns the private port."""
         box, zone = self._box, self._code
-        box.wait_zone(zone, lambda z: z.round == self._number, "it is the round's event", LIMIT_S)
+        box.wait_details(zone, lambda d: d.event.round == self._number, "it is the round's event", LIMIT_S)
         if zone == SPEECH:
             self._connect_all(robots)
         else:
@@ -71,9 +71,10 @@ class Referee:
         """Wait until the robot's skew is allowed: on a bad network it may leave the allowed range again."""
         box = self._box
         while True:
-            box.wait_zone(SPEECH, lambda z: f"{robots} robots ready" in z.state, f"{robots} robots are ready", LIMIT_S)
+            ready = f"{robots} robots ready"
+            box.wait_details(SPEECH, lambda d, ready=ready: ready in _state(d), ready, LIMIT_S)
             self._insist("connect", lambda d: d.phase != "idle")
-            connected = box.wait_zone(SPEECH, lambda z: _counts(z.state), "robots are connected", LIMIT_S)
+            connected = box.wait_details(SPEECH, lambda d: _counts(_state(d)), "robots are connected", LIMIT_S)
             if connected[0] == robots:
                 return
             box.command("disconnect", SPEECH)
@@ -82,8 +83,8 @@ class Referee:
     def start(self) -> None:
         """Start as soon as the box lets us: a bad network may take its leave just then."""
         if self._code == SPEECH:
-            self._box.wait_zone(
-                SPEECH, lambda z: _all_ready(z.state), "all robots are ready", LIMIT_S)
+            self._box.wait_details(
+                SPEECH, lambda d: _all_ready(_state(d)), "all robots are ready", LIMIT_S)
         self._insist("start", lambda d: d.phase not in ("idle", "connected"))
         # On a slow machine, a robot's skew may leave the allowed range just then.
         warnings = self._box.last_details(self._code).warnings
@@ -112,10 +113,10 @@ class Referee:
         return Result(zone, details.end_reason, module_scores, self._marked, self._read_logs(), self._left_out)
 
     def _shown(self) -> Dict[Tuple[str, str], int]:
-        return {(group, desc): value for group, desc, _, value in self._box.scores(self._code)}
+        return {(item.group, item.desc): item.value for item in self._box.last_details(self._code).items}
 
     def _something(self, details: SeenZone, done: int) -> bool:
-        return details.phase == "ended" or details.operation > done or self._box.zone(self._code).omf_complete
+        return details.phase == "ended" or details.operation > done or _are_to_confirm(details)
 
     def _insist(self, command: str, done: Any) -> None:
         """Repeat a command until it is accepted: a robot may be silent at that moment."""
@@ -134,12 +135,12 @@ class Referee:
         wait_until(attempt, lambda: f"{command} in {self._code}: {refusal}", LIMIT_S)
 
     @staticmethod
-    def _until_answered(call: Callable[..., object], *arguments: object) -> None:
+    def _until_answered(call: Callable[[], object]) -> None:
         """Repeat a call that may come twice: the core may be killed just then."""
 
         def attempt() -> bool:
             try:
-                call(*arguments)
+                call()
             except NoAnswer:
                 return False
             return True
@@ -148,27 +149,33 @@ class Referee:
 
     def _mark(self) -> None:
         """Mark each scoring item with a different value."""
-        zone = self._box.zone(self._code)
-        items = [(group.group_name, desc, kind) for group in zone.scoring
-                 for desc, kind in zip(group.descriptions, group.types)]
-        for place, (group, desc, kind) in enumerate(items):
-            value = (place + 1) % 2 if kind == 0 else place + 1
-            self._until_answered(self._box.set_score, self._code, group, desc, value)
-            self._marked[group, desc] = value
+        for place, item in enumerate(self._box.zone_details(self._code).items):
+            value = (place + 1) % 2 if item.type == "bool" else place + 1
+            self._until_answered(lambda item=item, value=value: self._box.act(
+                MARK, self._code, group=item.group, desc=item.desc, value=value))
+            self._marked[item.group, item.desc] = value
 
     def _enter_switches(self) -> None:
         pressed, damaged = self._switches.pop(0)
         for switch in pressed:
-            self._box.call("omf_switches/button", ZoneUInt8, self._code, switch)
-        self._box.call("omf_switches/damaged", ZoneUInt8, self._code, damaged)
-        self._box.call("omf_switches/complete", Zone, self._code)
-        self._box.wait_zone(self._code, lambda z: not z.omf_complete, "they are confirmed", LIMIT_S)
+            self._box.act("switch", self._code, number=switch)
+        self._box.act("damaged", self._code, number=damaged)
+        self._box.act("confirm_switches", self._code)
+        self._box.wait_details(self._code, lambda d: not _are_to_confirm(d), "they are confirmed", LIMIT_S)
 
     def _read_logs(self) -> List[List[Entry]]:
         paths = wait_until(lambda: self._box.logs_of(self._code, self._number), f"{self._code} has a log")
         for path in paths:
             wait_until(lambda path=path: RunLog.complete(path), f"{path} is complete")
         return [_entries(path) for path in paths]
+
+
+def _state(details: SeenZone) -> str:
+    return "\n".join(details.lines)
+
+
+def _are_to_confirm(details: SeenZone) -> bool:
+    return details.switches is not None and details.switches.to_confirm
 
 
 def _counts(state: str) -> Optional[Tuple[int, int]]:

@@ -50,7 +50,7 @@ def _forger(net: Net, plan: Plan) -> Iterator[None]:
         return
     teams = list(TEAMS.values())
     with troubles.forged_robots(net.lan.stations[FORGER], teams):
-        wait_until(lambda: {robot.team for robot in net.box.gui.active_robots} >= set(teams), "all are forged")
+        wait_until(lambda: {robot.team for robot in net.box.document.robots.values()} >= set(teams), "all are forged")
         yield
 
 

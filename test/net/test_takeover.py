@@ -17,8 +17,6 @@ from two_boxes import (
     FIRST_ROBOT,
     LIMIT_S,
     STANDBY,
-    WITH,
-    WITHOUT_ROS,
     WITNESS,
     Capture,
     Pair,
@@ -26,6 +24,7 @@ from two_boxes import (
     zone_of,
 )
 
+from box import WITH_ROS, WITHOUT_ROS
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.standby.program.network import NoAddress, give_back_address, take_address
 
@@ -34,7 +33,7 @@ ALPHA = zone_of("Alpha")
 DOOR = "Dr. Kimble rings"
 
 
-@pytest.fixture(params=[WITH, WITHOUT_ROS])
+@pytest.fixture(params=[WITH_ROS, WITHOUT_ROS])
 def pair(request) -> Iterator[Pair]:
     """Two computers, and two robots."""
     if not request.config.getoption("--all"):

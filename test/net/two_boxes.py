@@ -17,6 +17,7 @@ from namespaces import BROADCAST, INTERFACE, Host, Station, Switch, address, oth
 from support.programs import Program, own
 from support.waiting import happened, wait_until
 
+from box import WITH_ROS, WITHOUT_ROS
 from roah_rsbb.journal.file import FILE_NAME, holder_of
 from roah_rsbb.robot.effects import Problem
 
@@ -25,7 +26,6 @@ TEAMS = ("Alpha", "Beta", "Gamma", "Delta", "Epsilon", "Zeta", "Eta", "Theta", "
 STANDBY_PORT = 8083
 LIMIT_S = 120.0
 EXECUTE_S = 0.5
-WITH, WITHOUT_ROS = "with ROS", "without ROS"
 # The referee of these tests is a program in the box's namespace, with its own ROS master.
 ROS = {"ROS_MASTER_URI": "http://127.0.0.1:11311", "ROS_IP": "127.0.0.1"}
 WITHOUT = ("gui:=none", "modules:=false", "tablet:=false", "web:=false", "devices:=false")
@@ -96,7 +96,7 @@ class Computer:
     def __init__(self, station: Station, folder: pathlib.Path, kind: str) -> None:
         self.station = station
         self.folder = folder
-        self.kind = kind  # WITH, WITHOUT_ROS
+        self.kind = kind  # WITH_ROS, WITHOUT_ROS
         folder.mkdir(parents=True)
         self._programs: List[Program] = []
 
@@ -243,8 +243,8 @@ def addresses_of() -> List[str]:
 class Pair:
     """Box, standby, witness and robots, on one switch. Use it as a context."""
 
-    def __init__(self, folder: pathlib.Path, robots: int = 2, kind: str = WITH) -> None:
-        """`folder` is emptied. `kind`: WITH, or WITHOUT_ROS. Raises `NoRight`."""
+    def __init__(self, folder: pathlib.Path, robots: int = 2, kind: str = WITH_ROS) -> None:
+        """`folder` is emptied. `kind`: WITH_ROS, or WITHOUT_ROS. Raises `NoRight`."""
         shutil.rmtree(folder, ignore_errors=True)
         self._cleanup = contextlib.ExitStack()
         self.switch = Switch()

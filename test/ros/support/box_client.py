@@ -1,62 +1,26 @@
-"""The core as a referee's program sees it: its document, its original topics, followed, and its services, called."""
+"""The core as a referee's program of ROS sees it: also its original topics, followed, and its services, called."""
 
-import re
 import time
-from typing import Any, Callable, ClassVar, List, Optional, Tuple, TypeVar
+from typing import Any, Callable, List, Optional
 
 import rospy
 from std_msgs.msg import Empty
 
-from helpers.commands import given_with
-from roah_rsbb.client.client import Client
 from roah_rsbb.client.places import PARAM
 from roah_rsbb.document.place import DoorPlace, NotFound
 from roah_rsbb.model.actions import ACTIONS
-from roah_rsbb.model.document import Document
-from roah_rsbb.model.zone import AllRobots, RobotInRun, ZoneSeen
 from roah_rsbb.msg import CoreToGui, CoreToPublic, Score, ZoneState
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Zone as ZoneRequest
 from roah_rsbb.srv import ZoneScore
 from support.connections import wait_sends
+from support.door_client import PASSING, DoorClient, NoAnswer, Refusal, T
 from support.waiting import LIMIT_S, happened, wait_until
-
-T = TypeVar("T")
 
 CORE = "/roah_rsbb_core"
 
-# Reasons that pass by themselves. Robots and modules of a test fall silent, or their datagrams are late, when its
-# process stops for a few seconds.
-PASSING = re.compile("No message from the robot|The robot has disappeared|Clock skew of|is active: none of its beacons"
-                     "|module not connected")
 
-
-class Refusal(Exception):
-    """A service call failed; the text is the core's own."""
-
-
-class NoAnswer(AssertionError):
-    """The core was killed during a call, or hangs."""
-
-
-class SeenZone:
-    """A zone of the document (`model.zone.Zone`), with the fields of the robot, or the robots, in its run."""
-
-    def __init__(self, zone: ZoneSeen) -> None:
-        self._zone = zone
-
-    def __getattr__(self, name: str) -> Any:
-        parts = (self._zone, self._zone.robot or NO_ROBOT, self._zone.all_robots or NO_ROBOTS)
-        return next(getattr(part, name) for part in parts if hasattr(part, name))
-
-    def __repr__(self) -> str:
-        return repr(self._zone)
-
-
-NO_ROBOT, NO_ROBOTS = RobotInRun("", 0, ""), AllRobots(0, 0, 0, 0, ())
-
-
-class BoxClient:
+class BoxClient(DoorClient):
     """Follows one core and commands it. `prefix` stands before all names of a core that was remapped.
 
     Each topic, and the document, comes in its own time: data of one may not be in the last message of another yet. The
@@ -64,17 +28,12 @@ class BoxClient:
     what is true now. All waits consider only what the core made after the last command.
     """
 
-    # UTC of the end of the last command of any client in this process: a later test case has another client.
-    _commanded: ClassVar[float] = 0.0
-
     def __init__(self, prefix: str = "") -> None:
         self.gui: Optional[CoreToGui] = None
         self.public: Optional[CoreToPublic] = None
         self.timeouts = 0  # messages on /timeout
         self._prefix = prefix
-        self.on_document: Callable[[Document], object] = lambda document: None  # called in another thread
-        self._client = Client(Document, self._find, self._on_document)
-        self._client.start()
+        super().__init__(self._find, rospy.get_name())
         self._subscribers = [
             rospy.Subscriber(f"{prefix}/core/to_gui", CoreToGui, lambda m: self._set("gui", m)),
             rospy.Subscriber(f"{prefix}/core/to_public", CoreToPublic, lambda m: self._set("public", m)),
@@ -83,7 +42,7 @@ class BoxClient:
 
     def close(self) -> None:
         """Stop following."""
-        self._client.close()
+        super().close()
         for subscriber in self._subscribers:
             subscriber.unregister()
 
@@ -94,31 +53,11 @@ class BoxClient:
             raise NotFound("there is no core") from None
         return DoorPlace(found["url"], found["token"])
 
-    def _on_document(self) -> None:
-        if self.document is not None:
-            self.on_document(self.document)
-        happened()
-
     def _set(self, what: str, value: object) -> None:
         setattr(self, what, value)
         happened()
 
     # -- looking ------------------------------------------------------------------------------------
-
-    @property
-    def document(self) -> Optional[Document]:
-        """The last document; None: none has come yet."""
-        return self._client.document
-
-    @property
-    def uuid(self) -> str:
-        """Identity of the core; empty: it was not heard."""
-        return "" if self.document is None else self.document.box.uuid
-
-    @property
-    def warnings(self) -> Tuple[str, ...]:
-        """The last warnings for every referee."""
-        return self.document.box.warnings
 
     def wait_heard(self, limit_s: float = LIMIT_S) -> "BoxClient":
         """Wait for the core's first messages."""
@@ -146,26 +85,9 @@ class BoxClient:
         self._wait_newer("gui", time.time())
         return self.last_zone(name)
 
-    def zone_details(self, name: str) -> SeenZone:
-        """A zone of the document, as it is now."""
-        self._synchronise(LIMIT_S)
-        return self.last_details(name)
-
-    def _synchronise(self, limit_s: float) -> None:
-        """Wait until the document has everything that happened before this call."""
-        def answered() -> bool:
-            answer = self._client.call("act").result()  # it is refused; its answer has the number of the document
-            return answer.is_answered and self._client.is_confirmed(answer.number)
-
-        wait_until(answered, "the core answers", limit_s)
-
     def last_zone(self, name: str) -> ZoneState:
         """A zone in the last message for panels, which may be older than the last command."""
         return next(zone for zone in self.gui.zones if zone.zone == name)
-
-    def last_details(self, name: str) -> SeenZone:
-        """A zone of the last document."""
-        return SeenZone(self.document.zones[name])
 
     def robot(self, team: str):
         """The first active robot of a team in the last message; None: there is none."""
@@ -178,16 +100,8 @@ class BoxClient:
             lambda: f"{what}; the zone is:\n{self.last_zone(name)}", limit_s,
         )
 
-    def wait_details(self, name: str, condition: Callable[[SeenZone], T], what: str, limit_s: float = LIMIT_S) -> T:
-        """Wait until a condition on a zone of the document holds; fails with that zone."""
-        self._synchronise(limit_s)
-        return wait_until(
-            lambda: name in self.document.zones and condition(self.last_details(name)),
-            lambda: f"{what}; the zone is:\n{self.document.zones.get(name)}", limit_s,
-        )
-
     def _is_current(self, message: Optional[CoreToGui]) -> bool:
-        return message is not None and message.clock.to_sec() >= BoxClient._commanded
+        return message is not None and message.clock.to_sec() >= DoorClient._commanded
 
     def _wait_newer(self, topic: str, utc: float) -> None:
         wait_until(lambda: getattr(self, topic).clock.to_sec() >= utc, f"the core publishes {topic}")
@@ -195,10 +109,6 @@ class BoxClient:
     def wait_text(self, zone: str, text: str) -> None:
         """Wait until the zone's state text contains a text."""
         self.wait_zone(zone, lambda z: text in z.state, f"the zone's state says '{text}'")
-
-    def wait_phase(self, zone: str, phase: str) -> None:
-        """Wait for idle, connected, running or ended."""
-        self.wait_details(zone, lambda d: d.phase == phase, f"the zone is {phase}")
 
     # -- commands -----------------------------------------------------------------------------------
 
@@ -213,48 +123,19 @@ class BoxClient:
                 raise NoAnswer(f"{name} did not answer: {error}") from None
             raise Refusal(refusals.reason(str(error))) from None
         finally:
-            BoxClient._commanded = time.time()
+            DoorClient._commanded = time.time()
 
     def command(self, command: str, zone: str) -> None:
         """Give a command to a zone; raises `Refusal`. Those that hit a team name the one that is shown."""
         action = ACTIONS.get(command)
         if action is None or action.is_original:
             self.call(command, ZoneRequest, zone)
-            return
-        shown = self.zone_details(zone).event
-        self._do(command, zone, "", shown.id if action.aims else "", given_with(command, shown.team), "")
-
-    def act(self, action: str, zone: str, run: str = "", referee: str = "", **given: object) -> Any:
-        """Do an action and return its answer; raises `Refusal`. `given`: the values of its fields."""
-        return self._do(action, zone, run, "", given, referee)
-
-    def _do(self, action: str, zone: str, run: str, event: str, given: Any, by: str) -> Any:
-        return self.ask("act", action=action, zone=zone, run=run, event=event, given=given, by=by,
-                        node=rospy.get_name())
-
-    def ask(self, name: str, **arguments: Any) -> Any:
-        """Make a call through the door and return its answer; raises `Refusal` or `NoAnswer`."""
-        try:
-            answer = self._client.call(name, timeout_s=LIMIT_S, **arguments).result()
-        finally:
-            BoxClient._commanded = time.time()
-        if not answer.is_answered:
-            raise NoAnswer(f"{name} was not answered: {self._client.why}")
-        if answer.reasons:
-            raise Refusal("; ".join(answer.reasons))
-        return answer.answer
+        else:
+            super().command(command, zone)
 
     def set_score(self, zone: str, group: str, desc: str, value: int) -> None:
         """Mark a scoring item; raises `Refusal`."""
         self.call("set_score", ZoneScore, zone, Score(group, desc, value))
-
-    def refusal(self, command: str, zone: str) -> str:
-        """Give a command that must be refused. Returns the reason; AssertionError if it is accepted."""
-        try:
-            self.command(command, zone)
-        except Refusal as refused:
-            return str(refused)
-        raise AssertionError(f"{command} in zone '{zone}' was not refused")
 
     # -- ways that most tests go --------------------------------------------------------------------
 

@@ -6,12 +6,17 @@ beside it. A box without ROS has no other parts.
 
 import contextlib
 import ctypes
+import os
 import signal
 import subprocess
 import threading
-from typing import Callable, List, Optional, Sequence
+import xmlrpc.client
+from http.client import HTTPException
+from typing import Any, Callable, List, Optional, Sequence
+from xml.parsers.expat import ExpatError
 
 from roah_rsbb.arguments import is_without_ros
+from roah_rsbb.client.places import MASTER_URI
 from roah_rsbb.tools import launched
 
 LOOK_S = 1.0
@@ -83,14 +88,10 @@ class Prepared:
 
 
 def _core_runs() -> bool:
-    # Imported late: without ROS, there is neither.
-    import rosgraph
-
-    from roah_rsbb.ros.live_core import CORE
-
     try:
-        return bool(rosgraph.Master("/roah_rsbb_standby").lookupNode(f"/{CORE}"))
-    except (OSError, rosgraph.MasterException):
+        master: Any = xmlrpc.client.ServerProxy(os.environ.get("ROS_MASTER_URI") or MASTER_URI)
+        return bool(master.lookupNode("/roah_rsbb_standby", "/roah_rsbb_core")[0] == 1)
+    except (OSError, HTTPException, xmlrpc.client.Error, ExpatError, LookupError, TypeError):
         return False
 
 
