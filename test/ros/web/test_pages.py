@@ -174,7 +174,7 @@ class TestPages(NeedsBrowser, BoxCase):
         page.wait("document.querySelector('#person') !== null", "the form is shown")
         page.fill("#person", "Olga")
         page.press("form button")
-        page.wait_address("/referee")
+        page.wait_address("/box")
 
     def test_a_team_sees_its_robot_with_its_code(self) -> None:
         self.robot("Delta")
