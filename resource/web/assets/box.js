@@ -72,7 +72,7 @@ function Schedule({data, texts, give}) {
         <li key=${event.id} class="event ${event.current ? "current" : ""}" data-event=${event.id}>
           <button type="button" aria-expanded=${chosen === event.id} data-meaning=${event.id}
               onClick=${() => setChosen(chosen === event.id ? "" : event.id)}>
-            <span class="when">${event.when}${event.begins && event.begins !== event.when && html` <small>${event.begins} ${event.late}</small>`}</span>
+            <span class="when"><span>${event.when}</span>${event.begins && event.begins !== event.when && html` <small>${event.begins}</small> <small>${event.late}</small>`}</span>
             <span><strong>${event.team}</strong> ${event.event}</span>
             <span>${event.zone}</span>
             <span>${event.current && "◆ "}${event.state}${event.score && ` · ${event.score}`}${event.sheet && ` · ${event.sheet}`}</span>

@@ -15,9 +15,17 @@ from web.test_stop_page import CLICKED
 
 SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
 HOME, HALL = "Home", "Hall"
-PHONE, LAPTOP, LARGE = (360, 640), (1280, 720), (1920, 1080)
+PHONE, LOW, LAPTOP, LARGE = (360, 640), (900, 500), (1280, 720), (1920, 1080)
 TEXT = "document.body.innerText"
 PARTS = ("zone", "overview", "schedule", "robots", "runs", "log", "box", "pairings")
+# Times in more lines than they have texts or beside their column, and buttons whose text has no space around it.
+CRAMPED = """[...document.querySelectorAll(".event .when > *, .stopall")].filter(node => {
+  const range = document.createRange(), inner = node.getBoundingClientRect();
+  range.selectNodeContents(node);
+  const text = range.getBoundingClientRect(), column = node.parentNode.getBoundingClientRect();
+  return node.matches(".stopall") ? text.height > inner.height - 6 || text.width > inner.width - 8
+    : text.height > 1.5 * parseFloat(getComputedStyle(node).fontSize) || text.right > column.right;
+}).map(node => node.textContent)"""
 LOG = "document.querySelector('ol.log')"
 EVENT = "    - {{ benchmark: {}, team: " + TEAM + ", round: 1, run: {}, scheduled_time: 2015-12-31 0{}:00:00 }}\n"
 SCHEDULE = "".join([
@@ -210,9 +218,10 @@ class TestBoxPage(NeedsBrowser):
                 self.open_part(page, part)
                 page.wait(f"document.querySelector('.all') && ({json.dumps(part)} === 'zone' "
                           "|| document.querySelector('.part').children.length > 1)", f"{part} is shown")
-                for size in (PHONE, LAPTOP, LARGE):
+                for size in (PHONE, LOW, LAPTOP, LARGE):
                     page.resize(*size)
                     self.assertLessEqual(page.get("document.scrollingElement.scrollWidth"), size[0], (part, size))
+                    self.assertEqual(page.get(CRAMPED), [], (part, size, language))
                     page.screenshot(SHOTS / f"web_box_{part}_{language}_{size[0]}.png")
                 for size, scheme in ((PHONE, "light"), (LARGE, "dark")) if language == "en" or IS_ALL else ():
                     page.resize(*size)
