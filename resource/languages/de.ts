@@ -412,26 +412,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Robot</source>
-        <translation>Roboter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Link</source>
-        <translation>Verbindung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Clock skew</source>
-        <translation>Uhrabweichung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Run in zone</source>
-        <translation>Lauf in Zone</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>This zone has no run yet.</source>
         <translation>Diese Zone hat noch keinen Lauf.</translation>
     </message>
@@ -2255,6 +2235,61 @@
         <translation>Warten: {reasons}</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>Robot</source>
+        <translation>Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>Link</source>
+        <translation>Verbindung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>Clock skew</source>
+        <translation>Uhrabweichung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>Run in zone</source>
+        <translation>Lauf in Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>Last heard</source>
+        <translation>Zuletzt gehört</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>▮▮▮ good</source>
+        <translation>▮▮▮ gut</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>▮▮▯ gaps</source>
+        <translation>▮▮▯ Lücken</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>▮▯▯ poor</source>
+        <translation>▮▯▯ schlecht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>▯▯▯ silent</source>
+        <translation>▯▯▯ stumm</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>Longest silence of the robot in the last {time:.0f} s. It sends every second.</source>
+        <translation>Längste Sendepause des Roboters in den letzten {time:.0f} s. Er sendet jede Sekunde.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>The robot&apos;s clock minus the box&apos;s: + is ahead, - is behind</source>
+        <translation>Uhr des Roboters minus Uhr der Box: + geht vor, - geht nach</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/rqt/app/window.py"/>
         <source>RoAH RSBB – referee</source>
         <translation>RoAH RSBB – Schiedsrichter</translation>
@@ -2286,26 +2321,6 @@
         <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
         <source>is the core running? Check the state when it is back.</source>
         <translation>Läuft der Core? Prüfen Sie den Zustand, sobald er wieder da ist.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
-        <source>▮▮▮ good</source>
-        <translation>▮▮▮ gut</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
-        <source>▮▮▯ gaps</source>
-        <translation>▮▮▯ Lücken</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
-        <source>▮▯▯ poor</source>
-        <translation>▮▯▯ schlecht</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
-        <source>▯▯▯ silent</source>
-        <translation>▯▯▯ stumm</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
@@ -2344,11 +2359,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>Last heard</source>
-        <translation>Zuletzt gehört</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
         <source>Active Robots</source>
         <translation>Aktive Roboter</translation>
     </message>
@@ -2356,16 +2366,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
         <source>The whole box</source>
         <translation>Die ganze Box</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>Longest silence of the robot in the last {time:.0f} s. It sends every second.</source>
-        <translation>Längste Sendepause des Roboters in den letzten {time:.0f} s. Er sendet jede Sekunde.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>The robot&apos;s clock minus the box&apos;s: + is ahead, - is behind</source>
-        <translation>Uhr des Roboters minus Uhr der Box: + geht vor, - geht nach</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>

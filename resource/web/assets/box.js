@@ -92,8 +92,9 @@ function Robots({data, texts}) {
   return data.robots.length === 0 ? html`<p class="nothing">${texts.no_robot}</p>` : html`
     <div class="scrolled" tabindex="0"><table><thead><tr>${texts.robot_columns.map((column) => html`<th scope="col">${column}</th>`)}</tr></thead>
       <tbody>${data.robots.map((one) => html`
-        <tr key="${one.team} ${one.robot}"><td><strong>${one.team}</strong></td><td>${one.robot}</td><td>${one.link} ${one.heard}</td>
-          <td>${one.skew}</td><td>${one.zone || "–"}</td></tr>`)}</tbody></table></div>
+        <tr key=${one.slice(0, 2).join()}>${one.map((cell, column) => html`<td>${column ? cell : html`<strong>${cell}</strong>`}</td>`)}</tr>`)}
+      </tbody></table></div>
+    <p class="facts">${texts.robot_explanations.join(" ")}</p>
     ${data.hidden > 0 && html`<p class="facts">${texts.hidden.replace("{number}", () => data.hidden)}</p>`}`;
 }
 

@@ -5,6 +5,7 @@ from typing import Any, Dict
 from roah_rsbb.model.actions import ACTIONS, ENTRIES, Action
 from roah_rsbb.wording import judging, schedule, stop
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.whole_box import robots
 
 # The roles of devices, by the names in the ROS interface.
 ROLES = {"referee": tr_later("Referee"), "judge": tr_later("Judge"), "organiser": tr_later("Organiser")}
@@ -74,7 +75,8 @@ def box_words() -> Dict[str, Any]:
         "leave_unsigned": tr("{run} is not signed off. Its score sheet stays in Results.", run="{run}"),
         "hidden": tr("{number} more are not shown", number="{number}"),
         "no_robot": tr("No robot is heard"),
-        "robot_columns": [tr("Team"), tr("Robot"), tr("Link"), tr("Clock skew"), tr("Run in zone")],
+        "robot_columns": [tr(column) for column in robots.COLUMNS],
+        "robot_explanations": list(robots.explanations().values()),
         "no_runs": tr("This zone has no run yet."), "history": tr("History"), "ends": tr("Ends"),
         "withdraw": tr(ENTRIES["withdraw"].label),
         "still_connected": tr("The run is still connected. Disconnect it first."),

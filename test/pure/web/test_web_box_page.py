@@ -150,14 +150,26 @@ def test_robots_with_their_link_skew_and_zone(world):
     all_robots = zone_of("Yard", robot=None, all_robots=AllRobots(1, 0, 1, 0, ("T of team Gamma: executing",)))
     world.box.show(zone_of(robot=RobotInRun("R", 6701, "STOP")), all_robots)
     shown = world.part("robots", robots=robots)["robots"]
-    assert [(one["team"], one["link"], one["heard"], one["skew"], one["zone"]) for one in shown] == [
-        ("Alpha", "▮▮▮", "just now", "+0.150 s", "Home"), ("Beta", "▮▯▯", "4 s ago", "+0.000 s", ""),
-        ("Gamma", "▯▯▯", "40 s ago", "+0.000 s", "Yard")]
+    assert shown == [
+        ["Alpha", "R", "▮▮▮ good", "+0.150 s", "Home", "just now"],
+        ["Beta", "S", "▮▯▯ poor, 4.0 s", "+0.000 s", "–", "4 s ago"],
+        ["Gamma", "T", "▯▯▯ silent", "+0.000 s", "Yard", "40 s ago"]]
     many = {str(n): RobotSeen(str(n), "R", 0.0) for n in range(documents.MAX_ROBOTS + 3)}
     assert world.part("robots", robots=many)["hidden"] == 0, "it is made once a second at most"
     world.box.mono += 1.0
     shown = world.again("robots")
     assert (len(shown["robots"]), shown["hidden"]) == (documents.MAX_ROBOTS, 3)
+
+
+def test_a_gap_of_a_link_is_shown_for_ten_seconds_also_if_it_was_before_the_part_was_opened(world):
+    def hear(silent, part="overview"):
+        world.box.mono += 1.0
+        return world.part(part, robots={"R of team Alpha": RobotSeen("Alpha", "R", 0.0, silent)})
+
+    since = world.box.mono - 3.0
+    hear(since)
+    links = [hear(None, "robots")["robots"][0][2] for _ in range(12)]
+    assert links == ["▮▯▯ poor, 5.0 s"] * 11 + ["▮▮▮ good"]
 
 
 def test_all_runs_of_the_zone_also_those_that_are_signed_off(world):

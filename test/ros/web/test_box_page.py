@@ -117,7 +117,8 @@ class TestBoxPage(NeedsBrowser):
         page.wait(f"{TEXT}.includes('A run is running in Home. Stop it first.')", "why")
         self.assertTrue(page.get("document.querySelector('[data-command=choose_event]').disabled"))
         self.open_part(page, "robots")
-        page.wait("document.querySelector('tbody tr:last-child').textContent.endsWith('Home')", "the robot of the run")
+        page.wait("document.querySelector('tbody tr:last-child').textContent.endsWith('Homejust now')", "the robot")
+        page.wait("document.querySelector('tbody').textContent.includes('▮▮▮ good')", "its link")
         skew = r"[+\u2212-]\d+\.\d{3} s"  # of a busy computer, too
         self.assertRegex(page.get("document.querySelector('tbody').textContent"), skew)
         page.touch_at("button[data-command=stop]")

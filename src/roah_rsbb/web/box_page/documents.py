@@ -8,7 +8,7 @@ import math
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.document import Document, RobotSeen
+from roah_rsbb.model.document import Document
 from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.zone import RUNNING, ZoneSeen
@@ -21,14 +21,15 @@ from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.times import Moments
+from roah_rsbb.wording.whole_box import robots
 
 OVERVIEW, SCHEDULE, ROBOTS, RUNS, LOG, BOX = "overview", "schedule", "robots", "runs", "log", "box"
 # The newest of each; of the schedule, those around the current events.
 MAX_EVENTS, MAX_ROBOTS, MAX_RUNS, MAX_HISTORY = 200, 200, 50, 200
 # Characters of the log that are sent at once. The page keeps what came before.
 MAX_LOG = 6000
-# After this long without a message a robot has no link, and the tablet is silent: both send every second.
-SILENT_S, TABLET_SILENT_S = 10.0, 5.0
+# After this long without a message the tablet is silent: it sends every second.
+TABLET_SILENT_S = 5.0
 _MOMENTS = Moments(False)
 
 
@@ -39,6 +40,7 @@ class PartShown(NamedTuple):
     zone: str  # the one that the device shows
     own: str  # the only one in which the device may act; empty: all
     now: Now
+    links: robots.LinkQuality
 
     @property
     def second(self) -> int:
@@ -125,18 +127,8 @@ def _event_name(event: EventSeen) -> str:
 
 
 def _robots(shown: PartShown) -> Data:
-    found = sorted(shown.document.robots.items(), key=lambda item: item[1][:2])
-    return {"hidden": max(0, len(found) - MAX_ROBOTS),
-            "robots": [_robot(name, robot, shown) for name, robot in found[:MAX_ROBOTS]]}
-
-
-def _robot(name: str, robot: RobotSeen, shown: PartShown) -> Data:
-    silent_s = 0.0 if robot.silent_since is None else shown.now.mono - robot.silent_since
-    return {
-        "team": robot.team, "robot": robot.robot, "skew": times.skew(robot.skew), "heard": times.ago(silent_s),
-        "link": "▮▮▮" if robot.silent_since is None else "▮▯▯" if silent_s < SILENT_S else "▯▯▯",
-        "zone": shown.document.zone_of(name),
-    }
+    found = robots.rows(shown.document, shown.now.mono, shown.links)
+    return {"hidden": max(0, len(found) - MAX_ROBOTS), "robots": found[:MAX_ROBOTS]}
 
 
 # -- the runs of a zone -----------------------------------------------------------------------------
