@@ -507,6 +507,21 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Exit</source>
+        <translation>Beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The box has ended</source>
+        <translation>Die Box ist beendet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Start it again on its computer. Runs that were in progress and this page then continue.</source>
+        <translation>Starten Sie sie auf ihrem Computer wieder. Laufende Läufe und diese Seite gehen dann weiter.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>May act as</source>
         <translation>Darf handeln als</translation>
     </message>
@@ -2235,6 +2250,36 @@
         <translation>Warten: {reasons}</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
+        <source>End the whole RSBB?</source>
+        <translation>Die ganze RSBB beenden?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
+        <source>End the RSBB</source>
+        <translation>RSBB beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
+        <source>This ends the core and everything started with it, for all referees.</source>
+        <translation>Das beendet den Core und alles, was mit ihm gestartet wurde, für alle Schiedsrichter.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
+        <source>Runs in progress: {runs}</source>
+        <translation>Laufende Läufe: {runs}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
+        <source>Runs in progress: {runs}. End the box when they are over, or confirm that it is to end now: they continue when it is started again</source>
+        <translation>Laufende Läufe: {runs}. Beenden Sie die Box, wenn sie vorbei sind, oder bestätigen Sie, dass sie jetzt enden soll: Die Läufe gehen weiter, wenn sie wieder gestartet wird</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
+        <source>No launch file started this box ({error}): end it where it was started, with Ctrl-C</source>
+        <translation>Diese Box wurde von keiner Launch-Datei gestartet ({error}): Beenden Sie sie dort, wo sie gestartet wurde, mit Strg+C</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
         <source>Robot</source>
         <translation>Roboter</translation>
@@ -2522,26 +2567,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Exit</source>
-        <translation>Beenden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>End the whole RSBB?</source>
-        <translation>Die ganze RSBB beenden?</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>End the RSBB</source>
-        <translation>RSBB beenden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>This ends the core and everything started with it, for all referees.</source>
-        <translation>Das beendet den Core und alles, was mit ihm gestartet wurde, für alle Schiedsrichter.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
         <source>End this client?</source>
         <translation>Diesen Client beenden?</translation>
     </message>
@@ -2554,11 +2579,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
         <source>This ends only this referee&apos;s client. The core and its runs continue.</source>
         <translation>Das beendet nur den Client dieses Schiedsrichters. Der Core und seine Läufe gehen weiter.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Runs in progress: {runs}</source>
-        <translation>Laufende Läufe: {runs}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
@@ -3568,11 +3588,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/box/program/parts.py"/>
         <source>there is no device {name}, or its value is not a whole number: give one of {names}</source>
         <translation>Es gibt kein Gerät {name}, oder sein Wert ist keine ganze Zahl: Geben Sie eines von {names} an</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/box/program/program.py"/>
-        <source>Runs in progress: {runs}. End the box when they are over, or confirm that it is to end now: they continue when it is started again</source>
-        <translation>Laufende Läufe: {runs}. Beenden Sie die Box, wenn sie vorbei sind, oder bestätigen Sie, dass sie jetzt enden soll: Die Läufe gehen weiter, wenn sie wieder gestartet wird</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/copies/folder.py"/>

@@ -106,7 +106,7 @@ function Runs({data, zone, texts, marks, undo, give}) {
     ${data.hidden > 0 && html`<p class="facts">${texts.hidden.replace("{number}", () => data.hidden)}</p>`}`;
 }
 
-function Box({data, texts, session}) {
+function Box({data, texts, session, give, ended}) {
   return html`
     <p class="todo ${data.is_ok ? "" : "urgent"}" role="status">${data.status}</p>
     <ul class="warnings">${data.warnings.map((text) => html`<li key=${text}>⚠ ${text}</li>`)}</ul>
@@ -116,7 +116,26 @@ function Box({data, texts, session}) {
     ${session.role === "organiser" && html`
       <${Reload} texts=${texts} />
       <p class="controls"><a class="button" href=${address("/displays")}>${texts.displays}</a>
-        <a class="button" href=${address("/codes")}>${texts.codes}</a></p>`}`;
+        <a class="button" href=${address("/codes")}>${texts.codes}</a></p>
+      <${Exit} runs=${data.runs} texts=${texts} give=${give} ended=${ended} />`}`;
+}
+
+// Ends the box, after a question that names the runs in progress.
+function Exit({runs, texts, give, ended}) {
+  const [isAsking, setAsking] = useState(false);
+  const exit = async () => {
+    const isDone = await give("exit", texts, texts.exit, {anyway: runs !== ""});
+    isDone ? ended() : setAsking(false);
+  };
+  return html`
+    <section class="exit">${isAsking ? html`
+      <h2>${texts.exit_title}</h2>
+      <p>${texts.exit_all}</p>
+      ${runs && html`<p class="alarm">${texts.exit_runs.replace("{runs}", () => runs)}</p>`}
+      <div class="controls"><button type="button" data-command="exit" onClick=${exit}>${texts.exit_now}</button>
+        <button type="button" onClick=${() => setAsking(false)}>${texts.close}</button></div>` : html`
+      <div class="controls"><button type="button" data-command="ask_exit" onClick=${() => setAsking(true)}>${texts.exit} …</button></div>`}
+    </section>`;
 }
 
 // What the configuration files change, and then: apply it.

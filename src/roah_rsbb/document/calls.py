@@ -10,8 +10,9 @@ from roah_rsbb.model.reason import encoded
 from roah_rsbb.model.referee import Refused
 
 MAX_MESSAGE_BYTES = 64 * 1024  # of a client's message to the door
+EXIT = "exit"  # ends the box
 # The calls that only a box without ROS has (docs/door.md, "Calls of a box without ROS").
-EXIT, DEVICES, SET_DEVICE = "exit", "devices", "set_device"
+DEVICES, SET_DEVICE = "devices", "set_device"
 # What can be set beside `protocol.SWITCHES` and `PERCENTAGES`: the door and window detector, and a ring of the bell.
 DOOR, RING = "door_win_detect", "bell"
 

@@ -20,8 +20,8 @@ FIELDS: Dict[str, Dict[str, type]] = {
     "judging": {"identity": str},
 }
 # Those for the whole box, which only an organiser may give.
-OF_BOX: Dict[str, Dict[str, type]] = {"reload": {"digest": str}}
-SHEET, RELOAD = "sheet", "reload"
+OF_BOX: Dict[str, Dict[str, type]] = {"reload": {"digest": str}, "exit": {"anyway": bool}}
+SHEET = "sheet"
 # What is asked of the judges of a run: its answer depends on the role.
 JUDGING = "judging"
 

@@ -5,7 +5,7 @@ from typing import Any, Dict
 from roah_rsbb.model.actions import ACTIONS, ENTRIES, Action
 from roah_rsbb.wording import judging, schedule, stop
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.whole_box import robots
+from roah_rsbb.wording.whole_box import ending, robots
 
 # The roles of devices, by the names in the ROS interface.
 ROLES = {"referee": tr_later("Referee"), "judge": tr_later("Judge"), "organiser": tr_later("Organiser")}
@@ -88,6 +88,10 @@ def box_words() -> Dict[str, Any]:
         "reload_errors": tr("Nothing was changed. Correct this first:"),
         "reload_apply": tr("Apply these changes? Connected runs keep what they began with."),
         "reload_same": tr("The files contain what is in force"), "reload_done": tr("The changes are in force"),
+        "exit": tr("Exit"), "exit_title": tr(ending.QUESTION), "exit_all": tr(ending.ENDS_ALL),
+        "exit_now": tr(ending.YES), "exit_runs": tr(ending.RUNS, runs="{runs}"),
+        "box_ended": tr("The box has ended"),
+        "box_ended_how": tr("Start it again on its computer. Runs that were in progress and this page then continue."),
         "may_act_as": tr("May act as"), "new_code": tr("New code"),
         "code_old": tr("The code is too old: press New code"),
         "scan_code": tr("Scan the code with the device, or open {page} and type it. It is for one device.",

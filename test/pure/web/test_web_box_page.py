@@ -18,7 +18,7 @@ from roah_rsbb.model.zone import AllRobots, Count, RobotInRun, RunClock
 from roah_rsbb.web.box_page import documents
 from roah_rsbb.web.box_page.documents import PARTS, may_show, whole_sheet_page
 from roah_rsbb.web.calls import call_of
-from roah_rsbb.web.commands import Outcome, command_of, may
+from roah_rsbb.web.commands import BadCommand, Outcome, command_of, may
 from roah_rsbb.web.desk import Desk
 from roah_rsbb.web.pairing import DeviceSession, Grant
 from roah_rsbb.web.server import WebServer
@@ -202,7 +202,7 @@ def test_only_the_end_of_a_log_is_sent(world):
 def test_the_box_with_its_warnings_and_the_tablet(world):
     shown = world.part("box", warnings=["The disk is full"])
     assert (shown["is_ok"], shown["warnings"], shown["tablet"]) == (True, ["The disk is full"], None)
-    assert ["Running", "2 of 2 zones"] in shown["facts"]
+    assert ["Running", "2 of 2 zones"] in shown["facts"] and shown["runs"] == "Home (R), Hall (R)"
     box = world.box.document.box._replace(tablet=TabletSeen(True, MONO - 7.0, True, NOW, NOW, 1.0, 2.5))
     world.box.document = world.box.document._replace(box=box)
     world.box.mono += 1.0
@@ -230,11 +230,13 @@ def session(grant):
     return DeviceSession("1", grant, "Olga", "laptop", 0.0)
 
 
-def test_only_an_organiser_reloads_the_configuration():
-    reload = [command_of("reload", {"digest": "d", "zone": "Home"}, session(grant))
-              for grant in (ORGANISER, REFEREE, JUDGE)]
-    assert [may(one) for one in reload] == [True, False, False]
-    assert call_of(reload[0]) == ("reload", {"digest": "d", "by": "Olga, organiser, laptop"})
+@pytest.mark.parametrize("name, fields", [("reload", {"digest": "d"}), ("exit", {"anyway": True})])
+def test_only_an_organiser_commands_the_whole_box(name, fields):
+    commands = [command_of(name, {**fields, "zone": "Home"}, session(grant)) for grant in (ORGANISER, REFEREE, JUDGE)]
+    assert [may(one) for one in commands] == [True, False, False]
+    assert call_of(commands[0]) == (name, {**fields, "by": "Olga, organiser, laptop"})
+    with pytest.raises(BadCommand):
+        command_of(name, dict.fromkeys(fields, 1), session(ORGANISER))
 
 
 @pytest.mark.parametrize("name, body", [

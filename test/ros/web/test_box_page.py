@@ -7,9 +7,11 @@ import json
 import pathlib
 import shutil
 import tempfile
+from typing import List
 
 from support.browser import IS_ALL, NeedsBrowser, Page
 from support.served_box import TEAM, ServedBox
+from support.waiting import happened, wait_until
 
 from web.test_stop_page import CLICKED
 
@@ -177,6 +179,20 @@ class TestBoxPage(NeedsBrowser):
         self.press(page, "[data-command=reload]")
         page.wait(f"{TEXT}.includes('Correct this first') && {TEXT}.includes('HWW')", "errors are shown")
         self.assertIsNone(page.get("document.querySelector('[data-command=apply]')"))
+
+    def test_the_box_is_ended_after_a_question_that_names_the_runs(self) -> None:
+        self.running()
+        ended: List[str] = []
+        self.box.program.on_exit = lambda: ended.append("box") or happened()
+        page = self.opened("box")
+        self.press(page, "[data-command=ask_exit]")
+        page.wait(f"{TEXT}.includes('Runs in progress: Home (DummyRobot)')", "it asks")
+        page.wait("document.querySelector('.exit [data-changed]') === null", "its buttons are on")
+        self.assertEqual(ended, [])
+        self.press(page, "[data-command=exit]")
+        page.wait(f"{TEXT}.includes('The box has ended')", "the page says so")
+        wait_until(lambda: ended, "the box ends")
+        self.assertEqual(page.get("document.querySelector('fieldset')"), None, "nothing else is shown")
 
     def test_a_device_is_paired_and_its_pairing_ended(self) -> None:
         page = self.opened("pairings")

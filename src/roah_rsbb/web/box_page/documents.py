@@ -21,7 +21,7 @@ from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.times import Moments
-from roah_rsbb.wording.whole_box import robots
+from roah_rsbb.wording.whole_box import ending, robots
 
 OVERVIEW, SCHEDULE, ROBOTS, RUNS, LOG, BOX = "overview", "schedule", "robots", "runs", "log", "box"
 # The newest of each; of the schedule, those around the current events.
@@ -204,7 +204,7 @@ def _box(shown: PartShown) -> Data:
         "facts": [[tr("Broadcast to"), box.host], [tr("UDP port"), str(box.port)],
                   [tr("Robots"), str(len(document.robots))],
                   [tr("Running"), tr("{number} of {n} zones", number=running, n=len(document.zones))]],
-        "tablet": _tablet(shown),
+        "runs": ending.running(document.zones.values()), "tablet": _tablet(shown),
     }
 
 
