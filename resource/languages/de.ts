@@ -352,6 +352,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Devices</source>
+        <translation>Geräte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Results</source>
         <translation>Ergebnisse</translation>
     </message>
@@ -2250,6 +2255,91 @@
         <translation>Warten: {reasons}</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>ON</source>
+        <translation>AN</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Turn off</source>
+        <translation>Aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Turn on</source>
+        <translation>Ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>closed</source>
+        <translation>zu</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>OPEN</source>
+        <translation>OFFEN</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Open</source>
+        <translation>Öffnen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Dimmer</source>
+        <translation>Dimmer</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Blinds</source>
+        <translation>Jalousie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Door</source>
+        <translation>Tür</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Bell</source>
+        <translation>Klingel</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>♪ Ring</source>
+        <translation>♪ Klingeln</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>What you set here takes effect when the controller is connected again.</source>
+        <translation>Was Sie hier einstellen, wirkt, sobald die Steuerung wieder verbunden ist.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>this box controls no home devices: start it with devices:=true</source>
+        <translation>Diese Box steuert keine Geräte der Wohnung: Starten Sie sie mit devices:=true</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Switch {number}</source>
+        <translation>Schalter {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Last ring: {time}</source>
+        <translation>Zuletzt geklingelt: {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>♪ RINGS</source>
+        <translation>♪ KLINGELT</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>⚠ NOT CONNECTED</source>
+        <translation>⚠ NICHT VERBUNDEN</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
         <source>End the whole RSBB?</source>
         <translation>Die ganze RSBB beenden?</translation>
@@ -2582,78 +2672,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Dimmer</source>
-        <translation>Dimmer</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Blinds</source>
-        <translation>Jalousie</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>What you set here takes effect when the controller is connected again.</source>
-        <translation>Was Sie hier einstellen, wirkt, sobald die Steuerung wieder verbunden ist.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Devices</source>
-        <translation>Geräte</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>Home devices</source>
         <translation>Geräte der Wohnung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Switch {number}</source>
-        <translation>Schalter {number}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>ON</source>
-        <translation>AN</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Turn off</source>
-        <translation>Aus</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Turn on</source>
-        <translation>Ein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Door</source>
-        <translation>Tür</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>closed</source>
-        <translation>zu</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>OPEN</source>
-        <translation>OFFEN</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Open</source>
-        <translation>Öffnen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Bell</source>
-        <translation>Klingel</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>♪ Ring</source>
-        <translation>♪ Klingeln</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
@@ -2664,21 +2684,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>✘ NO DEVICES</source>
         <translation>✘ KEINE GERÄTE</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>⚠ NOT CONNECTED</source>
-        <translation>⚠ NICHT VERBUNDEN</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Last ring: {time}</source>
-        <translation>Zuletzt geklingelt: {time}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>♪ RINGS</source>
-        <translation>♪ KLINGELT</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
@@ -3578,16 +3583,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/box/offers.py"/>
         <source>{what}: malformed answer from the program that offers it. Install the same version there as on the box</source>
         <translation>{what}: fehlerhafte Antwort des Programms, das es anbietet. Dort dieselbe Version wie auf der Box installieren</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/box/program/parts.py"/>
-        <source>this box controls no home devices: start it with devices:=true</source>
-        <translation>Diese Box steuert keine Geräte der Wohnung: Starten Sie sie mit devices:=true</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/box/program/parts.py"/>
-        <source>there is no device {name}, or its value is not a whole number: give one of {names}</source>
-        <translation>Es gibt kein Gerät {name}, oder sein Wert ist keine ganze Zahl: Geben Sie eines von {names} an</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/copies/folder.py"/>
@@ -4828,6 +4823,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/zones.py"/>
         <source>no zone &apos;{zone}&apos;{hint}</source>
         <translation>keine Zone „{zone}“{hint}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/devices/devices.py"/>
+        <source>there is no device {name}, or its value is not a whole number: give one of {names}</source>
+        <translation>Es gibt kein Gerät {name}, oder sein Wert ist keine ganze Zahl: Geben Sie eines von {names} an</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

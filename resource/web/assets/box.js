@@ -6,6 +6,7 @@ import {reasonsText} from "/assets/device.js";
 import {send} from "/assets/commands.js";
 import {Twice} from "/assets/buttons.js";
 import {Log} from "/assets/log.js";
+import {Devices} from "/assets/devices.js";
 import {Pairings} from "/assets/pairings.js";
 import {Facts, FinishedRun} from "/assets/runs.js";
 
@@ -123,6 +124,7 @@ function Box({data, texts, session, give, ended}) {
 // Ends the box, after a question that names the runs in progress.
 function Exit({runs, texts, give, ended}) {
   const [isAsking, setAsking] = useState(false);
+  useEffect(() => isAsking && scrollTo(0, document.documentElement.scrollHeight), [isAsking]);  // above STOP
   const exit = async () => {
     const isDone = await give("exit", texts, texts.exit, {anyway: runs !== ""});
     isDone ? ended() : setAsking(false);
@@ -162,10 +164,11 @@ function Reload({texts}) {
     </section>`;
 }
 
-// Each part, in the order of their buttons. The first is the zone's own page. The last asks for its list itself.
-const PARTS = {zone: null, overview: Overview, schedule: Schedule, robots: Robots, runs: Runs, log: Log, box: Box, pairings: Pairings};
-const OF_ORGANISERS = ["overview", "pairings"];
-export const isSent = (part) => Boolean(PARTS[part]) && part !== "pairings";
+// Each part, in the order of their buttons. The first is the zone's own page. Some ask for what they show themselves.
+const PARTS = {zone: null, overview: Overview, schedule: Schedule, robots: Robots, devices: Devices, runs: Runs, log: Log, box: Box,
+  pairings: Pairings};
+const ASKING = ["devices", "pairings"], OF_ORGANISERS = ["overview", ...ASKING];
+export const isSent = (part) => Boolean(PARTS[part]) && !ASKING.includes(part);
 
 // The parts that a device may open.
 export const partsOf = (session) => session.role === "judge" ? ["zone"]

@@ -11,7 +11,7 @@ from roah_rsbb.model.referee import Refused
 
 MAX_MESSAGE_BYTES = 64 * 1024  # of a client's message to the door
 EXIT = "exit"  # ends the box
-# The calls that only a box without ROS has (docs/door.md, "Calls of a box without ROS").
+# Those of the home devices (docs/door.md, "Calls of the home devices").
 DEVICES, SET_DEVICE = "devices", "set_device"
 # What can be set beside `protocol.SWITCHES` and `PERCENTAGES`: the door and window detector, and a ring of the bell.
 DOOR, RING = "door_win_detect", "bell"

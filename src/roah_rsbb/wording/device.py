@@ -67,8 +67,8 @@ def box_words() -> Dict[str, Any]:
     """Return the fixed texts of the page of the whole box."""
     return {
         "whole_box": tr("Whole box"), "part_zone": tr("Zone"), "part_overview": tr("Overview"),
-        "part_schedule": tr("Schedule"), "part_robots": tr("Robots"), "part_runs": tr("Results"), "part_log": tr("Log"),
-        "part_box": tr("Core"), "part_pairings": tr("Pairing"),
+        "part_schedule": tr("Schedule"), "part_robots": tr("Robots"), "part_devices": tr("Devices"),
+        "part_runs": tr("Results"), "part_log": tr("Log"), "part_box": tr("Core"), "part_pairings": tr("Pairing"),
         "team": tr("Team"), "all_teams": tr("All teams"), "all_events": tr("All events"),
         "no_events": tr("No event fits these filters."), "choose_event": tr("Choose this event"),
         "schedule_shows": [[show.value, tr(show.value)] for show in schedule.Show if show is not schedule.Show.ALL],

@@ -10,13 +10,14 @@ from helpers.http_clients import HOST, HttpClients
 from helpers.shown_box import MONO, NOW, ShownBox, zone_of
 from roah_rsbb.model.document import RobotSeen, TabletSeen
 from roah_rsbb.model.judging import Judging
+from roah_rsbb.model.messages import DevicesSeen, DevicesState
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.results import HistoryEntry, RunEnd, RunLine, RunSheet, UnsavedParts
 from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.web_calls import PAIR, PAIRED, REVOKE
 from roah_rsbb.model.zone import AllRobots, Count, RobotInRun, RunClock
 from roah_rsbb.web.box_page import documents
-from roah_rsbb.web.box_page.documents import PARTS, may_show, whole_sheet_page
+from roah_rsbb.web.box_page.documents import PARTS, devices_page, may_show, whole_sheet_page
 from roah_rsbb.web.calls import call_of
 from roah_rsbb.web.commands import BadCommand, Outcome, command_of, may
 from roah_rsbb.web.desk import Desk
@@ -24,6 +25,7 @@ from roah_rsbb.web.pairing import DeviceSession, Grant
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.writing import COOKIE
+from roah_rsbb.wording.whole_box.devices import AWAY
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 GERMAN = {"de": lambda text, n: f"auf Deutsch: {text}"}
@@ -223,6 +225,25 @@ def test_a_sheet_with_its_history_and_ends():
     assert shown["facts"] == ["1:01.5", "R"]
 
 
+def test_the_home_devices_with_their_commands_and_the_bell():
+    state = DevicesState(bell=(int(NOW) - 70, 0), switch_2=True, dimmer=40, door_win_detect=True)
+    shown = devices_page(DevicesSeen(state, True, "connected to it"), NOW)
+    assert [one["device"] for one in shown["devices"]] + ["bell"] == [*DevicesState._fields[1:], "bell"]
+    rows = {one["name"]: one for one in [*shown["devices"], shown["bell"]]}
+    assert {name: row["states"][row["value"]] if row["states"] else row["value"] for name, row in rows.items()
+            if name != "Bell"} == {"Switch 1": "○ off", "Switch 2": "● ON", "Switch 3": "○ off", "Dimmer": 40,
+                                   "Blinds": 0, "Door": "● OPEN"}
+    assert rows["Switch 1"]["commands"] == [("Turn on", 1), ("Turn off", 0)]
+    assert rows["Dimmer"]["commands"] == [("0 %", 0), ("100 %", 100)]
+    assert rows["Bell"]["states"][0].endswith("(70 s ago)") and rows["Bell"]["value"] == 0
+    assert (shown["connection"], shown["reason"]) == ("● connected", "connected to it")
+    away = devices_page(DevicesSeen(state, False, "it is off"), NOW - 68)
+    assert away["connection"] == "⚠ NOT CONNECTED"
+    assert away["reason"].splitlines() == ["it is off", AWAY]
+    assert away["bell"]["value"] == 1 and away["bell"]["states"][1].startswith("♪ RINGS")
+    assert devices_page(DevicesSeen(DevicesState(), False, ""), NOW)["bell"]["states"] == ["Last ring: never"] * 2
+
+
 # -- what may be asked ------------------------------------------------------------------------------
 
 
@@ -230,13 +251,16 @@ def session(grant):
     return DeviceSession("1", grant, "Olga", "laptop", 0.0)
 
 
-@pytest.mark.parametrize("name, fields", [("reload", {"digest": "d"}), ("exit", {"anyway": True})])
+@pytest.mark.parametrize("name, fields", [
+    ("reload", {"digest": "d"}), ("exit", {"anyway": True}), ("devices", {}),
+    ("set_device", {"device": "dimmer", "value": 40})])
 def test_only_an_organiser_commands_the_whole_box(name, fields):
     commands = [command_of(name, {**fields, "zone": "Home"}, session(grant)) for grant in (ORGANISER, REFEREE, JUDGE)]
     assert [may(one) for one in commands] == [True, False, False]
     assert call_of(commands[0]) == (name, {**fields, "by": "Olga, organiser, laptop"})
-    with pytest.raises(BadCommand):
-        command_of(name, dict.fromkeys(fields, 1), session(ORGANISER))
+    for field in fields:
+        with pytest.raises(BadCommand):
+            command_of(name, {field: None}, session(ORGANISER))
 
 
 @pytest.mark.parametrize("name, body", [

@@ -7,11 +7,14 @@ All lists are bounded, and what changes with time is made once a second at most:
 import math
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.document.calls import RING
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
+from roah_rsbb.model.messages import DevicesSeen
 from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.zone import RUNNING, ZoneSeen
+from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.web.documents import Data
 from roah_rsbb.web.pairing import JUDGE, Grant
 from roah_rsbb.web.zone_documents import clock_page, is_urgent, phase_text, run_name, sheet_page
@@ -21,7 +24,7 @@ from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.times import Moments
-from roah_rsbb.wording.whole_box import ending, robots
+from roah_rsbb.wording.whole_box import devices, ending, robots
 
 OVERVIEW, SCHEDULE, ROBOTS, RUNS, LOG, BOX = "overview", "schedule", "robots", "runs", "log", "box"
 # The newest of each; of the schedule, those around the current events.
@@ -226,6 +229,28 @@ def _tablet(shown: PartShown) -> Optional[List[List[str]]]:
 
 def _age(utc_s: float, now: Now) -> str:
     return _MOMENTS.and_age(utc_s, now.utc)
+
+
+# -- the home devices -------------------------------------------------------------------------------
+
+
+def devices_page(seen: DevicesSeen, now_s: float) -> Data:
+    """Return the home devices as the page shows them, at a moment in UTC seconds."""
+    state, (connection, reason) = seen.devices, devices.controller_text(seen.connected, seen.text)
+    bell, rings = devices.bell_text(wire_seconds(state.bell), now_s, _MOMENTS)
+    return {
+        "connection": connection, "reason": reason, "is_connected": seen.connected,
+        "devices": [_device(name, int(getattr(state, name))) for name in devices.DEVICES],
+        "bell": {"device": RING, "name": tr(devices.BELL), "value": int(rings), "commands": [(tr(devices.RING), 1)],
+                 "states": [bell] * 2},
+    }
+
+
+def _device(name: str, value: int) -> Data:
+    return {
+        "device": name, "name": devices.name_of(name), "value": value, "commands": devices.commands(name),
+        "states": devices.states_of(name),
+    }
 
 
 def _day(shown: PartShown) -> str:
