@@ -517,6 +517,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Cancel</source>
+        <translation>Abbrechen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>The box has ended</source>
         <translation>Die Box ist beendet</translation>
     </message>
@@ -2995,11 +3000,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
         <source>● live</source>
         <translation>● live</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
-        <source>Cancel</source>
-        <translation>Abbrechen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>

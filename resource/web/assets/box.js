@@ -135,7 +135,7 @@ function Exit({runs, texts, give, ended}) {
       <p>${texts.exit_all}</p>
       ${runs && html`<p class="alarm">${texts.exit_runs.replace("{runs}", () => runs)}</p>`}
       <div class="controls"><button type="button" data-command="exit" onClick=${exit}>${texts.exit_now}</button>
-        <button type="button" onClick=${() => setAsking(false)}>${texts.close}</button></div>` : html`
+        <button type="button" onClick=${() => setAsking(false)}>${texts.cancel}</button></div>` : html`
       <div class="controls"><button type="button" data-command="ask_exit" onClick=${() => setAsking(true)}>${texts.exit} …</button></div>`}
     </section>`;
 }

@@ -112,7 +112,6 @@ export class Live {
     this.heardAt = now;
     this.isHeard = message.heard;
     this.said = message.clock || 0;
-    this.session = message.session;  // which start of the gateway it is
     if (message.heard) {
       this.clock.sample(now, message.clock);
     }

@@ -28,7 +28,7 @@ const state = {session: undefined, live: null, known: null, said: "", place: "",
   part: IS_BOX && parameters.get("part") || OWN,
   shown: "",  // the zone that was shown last
   gone: "",  // that a zone is gone, until the reader touches the page
-  ended: null};  // the start of the gateway whose box was ended here
+  isEnded: false};  // the box was ended here, and is not heard again yet
 
 function draw() {
   render(html`<${Guard} name="page"><${Page} /><//>`, place);
@@ -121,6 +121,7 @@ function changed(names = []) {
   }
   if (names.length === 0 && state.session) {
     check();
+    state.isEnded = state.isEnded && state.live.silentSince !== null;
   }
   const zone = zoneNow(), zones = state.live.data["page.zones"], texts = state.live.data["page.device_words"];
   if (texts) {
@@ -460,9 +461,9 @@ function openInZone(name) {
   openZone(name);
 }
 
-// The box ends: until the next one answers, the page says so.
+// The box ends.
 function ended() {
-  state.ended = state.live.session;
+  state.isEnded = true;
   draw();
 }
 
@@ -569,7 +570,7 @@ function Page() {
       <p class="nothing">${texts.pair_how}</p>
       <p><a class="button main" href=${address("/pair")}>${texts.pair_title}</a></p>`;
   }
-  if (state.ended && state.ended === live.session) {
+  if (state.isEnded) {
     return html`<h1 class="title" role="status">${texts.box_ended}</h1><p class="nothing">${texts.box_ended_how}</p>`;
   }
   const isOld = live.silentSince !== null || !zone;

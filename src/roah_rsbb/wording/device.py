@@ -89,7 +89,7 @@ def box_words() -> Dict[str, Any]:
         "reload_apply": tr("Apply these changes? Connected runs keep what they began with."),
         "reload_same": tr("The files contain what is in force"), "reload_done": tr("The changes are in force"),
         "exit": tr("Exit"), "exit_title": tr(ending.QUESTION), "exit_all": tr(ending.ENDS_ALL),
-        "exit_now": tr(ending.YES), "exit_runs": tr(ending.RUNS, runs="{runs}"),
+        "exit_now": tr(ending.YES), "cancel": tr("Cancel"), "exit_runs": tr(ending.RUNS, runs="{runs}"),
         "box_ended": tr("The box has ended"),
         "box_ended_how": tr("Start it again on its computer. Runs that were in progress and this page then continue."),
         "may_act_as": tr("May act as"), "new_code": tr("New code"),

@@ -251,6 +251,8 @@ class TestBoxPage(NeedsBrowser):
         page.wait(f"{TEXT}.includes('The box has ended')", "the page says so")
         wait_until(lambda: ended, "the box ends")
         self.assertEqual(page.get("document.querySelector('fieldset')"), None, "nothing else is shown")
+        page.get("live.reconnect(live.socket), 0")
+        page.wait("document.querySelector('fieldset:not(:disabled)') !== null", "another box is shown")
 
     def test_a_device_is_paired_and_its_pairing_ended(self) -> None:
         page = self.opened("pairings")
