@@ -110,7 +110,7 @@ class Pages:
         page.wait("document.querySelector('#person') !== null", "the form is shown")
         page.get("document.querySelector('#person').value = 'Bench'")
         page.touch_at("form button")
-        page.wait_address("/referee")
+        page.wait_address("/box")
         page.get(f"(() => {{ {_CLICKS} }})()")
         offset_s = _offset_s(page)
         button, dice = 'button[data-command="start"]', random.Random(8)

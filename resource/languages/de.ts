@@ -352,6 +352,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Devices</source>
+        <translation>Geräte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Results</source>
         <translation>Ergebnisse</translation>
     </message>
@@ -409,26 +414,6 @@
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>No robot is heard</source>
         <translation>Kein Roboter ist zu hören</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Robot</source>
-        <translation>Roboter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Link</source>
-        <translation>Verbindung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Clock skew</source>
-        <translation>Uhrabweichung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Run in zone</source>
-        <translation>Lauf in Zone</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -524,6 +509,26 @@
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>The changes are in force</source>
         <translation>Die Änderungen gelten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Exit</source>
+        <translation>Beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Cancel</source>
+        <translation>Abbrechen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The box has ended</source>
+        <translation>Die Box ist beendet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Start it again on its computer. Runs that were in progress and this page then continue.</source>
+        <translation>Starten Sie sie auf ihrem Computer wieder. Laufende Läufe und diese Seite gehen dann weiter.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -2255,6 +2260,176 @@
         <translation>Warten: {reasons}</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>ON</source>
+        <translation>AN</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Turn off</source>
+        <translation>Aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Turn on</source>
+        <translation>Ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>closed</source>
+        <translation>zu</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>OPEN</source>
+        <translation>OFFEN</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Open</source>
+        <translation>Öffnen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Dimmer</source>
+        <translation>Dimmer</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Blinds</source>
+        <translation>Jalousie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Door</source>
+        <translation>Tür</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Bell</source>
+        <translation>Klingel</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>♪ Ring</source>
+        <translation>♪ Klingeln</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>What you set here takes effect when the controller is connected again.</source>
+        <translation>Was Sie hier einstellen, wirkt, sobald die Steuerung wieder verbunden ist.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>this box controls no home devices: start it with devices:=true</source>
+        <translation>Diese Box steuert keine Geräte der Wohnung: Starten Sie sie mit devices:=true</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Switch {number}</source>
+        <translation>Schalter {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>Last ring: {time}</source>
+        <translation>Zuletzt geklingelt: {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>♪ RINGS</source>
+        <translation>♪ KLINGELT</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
+        <source>⚠ NOT CONNECTED</source>
+        <translation>⚠ NICHT VERBUNDEN</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
+        <source>End the whole RSBB?</source>
+        <translation>Die ganze RSBB beenden?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
+        <source>End the RSBB</source>
+        <translation>RSBB beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
+        <source>This ends the core and everything started with it, for all referees.</source>
+        <translation>Das beendet den Core und alles, was mit ihm gestartet wurde, für alle Schiedsrichter.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
+        <source>Runs in progress: {runs}</source>
+        <translation>Laufende Läufe: {runs}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
+        <source>Runs in progress: {runs}. End the box when they are over, or confirm that it is to end now: they continue when it is started again</source>
+        <translation>Laufende Läufe: {runs}. Beenden Sie die Box, wenn sie vorbei sind, oder bestätigen Sie, dass sie jetzt enden soll: Die Läufe gehen weiter, wenn sie wieder gestartet wird</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
+        <source>No launch file started this box ({error}): end it where it was started, with Ctrl-C</source>
+        <translation>Diese Box wurde von keiner Launch-Datei gestartet ({error}): Beenden Sie sie dort, wo sie gestartet wurde, mit Strg+C</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>Robot</source>
+        <translation>Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>Link</source>
+        <translation>Verbindung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>Clock skew</source>
+        <translation>Uhrabweichung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>Run in zone</source>
+        <translation>Lauf in Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>Last heard</source>
+        <translation>Zuletzt gehört</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>▮▮▮ good</source>
+        <translation>▮▮▮ gut</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>▮▮▯ gaps</source>
+        <translation>▮▮▯ Lücken</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>▮▯▯ poor</source>
+        <translation>▮▯▯ schlecht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>▯▯▯ silent</source>
+        <translation>▯▯▯ stumm</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>Longest silence of the robot in the last {time:.0f} s. It sends every second.</source>
+        <translation>Längste Sendepause des Roboters in den letzten {time:.0f} s. Er sendet jede Sekunde.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
+        <source>The robot&apos;s clock minus the box&apos;s: + is ahead, - is behind</source>
+        <translation>Uhr des Roboters minus Uhr der Box: + geht vor, - geht nach</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/rqt/app/window.py"/>
         <source>RoAH RSBB – referee</source>
         <translation>RoAH RSBB – Schiedsrichter</translation>
@@ -2286,26 +2461,6 @@
         <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
         <source>is the core running? Check the state when it is back.</source>
         <translation>Läuft der Core? Prüfen Sie den Zustand, sobald er wieder da ist.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
-        <source>▮▮▮ good</source>
-        <translation>▮▮▮ gut</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
-        <source>▮▮▯ gaps</source>
-        <translation>▮▮▯ Lücken</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
-        <source>▮▯▯ poor</source>
-        <translation>▮▯▯ schlecht</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
-        <source>▯▯▯ silent</source>
-        <translation>▯▯▯ stumm</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
@@ -2344,11 +2499,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>Last heard</source>
-        <translation>Zuletzt gehört</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
         <source>Active Robots</source>
         <translation>Aktive Roboter</translation>
     </message>
@@ -2356,16 +2506,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
         <source>The whole box</source>
         <translation>Die ganze Box</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>Longest silence of the robot in the last {time:.0f} s. It sends every second.</source>
-        <translation>Längste Sendepause des Roboters in den letzten {time:.0f} s. Er sendet jede Sekunde.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>The robot&apos;s clock minus the box&apos;s: + is ahead, - is behind</source>
-        <translation>Uhr des Roboters minus Uhr der Box: + geht vor, - geht nach</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -2522,26 +2662,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Exit</source>
-        <translation>Beenden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>End the whole RSBB?</source>
-        <translation>Die ganze RSBB beenden?</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>End the RSBB</source>
-        <translation>RSBB beenden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>This ends the core and everything started with it, for all referees.</source>
-        <translation>Das beendet den Core und alles, was mit ihm gestartet wurde, für alle Schiedsrichter.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
         <source>End this client?</source>
         <translation>Diesen Client beenden?</translation>
     </message>
@@ -2556,84 +2676,9 @@
         <translation>Das beendet nur den Client dieses Schiedsrichters. Der Core und seine Läufe gehen weiter.</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Runs in progress: {runs}</source>
-        <translation>Laufende Läufe: {runs}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Dimmer</source>
-        <translation>Dimmer</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Blinds</source>
-        <translation>Jalousie</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>What you set here takes effect when the controller is connected again.</source>
-        <translation>Was Sie hier einstellen, wirkt, sobald die Steuerung wieder verbunden ist.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Devices</source>
-        <translation>Geräte</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>Home devices</source>
         <translation>Geräte der Wohnung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Switch {number}</source>
-        <translation>Schalter {number}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>ON</source>
-        <translation>AN</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Turn off</source>
-        <translation>Aus</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Turn on</source>
-        <translation>Ein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Door</source>
-        <translation>Tür</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>closed</source>
-        <translation>zu</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>OPEN</source>
-        <translation>OFFEN</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Open</source>
-        <translation>Öffnen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Bell</source>
-        <translation>Klingel</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>♪ Ring</source>
-        <translation>♪ Klingeln</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
@@ -2644,21 +2689,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>✘ NO DEVICES</source>
         <translation>✘ KEINE GERÄTE</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>⚠ NOT CONNECTED</source>
-        <translation>⚠ NICHT VERBUNDEN</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Last ring: {time}</source>
-        <translation>Zuletzt geklingelt: {time}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>♪ RINGS</source>
-        <translation>♪ KLINGELT</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
@@ -2970,11 +3000,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
         <source>● live</source>
         <translation>● live</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
-        <source>Cancel</source>
-        <translation>Abbrechen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
@@ -3558,21 +3583,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/box/offers.py"/>
         <source>{what}: malformed answer from the program that offers it. Install the same version there as on the box</source>
         <translation>{what}: fehlerhafte Antwort des Programms, das es anbietet. Dort dieselbe Version wie auf der Box installieren</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/box/program/parts.py"/>
-        <source>this box controls no home devices: start it with devices:=true</source>
-        <translation>Diese Box steuert keine Geräte der Wohnung: Starten Sie sie mit devices:=true</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/box/program/parts.py"/>
-        <source>there is no device {name}, or its value is not a whole number: give one of {names}</source>
-        <translation>Es gibt kein Gerät {name}, oder sein Wert ist keine ganze Zahl: Geben Sie eines von {names} an</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/box/program/program.py"/>
-        <source>Runs in progress: {runs}. End the box when they are over, or confirm that it is to end now: they continue when it is started again</source>
-        <translation>Laufende Läufe: {runs}. Beenden Sie die Box, wenn sie vorbei sind, oder bestätigen Sie, dass sie jetzt enden soll: Die Läufe gehen weiter, wenn sie wieder gestartet wird</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/copies/folder.py"/>
@@ -4813,6 +4823,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/zones.py"/>
         <source>no zone &apos;{zone}&apos;{hint}</source>
         <translation>keine Zone „{zone}“{hint}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/devices/devices.py"/>
+        <source>there is no device {name}, or its value is not a whole number: give one of {names}</source>
+        <translation>Es gibt kein Gerät {name}, oder sein Wert ist keine ganze Zahl: Geben Sie eines von {names} an</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

@@ -6,6 +6,7 @@ import {reasonsText} from "/assets/device.js";
 import {send} from "/assets/commands.js";
 import {Twice} from "/assets/buttons.js";
 import {Log} from "/assets/log.js";
+import {Devices} from "/assets/devices.js";
 import {Pairings} from "/assets/pairings.js";
 import {Facts, FinishedRun} from "/assets/runs.js";
 
@@ -72,7 +73,7 @@ function Schedule({data, texts, give}) {
         <li key=${event.id} class="event ${event.current ? "current" : ""}" data-event=${event.id}>
           <button type="button" aria-expanded=${chosen === event.id} data-meaning=${event.id}
               onClick=${() => setChosen(chosen === event.id ? "" : event.id)}>
-            <span class="when">${event.when}${event.begins && event.begins !== event.when && html` <small>${event.begins} ${event.late}</small>`}</span>
+            <span class="when"><span>${event.when}</span>${event.begins && event.begins !== event.when && html` <small>${event.begins}</small> <small>${event.late}</small>`}</span>
             <span><strong>${event.team}</strong> ${event.event}</span>
             <span>${event.zone}</span>
             <span>${event.current && "◆ "}${event.state}${event.score && ` · ${event.score}`}${event.sheet && ` · ${event.sheet}`}</span>
@@ -92,8 +93,9 @@ function Robots({data, texts}) {
   return data.robots.length === 0 ? html`<p class="nothing">${texts.no_robot}</p>` : html`
     <div class="scrolled" tabindex="0"><table><thead><tr>${texts.robot_columns.map((column) => html`<th scope="col">${column}</th>`)}</tr></thead>
       <tbody>${data.robots.map((one) => html`
-        <tr key="${one.team} ${one.robot}"><td><strong>${one.team}</strong></td><td>${one.robot}</td><td>${one.link} ${one.heard}</td>
-          <td>${one.skew}</td><td>${one.zone || "–"}</td></tr>`)}</tbody></table></div>
+        <tr key=${one.slice(0, 2).join()}>${one.map((cell, column) => html`<td>${column ? cell : html`<strong>${cell}</strong>`}</td>`)}</tr>`)}
+      </tbody></table></div>
+    <p class="facts">${texts.robot_explanations.join(" ")}</p>
     ${data.hidden > 0 && html`<p class="facts">${texts.hidden.replace("{number}", () => data.hidden)}</p>`}`;
 }
 
@@ -105,7 +107,7 @@ function Runs({data, zone, texts, marks, undo, give}) {
     ${data.hidden > 0 && html`<p class="facts">${texts.hidden.replace("{number}", () => data.hidden)}</p>`}`;
 }
 
-function Box({data, texts, session}) {
+function Box({data, texts, session, give, ended}) {
   return html`
     <p class="todo ${data.is_ok ? "" : "urgent"}" role="status">${data.status}</p>
     <ul class="warnings">${data.warnings.map((text) => html`<li key=${text}>⚠ ${text}</li>`)}</ul>
@@ -115,7 +117,27 @@ function Box({data, texts, session}) {
     ${session.role === "organiser" && html`
       <${Reload} texts=${texts} />
       <p class="controls"><a class="button" href=${address("/displays")}>${texts.displays}</a>
-        <a class="button" href=${address("/codes")}>${texts.codes}</a></p>`}`;
+        <a class="button" href=${address("/codes")}>${texts.codes}</a></p>
+      <${Exit} runs=${data.runs} texts=${texts} give=${give} ended=${ended} />`}`;
+}
+
+// Ends the box, after a question that names the runs in progress.
+function Exit({runs, texts, give, ended}) {
+  const [isAsking, setAsking] = useState(false);
+  useEffect(() => isAsking && scrollTo(0, document.documentElement.scrollHeight), [isAsking]);  // above STOP
+  const exit = async () => {
+    const isDone = await give("exit", texts, texts.exit, {anyway: runs !== ""});
+    isDone ? ended() : setAsking(false);
+  };
+  return html`
+    <section class="exit">${isAsking ? html`
+      <h2>${texts.exit_title}</h2>
+      <p>${texts.exit_all}</p>
+      ${runs && html`<p class="alarm">${texts.exit_runs.replace("{runs}", () => runs)}</p>`}
+      <div class="controls"><button type="button" data-command="exit" onClick=${exit}>${texts.exit_now}</button>
+        <button type="button" onClick=${() => setAsking(false)}>${texts.cancel}</button></div>` : html`
+      <div class="controls"><button type="button" data-command="ask_exit" onClick=${() => setAsking(true)}>${texts.exit} …</button></div>`}
+    </section>`;
 }
 
 // What the configuration files change, and then: apply it.
@@ -142,10 +164,11 @@ function Reload({texts}) {
     </section>`;
 }
 
-// Each part, in the order of their buttons. The first is the zone's own page. The last asks for its list itself.
-const PARTS = {zone: null, overview: Overview, schedule: Schedule, robots: Robots, runs: Runs, log: Log, box: Box, pairings: Pairings};
-const OF_ORGANISERS = ["overview", "pairings"];
-export const isSent = (part) => Boolean(PARTS[part]) && part !== "pairings";
+// Each part, in the order of their buttons. The first is the zone's own page. Some ask for what they show themselves.
+const PARTS = {zone: null, overview: Overview, schedule: Schedule, robots: Robots, devices: Devices, runs: Runs, log: Log, box: Box,
+  pairings: Pairings};
+const ASKING = ["devices", "pairings"], OF_ORGANISERS = ["overview", ...ASKING];
+export const isSent = (part) => Boolean(PARTS[part]) && !ASKING.includes(part);
 
 // The parts that a device may open.
 export const partsOf = (session) => session.role === "judge" ? ["zone"]

@@ -27,6 +27,9 @@ export function roleText(session, texts) {
     .replace("{role}", () => role).replace("{zone}", () => session.zone);
 }
 
+// The page to which pairing leads.
+export const ownPage = (session) => session.role === "organiser" ? "/box" : "/referee";
+
 export function reasonsText(answer, texts) {
   return answer.status === 0 ? texts.no_answer : answer.body.reasons.join("; ");
 }

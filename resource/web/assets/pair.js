@@ -1,7 +1,7 @@
 // Pairs this device. The code may be in the address after #, from the QR code: so it is in no log.
 
 import {address, html, parameters, show, useEffect, useState} from "/assets/parts.js";
-import {ask, deviceName, reasonsText, roleText} from "/assets/device.js";
+import {ask, deviceName, ownPage, reasonsText, roleText} from "/assets/device.js";
 
 const NAME = "roah_rsbb_name";
 const CODE = location.hash.slice(1);
@@ -40,7 +40,7 @@ function Pair({live, words}) {
     history.replaceState(null, "", location.pathname + location.search);
     setTrouble("");
     setSession(answer.body);
-    location.assign(address("/referee"));
+    location.assign(address(ownPage(answer.body)));
   }
 
   async function end() {
@@ -58,8 +58,8 @@ function Pair({live, words}) {
     <h1 class="title">${texts.pair_title}</h1>
     ${session && html`
       <p class="paired">${texts.paired_as.replace("{role}", () => roleText(session, texts))} (${session.person})</p>
-      <p><a class="button main" href=${address("/referee")}>${texts.referee_page}</a></p>
-      ${session.role !== "judge" && html`<p><a class="button" href=${address("/box")}>${texts.whole_box}</a></p>`}
+      ${[["/referee", texts.referee_page], ...(session.role === "judge" ? [] : [["/box", texts.whole_box]])].map(([path, text]) => html`
+        <p><a class="button ${path === ownPage(session) ? "main" : ""}" href=${address(path)}>${text}</a></p>`)}
       <button type="button" onClick=${end}>${texts.end_pairing}</button>`}
     <form onSubmit=${pair}>
       <${Field} name="code" text=${texts.code} value=${CODE} autocapitalize="characters" />

@@ -27,7 +27,8 @@ const OWN = "zone";  // the part that the referee's page consists of
 const state = {session: undefined, live: null, known: null, said: "", place: "", marks: null, tick: null, isChoosing: false,
   part: IS_BOX && parameters.get("part") || OWN,
   shown: "",  // the zone that was shown last
-  gone: ""};  // that a zone is gone, until the reader touches the page
+  gone: "",  // that a zone is gone, until the reader touches the page
+  isEnded: false};  // the box was ended here, and is not heard again yet
 
 function draw() {
   render(html`<${Guard} name="page"><${Page} /><//>`, place);
@@ -120,6 +121,7 @@ function changed(names = []) {
   }
   if (names.length === 0 && state.session) {
     check();
+    state.isEnded = state.isEnded && state.live.silentSince !== null;
   }
   const zone = zoneNow(), zones = state.live.data["page.zones"], texts = state.live.data["page.device_words"];
   if (texts) {
@@ -459,6 +461,12 @@ function openInZone(name) {
   openZone(name);
 }
 
+// The box ends.
+function ended() {
+  state.isEnded = true;
+  draw();
+}
+
 function Header({zone, zones, session, texts}) {
   const name = session.zone || (zone && zone.zone) || "";
   return html`
@@ -562,6 +570,9 @@ function Page() {
       <p class="nothing">${texts.pair_how}</p>
       <p><a class="button main" href=${address("/pair")}>${texts.pair_title}</a></p>`;
   }
+  if (state.isEnded) {
+    return html`<h1 class="title" role="status">${texts.box_ended}</h1><p class="nothing">${texts.box_ended_how}</p>`;
+  }
   const isOld = live.silentSince !== null || !zone;
   document.body.classList.toggle("old", isOld);
   const judge = session.role === "judge" ? session.person : "";
@@ -583,7 +594,7 @@ function Page() {
       <fieldset disabled=${isOld} class="all whole">${part(texts[`part_${state.part}`], html`
         <${Part} key=${state.part} part=${state.part} data=${data[`part.${state.part}`]} zone=${zone} zones=${data["page.zones"]}
           session=${session} texts=${texts} marks=${marks} give=${give} undo=${(last) => undo(last, texts)}
-          openZone=${openInZone} />`)}</fieldset>` : zone ? html`
+          openZone=${openInZone} ended=${ended} />`)}</fieldset>` : zone ? html`
       <fieldset disabled=${isOld} class="all">
         <div>
           ${part(texts.time, html`<${Run} zone=${zone} texts=${texts} />`)}

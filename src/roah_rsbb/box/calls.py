@@ -3,6 +3,7 @@
 Everything runs in the core's loop, but for the waits until something is on the disks.
 """
 
+import logging
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
 
 from roah_rsbb.box import standby_answers
@@ -14,10 +15,12 @@ from roah_rsbb.document.calls import Call, Caller, Waiting
 from roah_rsbb.document.written import write
 from roah_rsbb.model.actions import EVERY
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import Document
 from roah_rsbb.model.fields import is_encodable
 from roah_rsbb.model.reason import say
-from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.model.referee import Refused, RunName, checked_who
 from roah_rsbb.model.results import RunSheet
+from roah_rsbb.wording.whole_box import ending
 
 # The answer if a result counts, but is not on the disk yet.
 NOT_SAVED = say("not saved: {why}. It counts, and is saved as soon as the disk can be written: do not enter it again. "
@@ -29,6 +32,8 @@ NO_TEXT = say("{name} is not a text of at most {most} characters")
 # The longest valid note has 500 characters. Processing a huge text would delay all zones.
 MAX_TEXT = 5000
 ARGUMENTS_OF_ACT = {"action", "zone", "run", "event", "given", "by", "node"}
+
+_log = logging.getLogger(__name__)
 
 
 class Disks(NamedTuple):
@@ -118,6 +123,19 @@ class BoxCalls:
 
     def _judges(self, found: Mapping[str, Any], caller: Caller) -> Any:
         return write(sheets.judged_run(self.judging(run_of(found), text(found, "judge"))))
+
+
+def exit_call(document: Callable[[], Document], end: Callable[[], Any]) -> Call:
+    """Return the call `exit`. `document` returns the box's newest one; `end` ends the box, and returns what a `Call`
+    does."""
+    def carried_out(found: Mapping[str, Any], _caller: Caller) -> Any:
+        runs = ending.running(document().zones.values())
+        if runs and found.get("anyway") is not True:
+            raise Refused([ending.IN_PROGRESS(runs=runs)])
+        _log.info("The box ends, because %s asked for it", checked_who(who_of(found)) or "a client")
+        return end()
+
+    return carried_out
 
 
 def text(found: Mapping[str, Any], name: str) -> str:

@@ -8,16 +8,19 @@ the same time, and each is answered within `ASKED_S`.
 import asyncio
 from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Protocol, Sequence
 
-from roah_rsbb.document.calls import Answered, Caller
+from roah_rsbb.document.calls import DEVICES, SET_DEVICE, Answered, Caller
 from roah_rsbb.model.reason import encoded, say
 from roah_rsbb.model.web_calls import WEB_CALLS
 from roah_rsbb.wording.device import NO_WEB
+from roah_rsbb.wording.whole_box.devices import NO_DEVICES
 
 MAX_OFFERS, MAX_CALLS, MAX_NAME = 16, 16, 40  # clients that offer; calls of each; characters of a name
 MAX_ASKED = 64  # calls that wait for their answer
 # Seconds that an answer may take. Whoever asks waits a little longer, and so gets to know why there is none.
 ASKED_S = 4.0
 
+# What to do if nobody offers a call that programs of this version offer.
+REMEDIES: Dict[str, str] = {**dict.fromkeys(WEB_CALLS, NO_WEB), **dict.fromkeys((DEVICES, SET_DEVICE), NO_DEVICES)}
 NOBODY = say("No program offers {what} now: start the one that does")
 NO_ANSWER = say("no answer: {why} ({error})")
 ENDED = say("its connection ended. It may have been done")
@@ -60,7 +63,7 @@ class Offers:
 
     def knows(self, name: str) -> bool:
         """Whether a call can be offered: others are those of another version."""
-        return name in WEB_CALLS or name in self._in_force
+        return name in REMEDIES or name in self._in_force
 
     def offer(self, client: Offering, calls: Any, node: Any) -> None:
         """Take the offer of a client instead of its last one. It is sent whether that is in force, and why not."""
@@ -144,7 +147,7 @@ def _is_name(found: Any) -> bool:
 
 
 def _remedy(name: str) -> str:
-    return NO_WEB if name in WEB_CALLS else NOBODY(what=name)
+    return REMEDIES[name] if name in REMEDIES else NOBODY(what=name)
 
 
 def _refused(reason: str) -> Answered:

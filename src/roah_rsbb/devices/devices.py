@@ -1,4 +1,5 @@
-"""The home devices of a running program: their settings, the connection to the controller, what a restart restores.
+"""The home devices of a running program: their settings, the connection to the controller, what a restart restores, and
+the calls of their faces.
 
 The node roah_devices has them with ROS, and a box without ROS in its own process.
 """
@@ -7,14 +8,18 @@ import asyncio
 import concurrent.futures
 import logging
 import time
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
 from roah_rsbb.devices.client import SmartIfClient
-from roah_rsbb.devices.home import Home
+from roah_rsbb.devices.home import OUTPUTS, BadSetting, Home, devices_state
+from roah_rsbb.document.calls import DEVICES, DOOR, RING, SET_DEVICE, Call, Caller
+from roah_rsbb.model.reason import say
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.web.kept_file import open_kept
 
 # In log_dir.
 FILE = "devices.json"
+NO_DEVICE = say("there is no device {name}, or its value is not a whole number: give one of {names}")
 
 Save = Callable[[Any], object]
 _log = logging.getLogger(__name__)
@@ -34,7 +39,7 @@ class HomeDevices:
         self._home.restore(saved)
         self._on_state, self._on_bell, self._on_status = on_state, on_bell, on_status
         self._client = SmartIfClient(host, port, self._home, self.ring, self._report)
-        self._connecting = f"connecting to the SmartIF controller at {host}:{port}"
+        self._status = (False, f"connecting to the SmartIF controller at {host}:{port}")
         self._connection: Optional[asyncio.Task] = None
         self._saver = concurrent.futures.ThreadPoolExecutor(max_workers=1)
         self._save = save
@@ -44,8 +49,8 @@ class HomeDevices:
 
     def start(self) -> None:
         """Report the state and the status, and connect to the controller."""
-        _log.info("%s", self._connecting)
-        self._on_status(False, self._connecting)
+        _log.info("%s", self._status[1])
+        self._on_status(*self._status)
         self._on_state(self._home)
         self._connection = self._loop.create_task(self._client.run())
 
@@ -75,7 +80,36 @@ class HomeDevices:
         self._changed()
         self._on_bell()
 
+    # -- for faces ------------------------------------------------------------------------------------
+
+    def calls(self) -> Dict[str, Call]:
+        """Return the calls by which faces see and operate the devices, for the door of the box."""
+        return {DEVICES: self._seen, SET_DEVICE: self._operate}
+
+    def _seen(self, _found: Mapping[str, Any], _caller: Caller) -> Dict[str, Any]:
+        """Return `DevicesSeen`."""
+        connected, text = self._status
+        return {"devices": devices_state(self._home)._asdict(), "connected": connected, "text": text}
+
+    def _operate(self, found: Mapping[str, Any], _caller: Caller) -> None:
+        device, value = found.get("device"), found.get("value")
+        names = (*OUTPUTS, DOOR, RING)
+        if device not in names or type(value) is not int:
+            raise Refused([NO_DEVICE(name=f"{device!r:.40}", names=", ".join(names))])
+        try:
+            if device == RING:
+                self.ring()
+            elif device == DOOR:
+                self.set_door(bool(value))
+            else:
+                self.set(device, value)
+        except BadSetting as error:
+            raise Refused([str(error)]) from None
+
+    # -- what happens ---------------------------------------------------------------------------------
+
     def _report(self, connected: bool, text: str) -> None:
+        self._status = (connected, text)
         _log.log(logging.INFO if connected else logging.WARNING, "%s", text)
         self._on_status(connected, text)
 

@@ -13,8 +13,9 @@ MAX_MESSAGE_BYTES = 64 * 1024  # of a client's message to the door
 # Between the box and the program that copies its journal (docs/door.md, "Calls of the program that copies"): its
 # reports, what the standby has, and the box's question.
 COPY_REPORT, COPIED, COPY = "copy_report", "copied", "copy"
-# The calls that only a box without ROS has (docs/door.md, "Calls of a box without ROS").
-EXIT, DEVICES, SET_DEVICE = "exit", "devices", "set_device"
+EXIT = "exit"  # ends the box
+# Those of the home devices (docs/door.md, "Calls of the home devices").
+DEVICES, SET_DEVICE = "devices", "set_device"
 # What can be set beside `protocol.SWITCHES` and `PERCENTAGES`: the door and window detector, and a ring of the bell.
 DOOR, RING = "door_win_detect", "bell"
 

@@ -85,6 +85,14 @@ class DevicesState(NamedTuple):
     door_win_detect: bool = False
 
 
+class DevicesSeen(NamedTuple):
+    """The home devices, as faces get them (docs/door.md, "Calls of the home devices")."""
+
+    devices: DevicesState
+    connected: bool  # whether their controller is
+    text: str  # details of the connection, or why there is none
+
+
 class TabletState(NamedTuple):
     """State of the tablet, as the beacon carries it."""
 

@@ -1,4 +1,4 @@
-"""Node roah_devices: the home devices (docs/ros_interface.md, "Devices node").
+"""Node roah_devices: the home devices (docs/ros_interface.md, "Devices node"). It offers their calls to the box.
 
 The node keeps all values, and sends them to the SmartIF controller immediately or after the next connection;
 /devices/status (latched) has the state of the connection. After a crash, the node restores its values from the
@@ -7,13 +7,17 @@ parameter server.
 Parameters (private): smartif_host, smartif_port (TCP).
 """
 
+import rosgraph
 import rospy
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 from std_srvs.srv import EmptyResponse
 
+from roah_rsbb.client.client import Client, Offer
+from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.devices.devices import HomeDevices
 from roah_rsbb.devices.home import OUTPUTS, BadSetting, Home, devices_state
+from roah_rsbb.model.document import Document
 from roah_rsbb.msg import DevicesState, DevicesStatus
 from roah_rsbb.protocol import PERCENTAGES, SWITCHES
 from roah_rsbb.ros.command_line import run_node
@@ -41,12 +45,17 @@ class DevicesNode:
             self._ros.loop, host, port, on_state=self._publish, on_bell=lambda: self._bell.publish(Empty()),
             on_status=lambda connected, text: self._status.publish(DevicesStatus(connected, text)),
             saved=rospy.get_param(SAVED, None), save=lambda values: rospy.set_param(SAVED, values))
+        self._box: Client[Document] = Client(
+            Document, DoorPlaces(rosgraph.get_master_uri()).find, loop=self._ros.loop, face="devices",
+            offer=Offer(self._devices.calls(), rospy.get_name()))
 
     def run(self) -> None:
         """Run until shut down."""
         self._devices.start()
+        self._box.start()
         self._serve()
         self._ros.run()
+        self._box.close()
         self._devices.close()
         self._ros.close()
 

@@ -6,13 +6,15 @@ from concurrent.futures import Future
 from typing import Any, Dict, Protocol, Tuple
 
 from roah_rsbb.client.client import Answer
+from roah_rsbb.document.calls import DEVICES
 from roah_rsbb.document.written import read
 from roah_rsbb.model.judging import JudgedRun
+from roah_rsbb.model.messages import DevicesSeen
 from roah_rsbb.model.results import RunSheet
-from roah_rsbb.web.commands import JUDGING, RELOAD, SHEET, STOP, Command, Outcome
+from roah_rsbb.web.commands import JUDGING, OF_BOX, SHEET, STOP, Command, Outcome
 from roah_rsbb.web.numbered import BoxShown
 
-_RESULTS: Dict[str, Any] = {SHEET: RunSheet, JUDGING: JudgedRun}
+_RESULTS: Dict[str, Any] = {SHEET: RunSheet, JUDGING: JudgedRun, DEVICES: DevicesSeen}
 
 
 class BoxCommanded(BoxShown, Protocol):
@@ -54,8 +56,8 @@ class PageCalls:
 def call_of(command: Command) -> Tuple[str, Dict[str, Any]]:
     """Return the call of a command, and its arguments (docs/door.md, "Calls")."""
     fields, session = command.fields, command.session
-    if command.name == RELOAD:
-        return RELOAD, {"digest": fields["digest"], "by": session.who}
+    if command.name in OF_BOX:
+        return command.name, {**fields, "by": session.who}
     run = {"zone": command.zone, "run": fields["identity"], "by": session.who}
     if command.name == JUDGING:
         return "judges", {**run, "judge": session.person}

@@ -2,6 +2,7 @@
 
 from typing import Any, Dict, NamedTuple, Tuple
 
+from roah_rsbb.document.calls import DEVICES, SET_DEVICE
 from roah_rsbb.model import fields as model_fields
 from roah_rsbb.model.actions import EVERY, JUDGES, MARK, STOP, Action
 from roah_rsbb.web.pairing import JUDGE, ORGANISER, DeviceSession
@@ -20,8 +21,9 @@ FIELDS: Dict[str, Dict[str, type]] = {
     "judging": {"identity": str},
 }
 # Those for the whole box, which only an organiser may give.
-OF_BOX: Dict[str, Dict[str, type]] = {"reload": {"digest": str}}
-SHEET, RELOAD = "sheet", "reload"
+OF_BOX: Dict[str, Dict[str, type]] = {
+    "reload": {"digest": str}, "exit": {"anyway": bool}, DEVICES: {}, SET_DEVICE: {"device": str, "value": int}}
+SHEET = "sheet"
 # What is asked of the judges of a run: its answer depends on the role.
 JUDGING = "judging"
 
@@ -45,7 +47,7 @@ class Outcome(NamedTuple):
     reasons: Tuple[str, ...] = ()  # why it was refused; empty: it was carried out
     is_known: bool = True  # false: there was no answer, so it may have been carried out
     is_confirmed: bool = True  # false: it was carried out, but it is not on all disks yet; `reasons` say why
-    result: Any = None  # of a sheet `RunSheet`, of judges `JudgedRun`, else JSON
+    result: Any = None  # of a sheet `RunSheet`, of judges `JudgedRun`, of devices `DevicesSeen`, else JSON
 
 
 def command_of(name: str, body: Dict[str, Any], session: DeviceSession) -> Command:

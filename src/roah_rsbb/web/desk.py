@@ -15,6 +15,7 @@ from roah_rsbb.web.box_page.documents import PartShown, made_of, part_name, part
 from roah_rsbb.web.numbered import Key, Numbered, NumberedDocument
 from roah_rsbb.web.store import Store
 from roah_rsbb.wording import team_page
+from roah_rsbb.wording.whole_box.robots import LinkQuality
 
 ZONE, CLOCK, ZONES = "page.zone", "page.clock", "page.zones"
 # What STOP needs, without a text: of a zone, or with "" of all zones.
@@ -29,6 +30,7 @@ class Desk(Numbered):
         super().__init__(store.box, store.session)
         self._store = store
         self._shown: Set[Key] = set()  # see `show`
+        self._links = LinkQuality()
         self._put(NO_STOP, zone_documents.stop_page([], False))
 
     def zones(self) -> List[str]:
@@ -59,12 +61,14 @@ class Desk(Numbered):
             own = [zone for zone in zones if name in ("", zone.zone)]
             self._renew((STOP, name), own, functools.partial(zone_documents.stop_page, own, name == ""))
         now = self.box.now()
+        self._links.look(document, now.mono)  # also while nobody sees it: it depends on the past
         for language, name in {key[:2] for key in self._shown}:
             with self._store.speaking(language):
                 self._renew((ZONES, language), zones, lambda: zone_documents.zones_page(zones))
                 self._make(document, language, name, now)
         for language, name, part, own in (key for key in self._shown if len(key) > 2):
-            key, shown = (part_name(part), language, name, own), PartShown(document, name, own, now)
+            key, shown = (part_name(part), language, name, own), PartShown(
+                document, name, own, now, self._links)
             if self.box.is_old and key in self._made_of:
                 continue  # its clocks stop
             with self._store.speaking(language):

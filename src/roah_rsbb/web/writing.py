@@ -11,7 +11,8 @@ from urllib.parse import urlsplit
 
 from tornado import web
 
-from roah_rsbb.web.box_page.documents import may_show, whole_sheet_page
+from roah_rsbb.document.calls import DEVICES
+from roah_rsbb.web.box_page.documents import devices_page, may_show, whole_sheet_page
 from roah_rsbb.web.commands import JUDGING, SHEET, BadCommand, Command, command_of, may
 from roah_rsbb.web.commands import STOP as STOP_COMMAND
 from roah_rsbb.web.desk import NO_STOP, STOP
@@ -221,11 +222,13 @@ class CommandHandler(FromOwnPage):
             elif reasons:
                 self.refuse(409 if outcome.is_confirmed else 202, *reasons)
             else:
-                self.finish(_shown(command, outcome.result))
+                self.finish(_shown(command, outcome.result, self._server.desk.box.now().utc))
 
 
-def _shown(command: Command, result: Any) -> Dict[str, Any]:
+def _shown(command: Command, result: Any, now_s: float) -> Dict[str, Any]:
     """Return what the device may see of the result of a command."""
+    if command.name == DEVICES:
+        return devices_page(result, now_s)
     if command.name == SHEET:
         return whole_sheet_page(result)
     if command.name == JUDGING:

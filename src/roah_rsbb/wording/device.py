@@ -5,6 +5,7 @@ from typing import Any, Dict
 from roah_rsbb.model.actions import ACTIONS, ENTRIES, Action
 from roah_rsbb.wording import judging, schedule, stop
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.whole_box import ending, robots
 
 # The roles of devices, by the names in the ROS interface.
 ROLES = {"referee": tr_later("Referee"), "judge": tr_later("Judge"), "organiser": tr_later("Organiser")}
@@ -66,15 +67,16 @@ def box_words() -> Dict[str, Any]:
     """Return the fixed texts of the page of the whole box."""
     return {
         "whole_box": tr("Whole box"), "part_zone": tr("Zone"), "part_overview": tr("Overview"),
-        "part_schedule": tr("Schedule"), "part_robots": tr("Robots"), "part_runs": tr("Results"), "part_log": tr("Log"),
-        "part_box": tr("Core"), "part_pairings": tr("Pairing"),
+        "part_schedule": tr("Schedule"), "part_robots": tr("Robots"), "part_devices": tr("Devices"),
+        "part_runs": tr("Results"), "part_log": tr("Log"), "part_box": tr("Core"), "part_pairings": tr("Pairing"),
         "team": tr("Team"), "all_teams": tr("All teams"), "all_events": tr("All events"),
         "no_events": tr("No event fits these filters."), "choose_event": tr("Choose this event"),
         "schedule_shows": [[show.value, tr(show.value)] for show in schedule.Show if show is not schedule.Show.ALL],
         "leave_unsigned": tr("{run} is not signed off. Its score sheet stays in Results.", run="{run}"),
         "hidden": tr("{number} more are not shown", number="{number}"),
         "no_robot": tr("No robot is heard"),
-        "robot_columns": [tr("Team"), tr("Robot"), tr("Link"), tr("Clock skew"), tr("Run in zone")],
+        "robot_columns": [tr(column) for column in robots.COLUMNS],
+        "robot_explanations": list(robots.explanations().values()),
         "no_runs": tr("This zone has no run yet."), "history": tr("History"), "ends": tr("Ends"),
         "withdraw": tr(ENTRIES["withdraw"].label),
         "still_connected": tr("The run is still connected. Disconnect it first."),
@@ -86,6 +88,10 @@ def box_words() -> Dict[str, Any]:
         "reload_errors": tr("Nothing was changed. Correct this first:"),
         "reload_apply": tr("Apply these changes? Connected runs keep what they began with."),
         "reload_same": tr("The files contain what is in force"), "reload_done": tr("The changes are in force"),
+        "exit": tr("Exit"), "exit_title": tr(ending.QUESTION), "exit_all": tr(ending.ENDS_ALL),
+        "exit_now": tr(ending.YES), "cancel": tr("Cancel"), "exit_runs": tr(ending.RUNS, runs="{runs}"),
+        "box_ended": tr("The box has ended"),
+        "box_ended_how": tr("Start it again on its computer. Runs that were in progress and this page then continue."),
         "may_act_as": tr("May act as"), "new_code": tr("New code"),
         "code_old": tr("The code is too old: press New code"),
         "scan_code": tr("Scan the code with the device, or open {page} and type it. It is for one device.",

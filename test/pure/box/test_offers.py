@@ -8,6 +8,7 @@ from helpers.running_loop import running
 from helpers.toy_box import HOST, Bare, ToyBox
 from roah_rsbb.box import door, offers
 from roah_rsbb.wording.device import NO_WEB
+from roah_rsbb.wording.whole_box.devices import NO_DEVICES
 
 __all__ = ["running"]
 
@@ -73,10 +74,11 @@ def test_several_calls_are_answered_in_any_order(box):
     assert [asking.read_answer()["answer"] for asking, _ in askings] == [asked["asked"] for _, asked in askings]
 
 
-def test_what_nobody_offers_is_refused_with_the_remedy(box):
+@pytest.mark.parametrize("call, remedy", [("pair", NO_WEB), ("set_device", NO_DEVICES)])
+def test_what_nobody_offers_is_refused_with_the_remedy(box, call, remedy):
     client = Bare(box)
-    client.send(id=1, call="pair")
-    assert client.read_answer()["refused"] == [NO_WEB]
+    client.send(id=1, call=call)
+    assert client.read_answer()["refused"] == [remedy]
     client.send(id=2, call="unknown")
     assert "of another version" in client.read_answer()["error"]
 

@@ -10,20 +10,22 @@ from helpers.http_clients import HOST, HttpClients
 from helpers.shown_box import MONO, NOW, ShownBox, zone_of
 from roah_rsbb.model.document import RobotSeen, TabletSeen
 from roah_rsbb.model.judging import Judging
+from roah_rsbb.model.messages import DevicesSeen, DevicesState
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.results import HistoryEntry, RunEnd, RunLine, RunSheet, UnsavedParts
 from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.web_calls import PAIR, PAIRED, REVOKE
 from roah_rsbb.model.zone import AllRobots, Count, RobotInRun, RunClock
 from roah_rsbb.web.box_page import documents
-from roah_rsbb.web.box_page.documents import PARTS, may_show, whole_sheet_page
+from roah_rsbb.web.box_page.documents import PARTS, devices_page, may_show, whole_sheet_page
 from roah_rsbb.web.calls import call_of
-from roah_rsbb.web.commands import Outcome, command_of, may
+from roah_rsbb.web.commands import BadCommand, Outcome, command_of, may
 from roah_rsbb.web.desk import Desk
 from roah_rsbb.web.pairing import DeviceSession, Grant
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.writing import COOKIE
+from roah_rsbb.wording.whole_box.devices import AWAY
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 GERMAN = {"de": lambda text, n: f"auf Deutsch: {text}"}
@@ -150,14 +152,26 @@ def test_robots_with_their_link_skew_and_zone(world):
     all_robots = zone_of("Yard", robot=None, all_robots=AllRobots(1, 0, 1, 0, ("T of team Gamma: executing",)))
     world.box.show(zone_of(robot=RobotInRun("R", 6701, "STOP")), all_robots)
     shown = world.part("robots", robots=robots)["robots"]
-    assert [(one["team"], one["link"], one["heard"], one["skew"], one["zone"]) for one in shown] == [
-        ("Alpha", "▮▮▮", "just now", "+0.150 s", "Home"), ("Beta", "▮▯▯", "4 s ago", "+0.000 s", ""),
-        ("Gamma", "▯▯▯", "40 s ago", "+0.000 s", "Yard")]
+    assert shown == [
+        ["Alpha", "R", "▮▮▮ good", "+0.150 s", "Home", "just now"],
+        ["Beta", "S", "▮▯▯ poor, 4.0 s", "+0.000 s", "–", "4 s ago"],
+        ["Gamma", "T", "▯▯▯ silent", "+0.000 s", "Yard", "40 s ago"]]
     many = {str(n): RobotSeen(str(n), "R", 0.0) for n in range(documents.MAX_ROBOTS + 3)}
     assert world.part("robots", robots=many)["hidden"] == 0, "it is made once a second at most"
     world.box.mono += 1.0
     shown = world.again("robots")
     assert (len(shown["robots"]), shown["hidden"]) == (documents.MAX_ROBOTS, 3)
+
+
+def test_a_gap_of_a_link_is_shown_for_ten_seconds_also_if_it_was_before_the_part_was_opened(world):
+    def hear(silent, part="overview"):
+        world.box.mono += 1.0
+        return world.part(part, robots={"R of team Alpha": RobotSeen("Alpha", "R", 0.0, silent)})
+
+    since = world.box.mono - 3.0
+    hear(since)
+    links = [hear(None, "robots")["robots"][0][2] for _ in range(12)]
+    assert links == ["▮▯▯ poor, 5.0 s"] * 11 + ["▮▮▮ good"]
 
 
 def test_all_runs_of_the_zone_also_those_that_are_signed_off(world):
@@ -190,7 +204,7 @@ def test_only_the_end_of_a_log_is_sent(world):
 def test_the_box_with_its_warnings_and_the_tablet(world):
     shown = world.part("box", warnings=["The disk is full"])
     assert (shown["is_ok"], shown["warnings"], shown["tablet"]) == (True, ["The disk is full"], None)
-    assert ["Running", "2 of 2 zones"] in shown["facts"]
+    assert ["Running", "2 of 2 zones"] in shown["facts"] and shown["runs"] == "Home (R), Hall (R)"
     box = world.box.document.box._replace(tablet=TabletSeen(True, MONO - 7.0, True, NOW, NOW, 1.0, 2.5))
     world.box.document = world.box.document._replace(box=box)
     world.box.mono += 1.0
@@ -211,6 +225,25 @@ def test_a_sheet_with_its_history_and_ends():
     assert shown["facts"] == ["1:01.5", "R"]
 
 
+def test_the_home_devices_with_their_commands_and_the_bell():
+    state = DevicesState(bell=(int(NOW) - 70, 0), switch_2=True, dimmer=40, door_win_detect=True)
+    shown = devices_page(DevicesSeen(state, True, "connected to it"), NOW)
+    assert [one["device"] for one in shown["devices"]] + ["bell"] == [*DevicesState._fields[1:], "bell"]
+    rows = {one["name"]: one for one in [*shown["devices"], shown["bell"]]}
+    assert {name: row["states"][row["value"]] if row["states"] else row["value"] for name, row in rows.items()
+            if name != "Bell"} == {"Switch 1": "○ off", "Switch 2": "● ON", "Switch 3": "○ off", "Dimmer": 40,
+                                   "Blinds": 0, "Door": "● OPEN"}
+    assert rows["Switch 1"]["commands"] == [("Turn on", 1), ("Turn off", 0)]
+    assert rows["Dimmer"]["commands"] == [("0 %", 0), ("100 %", 100)]
+    assert rows["Bell"]["states"][0].endswith("(70 s ago)") and rows["Bell"]["value"] == 0
+    assert (shown["connection"], shown["reason"]) == ("● connected", "connected to it")
+    away = devices_page(DevicesSeen(state, False, "it is off"), NOW - 68)
+    assert away["connection"] == "⚠ NOT CONNECTED"
+    assert away["reason"].splitlines() == ["it is off", AWAY]
+    assert away["bell"]["value"] == 1 and away["bell"]["states"][1].startswith("♪ RINGS")
+    assert devices_page(DevicesSeen(DevicesState(), False, ""), NOW)["bell"]["states"] == ["Last ring: never"] * 2
+
+
 # -- what may be asked ------------------------------------------------------------------------------
 
 
@@ -218,11 +251,16 @@ def session(grant):
     return DeviceSession("1", grant, "Olga", "laptop", 0.0)
 
 
-def test_only_an_organiser_reloads_the_configuration():
-    reload = [command_of("reload", {"digest": "d", "zone": "Home"}, session(grant))
-              for grant in (ORGANISER, REFEREE, JUDGE)]
-    assert [may(one) for one in reload] == [True, False, False]
-    assert call_of(reload[0]) == ("reload", {"digest": "d", "by": "Olga, organiser, laptop"})
+@pytest.mark.parametrize("name, fields", [
+    ("reload", {"digest": "d"}), ("exit", {"anyway": True}), ("devices", {}),
+    ("set_device", {"device": "dimmer", "value": 40})])
+def test_only_an_organiser_commands_the_whole_box(name, fields):
+    commands = [command_of(name, {**fields, "zone": "Home"}, session(grant)) for grant in (ORGANISER, REFEREE, JUDGE)]
+    assert [may(one) for one in commands] == [True, False, False]
+    assert call_of(commands[0]) == (name, {**fields, "by": "Olga, organiser, laptop"})
+    for field in fields:
+        with pytest.raises(BadCommand):
+            command_of(name, {field: None}, session(ORGANISER))
 
 
 @pytest.mark.parametrize("name, body", [

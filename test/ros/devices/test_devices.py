@@ -19,6 +19,7 @@ from support.waiting import LIMIT_S, happened, wait_until
 from roah_rsbb.msg import DevicesState, DevicesStatus
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Bool, Percentage
+from roah_rsbb.wording.whole_box.devices import NO_DEVICES
 
 PLAYED = pathlib.Path(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros"))) / "played"
 NODE, SOUNDS = "/roah_devices", "/roah_rsbb_sounds"
@@ -104,6 +105,23 @@ class TestInterface(DevicesCase):
         for opened in (True, False):
             call("/devices/door_win_detect/mock", Bool, opened)
             self.wait_state(door_win_detect=opened)
+
+    def test_its_calls_at_the_door_of_the_box(self):
+        def seen():
+            try:
+                return self.box.ask("devices")
+            except Refusal as refused:
+                self.assertIn(str(NO_DEVICES), str(refused))  # it does not offer them yet
+                return None
+
+        wait_until(seen, "the node offers its calls")
+        self.box.ask("set_device", device="dimmer", value=35)
+        self.wait_state(dimmer=35)
+        self.wait_connected()
+        found = seen()
+        self.assertEqual((found["devices"]["dimmer"], found["connected"]), (35, True))
+        with self.assertRaisesRegex(Refusal, "dimmer .* 101: it takes 0 to 100 per cent"):
+            self.box.ask("set_device", device="dimmer", value=101)
 
     def test_more_than_100_per_cent_fails_with_the_reason(self):
         for device in PERCENTAGES:

@@ -10,7 +10,6 @@ import rosgraph
 import rosnode
 import rospy
 import yaml
-from std_srvs.srv import Empty
 from support.box_case import NetworkCase
 from support.box_client import BoxClient
 from support.programs import Program, own
@@ -93,7 +92,7 @@ class TestNewCompetition(NetworkCase):
         self.assertEqual(launched.text.count("process[roah_rsbb_core-"), 1, launched.text)
 
         rospy.wait_for_service("/roah_rsbb_shutdown", LIMIT_S)
-        rospy.ServiceProxy("/roah_rsbb_shutdown", Empty)()
+        box.ask("exit")
         self.assertEqual(launched.wait_ended(), 0)
         self.assertNotIn("Traceback", launched.text)
         self.assertEqual(launched.warnings, [])

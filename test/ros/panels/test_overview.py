@@ -13,6 +13,7 @@ from roah_rsbb.rqt.panels import devices, overview
 from roah_rsbb.rqt.panels.devices import DevicesPanel
 from roah_rsbb.rqt.panels.overview import OverviewPanel, TileArrangement, best_arrangement
 from roah_rsbb.rqt.qt import QEvent, QMouseEvent, QPointF, QWheelEvent
+from roah_rsbb.wording.whole_box import devices as wording
 
 
 class TestOverview(PanelCase):
@@ -263,11 +264,11 @@ class TestDevices(PanelCase):
 
     def test_the_bell(self) -> None:
         self.assertIn("never", self.panel.bell.text())
-        limit(self, devices, "RINGS_S", LONG_S)
+        limit(self, wording, "RINGS_S", LONG_S)
         click(self.panel.ring)
         wait_until(lambda: "♪ RINGS" in self.panel.bell.text(), "the ring is shown")
         self.assertEqual(self.devices.calls, [("bell", None)])
-        limit(self, devices, "RINGS_S", 1.5)
+        limit(self, wording, "RINGS_S", 1.5)
         wait_until(lambda: "RINGS" not in self.panel.bell.text(), "it is over")
         self.assertRegex(self.panel.bell.text(), r"\d+ (s|min) ago")
 
@@ -276,7 +277,7 @@ class TestDevices(PanelCase):
         self.devices.connect(False, "the controller at 192.168.1.56 cannot be reached")
         wait_until(lambda: "NOT CONNECTED" in self.panel.connection.text(), "it is away")
         self.assertIn("cannot be reached", self.panel.reason.text())
-        self.assertIn(devices.AWAY, self.panel.reason.text())
+        self.assertIn(wording.AWAY, self.panel.reason.text())
         self.assertTrue(self.rows["switch_1"].commands[0].isEnabled())  # it takes effect later
 
     def test_a_devices_node_that_is_gone_is_said_and_found_again(self) -> None:

@@ -4,19 +4,21 @@ import asyncio
 import inspect
 import pathlib
 import threading
-from typing import Any, Callable
+from typing import Any, Callable, List
 
 from roah_rsbb.box.in_process_client import InProcessClient
 from roah_rsbb.box.program.demo import settings
 from roah_rsbb.box.program.program import BoxProgram
 from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
+from roah_rsbb.devices.dummy_server import DummyServer
 from roah_rsbb.model.document import Document
 from roah_rsbb.platform import new_loop
 from roah_rsbb.robot.dummy import DummyOptions, dummy_client
 from support.waiting import LIMIT_S, happened, wait_until
 
 TEAM = "TestingTeam"
+LOOPBACK = "127.0.0.1"
 # Longer than any test: the run is stopped.
 RUN_S = 3600.0
 
@@ -24,8 +26,12 @@ RUN_S = 3600.0
 class ServedBox:
     """The box. Methods are called by the test's thread; close it at the end."""
 
-    def __init__(self, folder: pathlib.Path, robots: int = 1, **changes: str) -> None:
-        """`changes`: other settings than those of the demonstration."""
+    def __init__(self, folder: pathlib.Path, robots: int = 1, has_devices: bool = False, **changes: str) -> None:
+        """`has_devices`: home devices, with a dummy controller. `changes`: other settings than those of the
+        demonstration."""
+        self.controlled: List[str] = []  # what the controller reports
+        self.controller = DummyServer(LOOPBACK, 0, lambda text: self.controlled.append(text) or happened())
+        self._has_devices = has_devices
         self._loop = new_loop()
         self._thread = threading.Thread(target=self._run, name="box", daemon=True)
         self._thread.start()
@@ -48,6 +54,10 @@ class ServedBox:
 
     async def _open(self, robots: int, changes: Any) -> BoxProgram:
         air = MemoryAir()
+        if self._has_devices:
+            await self.controller.open()
+            changes = {**changes, "devices": "true", "bell_ring_command": "true", "smartif_host": LOOPBACK,
+                       "smartif_port": str(self.controller.port)}
         found = settings(str(self._folder), **{"web_port": "0", "tablet": "false", **changes})
         program = BoxProgram(self._loop, found, "", air.peer, is_dummy=True)
         await program.start(str(self._folder / "door.json"))
@@ -61,6 +71,7 @@ class ServedBox:
     def close(self) -> None:
         """End it."""
         self.do(self.program.close)
+        self.do(self.controller.close)
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(LIMIT_S)
 

@@ -7,17 +7,27 @@ import json
 import pathlib
 import shutil
 import tempfile
+from typing import List
 
 from support.browser import IS_ALL, NeedsBrowser, Page
 from support.served_box import TEAM, ServedBox
+from support.waiting import happened, wait_until
 
 from web.test_stop_page import CLICKED
 
 SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
 HOME, HALL = "Home", "Hall"
-PHONE, LAPTOP, LARGE = (360, 640), (1280, 720), (1920, 1080)
+PHONE, LOW, LAPTOP, LARGE = (360, 640), (900, 500), (1280, 720), (1920, 1080)
 TEXT = "document.body.innerText"
-PARTS = ("zone", "overview", "schedule", "robots", "runs", "log", "box", "pairings")
+PARTS = ("zone", "overview", "schedule", "robots", "devices", "runs", "log", "box", "pairings")
+# Times in more lines than they have texts or beside their column, and buttons whose text has no space around it.
+CRAMPED = """[...document.querySelectorAll(".event .when > *, .stopall")].filter(node => {
+  const range = document.createRange(), inner = node.getBoundingClientRect();
+  range.selectNodeContents(node);
+  const text = range.getBoundingClientRect(), column = node.parentNode.getBoundingClientRect();
+  return node.matches(".stopall") ? text.height > inner.height - 6 || text.width > inner.width - 8
+    : text.height > 1.5 * parseFloat(getComputedStyle(node).fontSize) || text.right > column.right;
+}).map(node => node.textContent)"""
 LOG = "document.querySelector('ol.log')"
 EVENT = "    - {{ benchmark: {}, team: " + TEAM + ", round: 1, run: {}, scheduled_time: 2015-12-31 0{}:00:00 }}\n"
 SCHEDULE = "".join([
@@ -36,7 +46,7 @@ class TestBoxPage(NeedsBrowser):
         self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
         self.schedule = folder / "schedule.yaml"
         self.schedule.write_text(SCHEDULE)
-        self.box = ServedBox(folder, schedule_file=str(self.schedule))
+        self.box = ServedBox(folder, has_devices=True, schedule_file=str(self.schedule))
         self.addCleanup(self.box.close)
 
     def opened(self, part: str = "zone", role: str = "organiser", zone: str = "", language: str = "en") -> Page:
@@ -45,7 +55,7 @@ class TestBoxPage(NeedsBrowser):
         page = self.browser.page(url, *LAPTOP, is_alone=True)
         page.fill("#person", "Olga")
         page.press("form button")
-        page.wait_address("/referee")
+        page.wait_address("/box" if role == "organiser" else "/referee")
         page.open(f"{url.split('/pair')[0]}/box?language={language}&part={part}")
         page.wait("document.querySelector('.all > *') !== null", "the part is shown")
         return page
@@ -109,7 +119,8 @@ class TestBoxPage(NeedsBrowser):
         page.wait(f"{TEXT}.includes('A run is running in Home. Stop it first.')", "why")
         self.assertTrue(page.get("document.querySelector('[data-command=choose_event]').disabled"))
         self.open_part(page, "robots")
-        page.wait("document.querySelector('tbody tr:last-child').textContent.endsWith('Home')", "the robot of the run")
+        page.wait("document.querySelector('tbody tr:last-child').textContent.endsWith('Homejust now')", "the robot")
+        page.wait("document.querySelector('tbody').textContent.includes('▮▮▮ good')", "its link")
         skew = r"[+\u2212-]\d+\.\d{3} s"  # of a busy computer, too
         self.assertRegex(page.get("document.querySelector('tbody').textContent"), skew)
         page.touch_at("button[data-command=stop]")
@@ -169,6 +180,80 @@ class TestBoxPage(NeedsBrowser):
         page.wait(f"{TEXT}.includes('Correct this first') && {TEXT}.includes('HWW')", "errors are shown")
         self.assertIsNone(page.get("document.querySelector('[data-command=apply]')"))
 
+    def test_home_devices_are_shown_and_operated(self) -> None:
+        page = self.opened("devices")
+        row = "document.querySelector('[data-device={}]')"
+        page.wait(f"{TEXT}.includes('● connected')", "the controller is connected")
+        self.press(page, '[data-device=switch_2] [data-value="1"]')
+        self.wait_controlled("switch_2 is set to 1")
+        page.wait(f"{row.format('switch_2')}.innerText.includes('● ON\\n')", "the box has confirmed it")
+        self.assertIn("○ off", page.get(f"{row.format('switch_1')}.innerText"))
+        for kind, value in (("range", 37), ("number", 64)):
+            page.get(f"(i => (i.value = {value}, ['input', 'change'].forEach(name => i.dispatchEvent(new Event(name, "
+                     f"{{bubbles: true}})))))({row.format('dimmer')}.querySelector('[type={kind}]'))")
+            self.wait_controlled(f"dimmer is set to {value}")
+            page.wait(f"{row.format('dimmer')}.innerText.includes('{value} %\\n')", "it is confirmed")
+        page.get(f"(i => (i.value = 5, i.dispatchEvent(new Event('input', {{bubbles: true}}))))"
+                 f"({row.format('dimmer')}.querySelector('[type=number]'))")
+        self.box.call("set_device", device="dimmer", value=80)
+        page.wait(f"{row.format('dimmer')}.innerText.includes('80 %\\n')", "others set it, too")
+        self.assertEqual(page.get(f"{row.format('dimmer')}.querySelector('[type=number]').value"), "5", "it is typed")
+        self.press(page, "[data-device=bell] button")
+        page.wait(f"{row.format('bell')}.innerText.includes('♪ RINGS')", "it rings")
+        self.box.do(self.box.controller.close)
+        page.wait(f"{TEXT}.includes('NOT CONNECTED') && {TEXT}.includes('takes effect when')", "it is away")
+
+    def wait_controlled(self, report: str) -> None:
+        """Wait until the controller reports something."""
+        wait_until(lambda: report in self.box.controlled, lambda: f"{report}; {self.box.controlled}")
+
+    def test_quick_changes_of_devices_are_sent_one_by_one_and_the_last_one_counts(self) -> None:
+        page = self.opened("devices")
+        page.wait("document.querySelector('[data-device=blinds] [data-value]') !== null", "the devices are shown")
+        page.wait("document.querySelector('[data-changed]') === null", "all buttons are on")
+        page.get("""window.open_ = 0, window.most = 0, window.sent = [],
+            window.gate = new Promise(go => { window.go = go; }), window.realFetch = fetch,
+            window.fetch = async (path, what) => {
+              if (!path.endsWith('set_device')) return realFetch(path, what);
+              most = Math.max(most, open_ += 1);
+              const {device, value} = JSON.parse(what.body);
+              sent.push(`${device} ${value}`);
+              await gate;
+              return realFetch(path, what).finally(() => { open_ -= 1; });
+            }, 0""")
+        page.get("""['switch_1 1', 'blinds 100', 'blinds 0', 'blinds 100', 'switch_1 0'].forEach(one => {
+            const [device, value] = one.split(' ');
+            document.querySelector(`[data-device=${device}] [data-value='${value}']`).click(); })""")
+        page.wait("document.querySelector('[data-device=blinds]').innerText.includes('100 % …')", "it waits")
+        page.get("go(), 0")
+        self.wait_controlled("blinds is set to 100")
+        page.wait(f"!{TEXT}.includes('…')", "all are confirmed")
+        self.assertEqual(page.get("sent"), ["switch_1 1", "switch_1 0", "blinds 100"])
+        self.assertEqual(page.get("most"), 1, "STOP needs connections of the browser, too")
+
+    def test_a_box_without_home_devices_says_so(self) -> None:
+        self.box = ServedBox(self.schedule.parent / "other", schedule_file=str(self.schedule))
+        self.addCleanup(self.box.close)
+        page = self.opened("devices")
+        page.wait("document.querySelector('.part .nothing').textContent === "
+                  "'this box controls no home devices: start it with devices:=true'", "the page says so")
+
+    def test_the_box_is_ended_after_a_question_that_names_the_runs(self) -> None:
+        self.running()
+        ended: List[str] = []
+        self.box.program.on_exit = lambda: ended.append("box") or happened()
+        page = self.opened("box")
+        self.press(page, "[data-command=ask_exit]")
+        page.wait(f"{TEXT}.includes('Runs in progress: Home (DummyRobot)')", "it asks")
+        page.wait("document.querySelector('.exit [data-changed]') === null", "its buttons are on")
+        self.assertEqual(ended, [])
+        self.press(page, "[data-command=exit]")
+        page.wait(f"{TEXT}.includes('The box has ended')", "the page says so")
+        wait_until(lambda: ended, "the box ends")
+        self.assertEqual(page.get("document.querySelector('fieldset')"), None, "nothing else is shown")
+        page.get("live.reconnect(live.socket), 0")
+        page.wait("document.querySelector('fieldset:not(:disabled)') !== null", "another box is shown")
+
     def test_a_device_is_paired_and_its_pairing_ended(self) -> None:
         page = self.opened("pairings")
         self.press(page, "[data-command=new_code]")
@@ -210,9 +295,10 @@ class TestBoxPage(NeedsBrowser):
                 self.open_part(page, part)
                 page.wait(f"document.querySelector('.all') && ({json.dumps(part)} === 'zone' "
                           "|| document.querySelector('.part').children.length > 1)", f"{part} is shown")
-                for size in (PHONE, LAPTOP, LARGE):
+                for size in (PHONE, LOW, LAPTOP, LARGE):
                     page.resize(*size)
                     self.assertLessEqual(page.get("document.scrollingElement.scrollWidth"), size[0], (part, size))
+                    self.assertEqual(page.get(CRAMPED), [], (part, size, language))
                     page.screenshot(SHOTS / f"web_box_{part}_{language}_{size[0]}.png")
                 for size, scheme in ((PHONE, "light"), (LARGE, "dark")) if language == "en" or IS_ALL else ():
                     page.resize(*size)

@@ -11,6 +11,7 @@ from typing import List
 from unittest import mock
 
 from support.box_case import BoxCase
+from support.box_client import Refusal
 from support.browser import NeedsBrowser, Page
 from support.connections import kill, process_of
 from support.gateway import GATEWAY, URL, answer, ask, kill_gateway, wait_served
@@ -34,6 +35,11 @@ class TestData(BoxCase):
     def setUp(self) -> None:
         super().setUp()
         wait_served()
+
+    def test_where_nothing_ends_the_box_the_remedy_is_named(self) -> None:
+        """The box of this test has no node that ends its launch."""
+        with self.assertRaisesRegex(Refusal, r"No launch file started this box \(.*unavailable.*\): .* with Ctrl-C"):
+            self.box.ask("exit")
 
     def test_a_gateway_that_is_killed_touches_no_run(self) -> None:
         robot = self.robot("Delta")
@@ -174,7 +180,7 @@ class TestPages(NeedsBrowser, BoxCase):
         page.wait("document.querySelector('#person') !== null", "the form is shown")
         page.fill("#person", "Olga")
         page.press("form button")
-        page.wait_address("/referee")
+        page.wait_address("/box")
 
     def test_a_team_sees_its_robot_with_its_code(self) -> None:
         self.robot("Delta")

@@ -89,6 +89,9 @@ class TestRefereePage(NeedsBrowser, BoxCase):
             self._leaving(page)
         page.fill("#person", person)
         page.press("form button")  # a browser that is paired already moves the form down
+        if role == "organiser":
+            page.wait_address("/box")
+            page.open(f"{URL}/referee?language={language}")
         page.wait_address("/referee")
         page.wait("document.querySelector('.run') !== null", "the zone is shown")
         return page

@@ -1,6 +1,6 @@
 """A demonstration in one program, without ROS, a network or a configuration: a box, and dummy robots.
 
-The referee's page opens in a browser. Choose the zone, connect, start, and mark scores while the dummy robot works.
+The organiser's page opens in a browser. Choose the zone, connect, start, and mark scores while the dummy robot works.
 With --scripted, and where there is no browser, a scripted referee takes a dummy robot through a task benchmark and a
 functionality benchmark instead. The exit status then says whether both runs were completed.
 """

@@ -4,7 +4,7 @@ import asyncio
 import concurrent.futures
 import logging
 import threading
-from typing import Any, Callable, Dict, List, Mapping, Optional, Union
+from typing import Callable, List, Mapping, Optional, Union
 
 from roah_rsbb.bmbox.host.host import chosen_benchmarks
 from roah_rsbb.box.in_process_client import InProcessClient
@@ -15,28 +15,24 @@ from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.sockets import source_host
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.devices.devices import HomeDevices, open_settings
-from roah_rsbb.devices.home import OUTPUTS, BadSetting, Home, devices_state
+from roah_rsbb.devices.home import BadSetting, Home, devices_state
 from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, command_of
-from roah_rsbb.document.calls import DEVICES, DOOR, RING, SET_DEVICE, Call, Caller, InThread
+from roah_rsbb.document.calls import Call, Caller, InThread
 from roah_rsbb.in_loop import call_in_loop
-from roah_rsbb.model.messages import DevicesState
 from roah_rsbb.model.modules import ModulesState
-from roah_rsbb.model.reason import say
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.web_calls import PAIR
 from roah_rsbb.platform import end_loop, new_loop
 from roah_rsbb.shipped import shipped_folder
 from roah_rsbb.tablet.tablet_page import TabletPage
 from roah_rsbb.web.gateway import Gateway, GatewayHost
 from roah_rsbb.web.pairing import ORGANISER
+from roah_rsbb.wording.whole_box.devices import NO_DEVICES
 
 LEAVE_S = 1.0
 NAME = "roah_rsbb"  # of this program, for the box's records
 LOOPBACK = "127.0.0.1"
 # Any address outside of this computer: nothing is sent to it.
 PUBLIC_ADDRESS = "192.0.2.1"
-NO_DEVICES = say("this box controls no home devices: start it with devices:=true")
-NO_DEVICE = say("there is no device {name}, or its value is not a whole number: give one of {names}")
 
 _log = logging.getLogger(__name__)
 
@@ -106,7 +102,6 @@ class ControlledDevices:
         """Raises `BadParams`."""
         self._running: Optional[RunningBox] = None
         self._home: Optional[HomeDevices] = None
-        self._state, self._connected, self._text = DevicesState(), False, ""
         host, port = settings.text("smartif_host"), settings.whole("smartif_port", 6665, 1, 65535)
         if settings.flag("devices", True):
             saved, save = open_settings(log_dir)
@@ -116,34 +111,9 @@ class ControlledDevices:
     def start(self, running: RunningBox) -> None:
         """Connect to the controller."""
         self._running = running
-        running.door.add_calls({DEVICES: self._seen, SET_DEVICE: self._set})
         if self._home is not None:
+            running.door.add_calls(self._home.calls())
             self._home.start()
-
-    def _seen(self, _found: Mapping[str, Any], _caller: Caller) -> Dict[str, Any]:
-        self._there()
-        return {"devices": self._state._asdict(), "connected": self._connected, "text": self._text}
-
-    def _set(self, found: Mapping[str, Any], _caller: Caller) -> None:
-        home, device, value = self._there(), found.get("device"), found.get("value")
-        names = (*OUTPUTS, DOOR, RING)
-        if device not in names or type(value) is not int:
-            raise Refused([NO_DEVICE(name=f"{device!r:.40}", names=", ".join(names))])
-        try:
-            if device == RING:
-                home.ring()
-            elif device == DOOR:
-                home.set_door(bool(value))
-            else:
-                home.set(device, value)
-        except BadSetting as error:
-            raise Refused([str(error)]) from None
-
-    def _there(self) -> HomeDevices:
-        """Return the devices. Raises `Refused`."""
-        if self._home is None:
-            raise Refused([NO_DEVICES])
-        return self._home
 
     def set(self, wish: SetDevice) -> None:
         """Carry out a robot's command."""
@@ -158,12 +128,10 @@ class ControlledDevices:
 
     def _on_state(self, home: Home) -> None:
         assert self._running is not None, "it was started"
-        self._state = devices_state(home)
-        self._running.event(self._running.box.on_devices, self._state)
+        self._running.event(self._running.box.on_devices, devices_state(home))
 
     def _on_status(self, connected: bool, text: str) -> None:
         assert self._running is not None, "it was started"
-        self._connected, self._text = connected, text
         self._running.event(self._running.box.on_devices_status, connected, text)
 
     def close(self) -> None:

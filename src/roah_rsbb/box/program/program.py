@@ -8,10 +8,10 @@ import asyncio
 import contextlib
 import logging
 import os
-from typing import Any, BinaryIO, Callable, Coroutine, List, Mapping, Optional
+from typing import Any, BinaryIO, Callable, Coroutine, List, Optional
 
 from roah_rsbb import platform
-from roah_rsbb.box.calls import who_of
+from roah_rsbb.box.calls import exit_call
 from roah_rsbb.box.parameters import parameters_of
 from roah_rsbb.box.program.parts import LOOPBACK, ControlledDevices, DrivenModules, Sounds, WebParts
 from roah_rsbb.box.program.supervisor import CopyingProcess
@@ -22,10 +22,8 @@ from roah_rsbb.client.places import OWN_VARIABLE, door_file_in, is_answering, lo
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.copies.settings import copy_settings
-from roah_rsbb.document.calls import EXIT, Caller
+from roah_rsbb.document.calls import EXIT
 from roah_rsbb.document.place import NotFound, read_place, write_place
-from roah_rsbb.model.reason import say
-from roah_rsbb.model.referee import Refused, checked_who
 from roah_rsbb.model.zone import RUNNING
 from roah_rsbb.params import BadParams
 from roah_rsbb.platform import open_in_browser
@@ -39,8 +37,6 @@ UNWATCHED = ("The program that watches this box has ended: after a crash, nothin
              "runs, end the box and start it again")
 # Delay of the exit, so that its caller gets the answer.
 EXIT_S = 0.2
-IN_PROGRESS = say("Runs in progress: {runs}. End the box when they are over, or confirm that it is to end now: they "
-                  "continue when it is started again")
 
 _log = logging.getLogger(__name__)
 
@@ -81,7 +77,7 @@ class BoxProgram:
             self._modules.start(self.running)
         self._web.start()
         self.keep(self._watch_supervisor(os.getppid()) if self._is_supervised else self._keep_copying())
-        self.running.door.add_calls({EXIT: self._exit})
+        self.running.door.add_calls({EXIT: exit_call(self.running.door.publish, self._end_soon)})
         port = self.running.door.open(LOOPBACK)
         for path in dict.fromkeys((door_file_in(self._params.log_dir), door_file)):
             try:
@@ -128,13 +124,7 @@ class BoxProgram:
         """Run something until this program ends, such as a robot of a demonstration."""
         self._tasks.append(self._loop.create_task(work))
 
-    def _exit(self, found: Mapping[str, Any], _caller: Caller) -> None:
-        """The call `exit` of the door."""
-        who, zones = who_of(found), self.running.door.publish().zones
-        runs = [f"{zone.zone} ({zone.robot_name})" for zone in zones.values() if zone.phase == RUNNING]
-        if runs and found.get("anyway") is not True:
-            raise Refused([IN_PROGRESS(runs=", ".join(runs))])
-        _log.info("The box ends, because %s asked for it", checked_who(who) or "a client")
+    def _end_soon(self) -> None:
         self._loop.call_later(EXIT_S, self.on_exit)
 
     async def _watch_supervisor(self, pid: int) -> None:

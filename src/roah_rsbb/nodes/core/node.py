@@ -17,11 +17,14 @@ from typing import Callable, List
 import rospy
 from std_srvs.srv import Empty as EmptySrv
 
+from roah_rsbb.box.calls import exit_call
 from roah_rsbb.box.parameters import read_parameters
 from roah_rsbb.box.running import PERIOD_S, Peripherals, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
+from roah_rsbb.document.calls import EXIT, InThread
 from roah_rsbb.durable import close_to_others
 from roah_rsbb.journal.file import DamagedJournal
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.nodes.core.door_place import PublishedDoor
 from roah_rsbb.nodes.core.original_topics import OriginalTopics, TimeoutBell
 from roah_rsbb.nodes.core.other_nodes import OtherNodes
@@ -34,10 +37,12 @@ from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.rulebook import config
+from roah_rsbb.wording.whole_box.ending import NOT_LAUNCHED
 
 # Seconds between the messages for panels of the original, and for its public display.
 GUI_PERIOD_S, PUBLIC_PERIOD_S = 0.1, 0.5
 
+SHUTDOWN = "roah_rsbb_shutdown"  # the service of the node that ends the launch
 # Seconds. The node that ends the launch may still be starting, and ending takes some time.
 END_LAUNCH_S = 10.0
 
@@ -59,6 +64,7 @@ class CoreNode:
             Peripherals(self._bell.ring, self._others.publish_module_runs, self._others.set_device))
         self._services = LoopServices(ros.loop, running.core.fence.check)
         CoreServices(running.box, self._services, running.calls)
+        running.door.add_calls({EXIT: exit_call(running.door.publish, lambda: InThread(_exit))})
         self._published = PublishedDoor(running.door)
 
     def run(self) -> None:
@@ -88,6 +94,14 @@ class CoreNode:
         return todo
 
 
+def _exit() -> None:
+    """End the launch, in a thread: its node may hang. Raises `Refused`."""
+    try:
+        rospy.ServiceProxy(SHUTDOWN, EmptySrv)()
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        raise Refused([NOT_LAUNCHED(error=error)]) from None
+
+
 def _end_launch() -> None:
     """End the whole launch, if this node was launched in one, because a restart cannot repair the error.
 
@@ -99,8 +113,8 @@ def _end_launch() -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: interrupted.set())
     try:
-        rospy.wait_for_service("roah_rsbb_shutdown", timeout=END_LAUNCH_S)
-        rospy.ServiceProxy("roah_rsbb_shutdown", EmptySrv)()
+        rospy.wait_for_service(SHUTDOWN, timeout=END_LAUNCH_S)
+        rospy.ServiceProxy(SHUTDOWN, EmptySrv)()
     except (rospy.ROSException, rospy.ServiceException) as error:
         rospy.logerr("the launch could not be ended (%s): end it with Ctrl-C", error)
     else:

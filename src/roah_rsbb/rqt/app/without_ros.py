@@ -6,8 +6,9 @@ from typing import Optional
 
 from roah_rsbb.client.client import Answer, Client
 from roah_rsbb.document.calls import DEVICES, EXIT, SET_DEVICE
+from roah_rsbb.document.written import read
 from roah_rsbb.model.document import Document
-from roah_rsbb.model.messages import DevicesState
+from roah_rsbb.model.messages import DevicesSeen
 from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.host import ControllerStatus, DevicesAfar, WindowHost, ZoneChoice
 from roah_rsbb.rqt.model.calls import Calls, Done, missing
@@ -94,9 +95,8 @@ class DevicesOfBox(DevicesAfar):
         self.why_missing = missing() if not answer.is_answered else "; ".join(map(tr_said, answer.reasons))
         if self.why_missing:
             return
-        found = answer.answer
-        state = DevicesState(**{**found["devices"], "bell": tuple(found["devices"]["bell"])})
-        status = ControllerStatus(found["connected"], found["text"])
+        found = read(DevicesSeen, answer.answer)
+        state, status = found.devices, ControllerStatus(found.connected, found.text)
         # What has not changed stays the same object: panels compare it.
         self.state = self.state if self.state == state else state
         self.status = self.status if self.status == status else status

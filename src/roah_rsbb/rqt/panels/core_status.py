@@ -14,6 +14,7 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.said import tr_said
+from roah_rsbb.wording.whole_box import ending
 
 RELOAD = "reload"
 
@@ -132,15 +133,13 @@ class CoreStatusPanel(Panel):
         if found.error:
             self._answer.show_outcome(tr("Exit"), found)
             return
-        zones = map(self.model.zone_of, self.model.running_zones())
-        runs = [f"{zone.zone} ({zone.robot_name})" for zone in zones]
+        runs = ending.running(map(self.model.zone_of, self.model.running_zones()))
         if found.result:
-            question, yes = tr("End the whole RSBB?"), tr("End the RSBB")
-            text = tr("This ends the core and everything started with it, for all referees.")
+            question, yes, text = tr(ending.QUESTION), tr(ending.YES), tr(ending.ENDS_ALL)
         else:
             question, yes = tr("End this client?"), tr("End this client")
             text = tr("This ends only this referee's client. The core and its runs continue.")
-        in_progress = [tr("Runs in progress: {runs}", runs=", ".join(runs))] if runs else []
+        in_progress = [tr(ending.RUNS, runs=runs)] if runs else []
         ask(self, question, "\n\n".join([text, *in_progress]), yes, lambda: self._exit(bool(runs)))
 
     def _exit(self, anyway: bool) -> None:

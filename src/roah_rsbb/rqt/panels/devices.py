@@ -7,7 +7,7 @@ import time
 from functools import partial
 from typing import Callable, Dict, List, Sequence
 
-from roah_rsbb.document.calls import DOOR, RING
+from roah_rsbb.document.calls import RING
 from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.edits import Edits
@@ -26,10 +26,9 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.whole_box import devices
+from roah_rsbb.wording.whole_box.devices import PERCENT, WAITING
 
-# Marks a value that the devices node has not confirmed.
-WAITING = " …"
-PERCENT = 100
 PAGE = 10
 # Width of a name in units of the desktop's font, the same in all rows.
 NAME_EMS = 6
@@ -42,19 +41,19 @@ class DeviceRow(QWidget):
     It calls `change(value)` when the referee sets another value.
     """
 
-    def __init__(self, name: str, change: Callable[[int], None]) -> None:
+    def __init__(self, device: str, change: Callable[[int], None]) -> None:
         super().__init__()
-        self.name = name
+        self.device, self.name = device, devices.name_of(device)
         self.change = change
         self.commands: List[basic.CommandButton] = []
         self.line = basic.flat(QHBoxLayout(self))
-        title = basic.enlarged(QLabel(name), 1.3, bold=True)
+        title = basic.enlarged(QLabel(self.name), 1.3, bold=True)
         title.setMinimumWidth(round(NAME_EMS * basic.em()))
         self.line.addWidget(title)
 
-    def add_command(self, text: str, explanation: str, value: int) -> basic.CommandButton:
+    def add_command(self, text: str, value: int) -> basic.CommandButton:
         """Add a button that asks for `value`."""
-        button = basic.CommandButton(text, explanation, 1.2)
+        button = basic.CommandButton(text, f"{text}: {self.name}", 1.2)
         button.setMinimumWidth(round(COMMAND_EMS * basic.em()))
         button.clicked.connect(lambda: self.change(value))
         self.commands.append(button)
@@ -73,22 +72,17 @@ class DeviceRow(QWidget):
 class TwoStateRow(DeviceRow):
     """A device with two states, such as a switch, and a button for each: a second press changes nothing."""
 
-    def __init__(
-        self, name: str, change: Callable[[int], None], words: Sequence[str], actions: Sequence[str]
-    ) -> None:
-        """`words`: the states 0 and 1; `actions`: the buttons that set them."""
-        super().__init__(name, change)
-        self._words = words
+    def __init__(self, device: str, change: Callable[[int], None]) -> None:
+        super().__init__(device, change)
         self.state = basic.Badge(1.3)
         self.state.setMinimumWidth(round(6 * basic.em()))
         self.line.addWidget(self.state, 1)
-        for value in (1, 0):
-            self.add_command(actions[value], f"{actions[value]}: {name}", value)
+        for text, value in devices.commands(device):
+            self.add_command(text, value)
 
     def show_value(self, value: int, waiting: bool, off: Sequence[str]) -> None:
-        mark = "●" if value else "○"
         tone = basic.OFF if off else basic.RUNNING if value else basic.IDLE
-        self.state.show_text(f"{mark} {self._words[bool(value)]}{WAITING if waiting else ''}", tone)
+        self.state.show_text(f"{devices.states_of(self.device)[bool(value)]}{WAITING if waiting else ''}", tone)
         self.state.setEnabled(not off)
         self._allow(off)
 
@@ -108,8 +102,8 @@ class PercentageRow(DeviceRow):
     Until then published values do not overwrite it.
     """
 
-    def __init__(self, name: str, change: Callable[[int], None]) -> None:
-        super().__init__(name, change)
+    def __init__(self, device: str, change: Callable[[int], None]) -> None:
+        super().__init__(device, change)
         self.slider = _Slider(Qt.Horizontal)
         self.slider.setRange(0, PERCENT)
         self.slider.setPageStep(PAGE)
@@ -124,9 +118,10 @@ class PercentageRow(DeviceRow):
         self.number.setFocusPolicy(Qt.StrongFocus)
         self.state = QLabel()
         self.state.setMinimumWidth(round(1.2 * basic.em()))
-        self.add_command("0 %", f"{name}: 0 %", 0)
+        lowest, highest = devices.commands(device)
+        self.add_command(*lowest)
         self.line.addWidget(self.slider, 1)
-        self.add_command("100 %", f"{name}: 100 %", PERCENT)
+        self.add_command(*highest)
         self.line.addWidget(self.number)
         self.line.addWidget(self.state)
         self.slider.sliderMoved.connect(self._on_dragged)
@@ -164,14 +159,8 @@ class PercentageRow(DeviceRow):
         self.change(value)
 
 
-SWITCHES = {"switch_1": 1, "switch_2": 2, "switch_3": 3}
-PERCENTAGE_NAMES = {"dimmer": tr_later("Dimmer"), "blinds": tr_later("Blinds")}
-
-AWAY = tr_later("What you set here takes effect when the controller is connected again.")
 # States carry no time: an older one may still arrive for this long after the answer to a change.
 LATE_S = 1.0
-# How long a ring is highlighted.
-RINGS_S = 5.0
 
 
 class DevicesPanel(Panel):
@@ -192,14 +181,10 @@ class DevicesPanel(Panel):
         self._lines = QVBoxLayout(inside)
         edge = round(0.3 * basic.em())  # for the frame of the focus
         self._lines.setContentsMargins(edge, edge, edge, edge)
-        for device, number in SWITCHES.items():
-            self._add(device, TwoStateRow(
-                tr("Switch {number}", number=number), partial(self._change, device), (tr("off"), tr("ON")),
-                (tr("Turn off"), tr("Turn on"))))
-        for device, name in PERCENTAGE_NAMES.items():
-            self._add(device, PercentageRow(tr(name), partial(self._change, device)))
-        self._add(DOOR, TwoStateRow(tr("Door"), partial(self._change, DOOR), (tr("closed"), tr("OPEN")),
-                                    (tr("Close"), tr("Open"))))
+        for device, states in devices.DEVICES.items():
+            row = (PercentageRow if states is None else TwoStateRow)(device, partial(self._change, device))
+            self.rows[device] = row
+            self._lines.addWidget(row)
         self._lines.addLayout(self._bell_line())
         self._lines.addStretch(1)
         area = QScrollArea(widgetResizable=True)
@@ -209,16 +194,12 @@ class DevicesPanel(Panel):
         self._answer = AnswerLine()
         self.body.addWidget(self._answer)
 
-    def _add(self, device: str, row: DeviceRow) -> None:
-        self.rows[device] = row
-        self._lines.addWidget(row)
-
     def _bell_line(self) -> QHBoxLayout:
         line = QHBoxLayout()
-        title = basic.enlarged(QLabel(tr("Bell")), 1.3, bold=True)
-        title.setMinimumWidth(self.rows[DOOR].line.itemAt(0).widget().minimumWidth())
+        title = basic.enlarged(QLabel(tr(devices.BELL)), 1.3, bold=True)
+        title.setMinimumWidth(round(NAME_EMS * basic.em()))
         self.bell = basic.Badge(1.3)
-        self.ring = basic.CommandButton(tr("♪ Ring"), tr("Ring the bell"), 1.2)
+        self.ring = basic.CommandButton(tr(devices.RING), tr("Ring the bell"), 1.2)
         self.ring.clicked.connect(self._ring)
         line.addWidget(title)
         line.addWidget(self.bell, 1)
@@ -249,19 +230,17 @@ class DevicesPanel(Panel):
         if self._off():
             self.connection.show_text(tr("✘ NO DEVICES"), basic.ALARM)
             self.reason.setText(self.model.why_no_devices)
-        elif status is None or not status.connected:
-            self.connection.show_text(tr("⚠ NOT CONNECTED"), basic.OLD)
-            self.reason.setText(f"{'' if status is None else status.text}\n{tr(AWAY)}".strip())
         else:
-            self.connection.show_text(tr("● connected"), basic.RUNNING)
-            self.reason.setText(status.text)
+            is_connected = status is not None and status.connected
+            text, reason = devices.controller_text(is_connected, "" if status is None else status.text)
+            self.connection.show_text(text, basic.RUNNING if is_connected else basic.OLD)
+            self.reason.setText(reason)
 
     def _show_bell(self, rang_s: float) -> None:
         now = self.model.box_time() or time.time()
-        rings = rang_s and now - rang_s < RINGS_S
-        text = tr("Last ring: {time}", time=self.client.moments.and_age(rang_s, now))
+        text, rings = devices.bell_text(rang_s, now, self.client.moments)
         self.bell.setToolTip(self.client.moments.tip(rang_s) if rang_s else "")
-        self.bell.show_text(f"{tr('♪ RINGS')}  ·  {text}" if rings else text, basic.OLD if rings else basic.OFF)
+        self.bell.show_text(text, basic.OLD if rings else basic.OFF)
 
     # -- operating ----------------------------------------------------------------------------------
 
@@ -276,7 +255,7 @@ class DevicesPanel(Panel):
         self.client.host.devices.set(self.client.calls, self, device, value, partial(self._answered, device, value))
 
     def _answered(self, device: str, value: int, outcome: CallOutcome) -> None:
-        what = f"{self.rows[device].name}: {value}{' %' if device in PERCENTAGE_NAMES else ''}"
+        what = f"{self.rows[device].name}: {value}{'' if devices.DEVICES[device] else ' %'}"
         self._answer.show_outcome(what, outcome)
         if outcome.error:
             self._edits.failed(device)
@@ -289,4 +268,4 @@ class DevicesPanel(Panel):
     def _ring(self) -> None:
         self.ring.hold()
         self.client.host.devices.set(
-            self.client.calls, self, RING, 1, lambda outcome: self._answer.show_outcome(tr("Bell"), outcome))
+            self.client.calls, self, RING, 1, lambda outcome: self._answer.show_outcome(tr(devices.BELL), outcome))

@@ -7,11 +7,14 @@ All lists are bounded, and what changes with time is made once a second at most:
 import math
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.document.calls import RING
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.document import Document, RobotSeen
+from roah_rsbb.model.document import Document
+from roah_rsbb.model.messages import DevicesSeen
 from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.zone import RUNNING, ZoneSeen
+from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.web.documents import Data
 from roah_rsbb.web.pairing import JUDGE, Grant
 from roah_rsbb.web.zone_documents import clock_page, is_urgent, phase_text, run_name, sheet_page
@@ -21,14 +24,15 @@ from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.times import Moments
+from roah_rsbb.wording.whole_box import devices, ending, robots
 
 OVERVIEW, SCHEDULE, ROBOTS, RUNS, LOG, BOX = "overview", "schedule", "robots", "runs", "log", "box"
 # The newest of each; of the schedule, those around the current events.
 MAX_EVENTS, MAX_ROBOTS, MAX_RUNS, MAX_HISTORY = 200, 200, 50, 200
 # Characters of the log that are sent at once. The page keeps what came before.
 MAX_LOG = 6000
-# After this long without a message a robot has no link, and the tablet is silent: both send every second.
-SILENT_S, TABLET_SILENT_S = 10.0, 5.0
+# After this long without a message the tablet is silent: it sends every second.
+TABLET_SILENT_S = 5.0
 _MOMENTS = Moments(False)
 
 
@@ -39,6 +43,7 @@ class PartShown(NamedTuple):
     zone: str  # the one that the device shows
     own: str  # the only one in which the device may act; empty: all
     now: Now
+    links: robots.LinkQuality
 
     @property
     def second(self) -> int:
@@ -125,18 +130,8 @@ def _event_name(event: EventSeen) -> str:
 
 
 def _robots(shown: PartShown) -> Data:
-    found = sorted(shown.document.robots.items(), key=lambda item: item[1][:2])
-    return {"hidden": max(0, len(found) - MAX_ROBOTS),
-            "robots": [_robot(name, robot, shown) for name, robot in found[:MAX_ROBOTS]]}
-
-
-def _robot(name: str, robot: RobotSeen, shown: PartShown) -> Data:
-    silent_s = 0.0 if robot.silent_since is None else shown.now.mono - robot.silent_since
-    return {
-        "team": robot.team, "robot": robot.robot, "skew": times.skew(robot.skew), "heard": times.ago(silent_s),
-        "link": "▮▮▮" if robot.silent_since is None else "▮▯▯" if silent_s < SILENT_S else "▯▯▯",
-        "zone": shown.document.zone_of(name),
-    }
+    found = robots.rows(shown.document, shown.now.mono, shown.links)
+    return {"hidden": max(0, len(found) - MAX_ROBOTS), "robots": found[:MAX_ROBOTS]}
 
 
 # -- the runs of a zone -----------------------------------------------------------------------------
@@ -212,7 +207,7 @@ def _box(shown: PartShown) -> Data:
         "facts": [[tr("Broadcast to"), box.host], [tr("UDP port"), str(box.port)],
                   [tr("Robots"), str(len(document.robots))],
                   [tr("Running"), tr("{number} of {n} zones", number=running, n=len(document.zones))]],
-        "tablet": _tablet(shown),
+        "runs": ending.running(document.zones.values()), "tablet": _tablet(shown),
     }
 
 
@@ -234,6 +229,28 @@ def _tablet(shown: PartShown) -> Optional[List[List[str]]]:
 
 def _age(utc_s: float, now: Now) -> str:
     return _MOMENTS.and_age(utc_s, now.utc)
+
+
+# -- the home devices -------------------------------------------------------------------------------
+
+
+def devices_page(seen: DevicesSeen, now_s: float) -> Data:
+    """Return the home devices as the page shows them, at a moment in UTC seconds."""
+    state, (connection, reason) = seen.devices, devices.controller_text(seen.connected, seen.text)
+    bell, rings = devices.bell_text(wire_seconds(state.bell), now_s, _MOMENTS)
+    return {
+        "connection": connection, "reason": reason, "is_connected": seen.connected,
+        "devices": [_device(name, int(getattr(state, name))) for name in devices.DEVICES],
+        "bell": {"device": RING, "name": tr(devices.BELL), "value": int(rings), "commands": [(tr(devices.RING), 1)],
+                 "states": [bell] * 2},
+    }
+
+
+def _device(name: str, value: int) -> Data:
+    return {
+        "device": name, "name": devices.name_of(name), "value": value, "commands": devices.commands(name),
+        "states": devices.states_of(name),
+    }
 
 
 def _day(shown: PartShown) -> str:

@@ -1,7 +1,7 @@
 """How well a robot is heard."""
 
 from roah_rsbb.model.zone import LATELY_S
-from roah_rsbb.rqt.model.link_quality import SILENT, WINDOW_S, LinkQuality, text
+from roah_rsbb.wording.whole_box.robots import SILENT, WINDOW_S, LinkQuality, text
 
 TICK_S = 0.1
 

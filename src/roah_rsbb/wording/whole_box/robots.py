@@ -1,13 +1,23 @@
-"""The quality of a robot's link: its longest recent silence.
+"""The robots that the box hears, and the quality of their links: the longest recent silence.
 
 The core publishes since when a robot is silent, once it missed a message; a robot sends each second (docs/protocol.md,
 "Timing"). So the longest silence shows how many of its messages were lost in a row.
 """
 
 import collections
-from typing import Deque, Dict, Hashable, NamedTuple, Optional
+import math
+from typing import Deque, Dict, Hashable, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.model.document import Document
+from roah_rsbb.wording import times
 from roah_rsbb.wording.language import tr, tr_later
+
+COLUMNS = (
+    tr_later("Team"), tr_later("Robot"), tr_later("Link"), tr_later("Clock skew"), tr_later("Run in zone"),
+    tr_later("Last heard"),
+)
+LINK, SKEW = 2, 3  # columns that are explained
+NO_RUN = "–"
 
 # Older silences are ignored, seconds.
 WINDOW_S = 10.0
@@ -28,27 +38,32 @@ SILENT = tr_later("▯▯▯ silent")
 class _Robot:
     def __init__(self) -> None:
         self.since: Optional[float] = None
-        self.gaps: Deque[tuple] = collections.deque()  # (when it ended, how long it was)
+        self.gaps: Deque[Tuple[float, float]] = collections.deque()  # (when it ended, how long it was)
 
 
 class LinkQuality:
-    """Watches all robots. Times are moments of the box's clock, in seconds."""
+    """Watches all robots. Times are moments of the box's clock, in seconds. Let it look several times a second."""
 
     def __init__(self) -> None:
         self._robots: Dict[Hashable, _Robot] = {}
-        self._mono: Optional[float] = None
+        self._mono = -math.inf
+
+    def look(self, document: Document, mono: float) -> None:
+        """Look at the robots of a document at the moment `mono`."""
+        self.observe(mono, {name: robot.silent_since for name, robot in document.robots.items()})
 
     def observe(self, mono: float, silent: Dict[Hashable, Optional[float]]) -> None:
         """Record since when each robot is silent, at the moment `mono`; None: it is not. Robots that are missing are
         forgotten."""
-        if self._mono is None or not 0.0 <= mono - self._mono <= MISSED_S:
+        if not 0.0 <= mono - self._mono <= MISSED_S:
             self._robots.clear()
         self._mono = mono
         self._robots = {name: self._robots.get(name) or _Robot() for name in silent}
         for name, robot in self._robots.items():
-            if robot.since is not None and silent[name] != robot.since:
-                robot.gaps.append((mono, (mono if silent[name] is None else silent[name]) - robot.since))
-            robot.since = silent[name]
+            since = silent[name]
+            if robot.since is not None and since != robot.since:
+                robot.gaps.append((mono, (mono if since is None else since) - robot.since))
+            robot.since = since
             while robot.gaps and mono - robot.gaps[0][0] > WINDOW_S:
                 robot.gaps.popleft()
 
@@ -69,3 +84,20 @@ def text(longest_silence_s: Optional[float]) -> str:
         if longest_silence_s <= level.up_to_s:
             return f"{tr(level.text)}, {longest_silence_s:.1f} s" if number else tr(level.text)
     return tr(SILENT)
+
+
+def explanations() -> Dict[int, str]:
+    """Return what some columns mean, by their index."""
+    return {
+        LINK: tr("Longest silence of the robot in the last {time:.0f} s. It sends every second.", time=WINDOW_S),
+        SKEW: tr("The robot's clock minus the box's: + is ahead, - is behind"),
+    }
+
+
+def rows(document: Document, mono: float, links: LinkQuality) -> List[Tuple[str, ...]]:
+    """Return the texts of all columns for each robot, in alphabetical order, at the moment `mono`."""
+    return [(
+        robot.team, robot.robot, text(links.longest_silence_s(name)), times.skew(robot.skew),
+        document.zone_of(name) or NO_RUN,
+        times.ago(0.0 if robot.silent_since is None else mono - robot.silent_since),
+    ) for name, robot in sorted(document.robots.items(), key=lambda item: item[1][:2])]
