@@ -8,7 +8,7 @@ what the call did; the change is sent before the answer (`document/calls.py`). A
 
 STOP is carried out as soon as it is read. Of all other calls of all clients, each turn of the loop carries out one, and
 the connection of a call that waits for its turn is not read. A client has a second connection for STOP (`?face=stop`),
-which is sent no document.
+which is sent no document. Neither is `?face=helper`.
 """
 
 import asyncio
@@ -23,6 +23,7 @@ from tornado import web
 
 from roah_rsbb.box.offers import Offers
 from roah_rsbb.document.calls import (
+    HELPER,
     MAX_MESSAGE_BYTES,
     Answered,
     Call,
@@ -297,9 +298,10 @@ class _Client(BoundedSocket):
     def open(self, *_args: str, **_kwargs: str) -> None:
         """Give the client a place, and send the document."""
         self.begin(self._door.server.keep)
-        self._follower = None if self.caller.face == STOP else DocumentReader()
+        self._follower = None if self.caller.face in (STOP, HELPER) else DocumentReader()
         self._door.add(self, self.caller.face, self.caller.address)
-        self.send(self._door.now())
+        now = self._door.now()
+        self.send(now, self._door.written.message(now) if self.caller.face == HELPER else "")
 
     def on_message(self, message: Union[str, bytes]) -> Any:
         """Tornado reads the next message when the result is done."""

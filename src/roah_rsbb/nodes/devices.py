@@ -17,6 +17,7 @@ from roah_rsbb.client.client import Client, Offer
 from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.devices.devices import HomeDevices
 from roah_rsbb.devices.home import OUTPUTS, BadSetting, Home, devices_state
+from roah_rsbb.document.calls import HELPER
 from roah_rsbb.model.document import Document
 from roah_rsbb.msg import DevicesState, DevicesStatus
 from roah_rsbb.protocol import PERCENTAGES, SWITCHES
@@ -46,7 +47,7 @@ class DevicesNode:
             on_status=lambda connected, text: self._status.publish(DevicesStatus(connected, text)),
             saved=rospy.get_param(SAVED, None), save=lambda values: rospy.set_param(SAVED, values))
         self._box: Client[Document] = Client(
-            Document, DoorPlaces(rosgraph.get_master_uri()).find, loop=self._ros.loop, face="devices",
+            Document, DoorPlaces(rosgraph.get_master_uri()).find, loop=self._ros.loop, face=HELPER,
             offer=Offer(self._devices.calls(), rospy.get_name()))
 
     def run(self) -> None:

@@ -13,7 +13,7 @@ from helpers.toy_document import LOW, Toy
 from roah_rsbb.box import door
 from roah_rsbb.client import client as client_file
 from roah_rsbb.client.client import UNANSWERED, Answer, Client, Offer
-from roah_rsbb.document.calls import Caller, InThread, Waiting
+from roah_rsbb.document.calls import HELPER, Caller, InThread, Waiting
 from roah_rsbb.document.place import DoorPlace, NotFound
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.wording.device import NO_WEB
@@ -286,12 +286,15 @@ def test_a_client_carries_out_what_it_offers(world):
     assert world.answer(client.call("pair")).answer[0] == {}, "also to itself"
 
 
-def test_what_is_offered_is_offered_again_to_the_next_box(world):
-    client, other = offering(world), world.connected()
+@pytest.mark.parametrize("face", ["", HELPER])
+def test_what_is_offered_is_offered_again_to_the_next_box(world, face):
+    client, other = offering(world, face=face), world.connected()
     world.until(lambda: not client.not_offered)
     world.restart()
     world.until(lambda: world.box.door._offers._in_force and not client.not_offered)
     assert world.answer(other.call("pair", again=True, timeout_s=60.0)).answer[0] == {}
+    assert world.answer(client.call("act")).is_answered
+    assert (client.document is None) == (face == HELPER), "whoever only helps is sent no document"
 
 
 def test_a_second_one_knows_why_it_waits(world):

@@ -26,9 +26,10 @@ from roah_rsbb.copies.follower import Follower
 from roah_rsbb.copies.reported import ReportedCopy
 from roah_rsbb.copies.settings import CopySettings, copy_settings
 from roah_rsbb.core.copies import STANDBY
-from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, Caller
+from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, HELPER, Caller
 from roah_rsbb.document.place import DoorPlace, read_place
 from roah_rsbb.durable import close_to_others
+from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import encode
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.box_end import BoxEnd
@@ -42,10 +43,6 @@ PERIOD_S = 1.0
 # For the last part of the journal; a stick that hangs must not keep the program from ending.
 END_S = 5.0
 _log = logging.getLogger(__name__)
-
-
-class _Document(NamedTuple):
-    """Nothing of the box's document."""
 
 
 class _Question(NamedTuple):
@@ -68,7 +65,8 @@ class Copying:
         """Start to copy. `name`: of this program; `find`: see `Client`. Raises OSError."""
         self._settings = settings
         self._copies: List[ReportedCopy] = []
-        self._box = Client(_Document, find, offer=Offer({COPY: self._on_asked} if settings.standby_port else {}, name))
+        self._box = Client(Document, find, face=HELPER,
+                           offer=Offer({COPY: self._on_asked} if settings.standby_port else {}, name))
         if settings.backup_dir:
             _log.info("Copying the journal to %s", settings.backup_dir)
             self._add(settings.backup_dir, Follower(settings.log_dir, Stick(
