@@ -2340,11 +2340,6 @@
         <translation>♪ KLINGELT</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>⚠ NOT CONNECTED</source>
-        <translation>⚠ NICHT VERBUNDEN</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
         <source>End the whole RSBB?</source>
         <translation>Die ganze RSBB beenden?</translation>

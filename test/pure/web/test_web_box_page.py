@@ -204,6 +204,11 @@ def test_only_the_end_of_a_log_is_sent(world):
 def test_the_box_with_its_warnings_and_the_tablet(world):
     shown = world.part("box", warnings=["The disk is full"])
     assert (shown["is_ok"], shown["warnings"], shown["tablet"]) == (True, ["The disk is full"], None)
+    world.box.document = world.box.document._replace(
+        box=world.box.document.box._replace(status="No disk", warnings=("No disk", "No stick")))
+    world.box.mono += 1.0
+    again = world.again("box")
+    assert (again["status"], again["warnings"]) == ("No disk", ["No stick"]), "nothing is said twice"
     assert ["Running", "2 of 2 zones"] in shown["facts"] and shown["runs"] == "Home (R), Hall (R)"
     box = world.box.document.box._replace(tablet=TabletSeen(True, MONO - 7.0, True, NOW, NOW, 1.0, 2.5))
     world.box.document = world.box.document._replace(box=box)
@@ -238,7 +243,7 @@ def test_the_home_devices_with_their_commands_and_the_bell():
     assert rows["Bell"]["states"][0].endswith("(70 s ago)") and rows["Bell"]["value"] == 0
     assert (shown["connection"], shown["reason"]) == ("● connected", "connected to it")
     away = devices_page(DevicesSeen(state, False, "it is off"), NOW - 68)
-    assert away["connection"] == "⚠ NOT CONNECTED"
+    assert away["connection"] == "NOT CONNECTED"
     assert away["reason"].splitlines() == ["it is off", AWAY]
     assert away["bell"]["value"] == 1 and away["bell"]["states"][1].startswith("♪ RINGS")
     assert devices_page(DevicesSeen(DevicesState(), False, ""), NOW)["bell"]["states"] == ["Last ring: never"] * 2

@@ -233,7 +233,8 @@ class DevicesPanel(Panel):
         else:
             is_connected = status is not None and status.connected
             text, reason = devices.controller_text(is_connected, "" if status is None else status.text)
-            self.connection.show_text(text, basic.RUNNING if is_connected else basic.OLD)
+            text, tone = (text, basic.RUNNING) if is_connected else (f"⚠ {text}", basic.OLD)
+            self.connection.show_text(text, tone)
             self.reason.setText(reason)
 
     def _show_bell(self, rang_s: float) -> None:

@@ -62,4 +62,4 @@ def controller_text(is_connected: bool, text: str) -> Tuple[str, str]:
     """Return whether the controller is connected, and what else is to be known. `text`: details, or the reason."""
     if is_connected:
         return tr("● connected"), text
-    return tr("⚠ NOT CONNECTED"), f"{text}\n{tr(AWAY)}".strip()
+    return tr("NOT CONNECTED"), f"{text}\n{tr(AWAY)}".strip()
