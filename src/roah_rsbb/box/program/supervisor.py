@@ -4,7 +4,6 @@ The box is a process of its own. One that was killed, that crashed or that hangs
 second, which continues its runs.
 """
 
-import contextlib
 import logging
 import os
 import signal
@@ -69,8 +68,8 @@ def _run(command: Sequence[str], environment: dict, wishes: list, log_dir: Calla
     except BadParams:
         return box.wait(), False
     while True:
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            box.wait(LOOK_S)
+        time.sleep(LOOK_S)  # Popen.wait with a time looks twenty times as often
+        box.poll()
         watch.look()
         is_heard = is_heard or watch.silence.pid == box.pid
         if box.returncode is not None:
