@@ -7,6 +7,7 @@ started again at once.
 
 import argparse
 import contextlib
+import gc
 import logging
 import logging.handlers
 import os
@@ -119,6 +120,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
         log_to_terminal()
         command = without_ros("run", *given, ALONE)
         sys.exit(supervise(command, [*command, SILENT], lambda: _settings(options.folder, given).path("log_dir")))
+    gc.disable()  # until the box runs: what is imported is no garbage, and to search it takes a fifth of the start
     import asyncio
 
     from roah_rsbb.box.program.program import BoxProgram, door_file

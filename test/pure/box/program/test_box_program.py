@@ -1,7 +1,10 @@
 """A whole box in one process: with robots in memory, from its start to scored runs, and over a restart."""
 
 import asyncio
+import gc
 import os
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import pytest
@@ -290,3 +293,25 @@ def test_referees_are_warned_when_nobody_watches_the_box(tmp_path, monkeypatch):
             await demo.until(lambda zone: any(
                 "watches this box has ended" in str(line) for line in demo.client.document.box.warnings))
     run(play())
+
+
+@pytest.mark.parametrize("module, unneeded", [
+    ("box.settings", {"yaml", "asyncio"}),  # the supervisor reads the settings
+    ("journal.store", {"sqlite3"}),
+    ("web.gateway", {"xml.etree.ElementTree"}),
+])
+def test_a_process_imports_nothing_that_it_hardly_ever_needs(module, unneeded):
+    script = f"import sys, roah_rsbb.{module}; print(*sys.modules)"
+    found = subprocess.run([sys.executable, "-c", script], stdout=subprocess.PIPE, check=True, text=True).stdout
+    assert not unneeded & set(found.split())
+
+
+def test_a_program_may_start_without_the_collection_of_garbage(tmp_path):
+    async def play():
+        async with Demonstration(tmp_path):
+            assert gc.isenabled()
+    gc.disable()
+    try:
+        run(play())
+    finally:
+        gc.enable()
