@@ -120,7 +120,6 @@ class RunningBox:
     def start(self) -> None:
         """Continue where the box was, and begin to hear robots. Raises OSError whose text names the remedy."""
         gc.collect()
-        gc.enable()  # a program may start without it
         sys.setswitchinterval(SWITCH_S)
         # From here on, robots are heard, and wait for reactions.
         self.core.resume(self._configuration.earlier)

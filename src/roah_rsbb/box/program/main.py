@@ -120,12 +120,14 @@ def main(arguments: Optional[List[str]] = None) -> None:
         log_to_terminal()
         command = without_ros("run", *given, ALONE)
         sys.exit(supervise(command, [*command, SILENT], lambda: _settings(options.folder, given).path("log_dir")))
-    gc.disable()  # until the box runs: what is imported is no garbage, and to search it takes a fifth of the start
+    gc.disable()  # what is imported is no garbage, and to search it again and again takes a fifth of the start
     import asyncio
 
     from roah_rsbb.box.program.program import BoxProgram, door_file
     from roah_rsbb.box.program.supervisor import LAUNCH
 
+    gc.freeze()
+    gc.enable()
     try:
         settings = _settings(options.folder, given)
     except BadParams as error:

@@ -1,7 +1,6 @@
 """A whole box in one process: with robots in memory, from its start to scored runs, and over a restart."""
 
 import asyncio
-import gc
 import os
 import subprocess
 import sys
@@ -322,14 +321,3 @@ def test_a_process_imports_nothing_that_it_hardly_ever_needs(module, unneeded):
     script = f"import sys, roah_rsbb.{module}; print(*sys.modules)"
     found = subprocess.run([sys.executable, "-c", script], stdout=subprocess.PIPE, check=True, text=True).stdout
     assert not unneeded & set(found.split())
-
-
-def test_a_program_may_start_without_the_collection_of_garbage(tmp_path):
-    async def play():
-        async with Demonstration(tmp_path):
-            assert gc.isenabled()
-    gc.disable()
-    try:
-        run(play())
-    finally:
-        gc.enable()
