@@ -26,7 +26,8 @@ LISTEN_S = 0.2
 
 
 class BoxWithoutRos(Box):
-    """The whole box in one process, with its pages. Use it as a context manager."""
+    """The whole box in one process, with its pages: no functionality benchmark is scheduled, so the rules of these have
+    no process. Use it as a context manager."""
 
     def _started(self, profile: str, settings: Dict[str, object]) -> Measured:
         self._door_file = str(self._folder / "door.json")

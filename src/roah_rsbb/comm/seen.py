@@ -9,6 +9,7 @@ one of the last `bits // BITS_PER_ENTRY` ciphertexts. It mistakes some new ones 
 and that datagram counts as lost. Two filters take turns, so that neither fills up.
 """
 
+import mmap
 from typing import NamedTuple, Optional
 
 # Bits for each ciphertext in a full filter, which then mistakes one in 2,000 new ciphertexts for a copy.
@@ -55,4 +56,5 @@ class Seen:
 
 
 def _words(bits: int) -> memoryview:
-    return memoryview(bytearray(bits // 8)).cast("Q")
+    # The system gives each page of it when a bit there is set first. A bytearray would write all of them at once.
+    return memoryview(mmap.mmap(-1, bits // 8)).cast("Q")

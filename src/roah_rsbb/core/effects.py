@@ -136,7 +136,8 @@ class Superseded(NamedTuple):
 
 
 class ModuleRunsChanged(NamedTuple):
-    """Something changed that benchmarking modules need: publish `Box.module_runs` at once."""
+    """Something changed that benchmarking modules need, or whether they are needed: publish `Box.modules.runs` at
+    once."""
 
 
 class Level(enum.IntEnum):

@@ -72,6 +72,7 @@ class Reload:
         self._copies.use(config)
         self._connections.version = version
         self._zones.reschedule(config.zones)
+        self._outbox.emit(effects.ModuleRunsChanged())  # a module may be needed from now on
         for zone in self._zones.values():
             self._outbox.mark_changed(zone.name)
             if zone.run is not None and zone.event not in zone.planned:

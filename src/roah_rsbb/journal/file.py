@@ -12,7 +12,6 @@ from typing import Any, List, NamedTuple, Tuple
 from roah_rsbb import platform
 from roah_rsbb.journal.contents import Contents, Opened, no_journal, open_journal
 from roah_rsbb.journal.log import NEWEST, Files, NewerFormat, identity
-from roah_rsbb.journal.old import OLD_FILE_NAME, CannotImport, import_journal
 from roah_rsbb.platform import boot_id
 
 __all__ = [
@@ -22,6 +21,8 @@ __all__ = [
 
 # The folder of the segments, in log_dir.
 FILE_NAME = "roah_rsbb_journal"
+# That of an earlier version.
+OLD_FILE_NAME = f"{FILE_NAME}.sqlite3"
 
 
 class CannotWriteJournal(Exception):
@@ -194,6 +195,8 @@ def _opened(path: str) -> Opened:
 def _import(old: str, path: str, file_operations: Files) -> List[str]:
     """Import the journal of an earlier version. Returns warnings. Raises `DamagedJournal`, also while a core of that
     version runs."""
+    from roah_rsbb.journal.old import CannotImport, import_journal  # imported late: nearly no box needs SQLite
+
     try:
         fd = _locked(old)
     except JournalInUse as error:

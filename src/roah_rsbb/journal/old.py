@@ -20,7 +20,6 @@ from roah_rsbb.journal.contents import no_journal
 from roah_rsbb.journal.log import DRAFT, NEWEST, Files
 from roah_rsbb.journal.writer import Writer
 
-OLD_FILE_NAME = "roah_rsbb_journal.sqlite3"
 APPLICATION_ID, VERSION = 0x52534242, 2  # of the newest one; version 1 had no checksums
 _BUSY_S = 5.0
 # SQLite's messages may contain a text of the damaged file.

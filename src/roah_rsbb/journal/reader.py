@@ -11,9 +11,8 @@ from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Se
 
 from roah_rsbb.journal import kinds, records
 from roah_rsbb.journal.contents import DAMAGED, Opened, RunEntry, holes_of, open_journal, utc_text
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.file import FILE_NAME, OLD_FILE_NAME
 from roah_rsbb.journal.log import Files, Frame, NewerFormat, Scan, Segment, scan_at, scans
-from roah_rsbb.journal.old import OLD_FILE_NAME, CannotImport, import_journal
 from roah_rsbb.journal.records import Top, line_of, top_of
 from roah_rsbb.journal.standing import BoxEpoch
 
@@ -373,6 +372,8 @@ class JournalReader:
         return found
 
     def _imported(self) -> str:
+        from roah_rsbb.journal.old import CannotImport, import_journal  # imported late: nearly nobody needs SQLite
+
         folder = os.path.join(self._cleanup.enter_context(
             tempfile.TemporaryDirectory(prefix="roah_rsbb_journal_")), FILE_NAME)
         try:

@@ -4,7 +4,7 @@ from typing import Dict, List, NamedTuple, Tuple
 from xml.parsers import expat
 
 from roah_rsbb.rulebook.errors import Place, Report
-from roah_rsbb.rulebook.yaml_lines import read_text
+from roah_rsbb.rulebook.text_files import read_text
 
 # An element's name, its attributes, and its line.
 Element = Tuple[str, Dict[str, str], int]

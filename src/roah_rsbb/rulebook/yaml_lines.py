@@ -7,26 +7,21 @@ values from the tree. No message shows the text of a tree that was read with `se
 """
 
 import bisect
-import os
 import re
-import stat
 from dataclasses import dataclass, field
 from typing import Dict, List, NamedTuple, NoReturn, Optional, Tuple
 
 import yaml
 
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, line_list, quote
-from roah_rsbb.wording.suggestions import nearest
+from roah_rsbb.rulebook.text_files import CannotRead, read_text
 
-# Enough for a schedule of ten thousand runs. PyYAML takes two to six seconds to read this much.
-MAX_BYTES = 1_000_000
 # Configuration files are at most seven levels deep.
 MAX_DEPTH = 20
 
 _LINE_END = re.compile("\r\n|\r|\n")
 # libyaml takes these signs in places where PyYAML does not.
 _READ_DIFFERENTLY = "\t?"
-_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 
 
 @dataclass(frozen=True)
@@ -158,13 +153,6 @@ def explain(error: yaml.MarkedYAMLError, text: str, before: str) -> ErrorInWords
     return ErrorInWords(False, *_OTHER)
 
 
-class _Stop(Exception):
-    """The rest of the file cannot be read, e.g. after a syntax error. Whoever catches it reports it."""
-
-    def __init__(self, place: Place, found: str, expected: str) -> None:
-        super().__init__(found)
-        self.error = (place, found, expected)
-
 
 def read_yaml(path: str, report: Report, what: str, shape: str, secret: bool = False) -> Optional[Node]:
     """Read a file as a tree. Return None after an error that prevents this (missing, unreadable, not YAML, empty).
@@ -180,8 +168,8 @@ def read_yaml(path: str, report: Report, what: str, shape: str, secret: bool = F
         return quick
     try:
         return _Builder(path, text, report, secret).build(shape)
-    except _Stop as stop:
-        report.error(*stop.error)
+    except CannotRead as error:
+        report.error(*error.error)
         return None
 
 
@@ -195,61 +183,9 @@ def _tree_by_libyaml(path: str, text: str, shape: str, secret: bool) -> Optional
     report = Report()
     try:
         tree = _QuickBuilder(path, text, report, secret).build(shape)
-    except (_Stop, ConfigErrors):
+    except (CannotRead, ConfigErrors):
         return None
     return None if report.errors else tree
-
-
-def read_text(path: str, report: Report, what: str) -> Optional[str]:
-    """Read the text of a file up to `MAX_BYTES`. Return None after an error."""
-    try:
-        return _decode(path, _read(path, what))
-    except _Stop as stop:
-        report.error(*stop.error)
-        return None
-
-
-def _read(path: str, what: str) -> bytes:
-    whole = Place(path, 0, 0)
-    if not path:
-        raise _Stop(whole, "an empty file name", what)
-    try:
-        # Opening a pipe or a device could block forever.
-        if not stat.S_ISREG(os.stat(path).st_mode):
-            raise _Stop(whole, "a directory or a device", f"a file: {what}")
-        with open(path, "rb") as file:
-            data = file.read(MAX_BYTES + 1)
-    except FileNotFoundError:
-        raise _Stop(whole, f"no file {quote(os.path.abspath(path))}", what + _neighbour(path)) from None
-    except PermissionError:
-        raise _Stop(whole, "a file that the box may not read", f"{what}; see 'chmod' and 'chown'") from None
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
-        raise _Stop(whole, f"something that cannot be read ({error})", f"a readable file: {what}") from None
-    if len(data) > MAX_BYTES:
-        raise _Stop(whole, f"more than {MAX_BYTES // 1000} kB", f"{what}, which is much smaller")
-    return data
-
-
-def _neighbour(path: str) -> str:
-    """Return the end of the message about a missing file: a similar name in its directory, if there is one."""
-    folder, name = os.path.split(os.path.abspath(path))
-    try:
-        near = nearest(name, os.listdir(folder))
-    except OSError:
-        return f"; there is no directory {quote(folder)} either"
-    return f": did you mean {quote(near)} there?" if near else ""
-
-
-def _decode(path: str, data: bytes) -> str:
-    if data.startswith(_UTF16_MARKS):
-        raise _Stop(Place(path, 1, 1), "UTF-16 text", "UTF-8: choose this encoding in the editor's 'save as'")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        before = data[: error.start]
-        place = Place(path, before.count(b"\n") + 1, error.start - before.rfind(b"\n"))
-        found = "a character that is not UTF-8"
-        raise _Stop(place, found, "UTF-8: choose this encoding in the editor's 'save as'") from None
 
 
 class _Builder:
@@ -271,7 +207,7 @@ class _Builder:
             return yaml.SafeLoader(self._text)
         except yaml.reader.ReaderError as error:
             place = self._place(error.position)
-            raise _Stop(place, "a control character", "text: delete it and type it again") from None
+            raise CannotRead(place, "a control character", "text: delete it and type it again") from None
 
     def build(self, shape: str) -> Node:
         """Build the tree of the file's only document."""
@@ -279,12 +215,12 @@ class _Builder:
         event = self._next()
         if isinstance(event, yaml.StreamEndEvent):
             found = "nothing but comments" if self._text.strip() else "an empty file"
-            raise _Stop(self._place(0), found, shape)
+            raise CannotRead(self._place(0), found, shape)
         node = self._node(self._next(), 0)
         self._next()
         event = self._next()
         if not isinstance(event, yaml.StreamEndEvent):
-            raise _Stop(self._at(event), "a second document after a '---' or '...' line", "no such line")
+            raise CannotRead(self._at(event), "a second document after a '---' or '...' line", "no such line")
         return node
 
     def _next(self) -> yaml.Event:
@@ -296,24 +232,24 @@ class _Builder:
         except (yaml.YAMLError, ValueError, OverflowError):
             # PyYAML raises ValueError for invalid escapes and version numbers.
             place = self._place(self._loader.index)
-            raise _Stop(place, "an escape or a number that no program can read", "plain text") from None
+            raise CannotRead(place, "an escape or a number that no program can read", "plain text") from None
 
     def _stop_at(self, error: yaml.MarkedYAMLError) -> NoReturn:
         if isinstance(self._last, yaml.ScalarEvent) and self._last.style in ("'", '"'):
             begin, end = self._at(self._last), self._place(self._last.end_mark.index)
             if end.line > begin.line:
                 found = f"a quote that is opened here and closed only in line {end.line}"
-                raise _Stop(begin, found, "a quote at the text's end, too") from None
+                raise CannotRead(begin, found, "a quote at the text's end, too") from None
         if error.problem_mark.index >= len(self._text.rstrip()) and self._open_brackets:
             found = "a '[' or '{' that is opened here and never closed"
-            raise _Stop(self._open_brackets[-1], found, "a ']' or '}' at its end") from None
+            raise CannotRead(self._open_brackets[-1], found, "a ']' or '}' at its end") from None
         stop = self._place(error.problem_mark.index)
         start = self._line_starts[stop.line - 1]
         why = explain(error, self._text, self._text[start : start + stop.column - 1])
         mark = (error.context_mark if why.at_begin else None) or error.problem_mark
         place = self._place(mark.index)
         also = self._other_tabs(place.line) if self._text.startswith("\t", mark.index) else ""
-        raise _Stop(place, why.found + also, why.expected) from None
+        raise CannotRead(place, why.found + also, why.expected) from None
 
     def _other_tabs(self, line: int) -> str:
         """List the other lines that are indented with a tab: it is rarely only one."""
@@ -333,7 +269,7 @@ class _Builder:
     def _node(self, event: yaml.Event, depth: int) -> Node:
         place = self._at(event)
         if depth > MAX_DEPTH:
-            raise _Stop(place, f"{MAX_DEPTH} levels of nesting", "far fewer: look for repeated [ or {")
+            raise CannotRead(place, f"{MAX_DEPTH} levels of nesting", "far fewer: look for repeated [ or {")
         if isinstance(event, yaml.AliasEvent):
             return self._unusable(place, "*", "an alias")
         if isinstance(event, yaml.ScalarEvent):
@@ -422,9 +358,9 @@ class _QuickBuilder(_Builder):
         try:
             return self._loader.get_event()
         except (yaml.YAMLError, ValueError):
-            raise _Stop(Place(self._path, 0, 0), "a syntax error", "YAML") from None
+            raise CannotRead(Place(self._path, 0, 0), "a syntax error", "YAML") from None
 
     def _scalar(self, event: yaml.ScalarEvent, place: Place) -> Node:
         if event.implicit[0] and not event.value:  # in brackets, libyaml reports another place
-            raise _Stop(place, "nothing", "a value")
+            raise CannotRead(place, "nothing", "a value")
         return super()._scalar(event, place)

@@ -49,7 +49,7 @@ MAX_DEVICES = 400  # connections: each has one for STOP alone
 NOT_PAIRED = 4401
 # How often readers get the clock. Pages report silence after three of these periods.
 BEAT_S = 1.0
-# How often the server checks whether the core is silent, and counts the clocks of runs that devices show.
+# How often the server checks for its readers whether the core is silent, and counts the clocks that devices show.
 LOOK_S = 0.1
 _PING_S = 20.0
 
@@ -258,7 +258,7 @@ class WebServer:
 
     def _look(self) -> None:
         """Send the clock each second, and at once when the core falls silent or is heard again. Count clocks."""
-        self._timer = self._loop.call_later(LOOK_S, self._look)
+        self._timer = self._loop.call_later(LOOK_S if self.devices or self.viewers else BEAT_S, self._look)
         if self.devices:
             self._follow_for_devices()
         now = self.now()

@@ -1,8 +1,8 @@
 """Reads the files of resource/languages, in the format of Qt Linguist (docs/referee.md, "Language")."""
 
+import functools
 import pathlib
 from typing import Callable, Container, Dict, Iterable, Optional, Tuple
-from xml.etree import ElementTree
 
 from roah_rsbb.wording.language import Translate
 
@@ -24,6 +24,8 @@ _FORMS: Dict[str, Callable[[int], int]] = {
 
 def read(path: pathlib.Path) -> Texts:
     """Return all translated texts of a file."""
+    from xml.etree import ElementTree  # imported late: most boxes never need it
+
     found: Texts = {}
     for context in ElementTree.parse(str(path)).getroot().iter("context"):
         name = context.findtext("name", "")
@@ -37,8 +39,13 @@ def read(path: pathlib.Path) -> Texts:
 
 
 def translations(files: Iterable[pathlib.Path]) -> Dict[str, Translate]:
-    """Return what files translate, by their languages."""
-    return {path.stem: translation(path.stem, read(path)) for path in files}
+    """Return what files translate, by their languages. A file is read when somebody needs its language."""
+    return {path.stem: _read_late(path) for path in files}
+
+
+def _read_late(path: pathlib.Path) -> Translate:
+    known = functools.lru_cache(maxsize=None)(lambda: translation(path.stem, read(path)))
+    return lambda text, n: known()(text, n)
 
 
 def chosen(wanted: str, known: Container[str]) -> str:

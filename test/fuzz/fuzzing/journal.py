@@ -26,8 +26,7 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.batch import Batch
 from roah_rsbb.journal.contents import open_journal
-from roah_rsbb.journal.file import FILE_NAME, CoreSession, DamagedJournal, Resume
-from roah_rsbb.journal.old import OLD_FILE_NAME
+from roah_rsbb.journal.file import FILE_NAME, OLD_FILE_NAME, CoreSession, DamagedJournal, Resume
 from roah_rsbb.journal.ports import FILE_NAME as PORTS_FILE
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.reader import JournalError, JournalReader

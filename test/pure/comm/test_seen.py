@@ -1,6 +1,7 @@
 """Ciphertexts that were taken before are known, and new ones are not."""
 
 import os
+import pathlib
 
 import pytest
 
@@ -31,3 +32,13 @@ def test_a_full_filter_is_kept_while_the_next_one_fills():
         assert all(seen.place(last) in seen for last in texts[max(0, number - capacity + 1):number + 1])
     assert sum(seen.place(text) in seen for text in texts[:capacity]) <= capacity // 10
     assert sum(seen.place(os.urandom(32)) in seen for _ in range(2000)) <= 40
+
+
+def test_a_filter_that_is_hardly_filled_takes_hardly_any_memory():
+    statm = pathlib.Path("/proc/self/statm")
+    before = int(statm.read_text("ascii").split()[1])
+    seen = Seen(2**30)
+    seen.add(seen.place(b"first"))
+    pages = int(statm.read_text("ascii").split()[1]) - before
+    assert pages * os.sysconf("SC_PAGE_SIZE") < seen._bits // 8 // 10
+    assert seen.place(b"first") in seen

@@ -16,9 +16,9 @@ from helpers.old_journals import write_old
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.batch import Batch
 from roah_rsbb.journal.epochs import superseded_value
-from roah_rsbb.journal.file import FILE_NAME, CoreSession, DamagedJournal, JournalInUse, Resume, lock
+from roah_rsbb.journal.file import FILE_NAME, OLD_FILE_NAME, CoreSession, DamagedJournal, JournalInUse, Resume, lock
 from roah_rsbb.journal.log import Files
-from roah_rsbb.journal.old import OLD_FILE_NAME, CannotImport, import_journal
+from roah_rsbb.journal.old import CannotImport, import_journal
 from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.link import LinkSample

@@ -13,7 +13,7 @@ from helpers.journaled import NO_LISTENING, JournaledDriver
 from roah_rsbb.core.scoring.counting import ANY, Why
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views.schedule import schedule
-from roah_rsbb.journal.old import OLD_FILE_NAME
+from roah_rsbb.journal.file import OLD_FILE_NAME
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import Phase
 from roah_rsbb.model.referee import RunName

@@ -14,7 +14,7 @@ from helpers.http_clients import BROKEN_REQUESTS, HOST, HttpClients
 from helpers.public_box import PublicBox, event, result, run
 from roah_rsbb.web import events, limits, serving
 from roah_rsbb.web.limits import Places, Rates
-from roah_rsbb.web.server import WebServer
+from roah_rsbb.web.server import BEAT_S, LOOK_S, WebServer
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.viewer import Viewer
 
@@ -230,6 +230,19 @@ def test_a_message_is_made_once_for_all_its_readers(served, monkeypatch):
     served.server._beat_due_mono = 0.0
     served.server._look()
     assert len(made) == 1, "neither is the clock made for each reader"
+
+
+def test_without_readers_it_looks_once_a_second(served):
+    server, times = served.server, served.server._loop.time
+
+    def look():
+        server._timer.cancel()
+        server._look()
+        return server._timer.when()
+    before = times()
+    assert look() >= before + BEAT_S
+    served.read(served.viewer("?documents=state"))
+    assert look() <= times() + LOOK_S
 
 
 @pytest.mark.parametrize("length", [0, 125, 126, 65535, 65536])

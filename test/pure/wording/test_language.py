@@ -19,7 +19,7 @@ from roah_rsbb.core.runs import functionality
 from roah_rsbb.model.reason import Reason, decode, encode
 from roah_rsbb.standby import remote
 from roah_rsbb.wording import language, said, stop
-from roah_rsbb.wording.catalogues import read, translation
+from roah_rsbb.wording.catalogues import read, translation, translations
 from roah_rsbb.wording.language import in_language, tr
 
 PATHS = sorted(catalogues.FOLDER.glob("*.ts"))
@@ -240,3 +240,14 @@ def test_broken_sentences_prevent_nothing(logged, broken):
     with in_language(CATALOGUES["de"]):
         assert isinstance(said.tr_said(decode(broken)), str)
         assert said.tr_said("Already started") == "Schon gestartet"
+
+
+def test_a_file_is_read_when_its_language_is_needed(tmp_path):
+    path = tmp_path / "de.ts"
+    known = translations([path])
+    path.write_bytes((catalogues.FOLDER / "de.ts").read_bytes())
+    with in_language(known["de"]):
+        text = next(text for _, text in read(path) if tr(text) != text)
+    path.unlink()
+    with in_language(known["de"]):
+        assert tr(text) != text  # it is read once

@@ -17,7 +17,7 @@ from roah_rsbb.bmbox.framework.parameters import Parameter
 from roah_rsbb.bmbox.framework.score import Value
 from roah_rsbb.rulebook.errors import Place, Report, quote
 from roah_rsbb.rulebook.registry import CODE
-from roah_rsbb.rulebook.yaml_lines import read_text
+from roah_rsbb.rulebook.text_files import read_text
 
 _PAGE = "docs/write_a_benchmark.md"
 

@@ -7,6 +7,7 @@ started again at once.
 
 import argparse
 import contextlib
+import gc
 import logging
 import logging.handlers
 import os
@@ -123,11 +124,14 @@ def main(arguments: Optional[List[str]] = None) -> None:
         log_to_terminal()
         command = without_ros("run", *given, ALONE)
         sys.exit(supervise(command, [*command, SILENT], lambda: copy_settings(_settings(options.folder, given))))
+    gc.disable()  # what is imported is no garbage, and to search it again and again takes a fifth of the start
     import asyncio
 
     from roah_rsbb.box.program.program import BoxProgram, door_file
     from roah_rsbb.box.program.supervisor import LAUNCH
 
+    gc.freeze()
+    gc.enable()
     try:
         settings = _settings(options.folder, given)
     except BadParams as error:

@@ -50,6 +50,7 @@ class ModulesProcess:
         self._loop, self._command, self._on_state = loop, command, on_state
         self._process: Optional[subprocess.Popen[str]] = None
         self._silent_mono = 0.0  # from when on a silence is too long
+        self._said = "", ModulesState("", (), ())  # the last state, as it was read and as it was taken
         self._news = threading.Condition()
         self._runs: Sequence[RunForModule] = ()
         self._is_sent = True  # the process has the runs
@@ -118,13 +119,14 @@ class ModulesProcess:
 
     def _take_line(self, line: str) -> None:
         try:
-            found = json.loads(line)
-            if "log" in found:
-                level, text = found["log"]
-                _log.log(int(level), "%s", text)
-            else:
-                state = checked_state(thaw(ModulesState, found["state"]))
-                self._loop.call_soon_threadsafe(self._on_state, state)
+            if line != self._said[0]:  # most lines repeat the one before
+                found = json.loads(line)
+                if "log" in found:
+                    level, text = found["log"]
+                    _log.log(int(level), "%s", text)
+                    return
+                self._said = line, checked_state(thaw(ModulesState, found["state"]))
+            self._loop.call_soon_threadsafe(self._on_state, self._said[1])
         except (BadState, ValueError, TypeError, KeyError) as error:
             _log.error("The process of the benchmarking modules sent what cannot be read: %s", error)
         except RuntimeError:  # the loop has ended

@@ -22,6 +22,7 @@ from roah_rsbb.in_loop import call_in_loop
 from roah_rsbb.model.modules import ModulesState
 from roah_rsbb.model.web_calls import PAIR
 from roah_rsbb.platform import end_loop, new_loop
+from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.shipped import shipped_folder
 from roah_rsbb.tablet.tablet_page import TabletPage
 from roah_rsbb.web.gateway import Gateway, GatewayHost
@@ -38,7 +39,7 @@ _log = logging.getLogger(__name__)
 
 
 class DrivenModules:
-    """The modules of functionality benchmarks, in a process of their own."""
+    """The modules of functionality benchmarks, in a process of their own. It begins when one of them is scheduled."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, is_dummy: bool) -> None:
         """`is_dummy`: a simulated motion-capture system sees what the rules ask for. Raises `BadParams`."""
@@ -46,17 +47,25 @@ class DrivenModules:
         self._running: Optional[RunningBox] = None
         self._process = ModulesProcess(
             loop, modules_command(folder, chosen_benchmarks(settings, folder), is_dummy), self._take_state)
+        self._is_started = False
 
     def start(self, running: RunningBox) -> None:
         """Drive the runs of a box."""
         self._running = running
-        self._process.start()
         self.publish_runs()
 
     def publish_runs(self) -> None:
         """Hand the runs over that have a module."""
-        if self._running is not None:
-            self._process.take(self._running.box.modules.runs())
+        if self._running is None:
+            return
+        box = self._running.box
+        runs, planned = box.modules.runs(), [event for zone in box.zones.values() for event in zone.planned]
+        # After a change of the schedule, there may be a run that is not planned any more.
+        if not self._is_started and (
+                runs or any(event.benchmark.kind is BenchmarkKind.FUNCTIONALITY for event in planned)):
+            self._is_started = True
+            self._process.start()
+        self._process.take(runs)
 
     def _take_state(self, state: ModulesState) -> None:
         if self._running is not None:
@@ -64,7 +73,7 @@ class DrivenModules:
 
     def close(self) -> None:
         """End them, if they were started."""
-        if self._running is not None:
+        if self._is_started:
             self._process.close()
 
 

@@ -48,6 +48,11 @@ class Modules:
                 return
         self._heard[state.node] = _HeardNode(state, now.mono)
 
+    def is_repetition(self, now: Now, state: ModulesState) -> bool:
+        """Whether a node that is present says only what it said before."""
+        heard = self._heard.get(state.node)
+        return heard is not None and heard.state == state and now.mono < heard.mono + GONE_S
+
     def forget_gone(self, now: Now) -> None:
         """Forget the nodes that have been silent for too long. A node that comes back is the last in the order."""
         self._heard = {node: heard for node, heard in self._heard.items() if now.mono < heard.mono + GONE_S}

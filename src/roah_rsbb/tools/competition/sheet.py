@@ -12,8 +12,9 @@ from typing import Callable, Collection, Dict, Iterator, List, NamedTuple, Optio
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
 from roah_rsbb.rulebook.registry import PROFILES
+from roah_rsbb.rulebook.text_files import read_text
 from roah_rsbb.rulebook.yaml_fields import integer, text
-from roah_rsbb.rulebook.yaml_lines import Scalar, read_text
+from roah_rsbb.rulebook.yaml_lines import Scalar
 from roah_rsbb.tools.competition.answers import benchmark_code, team_name
 from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock, for_all, read_day, read_time
 from roah_rsbb.wording.suggestions import did_you_mean, nearest

@@ -2,6 +2,8 @@
 
 import asyncio
 import os
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import pytest
@@ -121,6 +123,24 @@ def test_a_functionality_benchmark_is_driven_and_scored_by_its_module(tmp_path):
     zone = run(play())
     assert zone.end_reason == "completed"
     assert {score.desc: score.value for score in zone.module_scores}["Waypoints reached"] == "3"
+
+
+def test_modules_have_a_process_once_a_functionality_benchmark_is_scheduled(tmp_path):
+    def schedule(code):
+        event = f"{{benchmark: {code}, team: {TEAM}, round: 1, run: 1, scheduled_time: 2026-01-01 00:00:00}}"
+        (tmp_path / "schedule.yaml").write_text(f"- zone: {ZONE}\n  schedule: [{event}]\n", "utf-8")
+
+    async def play():
+        async with Demonstration(tmp_path, schedule_file=str(tmp_path / "schedule.yaml")) as demo:
+            assert not demo.program._modules._is_started
+            schedule("HNF")
+            listed, _ = await demo.ask("reload")
+            done, _ = await demo.ask("reload", digest=listed["digest"], by="Ann")
+            assert done["applied"] and demo.program._modules._is_started
+            await demo.until(lambda zone: zone.event.code == "HNF")
+            await demo.begin()  # a module drives it
+    schedule("HGTKMH")
+    run(play())
 
 
 def test_a_run_continues_with_the_next_start(tmp_path):
@@ -297,3 +317,14 @@ def test_referees_are_warned_when_nobody_watches_the_box(tmp_path, monkeypatch):
             await demo.until(lambda zone: any(
                 "watches this box has ended" in str(line) for line in demo.client.document.box.warnings))
     run(play())
+
+
+@pytest.mark.parametrize("module, unneeded", [
+    ("box.settings", {"yaml", "asyncio"}),  # the supervisor reads the settings
+    ("journal.store", {"sqlite3"}),
+    ("web.gateway", {"xml.etree.ElementTree"}),
+])
+def test_a_process_imports_nothing_that_it_hardly_ever_needs(module, unneeded):
+    script = f"import sys, roah_rsbb.{module}; print(*sys.modules)"
+    found = subprocess.run([sys.executable, "-c", script], stdout=subprocess.PIPE, check=True, text=True).stdout
+    assert not unneeded & set(found.split())

@@ -197,6 +197,22 @@ def test_a_node_that_comes_back_comes_after_the_one_that_took_over():
     assert modules.driver(at(2.7), "STB", "zone").node == "second"
 
 
+def test_a_module_that_repeats_itself_stays_there_and_nothing_happens():
+    driver = BoxDriver(competition(a=[event("STB")]))
+    modules = FakeModules(driver, "STB")
+    modules.beat()
+    for _ in range(10):
+        driver.run(GONE_S / 2)
+        before = driver.box.happenings
+        modules.beat()
+        assert driver.box.happenings == before
+    assert driver.box._modules.driver(driver.now, "STB", "a") is not None
+    again = FakeModules(driver, "STB", problems=["no file"])
+    again.beat()
+    assert driver.box.happenings != before
+    assert driver.box._modules.driver(driver.now, "STB", "a").info.problems == ("no file",)
+
+
 def test_a_flood_of_nodes_does_not_grow():
     modules = Modules()
     for i in range(1000):
