@@ -208,12 +208,26 @@ def test_a_pose_that_cannot_be_had_is_asked_for_again(missing):
     r = hopf()
     pose = r.truth.subjects.pop(missing)
     r.answer()
-    assert r.asked.form == form("Try again")
-    r.answer()
+    assert r.asked.form == form("Try again", *(["Skip"] if missing == "positioner" else []))
+    r.answer("Try again")
     assert f"The pose of {missing}" in r.asked.text
     r.truth.subjects[missing] = pose
-    r.answer()
+    r.answer("Try again")
     assert r.asked.text == "Remove the positioner. Leave the item in place"
+
+
+def test_a_measurement_that_the_referee_skips_costs_the_robot_nothing():
+    r = hopf([item(number, "mugs", f"i{number}") for number in (1, 2)])
+    r.truth.subjects.pop("positioner")
+    r.answer()
+    r.answer("Skip")
+    r.truth.subjects["positioner"] = HERE
+    answered_at_goal(r)
+    assert r.score["pose_score"] is None
+    r.answer()
+    answered_at_goal(r)
+    assert r.finished and r.score.each("pose_score") == [None, 1.0]
+    assert r.score["pose_score"] == 1.0
 
 
 @pytest.mark.parametrize("x, y", [(-0.1, 0.4), (1.3, 0.4), (0.6, -0.1), (0.6, 0.9)])

@@ -248,6 +248,17 @@ def test_changed_rules_cannot_continue():
     assert not r.finished
 
 
+def test_changed_goals_of_the_same_name_are_named_with_their_places():
+    r = story()
+    r.answer("no")
+    r.executes(1.0)
+    step = next(step for step in r.run.steps if step.request.kind is RequestKind.GOAL)
+    moved = step.request._replace(text="Waypoint", goal="[1, 2, 3]")
+    r.run = r.run._replace(steps=tuple(step._replace(request=moved) if each is step else each for each in r.run.steps))
+    r.restart()
+    assert "goal 'Waypoint' [1, 2, 3], now it is goal" in r.failed
+
+
 # -- watching -----------------------------------------------------------------------------------------
 
 

@@ -218,4 +218,5 @@ def _answer(request: Request, outcome: RequestOutcome) -> object:
 
 
 def _words(request: Request) -> str:
-    return f"{request.kind.name.lower()} {request.text or request.goal!r}".strip()
+    more = f" {request.goal}" if request.text and request.goal else ""
+    return f"{request.kind.name.lower()} {request.text or request.goal!r}{more}".strip()

@@ -48,11 +48,13 @@ class ModulesHost:
     def __init__(
         self, loop: asyncio.AbstractEventLoop, folder: str, benchmarks: Optional[Sequence[str]],
         truth: ZonesGroundTruth, send: Callable[[ModulesState], object], utc: Callable[[], float] = time.time,
+        on_enter: Callable[[str], object] = lambda run: None,
     ) -> None:
         """`folder`: with parameters, rules of the competition and ground truth. `benchmarks`: codes; None: all.
-        `send` is called with the state, on each change and every `BEAT_S`."""
+        `send` is called with the state, on each change and every `BEAT_S`, and `on_enter` with the identity of a run
+        before its rules are called, which may never return."""
         self._loop, self._folder, self._chosen, self._truth, self._utc = loop, folder, benchmarks, truth, utc
-        self._do_send = send
+        self._do_send, self._on_enter = send, on_enter
         self._shipped = registry.modules(lambda text: _log.error("%s", text))
         self._driven: Dict[str, Driven] = {}
         self._find_rules()
@@ -97,8 +99,10 @@ class ModulesHost:
         codes = self._codes()
         ours = {run.run: run for run in runs if run.benchmark in codes or run.run in self._hosted}
         for left in self._hosted.keys() - ours.keys():
+            self._on_enter(left)
             self._hosted.pop(left).close()
         for identity, run in ours.items():
+            self._on_enter(identity)
             if identity not in self._hosted:
                 self._hosted[identity] = self._host(run)
             self._hosted[identity].on_run(run)
@@ -143,7 +147,8 @@ class ModulesHost:
 
     def _tick(self) -> None:
         self._next_tick = None
-        for hosted in self._hosted.values():
+        for identity, hosted in self._hosted.items():
+            self._on_enter(identity)
             hosted.tick(self._utc())
         self._send_if_changed()
         self._tick_if_needed()

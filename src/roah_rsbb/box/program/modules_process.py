@@ -2,39 +2,55 @@
 
 Rules of a competition are Python code of others. They may loop, hold Python's lock, or end their process: none of this
 reaches the box, whose STOP must not wait. A process that has ended, or says nothing any more, is replaced by the next
-one, which gets all steps of the runs again (`model/modules.py`). The core pauses a run whose module is missing.
+one, which gets all steps of the runs again (`model/modules.py`). The core pauses a run whose module is missing. A run
+whose rules hang twice in succession is ended, because all others wait for it.
 
 Both ends send JSON, an object in a line. To the process: {"runs": [`RunForModule`, …]}. From it: {"state":
-`ModulesState`} and {"log": [level, text]}.
+`ModulesState`} and {"log": [level, text]}. A process that hangs leaves in two files which run it was in, and where
+(`Traces`).
 """
 
 import argparse
 import asyncio
+import contextlib
+import faulthandler
 import json
 import logging
 import os
+import pathlib
+import re
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from typing import IO, Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from roah_rsbb import platform
 from roah_rsbb.arguments import without_ros
+from roah_rsbb.bmbox import framework
+from roah_rsbb.bmbox import host as host_folder
 from roah_rsbb.bmbox.host.dummy_frames import DummyFrames
 from roah_rsbb.bmbox.host.ground_truth_of_frames import NoFrames, ZonesGroundTruth
 from roah_rsbb.bmbox.host.host import ModulesHost
 from roah_rsbb.bmbox.host.limits import checked_state
-from roah_rsbb.model.modules import ModulesState, RunForModule
+from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RunForModule
+from roah_rsbb.model.reason import say
 from roah_rsbb.model.saved import BadState, freeze, thaw
 
 COMMAND = "modules"  # of `roah-rsbb`; not for users
 # Seconds without a message, of which two come in a second; and until the first one, on a busy computer.
 HUNG_S, START_S = 5.0, 30.0
 LOOK_S = 0.5
+# After which a process that hangs leaves its trace.
+TRACE_S = 0.6 * HUNG_S
 # Seconds between the end of a process and the next one.
 PAUSE_S = 1.0
+# Whose message ends a run in the place of a process that cannot.
+OWN_NODE = "the box"
+HUNG = say("its rules do not answer ({place})")
 # For the process to end by itself, seconds.
 END_S = 1.0
 
@@ -47,7 +63,10 @@ class ModulesProcess:
     def __init__(self, loop: asyncio.AbstractEventLoop, command: Sequence[str],
                  on_state: Callable[[ModulesState], object]) -> None:
         """`command` starts the process: see `modules_command`. `on_state` is called in the loop's thread."""
-        self._loop, self._command, self._on_state = loop, command, on_state
+        self._loop, self._on_state = loop, on_state
+        self._command, self._traces = list(command), Traces("")
+        self._hung: Optional[subprocess.Popen[str]] = None  # the process that was ended last, because it hung
+        self._blamed = ""  # the run in which that one was; empty: it is not known
         self._process: Optional[subprocess.Popen[str]] = None
         self._silent_mono = 0.0  # from when on a silence is too long
         self._said = "", ModulesState("", (), ())  # the last state, as it was read and as it was taken
@@ -59,6 +78,8 @@ class ModulesProcess:
 
     def start(self) -> None:
         """Start the process."""
+        self._traces = Traces(tempfile.mkdtemp(prefix="roah_rsbb_modules_"))
+        self._command.append(f"--traces={self._traces.folder}")
         for work in (self._serve, self._write):
             threading.Thread(target=work, name="benchmarking modules", daemon=True).start()
         self._look()
@@ -81,13 +102,15 @@ class ModulesProcess:
                 self._process.wait(END_S)  # its input has ended
             except subprocess.TimeoutExpired:
                 self._process.kill()
+                self._process.wait()
+        self._traces.remove()
 
     def _look(self) -> None:
         """End a process that says nothing."""
         self._timer = self._loop.call_later(LOOK_S, self._look)
         process = self._process
         if process is not None and time.monotonic() > self._silent_mono and process.poll() is None:
-            _log.error("The rules of a benchmark do not answer: their process is ended, and the next one continues")
+            self._hung = process
             process.kill()
 
     def _serve(self) -> None:
@@ -99,7 +122,12 @@ class ModulesProcess:
                 _log.error("The benchmarking modules cannot be started: %s", error)
             else:
                 if not self._is_closed:
-                    _log.error("The process of the benchmarking modules has ended (%s): the next one continues", status)
+                    self._say_gone(self._said[1].node)
+                    if self._process is self._hung:
+                        self._blame()
+                    else:
+                        _log.error("The process of the benchmarking modules has ended (%s): the next one continues",
+                                   status)
             if not self._is_closed:
                 time.sleep(PAUSE_S)
 
@@ -117,6 +145,26 @@ class ModulesProcess:
             self._take_line(line)
         return process.wait()
 
+    def _blame(self) -> None:
+        """Say whose rules hung, and end their run if they did so before."""
+        run = next((run for run in self._runs if run.run == self._traces.entered()), None)
+        whose, place = "a benchmark" if run is None else f"{run.benchmark} in zone {run.zone}", self._traces.place()
+        _log.error("The rules of %s do not answer (%s): their process is ended, and the next one continues",
+                   whose, place)
+        before, self._blamed = self._blamed, "" if run is None else run.run
+        if run is not None and run.running and run.run == before:
+            self._take(ModulesState(OWN_NODE, (ModuleInfo(run.benchmark, zone=run.zone),), (
+                Progress(run.run, run.attempt, failed=HUNG(place=place)),)))
+            self._say_gone(OWN_NODE)
+
+    def _say_gone(self, node: str) -> None:
+        """The box need not wait until it misses this process."""
+        self._take(ModulesState(node, (), ()))
+
+    def _take(self, state: ModulesState) -> None:
+        with contextlib.suppress(RuntimeError):  # the loop has ended
+            self._loop.call_soon_threadsafe(self._on_state, state)
+
     def _take_line(self, line: str) -> None:
         try:
             if line != self._said[0]:  # most lines repeat the one before
@@ -126,11 +174,9 @@ class ModulesProcess:
                     _log.log(int(level), "%s", text)
                     return
                 self._said = line, checked_state(thaw(ModulesState, found["state"]))
-            self._loop.call_soon_threadsafe(self._on_state, self._said[1])
+            self._take(self._said[1])
         except (BadState, ValueError, TypeError, KeyError) as error:
             _log.error("The process of the benchmarking modules sent what cannot be read: %s", error)
-        except RuntimeError:  # the loop has ended
-            pass
 
     def _write(self) -> None:
         """In a thread: send the newest runs, and end the input at last."""
@@ -149,6 +195,58 @@ class ModulesProcess:
             except OSError:  # it has just ended
                 if self._is_closed:
                     return
+
+
+class Traces:
+    """What a process leaves that hangs: written by itself, and read by the box when it has ended."""
+
+    _BYTES = 200  # of the identity of a run
+    _FRAME = re.compile(r'^  File "(.+)", line (\d+) in (.+)$', re.MULTILINE)
+    # What rules call comes before them in a trace, and what calls them after.
+    _OTHERS = ("<", *(os.path.dirname(str(file)) for file in (
+        os.__file__, __file__, host_folder.__file__, framework.__file__)))
+
+    def __init__(self, folder: str) -> None:
+        self.folder = folder
+        self._run_file, self._place_file = pathlib.Path(folder, "run"), pathlib.Path(folder, "place")
+        self._run = -1
+        self._place: Optional[IO[str]] = None
+
+    def open(self) -> None:
+        """In the process: begin."""
+        self._run = os.open(str(self._run_file), os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o600)
+        self._place = self._place_file.open("w", encoding="utf-8")
+        self.live()
+
+    def enter(self, run: str) -> None:
+        """In the process: the rules of this run are called now."""
+        platform.write_at(self._run, run.encode()[:self._BYTES].ljust(self._BYTES), 0)
+
+    def live(self) -> None:
+        """In the process: it does not hang. If this is not called again in time, it writes where it is, also while
+        rules hold Python's lock."""
+        assert self._place is not None, "it is open"
+        faulthandler.dump_traceback_later(TRACE_S, file=self._place)
+
+    def entered(self) -> str:
+        """The run whose rules were called last; empty: none were."""
+        with contextlib.suppress(OSError):
+            return self._run_file.read_text("utf-8", "replace").rstrip()
+        return ""
+
+    def place(self) -> str:
+        """Where the process was, in words: the line of the rules, if they were called."""
+        frames = []
+        with contextlib.suppress(OSError):
+            frames = self._FRAME.findall(self._place_file.read_text("utf-8", "replace").rpartition("Timeout (")[2])
+        of_rules = [frame for frame in frames if not frame[0].startswith(self._OTHERS)]
+        for file, line, function in (*of_rules, *frames):
+            return f"{os.path.basename(file)}, line {line}, {function}"
+        return "it is not known where"
+
+    def remove(self) -> None:
+        """In the box: they are no longer needed."""
+        shutil.rmtree(self.folder, ignore_errors=True)
 
 
 def modules_command(folder: str, benchmarks: Optional[Sequence[str]], is_dummy: bool) -> List[str]:
@@ -192,6 +290,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     parser.add_argument("folder")
     parser.add_argument("--codes", type=lambda text: text.split(","))
     parser.add_argument("--dummy", action="store_true")
+    parser.add_argument("--traces", required=True)
     options = parser.parse_args(arguments)
     platform.end_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the box ends this process
@@ -200,10 +299,16 @@ def main(arguments: Optional[List[str]] = None) -> None:
     logging.basicConfig(level=logging.INFO, handlers=[output], format="%(message)s")
     loop = platform.new_loop()
     asyncio.set_event_loop(loop)
+    traces = Traces(options.traces)
+    traces.open()
+
+    def send(state: ModulesState) -> None:
+        traces.live()
+        output.send({"state": freeze(state)})
+
     host = ModulesHost(
         loop, options.folder, options.codes,
-        ZonesGroundTruth(options.folder, DummyFrames if options.dummy else NoFrames),
-        lambda state: output.send({"state": freeze(state)}))
+        ZonesGroundTruth(options.folder, DummyFrames if options.dummy else NoFrames), send, on_enter=traces.enter)
 
     def follow() -> None:
         for line in reading:

@@ -213,7 +213,7 @@ class FunctionalityRun(Run):
         if _number(progress) < len(self.steps) and not progress.failed:
             return  # it was restarted, and has not yet reached the current step
         before, self._progress = self._progress, progress
-        if progress.scores != self.scores:
+        if progress.scores != self.scores and self._has_caught_up(progress):
             self.of_module.scores = progress.scores
             self._emit(effects.RunLogged(self.port, run_log.MODULE_SCORE, scores_json(self.scores)))
             self._record_changed(now)
@@ -233,6 +233,15 @@ class FunctionalityRun(Run):
             self._end_by_module(now)
         elif progress.request is not None and progress.request.number == len(self.steps) + 1:
             self._open(now, progress.request)
+
+    def _has_caught_up(self, progress: Progress) -> bool:
+        """Whether the module knows all steps. One that was restarted and fails before that has no scores of the later
+        steps: those that the core has stay."""
+        number, steps = _number(progress), self.steps
+        if number != len(steps) or progress.request is None:
+            return number >= len(steps)
+        kinds = {progress.request.kind, steps[-1].request.kind}
+        return progress.request == steps[-1].request or kinds == {RequestKind.NOTE}
 
     def _end_by_module(self, now: Now) -> None:
         """End the run: the module has no more requests. The benchmark counts as completed if the robot completed a

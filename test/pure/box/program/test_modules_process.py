@@ -8,8 +8,8 @@ import shutil
 import pytest
 
 from roah_rsbb.box.program import modules_process
-from roah_rsbb.box.program.modules_process import ModulesProcess, modules_command
-from roah_rsbb.model.modules import RunForModule
+from roah_rsbb.box.program.modules_process import OWN_NODE, ModulesProcess, modules_command
+from roah_rsbb.model.modules import ModulesState, RunForModule
 from roah_rsbb.platform import run
 from roah_rsbb.shipped import shipped_folder
 
@@ -100,17 +100,38 @@ def test_after_rules_that_end_their_process_the_next_one_gets_the_runs(folder, c
 
 @pytest.mark.parametrize("evil", ["while True: pass", HANG])
 def test_rules_that_do_not_answer_are_replaced(folder, caplog, monkeypatch, evil):
-    monkeypatch.setattr(modules_process, "HUNG_S", 2.0)
     monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
 
     async def play():
         async with Hosted(with_rules(folder, evil)) as hosted:
             hosted.process.take([a_run()])
             await hosted.until(lambda: "do not answer" in caplog.text)
-            hosted.process.take([])  # the referee leaves the run
             hung, count = hosted.nodes[-1], len(hosted.states)
+            hosted.process.take([])  # the referee leaves the run
             await hosted.until(lambda: hosted.states[-1].node != hung and len(hosted.states) > count + 2)
+            assert ModulesState(hung, (), ()) in hosted.states, "the box knows at once that it is gone"
     run(play())
+    assert "The rules of HNF in zone Home do not answer (HNF.py, line 9, " in caplog.text
+
+
+def test_a_run_whose_rules_hang_again_is_ended_because_others_wait(folder, caplog, monkeypatch):
+    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
+    other = RunForModule("HNF-2", 1, "Hall", "HNF", "B", 1, 1, True)
+    hang = HANG.replace("; ", "\n            ")
+    evil = f"if self.run.zone == 'Home':\n            {hang}\n        await self.referee('go')"
+
+    async def play():
+        async with Hosted(with_rules(folder, evil)) as hosted:
+            hosted.process.take([other, a_run()])
+            await hosted.until(lambda: any(state.node == OWN_NODE for state in hosted.states))
+            (failed,) = next(state for state in hosted.states if state.node == OWN_NODE).progress
+            hosted.process.take([other, a_run(running=False)])
+            await hosted.until(lambda: hosted.states[-1].node != OWN_NODE and any(
+                one.run == "HNF-2" and one.request is not None for one in hosted.states[-1].progress))
+            return failed
+    failed = run(play())
+    assert (failed.run, failed.attempt) == ("HNF-1", 1)
+    assert failed.failed.startswith("its rules do not answer (HNF.py, line ")
 
 
 def test_rules_that_read_the_input_take_nothing_from_the_box(folder):

@@ -116,6 +116,31 @@ def test_a_module_that_has_not_arrived_where_it_was_changes_nothing():
     assert again.run().kept == "{}", "it gets back what it kept"
 
 
+@pytest.mark.parametrize("known", [0, 1, 2])
+def test_a_module_that_fails_on_its_way_back_leaves_the_scores(known):
+    """Its rules or parameters were changed meanwhile: it has no scores of the steps that it does not know."""
+    driver, modules, _ = started()
+    requests = [modules.asks(RequestKind.REFEREE, text="first")]
+    driver.event(driver.box.act, Target("tbm"), "operation")
+    requests.append(modules.asks(**GOAL))
+    modules.says(scores=(SCORE,))
+    driver.run(3.0)
+    again = FakeModules(driver, "HNF", node="n2")
+    other = requests[known - 1]._replace(text="other") if known else None
+    again.says(request=other, scores=(SCORE._replace(value="0"),), failed="its rules changed")
+    run = driver.run_in()
+    assert (run.end_reason, run.scores) == (EndReason.MODULE_FAILED, (SCORE,))
+
+
+def test_a_module_that_fails_after_its_way_back_counts():
+    driver, modules, _ = started()
+    asked = modules.asks(**GOAL)
+    driver.run(3.0)
+    again = FakeModules(driver, "HNF", node="n2")
+    again.says(request=asked, scores=(SCORE,), failed="a fault of the rules")
+    assert (driver.run_in().end_reason, driver.run_in().scores) == (EndReason.MODULE_FAILED, (SCORE,))
+
+
 def test_a_held_run_can_be_stopped_and_is_not_started_without_a_module():
     driver, modules, robot = started()
     modules.asks(**GOAL)
