@@ -15,6 +15,7 @@ class CopySettings(NamedTuple):
     passwords_file: str  # a standby needs it to continue,
     rsbb_host: str  # and these
     rsbb_port: int
+    modules_dir: str  # empty: it needs no benchmarking modules
 
     @property
     def words(self) -> List[str]:
@@ -29,6 +30,6 @@ def copy_settings(params: Params) -> CopySettings:
         params.path("log_dir", "~/.ros/roah_rsbb"), params.path_or_none("backup_dir"),
         params.whole("standby_port", 0, 0, 65535), params.text("bind_host", "0.0.0.0"),
         params.path("passwords_file", NONE), params.text("rsbb_host", "10.255.255.255"),
-        params.whole("rsbb_port", 6666, 1, 65000))
+        params.whole("rsbb_port", 6666, 1, 65000), params.path("modules_dir", ""))
     params.done()
     return found

@@ -4,8 +4,8 @@ and to a standby, which is a second computer (docs/standby.md).
 It reads the journal in log_dir, which the core writes. The core never waits for it.
 
 Parameters (private): log_dir; backup_dir: an existing folder, on another disk (none: no folder); standby_port: TCP port
-for a standby (0: no standby); bind_host: own address for it; passwords_file, rsbb_host, rsbb_port: what the standby
-needs to continue.
+for a standby (0: no standby); bind_host: own address for it; passwords_file, rsbb_host, rsbb_port, modules_dir: what
+the standby needs to continue.
 """
 
 import rosgraph

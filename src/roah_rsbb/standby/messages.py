@@ -17,9 +17,9 @@ MAX_BYTES = 50_000_000
 MAX_BYTES_OF_STRANGERS = 4096
 
 # Files of the box's computer that a standby needs, by their names in the copy.
-PASSWORDS, NETWORK = "passwords.yaml", "network.json"
+PASSWORDS, NETWORK, MODULES = "passwords.yaml", "network.json", "modules.zip"
 # No other names are written: a message must not reach outside the folder.
-NAMES = frozenset((*FILES, PASSWORDS, NETWORK))
+NAMES = frozenset((*FILES, PASSWORDS, NETWORK, MODULES))
 
 Message = Dict[str, Any]
 # In the JSON, the key of an object that stands for so many bytes.

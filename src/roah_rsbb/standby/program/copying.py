@@ -34,7 +34,8 @@ from roah_rsbb.model.reason import encode
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.box_end import BoxEnd
 from roah_rsbb.standby.herald import Herald
-from roah_rsbb.standby.messages import NETWORK, PASSWORDS
+from roah_rsbb.standby.messages import MODULES, NETWORK, PASSWORDS
+from roah_rsbb.standby.modules_folder import PackedModules, TooLarge
 from roah_rsbb.standby.partners import read_standby
 from roah_rsbb.standby.program.handover import Handover
 
@@ -65,6 +66,8 @@ class Copying:
         """Start to copy. `name`: of this program; `find`: see `Client`. Raises OSError."""
         self._settings = settings
         self._copies: List[ReportedCopy] = []
+        self._modules: Optional[PackedModules] = None
+        self._said = ""  # what is wrong with them
         self._box = Client(Document, find, face=HELPER,
                            offer=Offer({COPY: self._on_asked} if settings.standby_port else {}, name))
         if settings.backup_dir:
@@ -78,6 +81,7 @@ class Copying:
 
     def report(self) -> None:
         """Report to the box how complete the copies are. Call it every `PERIOD_S`."""
+        self._pack_modules()
         for copy in self._copies:
             news = copy.news()
             self._box.call(COPY_REPORT, **{
@@ -107,16 +111,29 @@ class Copying:
         self._box_end = end = BoxEnd(log_dir, settings.bind_host, port, lambda text: _log.warning("%s", text),
                                      self._herald.answer, self._handover.state, self._handover.taken)
         self._herald.start()
-        network = os.path.join(end.folder, NETWORK)
+        network, modules = (os.path.join(end.folder, name) for name in (NETWORK, MODULES))
+        self._modules = PackedModules(settings.modules_dir, modules) if settings.modules_dir else None
         with open(network, "w", encoding="utf-8") as file:
             json.dump({"rsbb_host": settings.rsbb_host, "rsbb_port": settings.rsbb_port, "standby_port": port}, file)
-        self._add(STANDBY, Follower(log_dir, end.open_copy, {PASSWORDS: settings.passwords_file, NETWORK: network},
-                                    on_answer=self._on_copied), lambda: end.notice)
+        self._add(STANDBY, Follower(log_dir, end.open_copy, {
+            PASSWORDS: settings.passwords_file, NETWORK: network, MODULES: modules}, on_answer=self._on_copied),
+                  lambda: end.notice)
         self._handover.start()
         # Everybody on this computer can read the log, so the code is not in it.
         known = f"The standby is {end.name}. Another one" if end.is_paired else "A standby"
         _log.warning("%s can be paired on TCP port %d. For a code, enter on this computer: %s",
                      known, end.port, codes.command(log_dir))
+
+    def _pack_modules(self) -> None:
+        trouble = ""
+        if self._modules is not None:
+            try:
+                self._modules.look()
+            except (OSError, TooLarge) as error:
+                trouble = str(error)
+        if trouble and trouble != self._said:
+            _log.warning("%s", trouble)
+        self._said = trouble
 
     def _standby_host(self) -> str:
         standby = read_standby(self._settings.log_dir)

@@ -33,7 +33,8 @@ from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.rulebook.config import durable_in
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.channel import Lost
-from roah_rsbb.standby.messages import NETWORK, PASSWORDS
+from roah_rsbb.standby.messages import MODULES, NETWORK, PASSWORDS
+from roah_rsbb.standby.modules_folder import unpack
 from roah_rsbb.standby.pairing import hashed
 from roah_rsbb.standby.partners import (
     FOLDER,
@@ -559,6 +560,10 @@ def _write_files(folder: str) -> Dict[str, str]:
             with open(found[argument], "w", encoding="utf-8", newline="") as file:
                 file.write(text)
     found["passwords_file"] = os.path.join(folder, PASSWORDS)
+    modules = os.path.join(folder, CONFIGURATION, "modules")
+    with contextlib.suppress(OSError):  # it must not prevent a takeover: only functionality benchmarks need them
+        if unpack(os.path.join(folder, MODULES), modules):
+            found["modules_dir"] = modules
     return found
 
 

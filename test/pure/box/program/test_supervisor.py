@@ -28,7 +28,7 @@ from roah_rsbb.copies.settings import CopySettings
 command, copies = ([sys.executable, "-c", open(name).read()] for name in ("box.py", "copies.py"))
 supervisor.without_ros = lambda *words: copies
 supervisor.COPYING_PAUSE_S = 0.0
-settings = CopySettings(".", "stick", 0, "0.0.0.0", "none", "127.255.255.255", 6666)
+settings = CopySettings(".", "stick", 0, "0.0.0.0", "none", "127.255.255.255", 6666, "")
 sys.exit(supervisor.supervise(command, [*command, "again"], lambda: settings))
 """
 

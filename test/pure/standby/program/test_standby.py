@@ -20,6 +20,8 @@ from roah_rsbb.journal.contents import open_journal
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
 from roah_rsbb.standby import codes
+from roah_rsbb.standby.messages import MODULES
+from roah_rsbb.standby.modules_folder import PackedModules
 from roah_rsbb.standby.partners import PairedBox, PairedStandby, is_standby, read_box, write_box, write_standby
 from roah_rsbb.standby.program import main as standby
 from roah_rsbb.standby.program.ears import Automatic
@@ -70,6 +72,22 @@ def test_the_box_starts_with_everything_that_was_copied(copied):
         "passwords_file": f"{stick}/passwords.yaml", "standings_file": "none"}
     assert (copied.stick / "configuration" / "schedule.yaml").read_text() == "schedule"
     assert (copied.stick / "configuration" / "benchmarks.yaml").read_text() == "benchmarks"
+
+
+def test_the_box_has_the_rules_and_parameters_that_were_copied(copied):
+    (copied.stick / "of_the_box").mkdir()
+    (copied.stick / "of_the_box" / "HNF.yaml").write_text("goals: 1")
+    PackedModules(str(copied.stick / "of_the_box"), str(copied.stick / MODULES)).look()
+    stick = str(copied.stick)
+    assert arguments(standby.launch_command(stick, []))["modules_dir"] == f"{stick}/configuration/modules"
+    assert (copied.stick / "configuration" / "modules" / "HNF.yaml").read_text() == "goals: 1"
+    given = arguments(standby.launch_command(stick, ["modules_dir:=here"]))
+    assert given["modules_dir"] == "here"
+
+
+def test_damaged_modules_do_not_prevent_a_takeover(copied):
+    (copied.stick / MODULES).write_bytes(b"PK damaged")
+    assert "modules_dir" not in arguments(standby.launch_command(str(copied.stick), []))
 
 
 def test_there_is_no_copy(tmp_path):
