@@ -491,7 +491,7 @@ class Box:
         """The node that copies the journal reports how complete the copy is."""
         self.tick_if_due(now)
         change = self.copies.report(now, report)
-        if change is not None:
+        if change is not None and not self.is_superseded:
             level, text = (Level.ERROR, change) if change else (
                 Level.INFO, f"The copy of the journal ({report.place}) is complete again")
             self._outbox.notice(level, text)

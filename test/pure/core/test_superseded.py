@@ -6,6 +6,7 @@ from helpers.box_driver import BoxDriver
 from helpers.commands import COMMANDS
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
+from roah_rsbb.core.copies import STANDBY, CopyReport
 from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.core.views import views
 from roah_rsbb.model.actions import ENTRIES
@@ -96,3 +97,9 @@ def test_after_a_restart_it_is_not_recorded_again():
     driver.box.stay_superseded(HOST)
     driver.event(driver.box.tick)
     assert driver.effects == [] and driver.box.is_superseded
+
+
+def test_it_does_not_ask_for_a_copy_of_its_own_journal(driver):
+    driver.effects.clear()
+    driver.event(driver.box.on_copy_report, CopyReport(STANDBY, True, 60.0, 7, "the standby is not connected"))
+    assert driver.notices() == []
