@@ -3611,8 +3611,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/copies/folder.py"/>
-        <source>the folder is missing. Plug the stick in again, or create the folder</source>
-        <translation>der Ordner fehlt. Stecken Sie den Stick wieder ein, oder legen Sie den Ordner an</translation>
+        <source>the folder is missing. Plug the stick in again</source>
+        <translation>der Ordner fehlt. Stecken Sie den Stick wieder ein</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/copies/folder.py"/>
@@ -3946,8 +3946,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>
-        <source>it did not answer within {time} s</source>
-        <translation>Er hat nicht innerhalb von {time} s geantwortet</translation>
+        <source>the standby did not answer within {time} s</source>
+        <translation>der Standby hat nicht innerhalb von {time} s geantwortet</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>

@@ -129,7 +129,9 @@ def exit_call(document: Callable[[], Document], end: Callable[[], Any]) -> Call:
     """Return the call `exit`. `document` returns the box's newest one; `end` ends the box, and returns what a `Call`
     does."""
     def carried_out(found: Mapping[str, Any], _caller: Caller) -> Any:
-        runs = ending.running(document().zones.values())
+        box = document()
+        # Those of a superseded box continue on the one that took over.
+        runs = "" if box.box.superseded_by else ending.running(box.zones.values())
         if runs and found.get("anyway") is not True:
             raise Refused([ending.IN_PROGRESS(runs=runs)])
         _log.info("The box ends, because %s asked for it", checked_who(who_of(found)) or "a client")

@@ -35,7 +35,7 @@ _IN_USE = say("another core or copy uses the folder. Use another folder, or end 
 _FULL = say("the disk is full. Free space for {folder}")
 _FAILED = say("{error}. Check the disk or stick of the copy")
 _NOT_MOUNTED = say("the stick is not mounted. Plug it in again")
-_MISSING = say("the folder is missing. Plug the stick in again, or create the folder")
+_MISSING = say("the folder is missing. Plug the stick in again")
 _REMOVED, _REPLACED = say("it was removed. Plug the stick in again"), say("it was replaced. Plug the stick in again")
 # A copy that takes the place of the one before when it is complete.
 NEXT = ".next"

@@ -25,7 +25,7 @@ UNCONFIRMED_OLD = say("not confirmed: the box at {address} has taken over, and m
                       "and enter it there if it is missing")
 LAST_ENTRIES = say("NOT CONFIRMED: the standby does not have the last entries: {why}")
 ONE_COMPUTER = say("{why}. To continue with one computer, delete 'durable: two' in {place} and reload")
-NO_ANSWER = say("it did not answer within {time} s")
+NO_ANSWER = say("the standby did not answer within {time} s")
 NO_REPORT = say("the program that copies it does not report. See the terminal of the box; with ROS it is the node "
                 "roah_rsbb_backup")
 NOT_COPIED = say("the journal of this core is not copied yet. If this lasts, the program that copies it has another "

@@ -16,7 +16,7 @@ from roah_rsbb.referee.answers import Keyboard, Operations
 from roah_rsbb.referee.args import ALWAYS, given_in
 from roah_rsbb.referee.changes import BoxFollower, Change
 from roah_rsbb.referee.exits import Exit, NoCore
-from roah_rsbb.referee.link import Link
+from roah_rsbb.referee.link import Link, NotConfirmed
 from roah_rsbb.referee.output import Output
 from roah_rsbb.referee.run import RunScript, ScriptOutcome, ScriptPlan
 from roah_rsbb.referee.sheets import LAST, pick_run
@@ -461,7 +461,8 @@ def carry_out(options: Any, output: Output) -> Exit:
                 link.open(options.wait if options.command == "run" else 0.0)
             return COMMANDS[options.command](link, options, output)
     except Refused as refused:
-        return output.failure(Exit.REFUSED, f"{options.command} was refused", refused.reasons)
+        how = "counts, but" if isinstance(refused, NotConfirmed) else "was refused"
+        return output.failure(Exit.REFUSED, f"{options.command} {how}", refused.reasons)
     except BadWord as bad:
         return output.failure(Exit.USAGE, str(bad), [])
     except NoCore as gone:

@@ -30,6 +30,10 @@ ROLE = "referee"  # of the person at the terminal; also the face of the connecti
 SILENT = "the core is silent: it hangs or has died (restart it), or its computer cannot be reached"
 
 
+class NotConfirmed(Refused):
+    """The command was carried out and counts, but is not on all disks. `reasons` say why."""
+
+
 class Link(Client[Document]):
     """A box from afar. Call `start` and `open` first, and `close` at the end."""
 
@@ -117,7 +121,7 @@ class Link(Client[Document]):
         self._last = call
         answer = call.result()
         if answer.reasons:
-            raise Refused(list(answer.reasons))
+            raise (Refused if answer.is_known else NotConfirmed)(list(answer.reasons))
         if not answer.is_answered:
             raise NoCore(self.why or f"the box did not answer within {ANSWER_S:.0f} s: the core hangs, restart it")
         return answer.answer

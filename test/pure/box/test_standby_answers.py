@@ -97,8 +97,8 @@ def test_a_silent_standby_delays_the_first_answer_only(box):
     second = box.enter()
     box.loop.run(SYNC_S - 0.1)
     assert wait(first) == unconfirmed(
-        "it did not answer within 2 s. To continue with one computer, delete 'durable: two' in schedule.yaml:7 and "
-        "reload")
+        "the standby did not answer within 2 s. To continue with one computer, delete 'durable: two' in "
+        "schedule.yaml:7 and reload")
     assert not second.done()
     assert box.warnings
     box.loop.run(0.1)
@@ -110,7 +110,7 @@ def test_a_silent_standby_delays_the_first_answer_only(box):
     assert not box.warnings
     assert not box.enter().done()
     logged = box.driver.notices(Level.WARNING, Level.INFO)[-2:]
-    assert logged[0].startswith("NOT CONFIRMED: the standby does not have the last entries: it did not answer within")
+    assert logged[0].startswith("NOT CONFIRMED: the standby does not have the last entries: the standby did not answer")
     assert logged[1] == "The standby has all entries again"
 
 

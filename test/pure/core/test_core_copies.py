@@ -161,7 +161,8 @@ def test_a_standby_that_does_not_answer_is_waited_for_once(standby):
     standby.ask(12)
     assert standby.give_up(at(2), 11) == standby.warnings(at(2))[0]
     assert standby.warnings(at(2)) == [
-        f"NOT CONFIRMED: the standby does not have the last entries: it did not answer within 2 s. {WHAT_TO_DO}"]
+        "NOT CONFIRMED: the standby does not have the last entries: the standby did not answer within 2 s. "
+        f"{WHAT_TO_DO}"]
     assert standby.give_up(at(2), 12) is None  # logged already
     assert not standby.is_worth_waiting(at(2))
     assert standby.answer(11) is False

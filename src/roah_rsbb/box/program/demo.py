@@ -82,7 +82,8 @@ def main(arguments: Optional[List[str]] = None) -> None:
     close_to_others()
     log_dir = os.path.expanduser(options.log_dir)
     log_to_terminal(logging.WARNING if options.scripted else logging.INFO, log_dir)
-    found = settings(log_dir, passwords_file=_own_passwords(log_dir))
+    # Each demonstration begins with the first event.
+    found = settings(log_dir, passwords_file=_own_passwords(log_dir), resume="never")
     # Imported late: help needs none of it.
     from roah_rsbb.box.program.program import BoxProgram
     from roah_rsbb.robot.dummy import DummyOptions, dummy_client

@@ -90,7 +90,7 @@ class BoxProgram:
     def close(self) -> None:
         """End everything. Runs continue with the next start."""
         running = [zone.zone for zone in self.running.door.document.zones.values() if zone.phase == RUNNING]
-        if running:
+        if running and not self.running.box.is_superseded:
             _log.warning("The box ends during a run in %s: its robot is not stopped, and the run continues when the "
                          "box is started again", ", ".join(running))
         for path in self._door_files:

@@ -59,6 +59,8 @@ from roah_rsbb.tools.preflight_checks import Severity, check_other_box
 PROGRAM = "standby"
 DEFAULT_PORT = 8083
 LOG_DIR, LOG_DIR_OF_BOX = "~/.ros/roah_rsbb_standby", "~/.ros/roah_rsbb"
+# In LOG_DIR: names the folder in which this computer keeps the copy, if it is another one.
+KEPT_IN = "kept_in.txt"
 # Arguments of roah_rsbb.launch, in the order of the files in configuration.json.
 FILE_ARGUMENTS = ("benchmarks_file", "schedule_file", "passwords_file", "standings_file")
 CONFIGURATION = "configuration"
@@ -124,8 +126,8 @@ def _parser() -> argparse.ArgumentParser:
     commands.add_parser("rehearse", help="show a takeover on this computer, with the times")
     for command in (follow, status, takeover, rejoin):
         box = "; on the box: its log_dir" if command is status else ""
-        command.add_argument("--log-dir", default=LOG_DIR, metavar="DIR",
-                             help=f"folder of the copy (default: %(default)s){box}")
+        command.add_argument("--log-dir", default="", metavar="DIR",
+                             help=f"folder of the copy (default: where it was kept last, or {LOG_DIR}){box}")
     code.add_argument("--log-dir", default=LOG_DIR_OF_BOX, metavar="DIR",
                       help="log_dir of the box (default: %(default)s)")
     return parser
@@ -240,7 +242,7 @@ def _standing(folder: str) -> epochs.BoxEpoch:
 def _rejoin(options: argparse.Namespace, folder: str) -> int:
     old = os.path.abspath(os.path.expanduser(options.old_log_dir))
     if old == folder:
-        raise Denied("OLD_LOG_DIR must not be the folder of the new copy: give another --log-dir")
+        raise Denied("OLD_LOG_DIR must not be the folder of the new copy: give another --log-dir, or none")
     automatic = _automatic(options)
     _check_unused(old)
     _check_unused(folder)
@@ -258,6 +260,7 @@ def _keep_copy(
     _check_unused(folder)
     _give_back_address(folder)
     forget_standby(folder)  # this computer may have been the box
+    _note_folder(folder)
     taking_over: List[str] = []  # why
 
     def take_over(why: str) -> None:
@@ -638,6 +641,33 @@ def last_moment(folder: str) -> str:
     return f"The newest entry of the copy is from {moment:%H:%M:%S} UTC, {max(0.0, time.time() - utc):.0f} s ago"
 
 
+def _folder_of(options: argparse.Namespace) -> str:
+    """Return the folder that a command is about."""
+    usual = os.path.abspath(os.path.expanduser(LOG_DIR))
+    if options.log_dir:
+        return os.path.abspath(os.path.expanduser(options.log_dir))
+    if options.command != "rejoin":
+        return _noted_folder(usual)
+    # The copy needs another folder than that of the box that this computer was.
+    names = (usual, *(f"{usual}_{number}" for number in range(2, 1000)))
+    return next(name for name in names if not _has_journal(name))
+
+
+def _noted_folder(usual: str) -> str:
+    with contextlib.suppress(OSError, ValueError), open(os.path.join(usual, KEPT_IN), encoding="utf-8") as file:
+        noted = file.read().strip()
+        return noted if os.path.isdir(noted) else usual
+    return usual
+
+
+def _note_folder(folder: str) -> None:
+    """Let later commands find the copy without --log-dir."""
+    usual = os.path.abspath(os.path.expanduser(LOG_DIR))
+    with contextlib.suppress(OSError):  # a disk that is full: they need --log-dir
+        os.makedirs(usual, exist_ok=True)
+        durable.write_file(os.path.join(usual, KEPT_IN), folder.encode())
+
+
 def _status(_options: argparse.Namespace, folder: str) -> int:
     for line in status(folder):
         print(line, flush=True)
@@ -670,7 +700,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
         sys.exit(f"{called(PROGRAM)}: both computers need Linux")
     if options.command == "rehearse":
         sys.exit(_rehearse())
-    folder = os.path.abspath(os.path.expanduser(options.log_dir))
+    folder = _folder_of(options)
     try:
         if options.command not in ("status", "code"):
             os.makedirs(folder, exist_ok=True)

@@ -13,6 +13,7 @@ from unittest import mock
 import pytest
 
 from helpers.copied import Copied, contents
+from helpers.journals import Writer
 from roah_rsbb import durable
 from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.journal import epochs, log
@@ -88,6 +89,27 @@ def test_the_box_has_the_rules_and_parameters_that_were_copied(copied):
 def test_damaged_modules_do_not_prevent_a_takeover(copied):
     (copied.stick / MODULES).write_bytes(b"PK damaged")
     assert "modules_dir" not in arguments(standby.launch_command(str(copied.stick), []))
+
+
+def test_commands_find_the_copy_where_it_was_kept_last(tmp_path, monkeypatch):
+    """A computer that was the box keeps the copy elsewhere: its old folder must not be taken for the copy."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    usual = tmp_path / ".ros" / "roah_rsbb_standby"
+
+    def folder(*words):
+        return standby._folder_of(standby._options(words))
+    assert folder("takeover") == folder("rejoin", "old") == str(usual)
+    write_box(str(usual), PairedBox("10.0.0.1", 8083, "ff", "key"))
+    writer = Writer(usual)
+    writer.entry("/notification", "now")
+    writer.journal.close()
+    second = folder("rejoin", str(usual))
+    assert second == f"{usual}_2", "the box was in the usual one"
+    standby._note_folder(second)
+    assert folder("takeover") == str(usual), "it does not exist"
+    os.makedirs(second)
+    assert {folder(command) for command in ("takeover", "status", "follow")} == {second}
+    assert folder("takeover", "--log-dir", str(usual)) == str(usual)
 
 
 def test_there_is_no_copy(tmp_path):
