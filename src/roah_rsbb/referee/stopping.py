@@ -62,7 +62,7 @@ class ZoneStop:
             link.wake()
 
         self.is_sent = True
-        link.stop(self.zone, "", take, FOREVER_S, node=link.node)
+        link.stop(self.zone, "", take, FOREVER_S, node=link.node, by=link.referee)
 
     def look(self, link: Any) -> None:
         """Look at the document, if it shows the effect of the STOP."""

@@ -17,7 +17,7 @@ LIMIT_S = 30.0  # for what comes, however busy the machine is
 class StopCore:
     """A core of some zones, and the link to it."""
 
-    node, trouble = "/referee_1", "no core: start it"
+    node, referee, trouble = "/referee_1", "Olga", "no core: start it"
 
     def __init__(self, *zones):
         self.document = box(*zones)  # None: nothing is known of the box yet
@@ -68,8 +68,8 @@ class StopCore:
 
     # -- the link ------------------------------------------------------------------------------------
 
-    def stop(self, name, run, done, timeout_s, node):
-        assert (run, node) == ("", self.node)
+    def stop(self, name, run, done, timeout_s, node, by):
+        assert (run, node, by) == ("", self.node, self.referee), "the records have the referee's name"
         self.sent.append(name)
         threading.Thread(target=lambda: done(Answer(1, None, self.obey(name))), daemon=True).start()
 
