@@ -27,6 +27,8 @@ SUPERVISOR, BACKUP = "supervisor", "backup"
 SIGN = b"READY=1\nWATCHDOG=1"
 # Not for systemd, for which the service does not end. A core that ends by itself says so.
 END = b"end"
+# Of a box that waits for another one to end, or for a takeover: it is no core yet.
+WAITING = b"waiting"
 # Of the supervisor: the core is gone, and roslaunch starts the next one.
 STARTING = b"starting"
 _CREDENTIALS = struct.Struct("3i")  # process, user and group of the sender
@@ -51,9 +53,13 @@ class Signs:
         """Send a sign. Send that of the core in its loop, and nowhere else. Never raises or waits: nobody may watch."""
         if self._socket is None:
             return
-        for address in (*self._addresses, *([self._systemd] if self._systemd and sign == SIGN else [])):
+        for address in (*self._addresses, *([self._systemd] if self._systemd and sign in (SIGN, WAITING) else [])):
             with contextlib.suppress(OSError):
-                self._socket.sendto(sign, address)
+                self._socket.sendto(SIGN if address == self._systemd else sign, address)
+
+    def wait(self) -> None:
+        """Say that this process waits."""
+        self.send(WAITING)
 
     def end(self) -> None:
         """Say that the core ends by itself."""
@@ -96,6 +102,7 @@ class Watch:
         self._socket: Optional[socket.socket] = None
         self._began = ""  # when the core's process began
         self._starting_mono = float("-inf")
+        self.waiting = 0  # the process that said last that it waits; 0: none
         self.silence = CoreSilence()
 
     def look(self) -> None:
@@ -154,6 +161,8 @@ class Watch:
                     found = pid if data == SIGN else 0
                 elif user == os.geteuid() and data == STARTING:
                     self._starting_mono = self._now()
+                elif user == os.geteuid() and data == WAITING:
+                    self.waiting = pid
 
     def _open(self) -> bool:
         """Open the socket. Another process may have it for a moment, such as a node that is just ending."""

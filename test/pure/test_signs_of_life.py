@@ -18,7 +18,7 @@ import sys
 from roah_rsbb.signs_of_life import Signs
 signs = Signs(sys.argv[1])
 for line in sys.stdin:
-    signs.end() if line == "end\\n" else signs.send()
+    {"end": signs.end, "wait": signs.wait, "sign": signs.send}[line.strip()]()
     print(flush=True)
 """
 
@@ -213,3 +213,18 @@ def test_each_face_knows_before_the_core_is_ended():
         "terminal": OLD_S, "pages": OLD_S + server.LOOK_S,
     }
     assert {face: limit for face, limit in limits.items() if limit > HUNG_S} == {}
+
+
+def test_a_process_that_waits_is_not_taken_for_the_core(watched):
+    """A second box of the same log_dir waits: it must not hide that the first one hangs."""
+    watched.core.send()
+    watched.pass_time(LOOK_S)
+    other = Core(watched.folder)
+    try:
+        for _ in range(round(HUNG_S / LOOK_S) + 1):
+            other.send("wait")
+            watched.pass_time(LOOK_S)
+        assert watched.watch.is_hung and watched.watch.silence.pid == watched.core.pid
+        assert watched.watch.waiting == other.pid
+    finally:
+        other.close()

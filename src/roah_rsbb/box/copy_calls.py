@@ -3,6 +3,7 @@
 That program is a process of its own (`standby/program/copying.py`): the core never waits for a copy.
 """
 
+import json
 import math
 from typing import Any, Dict, Mapping
 
@@ -14,6 +15,7 @@ from roah_rsbb.model.reason import decode
 from roah_rsbb.model.referee import Refused
 
 BOX = Caller("box")
+MAX_REPORT = 4000  # characters of a report
 _MALFORMED = "a malformed message of the program that copies the journal: install the same version there as on the box"
 
 
@@ -35,6 +37,8 @@ class CopyCalls:
 
     def _report(self, found: Mapping[str, Any], _caller: Caller) -> None:
         behind_s = found.get("behind_s")
+        if len(json.dumps(found)) > MAX_REPORT:
+            raise Refused([_MALFORMED])
         place, journal, missing = (_checked(found, name, kind) for name, kind in (
             ("place", str), ("journal", str), ("missing_bytes", int)))
         report = CopyReport(

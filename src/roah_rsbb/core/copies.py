@@ -13,6 +13,8 @@ from roah_rsbb.wording import times
 
 # The place of the copy on a second computer.
 STANDBY = "standby"
+# No box has more. The limit keeps a fault from growing.
+MAX_COPIES = 8
 # A copy that is further behind is reported.
 LATE_S = 3.0
 # The node that copies reports once a second.
@@ -106,6 +108,8 @@ class Copies:
     def report(self, now: Now, report: CopyReport) -> Optional[str]:
         """Take a report. Return a text to log: a new warning, or empty: the copy is complete again; None: no change."""
         copy = self._copies.get(report.place)
+        if copy is None and len(self._copies) >= MAX_COPIES:
+            return None
         if copy is None:
             copy = self._copies[report.place] = _Copy(now, is_expected=False)
         copy.heard_mono, copy.report = now.mono, report

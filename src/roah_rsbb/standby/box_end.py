@@ -71,9 +71,10 @@ class BoxEnd:
         try:
             self._socket.bind((host, port))
             self._socket.listen(MAX_STRANGERS)
-        except OSError:
+        except OSError as error:
             self._socket.close()
-            raise
+            raise OSError(f"{host}, TCP port {port}, where a standby connects: {error.strerror}. End the program that "
+                          "has it, or start the box with another standby_port") from None
         self.port = self._socket.getsockname()[1]
         threading.Thread(target=self._accept, name="standby", daemon=True).start()
 

@@ -21,7 +21,8 @@ COMMANDS = {
     "results": ("results", "results.program.main", "show and export the runs of a competition"),
 }
 # Not for users: processes of a box.
-INTERNAL = {"modules": ("box", "box.program.modules_process", ""), "copies": ("box", "standby.program.copying", "")}
+INTERNAL = {"modules": ("box", "box.program.modules_process", ""), "copies": ("box", "standby.program.copying", ""),
+            "guard": ("box", "standby.program.guard", "")}
 
 
 def _usage() -> str:

@@ -88,4 +88,4 @@ class TestParameters(FaultsCase):
         self.robot("Beta")
         self.begin("STB")
         self.box.connect("HNF")
-        self.wait_off("HNF", "no node drives HNF")
+        self.wait_off("HNF", "nothing drives HNF")

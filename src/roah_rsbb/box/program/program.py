@@ -8,6 +8,7 @@ import asyncio
 import contextlib
 import logging
 import os
+import pathlib
 from typing import Any, BinaryIO, Callable, Coroutine, List, Optional
 
 from roah_rsbb import platform
@@ -21,6 +22,7 @@ from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
 from roah_rsbb.client.places import OWN_VARIABLE, door_file_in, is_answering, local_door_file, user_folder
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
+from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.copies.settings import copy_settings
 from roah_rsbb.document.calls import EXIT
 from roah_rsbb.document.place import NotFound, read_place, write_place
@@ -31,8 +33,8 @@ from roah_rsbb.radio.radio import Network
 from roah_rsbb.signs_of_life import Signs
 from roah_rsbb.web.pairing import CODE_VALID_S
 
-# How often it is checked whether the supervisor is there.
-LOOK_S = 1.0
+# How often it is checked whether the supervisor is there, and whether the file of the door is.
+LOOK_S, DOOR_S = 1.0, 5.0
 UNWATCHED = ("The program that watches this box has ended: after a crash, nothing starts the box again. Between two "
              "runs, end the box and start it again")
 # Delay of the exit, so that its caller gets the answer.
@@ -53,12 +55,19 @@ class BoxProgram:
         self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
         self._sounds = Sounds(settings)
         _make_folder(params.log_dir)
-        wait_for_takeover(params.log_dir, Signs(params.log_dir).send)
+        signs, self._parent = Signs(params.log_dir), os.getppid()
+
+        def is_left() -> bool:
+            """Say that this process waits; whether its supervisor is gone, so that nobody waits for it."""
+            signs.wait()
+            return bool(launch) and os.getppid() != self._parent
+
+        wait_for_takeover(params.log_dir, is_left)
         self._port_lock = _lock_port(params.network) if make_peer is Peer else None
         self._devices = ControlledDevices(loop, settings, params.log_dir, self._sounds.ring_bell)
         settings.done()
         self.running = RunningBox(
-            loop, params, launch, wait_for_journal(params.log_dir, Signs(params.log_dir).send),
+            loop, params, launch, wait_for_journal(params.log_dir, is_left),
             Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
         self._web = WebParts(loop, settings, self.running, make_peer)
         self._copying = CopyingProcess(copy_settings(settings))
@@ -76,19 +85,23 @@ class BoxProgram:
         if self._modules is not None:
             self._modules.start(self.running)
         self._web.start()
-        self.keep(self._watch_supervisor(os.getppid()) if self._is_supervised else self._keep_copying())
+        self.keep(self._watch_supervisor(self._parent) if self._is_supervised else self._keep_copying())
         self.running.door.add_calls({EXIT: exit_call(self.running.door.publish, self._end_soon)})
         port = self.running.door.open(LOOPBACK)
-        for path in dict.fromkeys((door_file_in(self._params.log_dir), door_file)):
-            try:
-                write_place(path, f"ws://{LOOPBACK}:{port}/door", self.running.door.token)
+        self._url = f"ws://{LOOPBACK}:{port}/door"
+        own = door_file_in(self._params.log_dir)
+        for path in dict.fromkeys((own, door_file)):
+            problem = self._write_door(path)
+            if problem:  # the box has other faces
+                _log.error("Other programs cannot find this box: %s cannot be written: %s. Repair that%s",
+                           path, problem, "" if path == own else ", and start the box again")
+            else:
                 self._door_files.append(path)
-            except OSError as error:  # the box has other faces
-                _log.error("Other programs cannot find this box: %s cannot be written: %s. Repair that, and start the "
-                           "box again", path, error.strerror)
+        self.keep(self._keep_door(own))
 
     def close(self) -> None:
         """End everything. Runs continue with the next start."""
+        Signs(self._params.log_dir).end()  # whatever follows, it is no core that hangs
         running = [zone.zone for zone in self.running.door.document.zones.values() if zone.phase == RUNNING]
         if running and not self.running.box.is_superseded:
             _log.warning("The box ends during a run in %s: its robot is not stopped, and the run continues when the "
@@ -105,9 +118,9 @@ class BoxProgram:
         for task in self._tasks:
             task.cancel()
         self.running.close()
-        self._copying.end()
         if self._port_lock is not None:
             self._port_lock.close()
+        self._copying.end()
 
     async def open_pages(self, in_browser: bool) -> bool:
         """Show the organiser the way to the pages once they are served: in a browser, if there is one, and on the
@@ -119,6 +132,24 @@ class BoxProgram:
         text = f"To pair this computer or another one as the organiser's, open within {CODE_VALID_S:.0f} s: {url}"
         await self._loop.run_in_executor(None, _print, text)
         return in_browser and open_in_browser(url)
+
+    def _write_door(self, path: str) -> str:
+        """Say in a file where the door is, unless it is there; returns what is wrong, or nothing."""
+        token = self.running.door.token
+        try:
+            if not _is_own(path, token):
+                write_place(path, self._url, token)
+        except OSError as error:
+            return str(error.strerror)
+        return ""
+
+    async def _keep_door(self, path: str) -> None:
+        """The disk may have been full at the start: the program that copies must find the box nevertheless."""
+        while True:
+            await asyncio.sleep(DOOR_S)
+            problem = await self._loop.run_in_executor(None, self._write_door, path)
+            if not problem and path not in self._door_files:
+                self._door_files.append(path)
 
     def keep(self, work: Coroutine[Any, Any, Any]) -> None:
         """Run something until this program ends, such as a robot of a demonstration."""
@@ -153,12 +184,20 @@ def _lock_port(network: Network) -> Optional[BinaryIO]:
     """Keep a second box of this user from the same address and port: neither would hear the other one, and both would
     command the robots. Returns what keeps it until it is closed; None: the user's folder cannot be written. Raises
     `BadParams`."""
-    path = os.path.join(user_folder(), f"udp_{network.bind_host}_{network.rsbb_port}.lock")
+    own, others = (f"udp_{host}_{network.rsbb_port}.lock" for host in (
+        network.bind_host, "*" if network.bind_host == ANY_HOST else ANY_HOST))
     try:
         os.makedirs(user_folder(), exist_ok=True)
-        file = open(path, "ab", opener=platform.open_file)  # noqa: SIM115
+        for path in sorted(pathlib.Path(user_folder()).glob(others)):
+            _locked(str(path), network).close()  # of a box at an address that this one has, too
+        return _locked(os.path.join(user_folder(), own), network)
     except OSError:
         return None
+
+
+def _locked(path: str, network: Network) -> BinaryIO:
+    """Lock a file; returns it. Raises `BadParams` if another box has it, or OSError."""
+    file = open(path, "ab", opener=platform.open_file)  # noqa: SIM115
     try:
         platform.lock(file.fileno())
     except BlockingIOError:

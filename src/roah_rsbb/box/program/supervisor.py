@@ -57,8 +57,7 @@ class CopyingProcess:
             try:
                 self._process.wait(END_S)
             except subprocess.TimeoutExpired:
-                self._process.kill()
-                self._process.wait()
+                self._process.kill()  # it cannot end if it waits for a stick that hangs
 
 
 def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], CopySettings]) -> int:
@@ -113,6 +112,8 @@ def _watch(box: subprocess.Popen, wishes: list, watch: Watch, signs: Signs, copy
             return is_heard
         if is_heard or not watch.can_hear:
             copying.look()
+        elif watch.waiting == box.pid:
+            watch.waiting, heard_by_mono = 0, time.monotonic() + START_S
         else:
             signs.send(STARTING)  # the standby is to wait for it
             if time.monotonic() > heard_by_mono:

@@ -15,8 +15,9 @@ from roah_rsbb.model.reason import say
 GONE_S = 2.0
 # No competition has more nodes. The limit keeps a fault from growing.
 MAX_NODES = 32
-NO_DRIVER = say("Benchmarking module not connected: no node drives {code}. Is roah_rsbb_modules running, and is {code} "
-                "among its benchmarks?")
+NO_DRIVER = say("Benchmarking module not connected: nothing drives {code}. Start the box with modules:=true, and see "
+                "its log: the rules may be damaged. With ROS, the node roah_rsbb_modules must run, with {code} among "
+                "its benchmarks")
 
 
 class _HeardNode(NamedTuple):

@@ -6,6 +6,7 @@ ROS the node roah_rsbb_backup (`nodes/backup.py`), without ROS a child of the bo
 box it says once a second how complete each copy is, and the core warns the referees if one is behind.
 """
 
+import contextlib
 import json
 import logging
 import math
@@ -13,7 +14,8 @@ import os
 import signal
 import sys
 import threading
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence
+import time
+from typing import IO, Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence
 
 from roah_rsbb import platform
 from roah_rsbb.box.program.main import log_to_terminal
@@ -29,8 +31,11 @@ from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, HELPER, Caller
 from roah_rsbb.document.place import DoorPlace, read_place
 from roah_rsbb.durable import close_to_others
+from roah_rsbb.journal.file import holder_of
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import encode
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.params import BadParams
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.box_end import BoxEnd
 from roah_rsbb.standby.herald import Herald
@@ -41,6 +46,11 @@ from roah_rsbb.standby.program.handover import Handover
 
 NAME = "roah_rsbb_backup"  # of this program
 PERIOD_S = 1.0
+# Locked by this program, in log_dir.
+LOCK = "copies.lock"
+LOOK_S = 0.1
+# Without a supervisor and without a box, until it ends.
+LEFT_S = 30.0
 # For the last part of the journal; a stick that hangs must not keep the program from ending.
 END_S = 5.0
 _log = logging.getLogger(__name__)
@@ -141,7 +151,10 @@ class Copying:
 
     def _on_asked(self, found: Mapping[str, Any], _caller: Caller) -> None:
         """The box asks; `_on_copied` answers. It asks again with each report, so an answer may get lost."""
-        self._copies[-1].follower.ask(_Question(str(found["box"]), str(found["journal"]), int(found["ticket"])))
+        box, journal, ticket = (found.get(name) for name in ("box", "journal", "ticket"))
+        if not isinstance(box, str) or not isinstance(journal, str) or type(ticket) is not int:
+            raise Refused(["only the box asks whether there is a copy"])
+        self._copies[-1].follower.ask(_Question(box, journal, ticket))
 
     def _on_copied(self, question: object) -> None:
         """In a thread: a copy has everything for which it was asked."""
@@ -164,21 +177,53 @@ class Copying:
             answer.wait(END_S)
 
 
+def _only_one(log_dir: str) -> IO[str]:
+    """Lock the log_dir for this program, in the place of one whose supervisor is gone; returns the file of the lock.
+    Raises OSError."""
+    os.makedirs(log_dir, exist_ok=True)
+    file = open(os.path.join(log_dir, LOCK), "a+", encoding="ascii")  # noqa: SIM115
+    until_mono = time.monotonic() + 2 * END_S
+    while True:
+        try:
+            platform.lock(file.fileno())
+            break
+        except BlockingIOError:
+            file.seek(0)
+            pid, parent = map(int, (file.read() or "0 0").split())
+            is_left = platform.status_of(pid)[1:2] not in ([], [str(parent)])
+            if not is_left or time.monotonic() > until_mono:
+                raise OSError(f"process {pid} copies the journal in {log_dir} already: end it, or wait until its box "
+                              "has ended") from None
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGTERM)
+            time.sleep(LOOK_S)
+    file.truncate(0)
+    file.write(f"{os.getpid()} {os.getppid()}")
+    file.flush()
+    return file
+
+
 def main(arguments: Optional[Sequence[str]] = None) -> None:
     """Copy the journal of a box without ROS. `arguments`: `CopySettings.words`."""
-    platform.end_with_parent()
     close_to_others()
     log_to_terminal()
-    ended = threading.Event()
-    for number in platform.ending_signals():
-        signal.signal(number, lambda *_: ended.set())
+    ended, parent = threading.Event(), os.getppid()
+    for number in platform.ending_signals():  # a terminal sends them to all; this program ends after the box
+        signal.signal(number, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda *_: ended.set())
     values: Dict[str, str] = of_words(sys.argv[1:] if arguments is None else arguments)
-    settings = copy_settings(BoxSettings(values))
-    wait_for_takeover(settings.log_dir, ended.is_set)
     try:
+        settings = copy_settings(BoxSettings(values))
+        wait_for_takeover(settings.log_dir, lambda: ended.is_set() or os.getppid() != parent)
+        lock = _only_one(settings.log_dir)
         copying = Copying(settings, NAME, lambda: read_place(door_file_in(settings.log_dir)))
-    except OSError as error:
+    except (BadParams, OSError) as error:
         sys.exit(f"The journal is not copied: {error}")
-    while not ended.wait(PERIOD_S):
+    left_s = 0.0
+    while not ended.wait(PERIOD_S) and left_s < LEFT_S:
         copying.report()
+        # Without its parent, it copies and hands over as long as there is a box.
+        is_left = os.getppid() != parent and not holder_of(settings.log_dir)
+        left_s = left_s + PERIOD_S if is_left else 0.0
     copying.close()
+    lock.close()

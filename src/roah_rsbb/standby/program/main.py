@@ -280,7 +280,7 @@ def _keep_copy(
             return False
         return True
 
-    prepared = Prepared(lambda: launch_command(folder, arguments), Denied, _show)
+    prepared = Prepared(folder, lambda: launch_command(folder, arguments), Denied, _show)
     ears = Ears(box, lambda: _network(folder, arguments) if _network_of_box(folder) else {},
                 lambda: _standing(folder).epoch, automatic,
                 lambda: take_over(f"Nothing was heard of the box for {automatic.silence_s:g} s: taking over"), _show)

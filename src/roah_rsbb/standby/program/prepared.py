@@ -5,7 +5,6 @@ beside it. A box without ROS has no other parts.
 """
 
 import contextlib
-import ctypes
 import os
 import signal
 import subprocess
@@ -17,6 +16,7 @@ from xml.parsers.expat import ExpatError
 
 from roah_rsbb.arguments import is_without_ros
 from roah_rsbb.client.places import MASTER_URI
+from roah_rsbb.standby.program.guard import guarded
 from roah_rsbb.tools import launched
 
 LOOK_S = 1.0
@@ -24,16 +24,15 @@ LOOK_S = 1.0
 CORE_PART, REST_PART = "part:=core", "part:=rest"
 # roslaunch ends its nodes within this time.
 END_S = 30.0
-_PR_SET_PDEATHSIG = 1
-_libc = ctypes.CDLL(None)
 
 
 class Prepared:
     """The core that waits."""
 
-    def __init__(self, command_of: Callable[[], List[str]], not_yet: type, on_state: Callable[[str], None]) -> None:
-        """`command_of` returns the command that starts the whole box, or raises `not_yet`."""
-        self._command_of, self._not_yet, self._on_state = command_of, not_yet, on_state
+    def __init__(self, folder: str, command_of: Callable[[], List[str]], not_yet: type,
+                 on_state: Callable[[str], None]) -> None:
+        """`folder`: of the standby. `command_of` returns the command that starts the whole box, or raises `not_yet`."""
+        self._folder, self._command_of, self._not_yet, self._on_state = folder, command_of, not_yet, on_state
         self._command: Optional[Sequence[str]] = None
         self._process: Optional[subprocess.Popen] = None
         self._ended = threading.Event()
@@ -60,7 +59,8 @@ class Prepared:
         self._ended.set()  # nothing is prepared any more
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: over.set())
-        parts = [self._process] if is_without_ros() else [_start([*self._command, REST_PART]), self._process]
+        rest = [] if is_without_ros() else [_start(self._folder, [*self._command, REST_PART])]
+        parts = [*rest, self._process]
         for process in parts:
             threading.Thread(target=lambda process=process: (process.wait(), over.set()), daemon=True).start()
         over.wait()
@@ -76,7 +76,7 @@ class Prepared:
                     self._on_state("A core runs at ROS_MASTER_URI, so no box is prepared here: a takeover takes longer")
                     return
                 self._command, self._process = command, _start(
-                    command if is_without_ros() else [*command, CORE_PART])
+                    self._folder, command if is_without_ros() else [*command, CORE_PART])
                 if self._ended.is_set():
                     launched.end(self._process, END_S)
                 # It gets a signal when the thread that started it ends.
@@ -95,7 +95,6 @@ def _core_runs() -> bool:
         return False
 
 
-def _start(command: Sequence[str]) -> subprocess.Popen:
-    """Start a part of the box. It ends with this program, however that ends, and Ctrl-C does not reach it directly."""
-    return subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True,
-                            preexec_fn=lambda: _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGINT))
+def _start(folder: str, command: Sequence[str]) -> subprocess.Popen:
+    """Start a part of the box. Ctrl-C does not reach it directly."""
+    return subprocess.Popen(guarded(folder, command), stdin=subprocess.DEVNULL, start_new_session=True)

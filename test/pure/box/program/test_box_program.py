@@ -262,6 +262,20 @@ def test_what_cannot_be_is_said_before_anything_is_opened(tmp_path, monkeypatch,
     assert not (tmp_path / "log").exists()
 
 
+def test_the_program_that_copies_finds_a_box_that_could_not_write_at_its_start(tmp_path, monkeypatch):
+    monkeypatch.setattr(program, "DOOR_S", 0.01)
+    (tmp_path / "log" / "door.json").mkdir(parents=True)  # as on a disk that is full
+
+    async def play():
+        async with Demonstration(tmp_path / "log") as demo:
+            (tmp_path / "log" / "door.json").rmdir()
+            while not os.path.exists(demo.door_file):
+                await asyncio.sleep(0.01)
+            return read_place(demo.door_file).token == demo.program.running.door.token
+    assert run(play())
+    assert not (tmp_path / "log" / "door.json").exists(), "it is over"
+
+
 def test_terminals_are_not_led_from_one_box_to_another(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.delenv(OWN_VARIABLE, raising=False)
@@ -287,6 +301,9 @@ def test_two_boxes_of_a_user_are_not_at_the_same_address_and_port(tmp_path, monk
         first = BoxProgram(loop, settings(str(tmp_path / "1"), **given), "")
         with pytest.raises(BadParams, match="another box of this user is at 127.0.0.1, UDP port 17: end it, or"):
             BoxProgram(loop, settings(str(tmp_path / "2"), **given), "")
+        with pytest.raises(BadParams, match="another box of this user is at 0.0.0.0, UDP port 17"):
+            BoxProgram(loop, settings(str(tmp_path / "2"), **given, bind_host="0.0.0.0"), "")
+        BoxProgram(loop, settings(str(tmp_path / "3"), **given, bind_host="127.0.0.9"), "").close()
         other = BoxProgram(loop, settings(str(tmp_path / "2"), **{**given, "rsbb_port": "18"}), "")
         first.close()
         again = BoxProgram(loop, settings(str(tmp_path / "1"), **given), "")

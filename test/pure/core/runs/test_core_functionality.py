@@ -33,7 +33,7 @@ def test_a_module_that_is_not_there_keeps_start_off_and_connect_on():
     robot.says()
     reasons = driver.off("start")
     assert len(reasons) == 1
-    assert reasons[0].startswith("Benchmarking module not connected: no node drives HNF")
+    assert reasons[0].startswith("Benchmarking module not connected: nothing drives HNF")
     driver.command("disconnect")
     robot.beacon()
     assert driver.off("connect") == []

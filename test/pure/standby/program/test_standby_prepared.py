@@ -1,5 +1,6 @@
 """The box that is started in advance on the standby, and the request that lets it begin."""
 
+import os
 import queue
 import socket
 import sys
@@ -26,6 +27,7 @@ def preparing(tmp_path, monkeypatch):
     """A program instead of roslaunch, which notes its part in a file, and runs until it is interrupted."""
     monkeypatch.setattr(module, "_core_runs", lambda: False)
     monkeypatch.setattr(module, "LOOK_S", 0.01)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(sys.path))
     program = ("import sys, time\nopen(sys.argv[1] + '/' + sys.argv[-1], 'w').close()\n"
                "time.sleep(600)\n")
     return [sys.executable, "-c", program, str(tmp_path)], tmp_path
@@ -52,7 +54,7 @@ def test_the_core_is_started_when_there_is_a_copy(preparing):
             raise NotYet
         return command
 
-    prepared = Prepared(command_of, NotYet, lambda text: None)
+    prepared = Prepared(str(folder), command_of, NotYet, lambda text: None)
     prepared.start()
     wait_for(folder / "part:=core")
     wait_until(lambda: prepared.is_for(command), "it is prepared")  # the program may be faster than its start returns
@@ -65,7 +67,7 @@ def test_nothing_is_started_beside_another_core(preparing, monkeypatch):
     command, folder = preparing
     monkeypatch.setattr(module, "_core_runs", lambda: True)
     said = queue.Queue()
-    prepared = Prepared(lambda: command, NotYet, said.put)
+    prepared = Prepared(str(folder), lambda: command, NotYet, said.put)
     prepared.start()
     assert "A core runs" in said.get(timeout=LIMIT_S)
     prepared.end()

@@ -17,12 +17,12 @@ class TestModulesThatComeAndGo(ModulesCase):
     def test_a_run_without_its_module(self) -> None:
         robot = self.robot("Zeta")
         self.box.connect("Gone")
-        off = "Benchmarking module not connected: no node drives HGMF"
+        off = "Benchmarking module not connected: nothing drives HGMF"
         self.box.wait_details(
             "Gone", lambda d: d.robot_state == "STOP" and len(d.off("start")) == 1 and off in d.off("start")[0],
             "the robot is heard, and start is off for the module only",
         )
-        self.assertIn("no node drives HGMF", self.box.refusal("start", "Gone"))
+        self.assertIn("nothing drives HGMF", self.box.refusal("start", "Gone"))
         problem = "HGMF.yaml:7: found x; expected y"
         self.fbm = self.modules("HGMF", problems=(problem,))
         self.box.wait_details(
