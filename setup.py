@@ -27,13 +27,15 @@ RUNTIME = "protobuf>=3.20.2,<8"
 # It brings protoc 25.1, and has wheels for Python 3.8 to 3.12.
 COMPILER = "grpcio-tools>=1.62,<1.63; python_version<'3.13'"
 
-REQUIRES = {"robot": [RUNTIME, "cryptography>=2.8"], "check": ["PyYAML>=5.3.1"], "results": [],
+REQUIRES = {"robot": [RUNTIME, "cryptography>=2.8"], "check": ["PyYAML>=5.3.1"],
             "box": ["tornado>=6", "qrcode>=6"]}
 # Before Python 3.12, PySide6 6.12.0 ends each program with windows: it releases None too often.
 EXTRAS = {"box": {"window": ["PySide6-Essentials; python_version>='3.12'",
                              "PySide6-Essentials<6.12; python_version<'3.12'"]}}
 # Names of the wheels at an index. Each has the program roah-rsbb, because tools such as pipx look for it only there.
-WHEELS = {"robot": "roah-rsbb-robot", "check": "roah-rsbb-check", "results": "roah-rsbb-results", "box": "roah-rsbb"}
+WHEELS = {"robot": "roah-rsbb-robot", "check": "roah-rsbb-check", "box": "roah-rsbb"}
+# Packages of Debian that are in the wheel of another one.
+IN_WHEEL = {"results": "box"}
 WITH_PROGRAM = ("robot", "box")
 
 # Folders whose files are in the wheels, too.
@@ -63,11 +65,15 @@ def usable_protoc():
 def build_command(package, package_of):
     """Return the command that builds one package."""
 
+    def is_in(path):
+        owner = package_of(path)
+        return IN_WHEEL.get(owner, owner) == package
+
     class Build(build_py):
         def find_package_modules(self, package_name, package_dir):
             """Return the modules of a folder that are in this package."""
             return [module for module in super().find_package_modules(package_name, package_dir)
-                    if package_of(pathlib.Path(module[2]).relative_to("src").as_posix()) == package]
+                    if is_in(pathlib.Path(module[2]).relative_to("src").as_posix())]
 
         def run(self):
             super().run()
@@ -75,7 +81,7 @@ def build_command(package, package_of):
             if package == "robot":
                 generate_protobuf(built / "pb")
             for file in (found for place in SHIPPED for found in pathlib.Path(place).rglob("*")):
-                if file.is_file() and package_of(file.as_posix()) == package:
+                if file.is_file() and is_in(file.as_posix()):
                     shipped = built / "shipped_files" / file
                     shipped.parent.mkdir(parents=True, exist_ok=True)
                     shutil.copy(str(file), str(shipped))
@@ -116,7 +122,8 @@ def setup_for_pip():
     if package not in REQUIRES:
         raise SystemExit(f"roah_rsbb: ROAH_RSBB_PACKAGE is '{package}': give one of {', '.join(REQUIRES)}")
     contents = runpy.run_path(str(pathlib.Path("packaging", "contents.py")))
-    needs = [f"{WHEELS[needed]}=={COMMON['version']}" for needed in contents["NEEDS"][package]]
+    needs = [f"{WHEELS[needed]}=={COMMON['version']}" for needed in contents["NEEDS"][package]
+             if needed in WHEELS]
     # build/ belongs to CMake. Files of an earlier build there would end up in the wheel.
     with tempfile.TemporaryDirectory() as build_base:
         setup(

@@ -1,6 +1,6 @@
 """Run by tools/test_pip_install with the Python of a venv that has wheels of roah_rsbb.
 
-Arguments: the source tree, and the last wheel that was installed: robot, check, results or box. Everything in them
+Arguments: the source tree, and the last wheel that was installed: robot, check or box. Everything in them
 imports, with protobuf, cryptography and PyYAML alone, and the box with tornado. The documented example completes a
 benchmark against a box, both of them from the wheels.
 """
@@ -162,9 +162,8 @@ if PACKAGE == "robot":
     asyncio.run(complete_a_benchmark())
 if PACKAGE == "check":
     check_shipped()
-if PACKAGE == "results":
-    check_results()
 if PACKAGE == "box":
+    check_results()
     check_demo()
     check_box()
 versions = [f"{name} {INSTALLED[name]}" for name in ("protobuf", "cryptography", "PyYAML", "tornado")

@@ -18,7 +18,7 @@ COMMANDS = {
     "capture": ("check", "capture.program", "show the datagrams on the network"),
     "dummy-box": ("check", "check.dummy_box", "a box for a team: leads one robot through a run"),
     "standby": ("box", "standby.program.main", "a second computer that takes over when the box is lost"),
-    "results": ("results", "results.program.main", "show and export the runs of a competition"),
+    "results": ("box", "results.program.main", "show and export the runs of a competition"),
 }
 # Not for users: processes of a box.
 INTERNAL = {"modules": ("box", "box.program.modules_process", ""), "copies": ("box", "standby.program.copying", ""),
