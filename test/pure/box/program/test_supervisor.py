@@ -84,10 +84,11 @@ def test_a_box_that_ends_by_itself_is_not(supervised, tmp_path, status):
 def test_whoever_ends_the_supervisor_ends_the_box(supervised, tmp_path, number):
     process = supervised("""
         signal.signal(signal.SIGTERM, lambda *_: (open("ended", "w").close(), sys.exit(0)))
+        print("ready", flush=True)
         while True:
             time.sleep(60)
         """)
-    assert process.stdout.readline() == "started 1\n"
+    assert [process.stdout.readline() for _ in range(2)] == ["started 1\n", "ready\n"]
     process.send_signal(number)
     process.communicate(timeout=LIMIT_S)
     assert process.returncode == 0
