@@ -90,13 +90,12 @@ class BoxProgram:
         port = self.running.door.open(LOOPBACK)
         self._url = f"ws://{LOOPBACK}:{port}/door"
         own = door_file_in(self._params.log_dir)
-        for path in dict.fromkeys((own, door_file)):
+        self._door_files = [*dict.fromkeys((own, door_file))]
+        for path in self._door_files:
             problem = self._write_door(path)
             if problem:  # the box has other faces
                 _log.error("Other programs cannot find this box: %s cannot be written: %s. Repair that%s",
                            path, problem, "" if path == own else ", and start the box again")
-            else:
-                self._door_files.append(path)
         self.keep(self._keep_door(own))
 
     def close(self) -> None:
@@ -106,7 +105,8 @@ class BoxProgram:
         if running and not self.running.box.is_superseded:
             _log.warning("The box ends during a run in %s: its robot is not stopped, and the run continues when the "
                          "box is started again", ", ".join(running))
-        for path in self._door_files:
+        files, self._door_files = self._door_files, []  # none is written any more
+        for path in files:
             if _is_own(path, self.running.door.token):
                 os.unlink(path)
         self._web.close()
@@ -137,7 +137,7 @@ class BoxProgram:
         """Say in a file where the door is, unless it is there; returns what is wrong, or nothing."""
         token = self.running.door.token
         try:
-            if not _is_own(path, token):
+            if path in self._door_files and not _is_own(path, token):
                 write_place(path, self._url, token)
         except OSError as error:
             return str(error.strerror)
@@ -147,9 +147,7 @@ class BoxProgram:
         """The disk may have been full at the start: the program that copies must find the box nevertheless."""
         while True:
             await asyncio.sleep(DOOR_S)
-            problem = await self._loop.run_in_executor(None, self._write_door, path)
-            if not problem and path not in self._door_files:
-                self._door_files.append(path)
+            await self._loop.run_in_executor(None, self._write_door, path)
 
     def keep(self, work: Coroutine[Any, Any, Any]) -> None:
         """Run something until this program ends, such as a robot of a demonstration."""
