@@ -7,6 +7,7 @@ one SQLite file, is imported into a temporary folder first.
 import contextlib
 import os
 import tempfile
+import time
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.journal import kinds, records
@@ -17,7 +18,8 @@ from roah_rsbb.journal.records import Top, line_of, top_of
 from roah_rsbb.journal.standing import BoxEpoch
 
 # A running box may write a record, or begin a segment, while the folder is read.
-ATTEMPTS = 3
+# Seconds between two looks then: on a busy computer, its write may wait for the processor.
+ATTEMPTS, PAUSE_S = 4, 0.05
 # A larger journal is checked only where it is read, unless the caller wants all of it (docs/journal.md, "Damage").
 SMALL_BYTES = 4_000_000
 # Segments whose records are in memory.
@@ -357,7 +359,8 @@ class JournalReader:
             )
         folder = self.path if os.path.isdir(self.path) else self._imported()
         try:
-            for _ in range(ATTEMPTS):
+            for attempt in range(ATTEMPTS):
+                time.sleep(PAUSE_S if attempt else 0.0)
                 found = open_journal(folder)
                 if not (found.problems or found.holes or found.torn):
                     break
