@@ -10,6 +10,7 @@ import tempfile
 import time
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb import platform
 from roah_rsbb.journal import kinds, records
 from roah_rsbb.journal.contents import DAMAGED, Opened, RunEntry, holes_of, open_journal, utc_text
 from roah_rsbb.journal.file import FILE_NAME, OLD_FILE_NAME
@@ -359,11 +360,12 @@ class JournalReader:
             )
         folder = self.path if os.path.isdir(self.path) else self._imported()
         try:
-            for attempt in range(ATTEMPTS):
-                time.sleep(PAUSE_S if attempt else 0.0)
+            for _ in range(ATTEMPTS):
                 found = open_journal(folder)
                 if not (found.problems or found.holes or found.torn):
                     break
+                if _is_written(folder):
+                    time.sleep(PAUSE_S)
         except NewerFormat as error:
             raise JournalError(f"{self.path}: {error}: read it with that version") from None
         except OSError as error:
@@ -411,3 +413,15 @@ def _remove(state: Any, path: Sequence[str]) -> None:
         state = state.get(name) if isinstance(state, dict) else None
     if isinstance(state, dict):
         state.pop(path[-1], None)
+
+
+def _is_written(folder: str) -> bool:
+    """Whether a box has locked this journal, and writes it."""
+    try:
+        with open(f"{folder}.lock", "rb") as file:
+            platform.lock(file.fileno())
+    except BlockingIOError:
+        return True
+    except OSError:
+        pass
+    return False
