@@ -86,6 +86,19 @@ def lock(fd: int) -> None:
         os.lseek(fd, at, os.SEEK_SET)
 
 
+def is_locked(path: str) -> bool:
+    """Whether a program has locked a file. False also if there is no such file, or if nobody can say."""
+    try:
+        # NFS locks only what may be written.
+        with open(path, "r+b" if os.access(path, os.W_OK) else "rb", opener=open_file) as file:
+            lock(file.fileno())
+    except BlockingIOError:
+        return True
+    except OSError:
+        pass
+    return False
+
+
 def read_at(fd: int, count: int, at: int) -> bytes:
     """Read up to so many bytes at this place of a file, whose position nothing else uses. Raises OSError."""
     if hasattr(os, "pread"):

@@ -1,5 +1,6 @@
 """The box: the real programs, in the namespace of the test's own process, with a competition made for the test."""
 
+import functools
 import os
 import pathlib
 import re
@@ -15,7 +16,7 @@ from support.door_client import DoorClient
 from support.programs import Program
 from support.waiting import wait_until
 
-from roah_rsbb.client.places import DoorPlaces
+from roah_rsbb.client.places import DoorPlaces, door_file_in
 from roah_rsbb.document.place import read_place
 from roah_rsbb.journal.file import holder_of
 
@@ -62,7 +63,7 @@ class Box(DoorClient):
         if kind == WITHOUT_ROS:
             self.program = Program(sys.executable, str(HERE / "box_without_ros.py"), str(folder), BROADCAST,
                                    HOME=str(folder))
-            find = lambda: read_place(str(self.log_dir / "door.json"))  # noqa: E731
+            find = functools.partial(read_place, door_file_in(str(self.log_dir)))
         else:
             os.environ.update(
                 ROS_MASTER_URI="http://127.0.0.1:11311", ROS_IP="127.0.0.1", ROS_HOME=str(folder / "home"),

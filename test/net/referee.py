@@ -5,6 +5,7 @@ import re
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import rosbag
+from crew import ROBOT
 from support.door_client import NoAnswer, Refusal, SeenZone
 from support.run_logs import RunLog
 from support.waiting import wait_until
@@ -68,14 +69,16 @@ class Referee:
         return box.zone_details(zone).port
 
     def _connect_all(self, robots: int) -> None:
-        """Wait until the robot's skew is allowed: on a bad network it may leave the allowed range again."""
+        """Wait until the robots' skew is allowed: on a bad network it may leave the allowed range again. One that a
+        trouble added, and that has ended since, may still be active, but must not be in the run."""
         box = self._box
         while True:
             ready = f"{robots} robots ready"
             box.wait_details(SPEECH, lambda d, ready=ready: ready in _state(d), ready, LIMIT_S)
             self._insist("connect", lambda d: d.phase != "idle")
-            connected = box.wait_details(SPEECH, lambda d: _counts(_state(d)), "robots are connected", LIMIT_S)
-            if connected[0] == robots:
+            connected = box.wait_details(
+                SPEECH, lambda d: _counts(_state(d)) and d.robots, "robots are connected", LIMIT_S)
+            if len(connected) == robots and all(line.startswith(f"{ROBOT} of team") for line in connected):
                 return
             box.command("disconnect", SPEECH)
             box.wait_phase(SPEECH, "idle")

@@ -104,6 +104,18 @@ def test_a_locked_file_is_not_locked_again(each, tmp_path):
         platform.lock(other.fileno())
 
 
+def test_whether_a_file_is_locked_is_known_without_a_lock(each, tmp_path):
+    path = str(tmp_path / "file")
+    assert not platform.is_locked(path)
+    assert not os.path.exists(path)
+    with open(path, "w+b") as file:
+        platform.lock(file.fileno())
+        assert platform.is_locked(path)
+        os.chmod(path, 0o444)
+        assert platform.is_locked(path)
+    assert not platform.is_locked(path)
+
+
 def test_on_windows_no_byte_of_a_file_is_locked(windows, tmp_path):
     """Nobody else could read it."""
     with open(str(tmp_path / "file"), "w+b") as file:

@@ -28,8 +28,7 @@ class Core:
 
     def __init__(self, log_dir):
         self.process = subprocess.Popen(
-            [sys.executable, "-c", CORE, str(log_dir)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+            [sys.executable, "-c", CORE, str(log_dir)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.pid = self.process.pid
 
     def send(self, what="sign"):

@@ -28,7 +28,7 @@ OWN_VARIABLE = "ROAH_RSBB_DOOR"
 
 def local_door_file() -> str:
     """Return the path of the file in which the box without ROS on this computer says where its door is."""
-    return os.environ.get(OWN_VARIABLE) or os.path.join(user_folder(), "door.json")
+    return os.environ.get(OWN_VARIABLE) or door_file_in(user_folder())
 
 
 def user_folder() -> str:

@@ -364,7 +364,7 @@ class JournalReader:
                 found = open_journal(folder)
                 if not (found.problems or found.holes or found.torn):
                     break
-                if _is_written(folder):
+                if platform.is_locked(f"{folder}.lock"):  # a box writes it
                     time.sleep(PAUSE_S)
         except NewerFormat as error:
             raise JournalError(f"{self.path}: {error}: read it with that version") from None
@@ -413,15 +413,3 @@ def _remove(state: Any, path: Sequence[str]) -> None:
         state = state.get(name) if isinstance(state, dict) else None
     if isinstance(state, dict):
         state.pop(path[-1], None)
-
-
-def _is_written(folder: str) -> bool:
-    """Whether a box has locked this journal, and writes it."""
-    try:
-        with open(f"{folder}.lock", "rb") as file:
-            platform.lock(file.fileno())
-    except BlockingIOError:
-        return True
-    except OSError:
-        pass
-    return False

@@ -17,7 +17,6 @@ import os
 import signal
 import threading
 import time
-from typing import Optional
 
 import rospy
 from std_srvs.srv import Empty, EmptyResponse
@@ -72,9 +71,8 @@ def main() -> None:
     connections.init_node("roah_rsbb_shutdown")
     params = NodeParams()
     log_lines = LogLines()  # the supervisor must not wait for the terminal
-    supervisor: Optional[Supervisor] = None
-    if params.text("log_dir", "none") != "none":
-        supervisor = Supervisor(params.path("log_dir"))
+    log_dir = params.path_or_none("log_dir")
+    supervisor = Supervisor(log_dir) if log_dir else None
     params.done()
     rospy.Service("roah_rsbb_shutdown", Empty, on_call)
     while not rospy.is_shutdown():

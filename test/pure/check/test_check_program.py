@@ -77,7 +77,7 @@ def test_the_pages_name_every_scenario():
 def test_a_short_check_on_loopback(tmp_path):
     """The program, with real sockets and clocks, beside the program dummy_robot."""
     port = str(free_ports())
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "ROAH_RSBB_KEY": PASSWORD}
+    environment = {**os.environ, "ROAH_RSBB_KEY": PASSWORD}
     code = f"import roah_rsbb; roah_rsbb.__path__ = {list(__import__('roah_rsbb').__path__)!r}; "
 
     def start(module, *arguments):

@@ -5,6 +5,7 @@ import socket
 
 import pytest
 
+from helpers.waiting import News
 from roah_rsbb.devices import client as client_module
 from roah_rsbb.devices.client import SmartIfClient
 from roah_rsbb.devices.dummy_server import DummyServer
@@ -24,7 +25,7 @@ class World:
         self.connections = []  # (reader, writer) of each that the client made
         self.heard = []  # the messages of each connection
         self.reads = True
-        self._news = asyncio.Event()
+        self._news = News()
 
     async def open(self, port=0):
         self.server = await asyncio.start_server(self._serve, "127.0.0.1", port)
@@ -53,14 +54,7 @@ class World:
         self.connections[-1][1].close()
 
     async def until(self, condition, what):
-        async def wait():
-            while not condition():
-                self._news.clear()
-                await self._news.wait()
-        try:
-            await asyncio.wait_for(wait(), LIMIT_S)
-        except asyncio.TimeoutError:
-            raise AssertionError(f"not: {what}; {self.statuses}, {self.heard}") from None
+        await self._news.until(condition, lambda: f"{what}; {self.statuses}, {self.heard}")
 
     async def until_connected(self, number):
         """Wait until the client's connection of this number has sent everything."""

@@ -9,6 +9,7 @@ import time
 
 import pytest
 
+from helpers.waiting import News
 from roah_rsbb.devices.devices import FILE, HomeDevices, open_settings
 from roah_rsbb.devices.dummy_server import DummyServer
 from roah_rsbb.devices.home import BadSetting, Home, devices_state
@@ -24,7 +25,7 @@ class Program:
         self.saved = queue.Queue()
         self.states, self.statuses, self.reports, self.rings = [], [], [], 0
         self._given, self._save = saved, save or self.saved.put
-        self._news = asyncio.Event()
+        self._news = News()
 
     async def open(self):
         self.server = DummyServer("127.0.0.1", 0, lambda text: self._take(self.reports.append, text))
@@ -36,14 +37,7 @@ class Program:
             saved=self._given, save=self._save)
 
     async def until(self, condition, what):
-        async def wait():
-            while not condition():
-                self._news.clear()
-                await self._news.wait()
-        try:
-            await asyncio.wait_for(wait(), LIMIT_S)
-        except asyncio.TimeoutError:
-            raise AssertionError(f"not: {what}; {self.states}, {self.statuses}, {self.reports}") from None
+        await self._news.until(condition, lambda: f"{what}; {self.states}, {self.statuses}, {self.reports}")
 
     async def until_connected(self):
         await self.until(lambda: self.statuses[-1][0] and any("blinds is set to" in text for text in self.reports),

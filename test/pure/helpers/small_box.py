@@ -7,6 +7,7 @@ from collections import defaultdict
 from typing import Iterator
 
 from helpers import slots
+from helpers.waiting import News
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -70,7 +71,7 @@ class SmallBox:
 
     async def __aenter__(self):
         loop = asyncio.get_event_loop()
-        self._news = asyncio.Event()
+        self._news = News()
         self._public = PublicChannel(loop, BROADCAST, self.port, self._on_public, self._reported, bind_host=BOX)
         self._private = PrivateChannel(
             loop, BROADCAST, self.private_port, self._key, self._on_robot, self._reported, bind_host=BOX
@@ -88,11 +89,7 @@ class SmallBox:
 
     async def until(self, condition):
         """Wait until `condition()` holds. It is checked with each datagram, and every 20 ms."""
-        async def hold():
-            while not condition():
-                self._news.clear()
-                await self._news.wait()
-        await asyncio.wait_for(hold(), TIMEOUT_S)
+        await self._news.until(condition)
 
     async def run_through(self):
         """Start, and wait until the robot has completed all goals and stopped."""

@@ -11,11 +11,11 @@ import shutil
 import subprocess
 import sys
 import threading
-import time
 
 import pytest
 
 from helpers.small_disk import CannotMount, SmallDisk
+from helpers.waiting import wait_until
 from roah_rsbb.journal import file as files
 from roah_rsbb.journal import log
 from roah_rsbb.journal import store as stores
@@ -211,14 +211,6 @@ def test_a_full_segment_is_followed_by_the_next_while_the_box_runs(journals, mon
     assert journal.why_not_saved(ticket) == ""
     assert len(segments(journal)) > 5
     assert len(records_of(journal)) == 101
-
-
-def wait_until(condition):
-    """Wait for what another thread does soon."""
-    limit = time.monotonic() + 30.0
-    while not condition():
-        assert time.monotonic() < limit
-        time.sleep(0.01)
 
 
 class FailingFiles(log.Files):

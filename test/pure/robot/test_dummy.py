@@ -260,8 +260,7 @@ def test_a_password_in_any_letters_is_the_boxs(source, name):
                 "--port", str(box.port), "--bind", ROBOT,
             ]
             environment = {
-                **os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **locale,
-                **({dummy.PASSWORD_VARIABLE: password} if source == "environment" else {}),
+                **os.environ, **locale, **({dummy.PASSWORD_VARIABLE: password} if source == "environment" else {}),
             }
             if "LC_ALL" not in locale:
                 environment.pop("LC_ALL", None)

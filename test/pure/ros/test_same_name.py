@@ -37,8 +37,7 @@ def master():
 @pytest.fixture
 def node(master, tmp_path):
     """A node with this name."""
-    environment = {**os.environ, "ROS_MASTER_URI": master.uri, "ROS_IP": "127.0.0.1", "ROS_LOG_DIR": str(tmp_path),
-                   "PYTHONPATH": os.pathsep.join(sys.path)}
+    environment = {**os.environ, "ROS_MASTER_URI": master.uri, "ROS_IP": "127.0.0.1", "ROS_LOG_DIR": str(tmp_path)}
     with subprocess.Popen([sys.executable, "-c", NODE], env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                           universal_newlines=True, bufsize=1) as process:
         yield process

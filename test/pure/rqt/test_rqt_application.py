@@ -1,6 +1,5 @@
 """A program with windows, and signals while it starts."""
 
-import os
 import subprocess
 import sys
 
@@ -41,8 +40,7 @@ node.WindowNode().begin("test")
 def _printed(program, signal_name):
     done = subprocess.run(
         [sys.executable, "-c", program.replace("SIGNAL", signal_name)], stdout=subprocess.PIPE, text=True, timeout=300,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, check=False,
-    )
+        check=False)
     return done.stdout.splitlines(), done.returncode
 
 

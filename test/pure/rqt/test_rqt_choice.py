@@ -83,7 +83,7 @@ def test_rqt_ends_at_once_without_closing_its_window(happens, printed, status):
     pytest.importorskip("PyQt5.QtWidgets")
     pytest.importorskip("rospy")
     assert "run_rqt(Main(" in gui.RQT[2]
-    environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen", "PYTHONPATH": os.pathsep.join(sys.path)}
+    environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
     program = [sys.executable, "-c", RQT.replace("HAPPENS", happens)]
     ended = subprocess.run(program, stdout=subprocess.PIPE, text=True, check=False, env=environment, timeout=300)
     assert (ended.stdout, ended.returncode) == (printed, status)

@@ -177,7 +177,7 @@ def test_a_program_with_windows_shows_it(of_windows, locale, shown):
     root = catalogues.ROOT
     done = subprocess.run(
         [sys.executable, "-c", SHOWING], stdout=subprocess.PIPE, timeout=300, check=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "LC_ALL": locale, "PYTHONIOENCODING": "utf-8",
+        env={**os.environ, "LC_ALL": locale, "PYTHONIOENCODING": "utf-8",
              "ROS_PACKAGE_PATH": str(root)},
     )
     assert done.stdout.decode("utf-8").strip() == shown
@@ -188,7 +188,7 @@ def test_without_windows_all_texts_are_english():
     done = subprocess.run(
         [sys.executable, "-c", "from roah_rsbb.wording import sheets; print(sheets.phase('running'))"],
         stdout=subprocess.PIPE, text=True, check=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "LC_ALL": "de_DE.UTF-8"},
+        env={**os.environ, "LC_ALL": "de_DE.UTF-8"},
     )
     assert done.stdout == "RUNNING\n"
     users = {

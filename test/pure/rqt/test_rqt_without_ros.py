@@ -13,7 +13,7 @@ NO_QT = "import importlib.util; importlib.util.find_spec = lambda name, *_: None
 def started(program, **environment):
     done = subprocess.run(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
-        env={"PATH": os.environ["PATH"], "PYTHONPATH": os.pathsep.join(sys.path), **environment}, timeout=300)
+        env={"PATH": os.environ["PATH"], "PYTHONPATH": os.environ["PYTHONPATH"], **environment}, timeout=300)
     return done.returncode, done.stdout
 
 

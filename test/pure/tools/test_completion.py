@@ -4,7 +4,6 @@ import os
 import pathlib
 import re
 import subprocess
-import sys
 from typing import List
 
 import pytest
@@ -30,7 +29,6 @@ def _tab(tmp_path: pathlib.Path):
     (tmp_path / "lib" / "roah_rsbb").symlink_to(ROOT / "scripts")
     environment = {
         **os.environ, "HOOK": str(HOOK), "CMAKE_PREFIX_PATH": f"/nowhere:{tmp_path}",
-        "PYTHONPATH": os.pathsep.join(sys.path),
     }
 
     def tab(line: str) -> List[str]:

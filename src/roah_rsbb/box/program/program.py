@@ -55,11 +55,11 @@ class BoxProgram:
         self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
         self._sounds = Sounds(settings)
         _make_folder(params.log_dir)
-        signs, self._parent = Signs(params.log_dir), os.getppid()
+        self._signs, self._parent = Signs(params.log_dir), os.getppid()
 
         def is_left() -> bool:
             """Say that this process waits; whether its supervisor is gone, so that nobody waits for it."""
-            signs.wait()
+            self._signs.wait()
             return bool(launch) and os.getppid() != self._parent
 
         wait_for_takeover(params.log_dir, is_left)
@@ -100,7 +100,7 @@ class BoxProgram:
 
     def close(self) -> None:
         """End everything. Runs continue with the next start."""
-        Signs(self._params.log_dir).end()  # whatever follows, it is no core that hangs
+        self._signs.end()  # whatever follows, it is no core that hangs
         running = [zone.zone for zone in self.running.door.document.zones.values() if zone.phase == RUNNING]
         if running and not self.running.box.is_superseded:
             _log.warning("The box ends during a run in %s: its robot is not stopped, and the run continues when the "

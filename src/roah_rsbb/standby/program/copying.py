@@ -31,7 +31,7 @@ from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, HELPER, Caller
 from roah_rsbb.document.place import DoorPlace, read_place
 from roah_rsbb.durable import close_to_others
-from roah_rsbb.journal.file import holder_of
+from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import encode
 from roah_rsbb.model.referee import Refused
@@ -219,11 +219,11 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
         copying = Copying(settings, NAME, lambda: read_place(door_file_in(settings.log_dir)))
     except (BadParams, OSError) as error:
         sys.exit(f"The journal is not copied: {error}")
-    left_s = 0.0
+    journal_lock, left_s = os.path.join(settings.log_dir, f"{FILE_NAME}.lock"), 0.0
     while not ended.wait(PERIOD_S) and left_s < LEFT_S:
         copying.report()
         # Without its parent, it copies and hands over as long as there is a box.
-        is_left = os.getppid() != parent and not holder_of(settings.log_dir)
+        is_left = os.getppid() != parent and not platform.is_locked(journal_lock)
         left_s = left_s + PERIOD_S if is_left else 0.0
     copying.close()
     lock.close()

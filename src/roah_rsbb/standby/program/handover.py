@@ -120,7 +120,7 @@ class Handover:
             with contextlib.suppress(OSError):
                 os.kill(holder, signal.SIGKILL)
         _log.error("The core does not answer, and none was started again within %g s: handing over to the standby",
-                     self._watch.silence.seconds)
+                   self._watch.silence.seconds)
         for event in (self._is_complete, self._is_taken):
             event.clear()
         self._question = object()

@@ -148,7 +148,7 @@ def _sub_parser(prog: str, **options: Any) -> Parser:
 
 def _code(_options: argparse.Namespace, folder: str) -> int:
     own = os.path.join(folder, FOLDER)
-    if not os.path.isdir(own) or not _is_held(os.path.join(folder, f"{FILE_NAME}.lock")):
+    if not os.path.isdir(own) or not platform.is_locked(os.path.join(folder, f"{FILE_NAME}.lock")):
         raise Denied(f"no box with a standby_port runs with the log_dir {folder}. Start it with standby_port:="
                      f"{DEFAULT_PORT}, or give its log_dir: --log-dir")
     standing = _standing(folder)
@@ -240,7 +240,7 @@ def _standing(folder: str) -> epochs.BoxEpoch:
 
 
 def _rejoin(options: argparse.Namespace, folder: str) -> int:
-    old = os.path.abspath(os.path.expanduser(options.old_log_dir))
+    old = _full(options.old_log_dir)
     if old == folder:
         raise Denied("OLD_LOG_DIR must not be the folder of the new copy: give another --log-dir, or none")
     automatic = _automatic(options)
@@ -339,7 +339,7 @@ def _give_back_address(folder: str) -> None:
 def _check_unused(folder: str) -> None:
     for name in (LOCK, f"{FILE_NAME}.lock"):
         lock = os.path.join(folder, name)
-        if _is_held(lock):
+        if platform.is_locked(lock):
             raise Denied(f"another program uses {folder} (process {_noted_pid(lock) or 'unknown'}): end it first. If "
                          "it is the box, end that")
 
@@ -410,7 +410,7 @@ def _status_of_box(standby: Optional[PairedStandby], standing: epochs.BoxEpoch) 
 def _status_of_standby(folder: str, box: PairedBox) -> Iterator[str]:
     answer = "answers" if is_alive(box, ALIVE_S) else "does not answer"
     yield f"This computer is the standby of the box at {box.host}, which {answer}"
-    is_kept = _is_held(os.path.join(folder, LOCK))
+    is_kept = platform.is_locked(os.path.join(folder, LOCK))
     yield "The copy is kept" if is_kept else "The copy is not kept: start 'standby follow'"
     if _has_journal(folder):
         yield last_moment(folder)
@@ -460,7 +460,7 @@ def _takeover(options: argparse.Namespace, folder: str) -> int:
 
 def _is_running_box(folder: str, standby: Optional[PairedStandby]) -> bool:
     """Whether this computer took over before, and its box runs."""
-    return standby is not None and _is_held(os.path.join(folder, f"{FILE_NAME}.lock"))
+    return standby is not None and platform.is_locked(os.path.join(folder, f"{FILE_NAME}.lock"))
 
 
 def _take_address_or_refuse(folder: str, box: PairedBox) -> None:
@@ -589,7 +589,7 @@ def end_follower(folder: str) -> None:
     """End the program that keeps the copy. Raises `Denied`."""
     paths = [os.path.join(folder, name) for name in (LOCK, f"{FILE_NAME}.lock")]
     deadline, asked = time.monotonic() + END_S, 0
-    while not all(map(_is_free, paths)):
+    while any(map(platform.is_locked, paths)):
         pid = next(filter(None, map(_holder, paths)), 0)
         if not pid or time.monotonic() > deadline:
             raise Denied(f"another program uses the copy in {folder} (process {pid}): end it first")
@@ -597,20 +597,6 @@ def end_follower(folder: str) -> None:
             asked = pid
             os.kill(pid, signal.SIGTERM)
         time.sleep(0.05)
-
-
-def _is_held(path: str) -> bool:
-    """Whether a program holds a lock. Does not create the file."""
-    return os.path.exists(path) and not _is_free(path)
-
-
-def _is_free(path: str) -> bool:
-    with open(path, "a", encoding="ascii") as file:
-        try:
-            platform.lock(file.fileno())
-        except BlockingIOError:
-            return False
-    return True
 
 
 def _noted_pid(path: str) -> int:
@@ -643,14 +629,18 @@ def last_moment(folder: str) -> str:
 
 def _folder_of(options: argparse.Namespace) -> str:
     """Return the folder that a command is about."""
-    usual = os.path.abspath(os.path.expanduser(LOG_DIR))
     if options.log_dir:
-        return os.path.abspath(os.path.expanduser(options.log_dir))
+        return _full(options.log_dir)
+    usual = _full(LOG_DIR)
     if options.command != "rejoin":
         return _noted_folder(usual)
     # The copy needs another folder than that of the box that this computer was.
     names = (usual, *(f"{usual}_{number}" for number in range(2, 1000)))
     return next(name for name in names if not _has_journal(name))
+
+
+def _full(path: str) -> str:
+    return os.path.abspath(os.path.expanduser(path))
 
 
 def _noted_folder(usual: str) -> str:
@@ -662,7 +652,7 @@ def _noted_folder(usual: str) -> str:
 
 def _note_folder(folder: str) -> None:
     """Let later commands find the copy without --log-dir."""
-    usual = os.path.abspath(os.path.expanduser(LOG_DIR))
+    usual = _full(LOG_DIR)
     with contextlib.suppress(OSError):  # a disk that is full: they need --log-dir
         os.makedirs(usual, exist_ok=True)
         durable.write_file(os.path.join(usual, KEPT_IN), folder.encode())

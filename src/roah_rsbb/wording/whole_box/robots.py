@@ -21,8 +21,8 @@ NO_RUN = "–"
 
 # Older silences are ignored, seconds.
 WINDOW_S = 10.0
-# Between two looks; after a longer time, nothing is known, seconds.
-MISSED_S = 1.0
+# Between two looks, of which pages without readers have one a second; after a longer time, nothing is known, seconds.
+MISSED_S = 2.5
 
 
 class _Level(NamedTuple):
@@ -42,7 +42,7 @@ class _Robot:
 
 
 class LinkQuality:
-    """Watches all robots. Times are moments of the box's clock, in seconds. Let it look several times a second."""
+    """Watches all robots. Times: seconds of the box's clock. Let it look each second, and when the document changes."""
 
     def __init__(self) -> None:
         self._robots: Dict[Hashable, _Robot] = {}

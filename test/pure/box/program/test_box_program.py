@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from helpers.waiting import LIMIT_S, News
 from roah_rsbb.box.in_process_client import InProcessClient
 from roah_rsbb.box.program import program
 from roah_rsbb.box.program.demo import settings
@@ -23,7 +24,6 @@ from roah_rsbb.platform import run
 from roah_rsbb.robot.dummy import DummyOptions, dummy_client
 
 ZONE, TEAM = "Testing TestingTeam", "TestingTeam"
-LIMIT_S = 60.0
 
 
 def box_program(log_dir, air, **changes):
@@ -37,7 +37,7 @@ class Demonstration:
     def __init__(self, log_dir, execute_s=0.05, **changes):
         self.air = MemoryAir()
         self.program = box_program(log_dir, self.air, **changes)
-        self._changed = asyncio.Event()
+        self._changed = News()
         running = self.program.running
         loop = asyncio.get_event_loop()
         self.client = InProcessClient(running.door, loop, loop, self._changed.set, "referee")
@@ -62,11 +62,7 @@ class Demonstration:
 
     async def until(self, condition):
         """Wait until a condition holds for the zone."""
-        async def wait():
-            while not condition(self.zone):
-                self._changed.clear()
-                await self._changed.wait()
-        await asyncio.wait_for(wait(), LIMIT_S)
+        await self._changed.until(lambda: condition(self.zone))
 
     async def ask(self, name, **arguments):
         """Make a call; returns its answer, and why it was refused."""

@@ -1,9 +1,7 @@
 """The page that leads whoever uses no terminal to everything else."""
 
 import asyncio
-import os
 import re
-import sys
 import urllib.parse
 
 import pytest
@@ -20,7 +18,6 @@ NEW = {"task": "new", "name": "erl", "rulebook": "erl2019", "teams": "A, B", "da
 @pytest.fixture
 def page(running, tmp_path, monkeypatch):  # noqa: F811
     monkeypatch.setenv("HOME", str(tmp_path))
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(sys.path))
     made = StartPage()
 
     async def opened():

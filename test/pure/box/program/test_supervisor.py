@@ -43,7 +43,7 @@ def supervised(tmp_path):
         (tmp_path / "box.py").write_text(BOX + textwrap.dedent(code), "utf-8")
         found.append(subprocess.Popen(
             [sys.executable, "-c", SUPERVISOR], cwd=str(tmp_path), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-            universal_newlines=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}))
+            universal_newlines=True))
         return found[0]
 
     yield start

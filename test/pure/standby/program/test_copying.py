@@ -7,19 +7,17 @@ import time
 
 import pytest
 
-from roah_rsbb.standby.program.copying import _only_one
+from helpers.waiting import wait_until
+from roah_rsbb import platform
+from roah_rsbb.journal import file as files
+from roah_rsbb.standby.program.copying import LOCK, _only_one
 
-LIMIT_S = 60.0
-# It copies, and ends when it is asked to.
+# It soon finds that nobody is left.
 COPIES = """
-import signal, sys, time
-from roah_rsbb.standby.program.copying import _only_one
-ends = []
-signal.signal(signal.SIGTERM, lambda *_: ends.append(1))
-lock = _only_one(sys.argv[1])
-open(sys.argv[1] + "/copies", "w").close()
-while not ends:
-    time.sleep(0.01)
+import sys
+from roah_rsbb.standby.program import copying
+copying.PERIOD_S, copying.LEFT_S = 0.01, 0.1
+copying.main([f"log_dir:={sys.argv[1]}", f"backup_dir:={sys.argv[1]}/stick"])
 """
 SUPERVISOR = """
 import subprocess, sys, time
@@ -29,14 +27,16 @@ time.sleep(1000)
 
 
 @pytest.fixture
-def supervisor(tmp_path):
+def box(tmp_path):
+    """A box that writes the journal."""
+    return files.lock(str(tmp_path))
+
+
+@pytest.fixture
+def supervisor(tmp_path, box):
     """A supervisor, and its program that copies."""
-    process = subprocess.Popen([sys.executable, "-c", SUPERVISOR, str(tmp_path), COPIES],
-                               env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
-    deadline = time.monotonic() + LIMIT_S
-    while not (tmp_path / "copies").exists():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    process = subprocess.Popen([sys.executable, "-c", SUPERVISOR, str(tmp_path), COPIES])
+    wait_until(lambda: (tmp_path / LOCK).exists() and (tmp_path / LOCK).read_text("ascii"))
     yield process
     process.kill()
     process.wait()
@@ -52,3 +52,13 @@ def test_one_whose_supervisor_is_gone_is_replaced(supervisor, tmp_path):
     supervisor.kill()
     supervisor.wait()
     _only_one(str(tmp_path)).close()
+
+
+def test_without_supervisor_it_ends_when_no_box_writes_the_journal(supervisor, box, tmp_path):
+    """Until then it copies and hands over."""
+    supervisor.kill()
+    supervisor.wait()
+    time.sleep(1.0)  # far longer than it stays without a box
+    assert platform.is_locked(str(tmp_path / LOCK))
+    os.close(box.fd)
+    wait_until(lambda: not platform.is_locked(str(tmp_path / LOCK)))

@@ -7,9 +7,9 @@ import time
 
 import pytest
 
+from helpers.waiting import wait_until
 from roah_rsbb.standby.partners import PairedBox, PairedStandby, write_box, write_standby
 
-LIMIT_S = 60.0
 KEEPER = """
 import subprocess, sys, time
 from roah_rsbb.standby.program.guard import guarded
@@ -30,30 +30,22 @@ except KeyboardInterrupt:
 """
 
 
-def until(path):
-    deadline = time.monotonic() + LIMIT_S
-    while not path.exists():
-        assert time.monotonic() < deadline, path
-        time.sleep(0.01)
-
-
 @pytest.fixture
 def keeper(tmp_path):
     write_box(str(tmp_path), PairedBox("10.0.0.1", 8083, "ff", "key"))
-    process = subprocess.Popen([sys.executable, "-c", KEEPER, str(tmp_path), BOX],
-                               env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
-    until(tmp_path / "started")
+    process = subprocess.Popen([sys.executable, "-c", KEEPER, str(tmp_path), BOX])
+    wait_until((tmp_path / "started").exists)
     yield process
     process.kill()
     process.wait()
     if not (tmp_path / "ended").exists():
         os.kill(int((tmp_path / "started").read_text()), 2)
-        until(tmp_path / "ended")
+        wait_until((tmp_path / "ended").exists)
 
 
 def test_a_box_that_waits_ends_with_the_program_that_keeps_the_copy(keeper, tmp_path):
     keeper.kill()
-    until(tmp_path / "ended")
+    wait_until((tmp_path / "ended").exists)
 
 
 def test_after_the_takeover_it_continues(keeper, tmp_path):
@@ -63,4 +55,4 @@ def test_after_the_takeover_it_continues(keeper, tmp_path):
     time.sleep(1.5)  # three looks of the guard
     assert not (tmp_path / "ended").exists()
     (tmp_path / "look").touch()
-    until(tmp_path / "lives")
+    wait_until((tmp_path / "lives").exists)

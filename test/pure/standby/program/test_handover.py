@@ -52,7 +52,7 @@ class Box:
 
     def start_core(self):
         core = subprocess.Popen([sys.executable, "-c", CORE, self.log_dir], stdin=subprocess.PIPE,
-                                stdout=subprocess.PIPE, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+                                stdout=subprocess.PIPE)
         self.cores.append(core)
         core.stdout.readline()
         self.handover.look()

@@ -14,7 +14,7 @@ import pytest
 
 from helpers.copied import Copied, contents
 from helpers.journals import Writer
-from roah_rsbb import durable
+from roah_rsbb import durable, platform
 from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.journal import epochs, log
 from roah_rsbb.journal.contents import open_journal
@@ -338,7 +338,7 @@ class Keeping:
         write_box(folder, self.box)
 
     def note(self, what):
-        is_locked = standby._is_held(os.path.join(self.folder, standby.LOCK))
+        is_locked = platform.is_locked(os.path.join(self.folder, standby.LOCK))
         self.happened.append((what, is_locked, is_standby(self.folder)))
 
     def keep(self):
@@ -373,7 +373,7 @@ def test_the_program_that_keeps_the_copy_has_ended_with_the_box_that_it_prepared
     keeping = Keeping(str(copied.stick), monkeypatch, takes_over=False)
     assert keeping.keep() == 0
     assert keeping.happened == [("prepared box ended", True, True)]
-    assert not standby._is_held(str(copied.stick / standby.LOCK))
+    assert not platform.is_locked(str(copied.stick / standby.LOCK))
 
 
 def test_two_programs_that_keep_one_copy(copied):

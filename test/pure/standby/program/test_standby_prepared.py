@@ -1,21 +1,18 @@
 """The box that is started in advance on the standby, and the request that lets it begin."""
 
-import os
 import queue
 import socket
 import sys
 import threading
-import time
 
 import pytest
 
+from helpers.waiting import LIMIT_S, wait_until
 from roah_rsbb.standby.pair import Side
 from roah_rsbb.standby.partners import PairedBox, PairedStandby, is_standby, partners_of, write_box, write_standby
 from roah_rsbb.standby.program import prepared as module
 from roah_rsbb.standby.program.prepared import Prepared
 from roah_rsbb.standby.program.request import Reply, Requests, request
-
-LIMIT_S = 60.0
 
 
 class NotYet(Exception):
@@ -27,21 +24,9 @@ def preparing(tmp_path, monkeypatch):
     """A program instead of roslaunch, which notes its part in a file, and runs until it is interrupted."""
     monkeypatch.setattr(module, "_core_runs", lambda: False)
     monkeypatch.setattr(module, "LOOK_S", 0.01)
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(sys.path))
     program = ("import sys, time\nopen(sys.argv[1] + '/' + sys.argv[-1], 'w').close()\n"
                "time.sleep(600)\n")
     return [sys.executable, "-c", program, str(tmp_path)], tmp_path
-
-
-def wait_for(path):
-    wait_until(path.exists, path)
-
-
-def wait_until(condition, what):
-    deadline = time.monotonic() + LIMIT_S
-    while not condition():
-        assert time.monotonic() < deadline, what
-        time.sleep(0.01)
 
 
 def test_the_core_is_started_when_there_is_a_copy(preparing):
@@ -56,7 +41,7 @@ def test_the_core_is_started_when_there_is_a_copy(preparing):
 
     prepared = Prepared(str(folder), command_of, NotYet, lambda text: None)
     prepared.start()
-    wait_for(folder / "part:=core")
+    wait_until((folder / "part:=core").exists)
     wait_until(lambda: prepared.is_for(command), "it is prepared")  # the program may be faster than its start returns
     assert len(tries) == 3 and not prepared.is_for([*command, "gui:=none"])
     prepared.end()

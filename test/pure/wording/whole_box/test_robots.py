@@ -9,15 +9,16 @@ TICK_S = 0.1
 class Watch:
     """A panel that looks ten times a second, and one robot."""
 
-    def __init__(self):
+    def __init__(self, tick_s=TICK_S):
+        self.tick_s = tick_s
         self.links = LinkQuality()
         self.mono = 1000.0
         self.heard = 1000.0
 
     def pass_time(self, seconds, every_s=1.0):
         """The robot is heard each `every_s`; None: not at all."""
-        for _ in range(round(seconds / TICK_S)):
-            self.mono += TICK_S
+        for _ in range(round(seconds / self.tick_s)):
+            self.mono += self.tick_s
             if every_s is not None and self.mono - self.heard >= every_s - 1e-6:
                 self.heard = self.mono
             is_silent = self.mono - self.heard > LATELY_S
@@ -43,6 +44,14 @@ def test_a_gap_is_remembered_as_long_as_the_window_and_no_longer():
     assert "s" in text(watch.longest())
     watch.pass_time(WINDOW_S)
     assert text(watch.longest()) == "▮▮▮ good"
+
+
+def test_pages_without_readers_look_less_often_but_remember_gaps():
+    watch = Watch(tick_s=1.05)
+    watch.pass_time(5.25)
+    watch.pass_time(3.15, None)
+    watch.pass_time(4.2)
+    assert watch.longest() >= 3.0
 
 
 def test_a_silence_that_lasts_counts_at_once():
