@@ -22,7 +22,6 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 def _targets() -> Any:
     import conftest  # noqa: F401  (where the package and its protobuf code are)
-
     from fuzzing.targets import TARGETS
     return TARGETS
 
