@@ -4,9 +4,10 @@ catkin reads this file (calling its own `setup`), and runs its command `install`
 roah_rsbb.pb and installs the programs.
 
 pip, which requests a wheel, gets the one that the environment variable ROAH_RSBB_PACKAGE names
-(docs/robot_without_ros.md); packaging/contents.py says what is in it.
+(docs/robot_without_ros.md), or that these sources belong to; packaging/contents.py says what is in it.
 """
 
+import contextlib
 import os
 import pathlib
 import re
@@ -114,11 +115,19 @@ def _compiler():
     return protoc.main
 
 
+def unpacked_package():
+    """Return the package to which these sources belong; None: they are a checkout."""
+    with contextlib.suppress(FileNotFoundError):
+        name = re.search("^Name: (.*)$", pathlib.Path("PKG-INFO").read_text("utf-8"), re.MULTILINE)[1]
+        return next(package for package, wheel in WHEELS.items() if wheel == name)
+    return None
+
+
 def setup_for_pip():
-    """Build a wheel, or run the commands that lead to it."""
+    """Build a wheel or a package of sources, or run the commands that lead to it."""
     if {"develop", "editable_wheel"} & set(sys.argv):
         raise SystemExit("roah_rsbb: 'pip install -e' cannot contain the generated roah_rsbb.pb: omit -e")
-    package = os.environ.get("ROAH_RSBB_PACKAGE", "robot")
+    package = os.environ.get("ROAH_RSBB_PACKAGE") or unpacked_package() or "robot"
     if package not in REQUIRES:
         raise SystemExit(f"roah_rsbb: ROAH_RSBB_PACKAGE is '{package}': give one of {', '.join(REQUIRES)}")
     contents = runpy.run_path(str(pathlib.Path("packaging", "contents.py")))
@@ -139,7 +148,7 @@ def setup_for_pip():
 
 
 # catkin calls this file with egg_info and install or, to read it only, without a command.
-PIP_COMMANDS = {"egg_info", "dist_info", "bdist_wheel", "develop", "editable_wheel"}
+PIP_COMMANDS = {"egg_info", "dist_info", "sdist", "bdist_wheel", "develop", "editable_wheel"}
 if "install" not in sys.argv and PIP_COMMANDS & set(sys.argv):
     setup_for_pip()
 else:

@@ -479,12 +479,13 @@ function Header({zone, zones, session, texts}) {
     </header>`;
 }
 
-// Which other zones need their referee. It stays in sight while a zone is scored.
+// Which other zones need their referee. It stays in sight while a zone is scored. From old data nobody knows that none does.
 function Others({zones, zone, texts}) {
+  const quiet = state.live.silentSince === null ? texts.others_quiet : texts.all_zones;
   const urgent = zones.filter((one) => one.is_urgent && !(zone && one.zone === zone.zone));
   return html`
     <button type="button" class="others ${urgent.length > 0 ? "urgent" : ""}" data-meaning="zones" onClick=${() => choose(true)}>
-      <span>${urgent.length > 0 ? urgent.map((one) => `⚠ ${one.zone}: ${one.todo}`).join(" · ") : texts.others_quiet}</span>
+      <span>${urgent.length > 0 ? urgent.map((one) => `⚠ ${one.zone}: ${one.todo}`).join(" · ") : quiet}</span>
     </button>`;
 }
 

@@ -427,6 +427,13 @@ class TestWays(PhoneCase):
         page.wait(f"{SAID}.includes('the robot has stopped')", "its way")
         self.assertFalse(page.get(alarm))
 
+    def test_old_data_says_of_no_zone_that_it_needs_nobody(self) -> None:
+        gateway = self.gateway(4)
+        page = self.phone(gateway)
+        for is_silent, said in ((False, "No other zone needs its referee"), (True, "all zones")):
+            self.silent(gateway, page, is_silent)
+            page.wait(f"document.querySelector('.others').innerText === {json.dumps(said)}", said)
+
     def test_the_pairing_ends_while_a_stop_is_sent(self) -> None:
         gateway = self.gateway()
         gateway.set(phase="running")
