@@ -32,8 +32,8 @@ class BoxWithoutRos(Box):
     def _started(self, profile: str, settings: Dict[str, object]) -> Measured:
         self._door_file = str(self._folder / "door.json")
         (self._folder / "competition.launch").write_text("<launch/>", "utf-8")
-        given = {"listen_duration": LISTEN_S, "standings_file": "none", "web_port": 0, "tablet_port": 0,
-                 "devices": "false", **settings}
+        given = {**settings, "listen_duration": LISTEN_S, "standings_file": "none", "web_port": 0, "tablet_port": 0,
+                 "devices": "false"}
         self.began_mono = time.monotonic()
         with mock.patch.dict(os.environ, {OWN_VARIABLE: self._door_file}):
             return Measured(
@@ -141,6 +141,8 @@ def first_beacon_s() -> float:
         box = BoxWithoutRos(1)
         ear.bind((BROADCAST, box.port))
         ear.settimeout(START_S)
-        with box:
+        try:
             ear.recv(65535)
             return time.monotonic() - box.began_mono
+        finally:
+            Box.__exit__(box)
