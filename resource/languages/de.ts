@@ -777,6 +777,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>ANOTHER BOX HAS TAKEN OVER: open the pages at {address}</source>
+        <translation>EINE ANDERE BOX HAT ÜBERNOMMEN: Öffnen Sie die Seiten auf {address}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>This is the last known state. STOP works</source>
         <translation>Das ist der letzte bekannte Zustand. STOPP funktioniert</translation>
     </message>

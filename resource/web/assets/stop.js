@@ -19,6 +19,7 @@
   const words = {
     stop: "■ STOP", stop_all: "■ STOP ALL", hold: "hold", really: "Press again: {command}",
     offline: "NO LINK TO THE BOX since {time}. STOP is sent until the box answers",
+    superseded: "ANOTHER BOX HAS TAKEN OVER: open the pages at {address}",
     nothing_to_stop: "No run is in progress, so there is nothing to stop",
     not_stopped: "STOP was refused: {reasons}", not_paired: "This device is not paired",
     given_up: "{zone}: STOP WAS NOT DELIVERED. Stop the robot by hand, or press STOP again",
@@ -33,8 +34,8 @@
     },
   };
   const URGENT = ["lost_box", "lost_robot", "not_stopped", "given_up"], DONE = ["stopped", "no_robot"];
-  const page = {zones: [], all: false, isKnown: false, isPaired: true, shown: new URLSearchParams(location.search).get("zone"),
-    note: "", isUrgent: false, failures: new Map(), why: () => null};
+  const page = {zones: [], all: false, successor: "", isKnown: false, isPaired: true,
+    shown: new URLSearchParams(location.search).get("zone"), note: "", isUrgent: false, failures: new Map(), why: () => null};
   const stops = new Map();  // the newest one of each zone
   const link = {socket: null, startedAt: 0, openedAt: -Infinity, heardAt: -Infinity, isHeard: false, hasZones: false, number: 0,
     lostAt: Date.now()};
@@ -80,7 +81,7 @@
       || (page.shown && !page.isKnown ? {zone: page.shown, identity: ""} : undefined);
   }
 
-  const canStop = (zone) => Boolean(zone) && (!isLinked() || zone.running);
+  const canStop = (zone) => Boolean(zone) && !page.successor && (!isLinked() || zone.running);
 
   function draw() {
     const zone = target(), canAll = page.all && page.zones.some(canStop);
@@ -117,6 +118,9 @@
     const isNews = ([way, stop]) => !DONE.includes(way) || performance.now() - stop.at < READ_MS;
     if (ways.some(isNews)) {
       return [lines(ways), ways.some(([way]) => URGENT.includes(way))];
+    }
+    if (page.successor) {
+      return [text(words.superseded, {address: page.successor}), true];
     }
     if (!isLinked() && page.isPaired && (page.isKnown || performance.now() > SILENT_MS)) {
       return [text(words.offline, {time: new Date(link.lostAt).toTimeString().slice(0, 8)}), true];
@@ -158,7 +162,7 @@
       // A gateway that was just started knows nothing yet: the zones are as they were last known, so STOP stays possible.
       link.hasZones = sent.data !== null;
       if (link.hasZones) {
-        Object.assign(page, {zones: sent.data.zones, all: sent.data.all, isKnown: true});
+        Object.assign(page, {zones: sent.data.zones, all: sent.data.all, successor: sent.data.successor, isKnown: true});
       }
     } else if (sent !== link.number) {
       lose(link.socket);  // a change was lost: begin again

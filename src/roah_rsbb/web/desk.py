@@ -57,9 +57,11 @@ class Desk(Numbered):
         document, before, zones = self.box.document, self.changes, self._zones()
         if document is None:
             return False
+        successor = document.box.superseded_by
         for name in {"", *document.zones, *(key[1] for key in self._made_of if key[0] == STOP)}:
             own = [zone for zone in zones if name in ("", zone.zone)]
-            self._renew((STOP, name), own, functools.partial(zone_documents.stop_page, own, name == ""))
+            self._renew((STOP, name), (own, successor),
+                        functools.partial(zone_documents.stop_page, own, name == "", successor))
         now = self.box.now()
         self._links.look(document, now.mono)  # also while nobody sees it: it depends on the past
         for language, name in {key[:2] for key in self._shown}:

@@ -73,8 +73,10 @@ class Numbered:
 
     @property
     def is_heard(self) -> bool:
-        """Whether the box is heard. Without a connection no command would reach it, even if it was heard just now."""
-        return self.box.document is not None and not self.box.is_old and not self.box.why
+        """Whether the box is heard. Without a connection no command would reach it, even if it was heard just now; and
+        one that another box has superseded knows no run any more."""
+        document, box = self.box.document, self.box
+        return document is not None and not box.is_old and not box.why and not document.box.superseded_by
 
     def clock(self) -> Optional[float]:
         """Return the box's clock in UTC seconds, or None before it was heard."""

@@ -34,12 +34,6 @@ class Store(Numbered):
         self._shown: Set[str] = set()  # languages that somebody has asked for
         self._ahead_s = 0.0  # of the box's UTC to its monotonic clock
 
-    @property
-    def is_heard(self) -> bool:
-        """Whether the box is heard. One that another box has superseded has nothing to say to the public."""
-        document = self.box.document
-        return super().is_heard and document is not None and not document.box.superseded_by
-
     def look(self) -> bool:
         """Make documents again: the box, or only its clocks, may have changed. Returns whether any has changed."""
         before, document = self.changes, self.box.document

@@ -103,10 +103,10 @@ def is_urgent(task: todo.Todo) -> bool:
     return task.urgency >= todo.Urgency.LOOK
 
 
-def stop_page(zones: Sequence[ZoneSeen], has_all: bool) -> Data:
+def stop_page(zones: Sequence[ZoneSeen], has_all: bool, successor: str = "") -> Data:
     """Return what STOP of a device needs, without a text. `zones`: those that it may stop; `has_all`: these are all
-    zones."""
-    return {"all": has_all, "zones": [
+    zones; `successor`: address of the box that took over."""
+    return {"all": has_all, "successor": successor, "zones": [
         {"zone": zone.zone, "identity": zone.identity, "running": zone.phase == RUNNING,
          "by_hand": zone.by_hand, "not_stopped": len(zone.not_stopped) > 0} for zone in zones]}
 

@@ -142,6 +142,7 @@ def page_words() -> Dict[str, Any]:
         "not_paired": tr("This device is not paired"),
         "zone": tr("Zone"),
         "offline": tr("NO LINK TO THE BOX since {time}. STOP is sent until the box answers", time="{time}"),
+        "superseded": tr("ANOTHER BOX HAS TAKEN OVER: open the pages at {address}", address="{address}"),
         "not_current": tr("This is the last known state. STOP works"),
         "zone_gone": tr("{zone} is not in the schedule. This page shows {other} now", zone="{zone}", other="{other}"),
         "own_zone_gone": tr("{zone} is not in the schedule. To use this device in another zone, pair it again",

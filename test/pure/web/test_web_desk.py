@@ -160,6 +160,11 @@ def test_a_box_is_heard_while_its_document_is_current(desk):
     assert not desk.is_heard
     desk.box.is_old, desk.box.why = False, "the connection was lost just now"
     assert not desk.is_heard
+    desk.box.why, document = "", desk.box.document
+    desk.box.document = document._replace(box=document.box._replace(
+        superseded_by="10.0.0.2", warnings=["the box at 10.0.0.2 has taken over"]))
+    assert desk.look() and not desk.is_heard and data(desk)["warnings"] == ["the box at 10.0.0.2 has taken over"]
+    assert data(desk, ("page.stop", ""))["successor"] == "10.0.0.2"
     unknown = Desk(Store(PublicBox(), {}))
     assert not unknown.look() and not unknown.is_heard and unknown.clock() is None and unknown.zones() == []
     assert unknown.team_facts("Alpha", "en") is None
@@ -251,7 +256,7 @@ def test_a_document_that_cannot_be_made_costs_no_other_phone_anything(desk, monk
 
 
 def test_a_stop_document_that_cannot_be_made_costs_nothing_else(desk, monkeypatch):
-    monkeypatch.setattr(zone_documents, "stop_page", lambda zones, has_all: 1 / 0)
+    monkeypatch.setattr(zone_documents, "stop_page", lambda *shown: 1 / 0)
     desk.put(zone_of(identity="run 2"))
     assert data(desk, (STOP, "")) is None and data(desk)["identity"] == "run 2"
 

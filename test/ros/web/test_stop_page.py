@@ -434,6 +434,14 @@ class TestWays(PhoneCase):
             self.silent(gateway, page, is_silent)
             page.wait(f"document.querySelector('.others').innerText === {json.dumps(said)}", said)
 
+    def test_a_box_that_was_superseded_names_its_successor(self) -> None:
+        gateway = self.gateway()
+        gateway.set(phase="running")
+        page = self.phone(gateway)
+        page.wait(IS_ON, "STOP is on")
+        gateway.do(lambda: setattr(gateway, "successor", "10.0.0.2"))
+        page.wait(f"{SAID}.includes('open the pages at 10.0.0.2') && !({IS_ON}) && document.body.matches('.old')", "it")
+
     def test_the_pairing_ends_while_a_stop_is_sent(self) -> None:
         gateway = self.gateway()
         gateway.set(phase="running")

@@ -129,7 +129,7 @@ class FakeGateway:
         self.given: List[Tuple[str, str, Dict[str, Any]]] = []  # commands: name, zone, fields
         self.answers = True  # whether commands have an effect and an answer
         self.is_silent = False  # the core is
-        self.why = ""
+        self.why = self.successor = ""
         self.document: Optional[Document] = None
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run, name="gateway", daemon=True)
@@ -203,7 +203,7 @@ class FakeGateway:
         if not self.is_silent:
             zones = {zone.name: zone.shown() for zone in self.zones}
             shown = dict.fromkeys([*zones, *self.sections.get("public_runs", {})])
-            box = BoxSeen("played", "", 0, zones=tuple(shown))
+            box = BoxSeen("played", "", 0, zones=tuple(shown), superseded_by=self.successor)
             self.document = Document(box, {}, zones, {}, {}, {}, **self.sections)
             self.server.follow()
 
