@@ -205,10 +205,10 @@ def test_a_message_names_each_document_once(desk):
     assert message["documents"]["page.device_words"]["data"]["stop"] == "■ STOP"
 
 
-def test_stop_needs_three_values_and_no_text(desk):
-    assert data(desk, (STOP, "Home")) == {"all": False, "zones": [
+def test_stop_needs_few_values_and_no_text(desk):
+    assert data(desk, (STOP, "Home")) == {"all": False, "successor": "", "zones": [
         {"zone": "Home", "identity": "run 1", "running": True, "by_hand": False, "not_stopped": True}]}
-    assert data(desk, (STOP, ""))["all"] and data(desk, NO_STOP) == {"all": False, "zones": []}
+    assert data(desk, (STOP, ""))["all"] and data(desk, NO_STOP) == {"all": False, "successor": "", "zones": []}
     desk.put(zone_of(phase="ended", not_stopped=()))
     assert (data(desk, (STOP, ""))["zones"][0]["running"], data(desk, (STOP, "Home"))["zones"][0]["not_stopped"]) == (
         False, False)
@@ -219,7 +219,7 @@ def test_a_zone_that_is_gone_is_shown_no_more(desk):
     hall = data(desk, (STOP, "Hall"))
     assert data(desk, ("page.zone", "en", "Hall")) is None and hall is None
     desk.put(zone_of("Hall"))
-    assert data(desk, (STOP, "Home")) == {"all": False, "zones": []}
+    assert data(desk, (STOP, "Home")) == {"all": False, "successor": "", "zones": []}
     assert [one["zone"] for one in data(desk, (STOP, ""))["zones"]] == ["Hall"]
     assert data(desk) is None and data(desk, CLOCK) is None
     assert data(desk, ("page.zone", "en", "Hall"))["zone"] == "Hall"
