@@ -3590,6 +3590,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>seine Regeln antworten nicht ({place})</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/box/program/modules_process.py"/>
+        <source>its rules end their process ({place})</source>
+        <translation>seine Regeln beenden ihren Prozess ({place})</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/copies/folder.py"/>
         <source>its disk failed to save what was written. It is written again, and what was there before stays until that is complete. If this happens again, replace the disk</source>
         <translation>Sein Datenträger hat nicht gespeichert, was geschrieben wurde. Es wird noch einmal geschrieben, und was vorher da war, bleibt, bis das vollständig ist. Wenn das wieder vorkommt, ersetzen Sie den Datenträger</translation>

@@ -292,13 +292,20 @@ def run(work: "Awaitable[Result]") -> Result:
 
 def ending_signals() -> List[int]:
     """The signals with which a process is asked to end. Under nohup, a terminal that is closed ends nothing."""
-    named = [signal.SIGINT, signal.SIGTERM, *filter(None, [signal_named("SIGHUP")])]
+    named = [signal.SIGINT, signal.SIGTERM, *filter(None, map(signal_named, ("SIGHUP", "SIGQUIT")))]
     return [number for number in named if signal.getsignal(number) is not signal.SIG_IGN]
 
 
+def ignore_stops() -> None:
+    """Let no terminal stop this process and those that it starts: neither Ctrl-Z, nor in the background."""
+    for name in ("SIGTSTP", "SIGTTIN", "SIGTTOU"):
+        number = signal_named(name)
+        if number is not None:
+            signal.signal(number, signal.SIG_IGN)
+
+
 def on_end(loop: "asyncio.AbstractEventLoop", callback: Callable[[], object]) -> None:
-    """Call this in the loop when the process is to end: after Ctrl-C and SIGTERM, or when its terminal is closed. In
-    the main thread."""
+    """Call this in the loop when the process is to end: see `ending_signals`. In the main thread."""
     try:
         for number in ending_signals():
             loop.add_signal_handler(number, callback)

@@ -37,7 +37,7 @@ _MAX_BYTES = 256
 
 def _address(log_dir: str, watcher: str) -> bytes:
     """The address of one who watches the core of this log_dir. It is in no folder, so no disk takes part in it."""
-    return b"\0roah_rsbb/" + f"{hashlib.sha256(os.path.realpath(log_dir).encode()).hexdigest()}/{watcher}".encode()
+    return b"\0roah_rsbb/" + f"{hashlib.sha256(os.fsencode(os.path.realpath(log_dir))).hexdigest()}/{watcher}".encode()
 
 
 class Signs:

@@ -8,7 +8,6 @@ Passwords are kept nowhere but in their file, so each start of the core reads th
 import hashlib
 import os
 import stat
-import tempfile
 from dataclasses import replace
 from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -20,6 +19,7 @@ from roah_rsbb.rulebook.changes import changes, warnings
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.event_ids import EventKey
 from roah_rsbb.rulebook.standing_rules import StandingRules, read_rules
+from roah_rsbb.rulebook.text_files import CannotRead, known, read_bytes
 
 # The places of the schedule and of the passwords among the files.
 _SCHEDULE, _PASSWORDS = 1, 2
@@ -164,9 +164,8 @@ def _read(paths: Sequence[str]) -> Texts:
     found: List[Optional[str]] = []
     for path in paths:
         try:
-            with open(path, encoding="utf-8", newline="") as file:
-                found.append(file.read())
-        except (OSError, UnicodeDecodeError):
+            found.append(read_bytes(path, "the configuration").decode("utf-8"))
+        except (CannotRead, UnicodeDecodeError):
             found.append(None)
     return Texts(tuple(paths), tuple(found))
 
@@ -195,21 +194,13 @@ def _load(paths: Sequence[str], texts: Texts) -> Content:
         raise ConfigErrors(found.errors + errors) from None
     if errors:
         raise ConfigErrors(errors)
-    if loaded.durable_at is not None:  # not in a temporary file
-        loaded = replace(loaded, durable_at=loaded.durable_at._replace(file=texts.paths[_SCHEDULE]))
     return Content(replace(loaded, ranking=rules), tuple(warnings), texts)
 
 
 def _load_texts(texts: Texts) -> Optional[Content]:
     """Load contents that were read before, with the present passwords; None: they cannot be read, or do not fit."""
-    with tempfile.TemporaryDirectory() as folder:
-        paths = list(texts.paths)
-        for number, text in enumerate(texts.texts):
-            if text is not None:
-                paths[number] = os.path.join(folder, f"{number}.yaml")
-                with open(paths[number], "w", encoding="utf-8", newline="") as file:
-                    file.write(text)
+    with known({path: text for path, text in zip(texts.paths, texts.texts) if text is not None}):
         try:
-            return _load(paths, texts)._replace(warnings=())
+            return _load(texts.paths, texts)._replace(warnings=())
         except ConfigErrors:
             return None

@@ -1,6 +1,7 @@
 """The call `reload`: an organiser changes the configuration while the box runs (docs/organiser.md, "Changes
 during the competition")."""
 
+import contextlib
 import threading
 from typing import Any, Callable, List, Mapping, NamedTuple, Sequence, Tuple
 
@@ -11,6 +12,9 @@ from roah_rsbb.document.calls import Caller, InThread
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.rulebook.errors import ConfigErrors
 
+# Seconds for the reload before, whose files may be on a disk that hangs.
+WAIT_S = 5.0
+BUSY = "another reload has not ended: its files do not answer. Check the disk or the network on which they are"
 CHANGED_AGAIN = "the files were changed after they were listed: read the list again before you apply it"
 
 
@@ -47,7 +51,10 @@ class Reloads:
 
     def reload(self, digest: str, who: str) -> Reloaded:
         """Check the files, or apply what was listed with this digest. Call it in another thread than the loop's."""
-        with self._lock:
+        if not self._lock.acquire(timeout=WAIT_S):
+            return Reloaded(errors=[BUSY])
+        with contextlib.ExitStack() as held:
+            held.callback(self._lock.release)
             ran = self._in_loop(self._box.ran)
             try:
                 content = self._configuration.read_next(ran)

@@ -1,11 +1,14 @@
 """Where the door of a box is, and the token that opens it: a file that only its owner may read."""
 
+import errno
 import json
 import os
 import secrets
 from typing import NamedTuple
 
 from roah_rsbb.durable import write_file
+
+_FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 class NotFound(Exception):
@@ -25,9 +28,18 @@ def new_token() -> str:
 
 
 def write_place(path: str, url: str, token: str) -> None:
-    """Write the file of a door. Raises OSError."""
+    """Write the file of a door. Raises OSError. On a full disk, the file of the door before is written over, which
+    has as many bytes."""
     os.makedirs(os.path.dirname(path), exist_ok=True)
-    write_file(path, json.dumps({"url": url, "token": token}).encode())
+    content = json.dumps({"url": url, "token": token}).encode()
+    try:
+        write_file(path, content)
+    except OSError as error:
+        size = os.path.getsize(path) if os.path.exists(path) else 0
+        if error.errno not in _FULL or size < len(content):
+            raise
+        with open(path, "r+b", buffering=0) as file:
+            file.write(content.ljust(size))
 
 
 def read_place(path: str) -> DoorPlace:

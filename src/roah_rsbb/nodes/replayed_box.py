@@ -7,7 +7,6 @@ the monotonic clock are moved so that they equal UTC. One moment then means the 
 
 import bisect
 import os
-import tempfile
 from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.box import Box
@@ -31,6 +30,7 @@ from roah_rsbb.results.runs import (
 )
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Config
+from roah_rsbb.rulebook.text_files import known
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import one_line
 
@@ -133,19 +133,18 @@ def configuration(
 ) -> Config:
     """Return the configuration of a run: the given files, or those that the core kept beside its journal. Passwords
     are not needed. Raises `CannotReplay` and ConfigErrors."""
-    with tempfile.TemporaryDirectory() as folder:
-        paths = [benchmarks_file, schedule_file]
-        if None in paths:
-            kept = read_in_force(log_dir)
-            texts = () if kept is None else kept.versions.get(run.version, kept.versions[kept.present]).texts
-            if len(texts) < 2 or None in texts[:2]:
-                raise CannotReplay(f"{os.path.join(log_dir, FILE_NAME)} is missing or cannot be read: copy it with the "
-                                   "journal, or give --benchmarks-file and --schedule-file")
-            for number, text in enumerate(texts[:2]):
-                if paths[number] is None:
-                    paths[number] = os.path.join(folder, f"{number}.yaml")
-                    with open(paths[number], "w", encoding="utf-8", newline="") as file:
-                        file.write(text)
+    paths, texts = [benchmarks_file, schedule_file], {}
+    if None in paths:
+        kept = read_in_force(log_dir)
+        found = None if kept is None else kept.versions.get(run.version, kept.versions[kept.present])
+        if found is None or len(found.texts) < 2 or None in found.texts[:2]:
+            raise CannotReplay(f"{os.path.join(log_dir, FILE_NAME)} is missing or cannot be read: copy it with the "
+                               "journal, or give --benchmarks-file and --schedule-file")
+        for number, text in enumerate(found.texts[:2]):
+            if paths[number] is None:
+                paths[number] = found.paths[number]
+                texts[found.paths[number]] = text
+    with known(texts):
         benchmarks, zones = config.load_schedule(*paths)
     used = {change.zone for change in run.changes}
     return Config(benchmarks, dict.fromkeys(run.teams, NO_PASSWORD), tuple(z for z in zones if z.name in used))

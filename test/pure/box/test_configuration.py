@@ -6,6 +6,7 @@ import shutil
 import pytest
 
 from helpers.config_files import SHIPPED
+from roah_rsbb.box import reload
 from roah_rsbb.box.configuration import EDITED, Configuration
 from roah_rsbb.journal.in_force import FILE_NAME, read_in_force
 from roah_rsbb.rulebook.errors import ConfigErrors
@@ -72,6 +73,22 @@ def test_the_errors_of_all_files_at_once(competition):
         core.read()
     assert {os.path.basename(error.file) for error in wrong.value.errors} == {
         "benchmarks.yaml", "schedule.yaml", "standings.yaml"}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_file_that_is_a_pipe_stops_no_reload(competition, name):
+    core = competition.core()
+    (competition.folder / name).unlink()
+    os.mkfifo(str(competition.folder / name))
+    with pytest.raises(ConfigErrors, match="a directory or a device"):
+        core.read()
+
+
+def test_a_reload_does_not_wait_for_one_whose_disk_hangs(competition, monkeypatch):
+    monkeypatch.setattr(reload, "WAIT_S", 0.0)
+    reloads = reload.Reloads(None, competition.core(), None, None, None)
+    with reloads._lock:
+        assert reloads.reload("", "Ann").errors == [reload.BUSY]
 
 
 @pytest.mark.parametrize(("old", "new"), [

@@ -7,6 +7,7 @@ started again at once.
 
 import argparse
 import contextlib
+import functools
 import gc
 import logging
 import logging.handlers
@@ -75,9 +76,10 @@ def log_to_terminal(level: int = logging.INFO, log_dir: str = "") -> None:
     LogLines("")
 
 
-def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[Any], Any]) -> int:
-    """Run a box until a signal ends it or its `work` is done; returns the exit status. `make` makes the box, and may
-    raise what `BoxProgram` raises. `work` is a coroutine, and returns an exit status."""
+def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[Any], Any], by_signal: int = 0) -> int:
+    """Run a box until its `work` is done, somebody ends it, or a signal does; returns the exit status, which is then
+    `by_signal`. `make` makes the box, and may raise what `BoxProgram` raises. `work` is a coroutine, and returns an
+    exit status."""
     # Imported late: the supervisor, help or a wrong setting need none of it.
     import asyncio
 
@@ -94,12 +96,18 @@ def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[An
             logging.critical("%s", line)
         return 1
     working = loop.create_task(work(program))
-    program.on_exit = working.cancel
-    on_end(loop, working.cancel)
+    wishes: List[int] = []  # exit statuses
+
+    def end(status: int) -> None:
+        wishes.append(status)
+        working.cancel()
+
+    program.on_exit = functools.partial(end, 0)
+    on_end(loop, functools.partial(end, by_signal))
     try:
         return int(loop.run_until_complete(working))
     except asyncio.CancelledError:
-        return 0
+        return wishes[0]
     except OSError as error:
         logging.critical("%s", error)
         return 1
@@ -128,7 +136,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     import asyncio
 
     from roah_rsbb.box.program.program import BoxProgram, door_file
-    from roah_rsbb.box.program.supervisor import LAUNCH
+    from roah_rsbb.box.program.supervisor import BY_SIGNAL, LAUNCH
 
     gc.freeze()
     gc.enable()
@@ -146,7 +154,8 @@ def main(arguments: Optional[List[str]] = None) -> None:
         await asyncio.get_event_loop().create_future()
         return 0
 
-    sys.exit(serve(lambda loop: BoxProgram(loop, settings, os.environ.get(LAUNCH, "")), work))
+    launch = os.environ.get(LAUNCH, "")
+    sys.exit(serve(lambda loop: BoxProgram(loop, settings, launch), work, BY_SIGNAL if launch else 0))
 
 
 def _settings(folder: str, words: Sequence[str]) -> "BoxSettings":

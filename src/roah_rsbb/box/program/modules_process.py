@@ -3,11 +3,10 @@
 Rules of a competition are Python code of others. They may loop, hold Python's lock, or end their process: none of this
 reaches the box, whose STOP must not wait. A process that has ended, or says nothing any more, is replaced by the next
 one, which gets all steps of the runs again (`model/modules.py`). The core pauses a run whose module is missing. A run
-whose rules hang twice in succession is ended, because all others wait for it.
+whose rules hang or end their process twice in succession is ended, because all others wait for it.
 
 Both ends send JSON, an object in a line. To the process: {"runs": [`RunForModule`, …]}. From it: {"state":
-`ModulesState`} and {"log": [level, text]}. A process that hangs leaves in two files which run it was in, and where
-(`Traces`).
+`ModulesState`} and {"log": [level, text]}. The process leaves in two files which run it was in, and where (`Traces`).
 """
 
 import argparse
@@ -37,8 +36,9 @@ from roah_rsbb.bmbox.host.ground_truth_of_frames import NoFrames, ZonesGroundTru
 from roah_rsbb.bmbox.host.host import ModulesHost
 from roah_rsbb.bmbox.host.limits import checked_state
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RunForModule
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import Template, say
 from roah_rsbb.model.saved import BadState, freeze, thaw
+from roah_rsbb.platform import signal_named
 
 COMMAND = "modules"  # of `roah-rsbb`; not for users
 # Seconds without a message, of which two come in a second; and until the first one, on a busy computer.
@@ -50,7 +50,9 @@ TRACE_S = 0.6 * HUNG_S
 PAUSE_S = 1.0
 # Whose message ends a run in the place of a process that cannot.
 OWN_NODE = "the box"
-HUNG = say("its rules do not answer ({place})")
+HUNG, CRASHED = say("its rules do not answer ({place})"), say("its rules end their process ({place})")
+# What ends a process from outside: a person, or a computer whose memory is full.
+_FROM_OUTSIDE = tuple(-number for number in (signal.SIGTERM, signal_named("SIGKILL")) if number is not None)
 # For the process to end by itself, seconds.
 END_S = 1.0
 
@@ -68,7 +70,9 @@ class ModulesProcess:
         self._hung: Optional[subprocess.Popen[str]] = None  # the process that was ended last, because it hung
         self._blamed = ""  # the run in which that one was; empty: it is not known
         self._process: Optional[subprocess.Popen[str]] = None
-        self._silent_mono = 0.0  # from when on a silence is too long
+        self._silent_s, self._most_s = 0.0, START_S  # how long it said nothing, while this process ran, and the most
+        self._looked_mono = 0.0
+        self._swept: Optional[subprocess.Popen[str]] = None  # the process that ended last, with what it started
         self._said = "", ModulesState("", (), ())  # the last state, as it was read and as it was taken
         self._news = threading.Condition()
         self._runs: Sequence[RunForModule] = ()
@@ -78,7 +82,8 @@ class ModulesProcess:
 
     def start(self) -> None:
         """Start the process."""
-        self._traces = Traces(tempfile.mkdtemp(prefix="roah_rsbb_modules_"))
+        with contextlib.suppress(OSError):  # on a full disk, the process leaves no traces
+            self._traces = Traces(tempfile.mkdtemp(prefix="roah_rsbb_modules_"))
         self._command.append(f"--traces={self._traces.folder}")
         for work in (self._serve, self._write):
             threading.Thread(target=work, name="benchmarking modules", daemon=True).start()
@@ -98,20 +103,26 @@ class ModulesProcess:
         if self._timer is not None:
             self._timer.cancel()
         if self._process is not None:
-            try:
+            with contextlib.suppress(subprocess.TimeoutExpired):
                 self._process.wait(END_S)  # its input has ended
-            except subprocess.TimeoutExpired:
-                self._process.kill()
-                self._process.wait()
+            platform.end_with_children(self._process)
+            self._process.wait()
         self._traces.remove()
 
     def _look(self) -> None:
-        """End a process that says nothing."""
+        """End a process that says nothing, and what is left of one that has ended."""
         self._timer = self._loop.call_later(LOOK_S, self._look)
-        process = self._process
-        if process is not None and time.monotonic() > self._silent_mono and process.poll() is None:
+        process, now_mono = self._process, time.monotonic()
+        self._silent_s += min(now_mono - self._looked_mono, 2 * LOOK_S)
+        self._looked_mono = now_mono
+        if process is None:
+            return
+        is_hung = process.poll() is None and self._silent_s > self._most_s
+        if is_hung:
             self._hung = process
-            process.kill()
+        if is_hung or (process.poll() is not None and process is not self._swept):
+            self._swept = process
+            platform.end_with_children(process)
 
     def _serve(self) -> None:
         """In a thread: keep a process."""
@@ -124,7 +135,9 @@ class ModulesProcess:
                 if not self._is_closed:
                     self._say_gone(self._said[1].node)
                     if self._process is self._hung:
-                        self._blame()
+                        self._blame(HUNG, "do not answer")
+                    elif status not in _FROM_OUTSIDE and self._traces.entered():
+                        self._blame(CRASHED, f"end their process with status {status}")
                     else:
                         _log.error("The process of the benchmarking modules has ended (%s): the next one continues",
                                    status)
@@ -133,28 +146,29 @@ class ModulesProcess:
 
     def _run_one(self) -> int:
         """Start a process, and read what it sends; returns its exit status. Raises OSError."""
-        self._silent_mono = time.monotonic() + START_S
+        self._silent_s, self._most_s = 0.0, START_S
+        # In a session of its own: what rules start ends with them, and no key of a terminal stops them.
         process = self._process = subprocess.Popen(
-            self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8")
+            self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8",
+            start_new_session=True)
         with self._news:
             self._is_sent = False
             self._news.notify_all()
         assert process.stdout is not None, "it is a pipe"
         for line in process.stdout:
-            self._silent_mono = time.monotonic() + HUNG_S
+            self._silent_s, self._most_s = 0.0, HUNG_S
             self._take_line(line)
         return process.wait()
 
-    def _blame(self) -> None:
-        """Say whose rules hung, and end their run if they did so before."""
+    def _blame(self, why: Template, said: str) -> None:
+        """Say whose rules hung or ended their process, and end their run if they did so before."""
         run = next((run for run in self._runs if run.run == self._traces.entered()), None)
         whose, place = "a benchmark" if run is None else f"{run.benchmark} in zone {run.zone}", self._traces.place()
-        _log.error("The rules of %s do not answer (%s): their process is ended, and the next one continues",
-                   whose, place)
+        _log.error("The rules of %s %s (%s): the next process continues", whose, said, place)
         before, self._blamed = self._blamed, "" if run is None else run.run
         if run is not None and run.running and run.run == before:
             self._take(ModulesState(OWN_NODE, (ModuleInfo(run.benchmark, zone=run.zone),), (
-                Progress(run.run, run.attempt, failed=HUNG(place=place)),)))
+                Progress(run.run, run.attempt, failed=why(place=place)),)))
             self._say_gone(OWN_NODE)
 
     def _say_gone(self, node: str) -> None:
@@ -198,7 +212,8 @@ class ModulesProcess:
 
 
 class Traces:
-    """What a process leaves that hangs: written by itself, and read by the box when it has ended."""
+    """What a process leaves that hangs or crashes: written by itself, and read by the box when it has ended. On a full
+    disk it leaves nothing."""
 
     _BYTES = 200  # of the identity of a run
     _FRAME = re.compile(r'^  File "(.+)", line (\d+) in (.+)$', re.MULTILINE)
@@ -214,19 +229,24 @@ class Traces:
 
     def open(self) -> None:
         """In the process: begin."""
-        self._run = os.open(str(self._run_file), os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o600)
-        self._place = self._place_file.open("w", encoding="utf-8")
+        if not self.folder:
+            return
+        with contextlib.suppress(OSError):
+            self._place = self._place_file.open("w", encoding="utf-8")
+            self._run = os.open(str(self._run_file), os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o600)
+            faulthandler.enable(self._place)
         self.live()
 
     def enter(self, run: str) -> None:
         """In the process: the rules of this run are called now."""
-        platform.write_at(self._run, run.encode()[:self._BYTES].ljust(self._BYTES), 0)
+        with contextlib.suppress(OSError):
+            platform.write_at(self._run, run.encode()[:self._BYTES].ljust(self._BYTES), 0)
 
     def live(self) -> None:
         """In the process: it does not hang. If this is not called again in time, it writes where it is, also while
         rules hold Python's lock."""
-        assert self._place is not None, "it is open"
-        faulthandler.dump_traceback_later(TRACE_S, file=self._place)
+        if self._place is not None:
+            faulthandler.dump_traceback_later(TRACE_S, file=self._place)
 
     def entered(self) -> str:
         """The run whose rules were called last; empty: none were."""
@@ -238,7 +258,8 @@ class Traces:
         """Where the process was, in words: the line of the rules, if they were called."""
         frames = []
         with contextlib.suppress(OSError):
-            frames = self._FRAME.findall(self._place_file.read_text("utf-8", "replace").rpartition("Timeout (")[2])
+            found = self._place_file.read_text("utf-8", "replace")
+            frames = self._FRAME.findall(found[max(map(found.rfind, ("Timeout (", "Fatal Python error"))):])
         of_rules = [frame for frame in frames if not frame[0].startswith(self._OTHERS)]
         for file, line, function in (*of_rules, *frames):
             return f"{os.path.basename(file)}, line {line}, {function}"

@@ -94,9 +94,8 @@ class BoxProgram:
         for path in self._door_files:
             problem = self._write_door(path)
             if problem:  # the box has other faces
-                _log.error("Other programs cannot find this box: %s cannot be written: %s. Repair that%s",
-                           path, problem, "" if path == own else ", and start the box again")
-        self.keep(self._keep_door(own))
+                _log.error("Other programs cannot find this box: %s cannot be written: %s. Repair that", path, problem)
+        self.keep(self._keep_door())
 
     def close(self) -> None:
         """End everything. Runs continue with the next start."""
@@ -143,11 +142,17 @@ class BoxProgram:
             return str(error.strerror)
         return ""
 
-    async def _keep_door(self, path: str) -> None:
-        """The disk may have been full at the start: the program that copies must find the box nevertheless."""
+    async def _keep_door(self) -> None:
+        """The disk may have been full at the start: other programs must find the box nevertheless."""
+        def write() -> None:
+            for number, path in enumerate(self._door_files):
+                is_others = number > 0 and not _is_own(path, self.running.door.token) and is_answering(path)
+                if not is_others:
+                    self._write_door(path)
+
         while True:
             await asyncio.sleep(DOOR_S)
-            await self._loop.run_in_executor(None, self._write_door, path)
+            await self._loop.run_in_executor(None, write)
 
     def keep(self, work: Coroutine[Any, Any, Any]) -> None:
         """Run something until this program ends, such as a robot of a demonstration."""

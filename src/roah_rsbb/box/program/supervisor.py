@@ -16,13 +16,15 @@ from typing import Callable, Optional, Sequence
 from roah_rsbb.arguments import without_ros
 from roah_rsbb.copies.settings import CopySettings
 from roah_rsbb.params import BadParams
-from roah_rsbb.platform import ending_signals
+from roah_rsbb.platform import ending_signals, ignore_stops
 from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, Signs, Watch, state_of
 
 # Of the environment of the box: identifies the supervisor, so that `resume:=launch` continues after a crash only.
 LAUNCH = "ROAH_RSBB_LAUNCH"
 # An error that a restart does not repair, or wrong arguments.
 FAILED = (1, 2)
+# A signal ended the box in good order. Nobody wished it unless the supervisor got one, too.
+BY_SIGNAL = 128 + signal.SIGTERM
 # Seconds, so that a box that crashes at once does not fill the log.
 PAUSE_S, MOST_PAUSE_S = 0.5, 8.0
 # Until a box gives its first sign of life, on a slow or busy computer.
@@ -61,7 +63,7 @@ class CopyingProcess:
 
 
 def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], CopySettings]) -> int:
-    """Run a box until it ends by itself or this process is interrupted; returns its exit status.
+    """Run a box until somebody ends it through its door or this process is interrupted; returns its exit status.
 
     `command` starts it for the first time, and `again` continues its runs. `read` reads its settings, or raises
     `BadParams`: the box then says what is wrong, and ends.
@@ -70,6 +72,7 @@ def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], C
     wishes: list = []  # signals that this process got
     for number in ending_signals():
         signal.signal(number, lambda wish, _frame: wishes.append(wish))
+    ignore_stops()
     box = subprocess.Popen(command, env=environment)
     try:
         found = read()

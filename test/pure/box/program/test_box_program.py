@@ -1,7 +1,9 @@
 """A whole box in one process: with robots in memory, from its start to scored runs, and over a restart."""
 
 import asyncio
+import errno
 import os
+import signal
 import subprocess
 import sys
 from types import SimpleNamespace
@@ -17,6 +19,7 @@ from roah_rsbb.box.program.program import BoxProgram, door_file
 from roah_rsbb.client.places import OWN_VARIABLE
 from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
+from roah_rsbb.document import place as door_place
 from roah_rsbb.document.place import read_place, write_place
 from roah_rsbb.model.zone import ENDED, IDLE, RUNNING
 from roah_rsbb.params import BadParams
@@ -226,7 +229,17 @@ def test_the_exit_of_a_box_is_a_success():
         program.on_exit()
         await asyncio.get_event_loop().create_future()
     closed = []
-    assert serve(lambda loop: SimpleNamespace(close=lambda: closed.append(True)), work) == 0
+    assert serve(lambda loop: SimpleNamespace(close=lambda: closed.append(True)), work, 7) == 0
+    assert closed == [True]
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"])
+def test_a_signal_ends_it_in_good_order(name):
+    async def work(_program):
+        os.kill(os.getpid(), getattr(signal, name))
+        await asyncio.get_event_loop().create_future()
+    closed = []
+    assert serve(lambda loop: SimpleNamespace(close=lambda: closed.append(True)), work, 7) == 7
     assert closed == [True]
 
 
@@ -258,18 +271,37 @@ def test_what_cannot_be_is_said_before_anything_is_opened(tmp_path, monkeypatch,
     assert not (tmp_path / "log").exists()
 
 
-def test_the_program_that_copies_finds_a_box_that_could_not_write_at_its_start(tmp_path, monkeypatch):
+def test_other_programs_find_a_box_that_could_not_write_at_its_start(tmp_path, monkeypatch):
     monkeypatch.setattr(program, "DOOR_S", 0.01)
-    (tmp_path / "log" / "door.json").mkdir(parents=True)  # as on a disk that is full
+    places = [tmp_path / folder / "door.json" for folder in ("log", "home")]
+    for place in places:
+        place.mkdir(parents=True)  # as on a disk that is full
 
     async def play():
-        async with Demonstration(tmp_path / "log") as demo:
-            (tmp_path / "log" / "door.json").rmdir()
-            while not os.path.exists(demo.door_file):
+        demo = Demonstration(tmp_path / "log")
+        demo.door_file = str(places[1])
+        async with demo:
+            for place in places:
+                place.rmdir()
+            while not all(place.exists() for place in places):
                 await asyncio.sleep(0.01)
-            return read_place(demo.door_file).token == demo.program.running.door.token
+            return {read_place(str(place)).token for place in places} == {demo.program.running.door.token}
     assert run(play())
-    assert not (tmp_path / "log" / "door.json").exists(), "it is over"
+    assert not any(place.exists() for place in places), "it is over"
+
+
+def test_on_a_full_disk_the_door_takes_the_place_of_the_one_before(tmp_path, monkeypatch):
+    def full(*_arguments):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    path = str(tmp_path / "door.json")
+    write_place(path, "ws://127.0.0.1:12345/door", "of before")
+    monkeypatch.setattr(door_place, "write_file", full)
+    write_place(path, "ws://127.0.0.1:999/door", "of now")
+    assert read_place(path) == ("ws://127.0.0.1:999/door", "of now")
+    for other, token in ((path, "longer" * 9), (str(tmp_path / "none"), "")):
+        with pytest.raises(OSError, match="No space left"):
+            write_place(other, "ws://127.0.0.1:999/door", token)
+    assert read_place(path).token == "of now"
 
 
 def test_terminals_are_not_led_from_one_box_to_another(tmp_path, monkeypatch):

@@ -15,7 +15,7 @@ from roah_rsbb.shipped import shipped_folder
 
 LIMIT_S = 60.0
 RULES = """
-import logging, os, re, sys
+import logging, os, re, sys, time
 from roah_rsbb.bmbox.hnf import HNF
 
 
@@ -83,19 +83,59 @@ def with_rules(folder, evil):
     return folder
 
 
-@pytest.mark.parametrize("evil", ["os._exit(0)", "os._exit(3)", "os.kill(os.getpid(), 9)"])
-def test_after_rules_that_end_their_process_the_next_one_gets_the_runs(folder, caplog, monkeypatch, evil):
+@pytest.mark.parametrize("end", [
+    "os._exit(3)",
+    pytest.param("os.fork() or time.sleep(1000); os._exit(3)", id="fork"),  # its child has the process's pipes, too
+])
+def test_after_rules_that_end_their_process_the_next_one_gets_the_runs(folder, caplog, monkeypatch, end):
+    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
+    once = "os.path.exists('ended') or (open('ended', 'w').close(), END); await self.referee('go')"
+    monkeypatch.chdir(folder)
+
+    async def play():
+        async with Hosted(with_rules(folder, once.replace("END", f"exec({end!r}, globals())"))) as hosted:
+            hosted.process.take([a_run()])
+            await hosted.until(lambda: any(one.request for one in hosted.states[-1].progress))
+    run(play())
+    assert "The rules of HNF in zone Home end their process with status 3" in caplog.text
+
+
+def test_whoever_ends_the_process_from_outside_blames_no_rules(folder, caplog, monkeypatch):
     monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
 
     async def play():
-        async with Hosted(with_rules(folder, evil)) as hosted:
+        async with Hosted(with_rules(folder, "os.kill(os.getpid(), 9)")) as hosted:
             hosted.process.take([a_run()])
-            await hosted.until(lambda: len(hosted.nodes) >= 3)  # it got the run again, and ended again
-            (folder / "HNF.py").unlink()
+            await hosted.until(lambda: len(hosted.nodes) >= 4)  # it got the run again, and was killed again
+            assert OWN_NODE not in hosted.nodes
+    run(play())
+    assert "The process of the benchmarking modules has ended (-9)" in caplog.text
+
+
+def test_rules_that_crash_again_end_their_run(folder, caplog, monkeypatch):
+    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
+
+    async def play():
+        async with Hosted(with_rules(folder, "import ctypes; ctypes.string_at(0)")) as hosted:
+            hosted.process.take([a_run()])
+            await hosted.until(lambda: OWN_NODE in hosted.nodes)
+            return next(state for state in hosted.states if state.node == OWN_NODE).progress
+    assert [one.failed for one in run(play())] == ["its rules end their process (HNF.py, line 9, execute)"]
+
+
+@pytest.mark.parametrize("missing", ["folder", "files"])
+def test_on_a_full_disk_modules_run_without_traces(folder, monkeypatch, tmp_path, missing):
+    def full(**named):
+        if missing == "folder":
+            raise FileNotFoundError(errno.ENOENT, "No usable temporary directory")
+        return str(tmp_path / "none")
+    monkeypatch.setattr(modules_process.tempfile, "mkdtemp", full)
+
+    async def play():
+        async with Hosted(folder) as hosted:
             hosted.process.take([a_run()])
             await hosted.until(lambda: hosted.states[-1].progress)
     run(play())
-    assert "The process of the benchmarking modules has ended" in caplog.text
 
 
 @pytest.mark.parametrize("evil", ["while True: pass", HANG])

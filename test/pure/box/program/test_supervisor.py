@@ -80,7 +80,22 @@ def test_a_box_that_ends_by_itself_is_not(supervised, tmp_path, status):
     assert len(starts(tmp_path)) == 1
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_box_that_only_a_signal_ended_is_started_again(supervised, tmp_path):
+    process = supervised("sys.exit(143 if starts == 1 else 0)")
+    process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0 and len(starts(tmp_path)) == 2
+
+
+def test_no_terminal_stops_the_box(supervised):
+    process = supervised("""
+        os.kill(os.getpid(), signal.SIGTSTP)
+        os.kill(os.getppid(), signal.SIGTSTP)
+        """)
+    process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGQUIT])
 def test_whoever_ends_the_supervisor_ends_the_box(supervised, tmp_path, number):
     process = supervised("""
         signal.signal(signal.SIGTERM, lambda *_: (open("ended", "w").close(), sys.exit(0)))
