@@ -1812,6 +1812,11 @@
         <translation>{zone} ist bereits bei diesem Termin.</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/schedule.py"/>
+        <source>This event is signed off: go to the next one. Connect is for another attempt</source>
+        <translation>Dieser Termin ist abgeschlossen: Gehen Sie zum nächsten. Verbinden ist für einen weiteren Versuch</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>not attempted</source>
         <translation>nicht versucht</translation>

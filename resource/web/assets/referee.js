@@ -328,14 +328,14 @@ function oneOf(zone, texts, name, more = {}) {
 }
 
 function Commands({zone, texts}) {
-  const next = zone.leaving ? "" : {idle: "connect", connected: "start", ended: "disconnect"}[zone.phase];
+  const next = zone.leaving || zone.again ? "" : {idle: "connect", connected: "start", ended: "disconnect"}[zone.phase];
   const one = (name, more = {}) => oneOf(zone, texts, name, {isMain: name === next, ...more});
   const others = offered(zone, texts).filter(([, {row}]) => row !== "module");
   const cells = (row) => others.filter((other) => other[1].row === row && !isForm(other)).map(([name]) => one(name));
   return html`
     <section class="commands">
       <${Cells} commands=${[
-        one("connect"),
+        one("connect", {isTwice: zone.again}),
         zone.phase === "ended" ? one("start", {isTwice: true, of: "again", label: texts.continue}) : one("start"),
         one("disconnect"),
         ...cells("clock"),

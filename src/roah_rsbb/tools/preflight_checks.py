@@ -55,7 +55,8 @@ class Remark(NamedTuple):
 
 def check_network(rsbb_host: str, found: List[Interface]) -> Remark:
     """Check that robots can be reached at `rsbb_host`."""
-    there_are = ", ".join(f"{i.broadcast} ({i.name}, {i.address})" for i in found if i.broadcast) or "none"
+    there_are = ", ".join(f"{i.broadcast} ({i.name}, {i.address})" for i in found
+                          if i.broadcast and not i.address.startswith("127.")) or "none"
     for interface in found:
         if rsbb_host == interface.broadcast:
             if interface.address.startswith("127."):

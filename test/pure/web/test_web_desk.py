@@ -9,6 +9,7 @@ from helpers.public_box import PublicBox
 from helpers.shown_box import MONO, NOW, ShownBox, zone_of
 from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.results import RunLine
+from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.zone import Count, RunClock
 from roah_rsbb.web import zone_documents
 from roah_rsbb.web.desk import NO_STOP, STOP, Desk
@@ -168,6 +169,15 @@ def test_a_box_is_heard_while_its_document_is_current(desk):
     unknown = Desk(Store(PublicBox(), {}))
     assert not unknown.look() and not unknown.is_heard and unknown.clock() is None and unknown.zones() == []
     assert unknown.team_facts("Alpha", "en") is None
+
+
+@pytest.mark.parametrize("phase, signed, again", [
+    ("idle", NOW, True), ("idle", None, False), ("connected", NOW, False)])
+def test_whoever_connects_at_an_event_that_is_signed_off_is_told(desk, phase, signed, again):
+    event = EventSeen("e", 1, "Home", "HWV", "Visitors", "Alpha", 1, 1, NOW, NOW, "done", True, "run 1",
+                      signed_utc_s=signed)
+    desk.put(zone_of(phase=phase, warnings=(), not_stopped=()), schedule={"e": event})
+    assert data(desk)["again"] is again and data(desk)["todo"].startswith("This event is signed off") is again
 
 
 def test_score_sheets_that_wait_for_a_signature(desk):

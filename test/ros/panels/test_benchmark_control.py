@@ -9,6 +9,7 @@ from support.gui_testing import QMessageBox, Qt, QTest, answer, click, limit, qu
 from support.panel_case import BUMPS, DOOR, PanelCase
 
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.model.referee import RunName
 from roah_rsbb.rqt.model import calls
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.widgets import basic
@@ -94,6 +95,20 @@ class TestBenchmarkControl(PanelCase):
         answer(asked, QMessageBox.AcceptRole)
         self.assertIn("Not done: Home A", self.panel._answer.text())
         self.assertEqual(self.core.calls, [])
+
+    def test_connect_asks_at_an_event_that_is_signed_off(self) -> None:
+        for command in ("connect", "start", "stop", "disconnect"):
+            self.zone.command(command)
+        record = next(iter(self.core.box.finished.records()))
+        self.core.event(self.core.box.scores.sign_off, RunName("Home A", record.identity), "Cleo")
+        wait_until(lambda: not self.buttons["connect"].styleSheet(), "it does not stand out")
+        click(self.buttons["connect"])
+        self.assertTrue(question().text().startswith("This event is signed off"))
+        answer(question(), QMessageBox.RejectRole)
+        click(self.buttons["connect"])
+        answer(question(), QMessageBox.AcceptRole)
+        self.wait_phase("● CONNECTED")
+        self.assertEqual(self.core.calls, [("connect", "Home A")])
 
     def test_one_of_several_robots_connects(self) -> None:
         wait_until(lambda: len(self.panel.more.robots) == 2, "both robots are listed")

@@ -31,7 +31,7 @@ from roah_rsbb.rqt.widgets import basic, phases
 from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
 from roah_rsbb.rqt.widgets.run_times import TimesWidget
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
-from roah_rsbb.wording import sheets, stop
+from roah_rsbb.wording import schedule, sheets, stop
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.said import tr_said
 
@@ -283,7 +283,9 @@ class BenchmarkControlPanel(Panel):
 
     def _show_button(self, name: str, zone: Optional[ZoneSeen]) -> None:
         reasons = why_off(zone, name, self._silent(zone) if self.model.document else tr("Waiting for the core"))
-        tone = None if zone is None or stop.leaving(zone) else NEXT_STEP.get((zone.phase, name))
+        is_next = zone is not None and not stop.leaving(zone) and not (
+            name == "connect" and self._is_signed_off(zone.zone))
+        tone = NEXT_STEP.get((zone.phase, name)) if is_next else None
         self.buttons[name].allow(not reasons, reasons, tone)
 
     # -- commands -----------------------------------------------------------------------------------
@@ -296,8 +298,14 @@ class BenchmarkControlPanel(Panel):
             box = ask(self, question, why, tr(COMMANDS[name].label),
                       partial(self._disconnect, zone, self.model.identity_of(zone)))
             keep_true(box, self.model, partial(self._leaving, zone))
+        elif name == "connect" and self._is_signed_off(zone):
+            ask(self, tr(schedule.AGAIN), "", tr(COMMANDS[name].label), partial(self._send, ACTIONS[name], zone))
         else:
             self._send(ACTIONS[name], zone)
+
+    def _is_signed_off(self, zone: str) -> bool:
+        document = self.model.document
+        return document is not None and schedule.is_signed_off(document.schedule.values(), zone)
 
     def _leaving(self, zone: str) -> Tuple[str, str]:
         """Return the question before the run in a zone is left, and why it is asked; empty: it is not."""
