@@ -173,7 +173,7 @@ def test_a_box_is_heard_while_its_document_is_current(desk):
 
 @pytest.mark.parametrize("phase, signed, again", [
     ("idle", NOW, True), ("idle", None, False), ("connected", NOW, False)])
-def test_whoever_connects_at_an_event_that_is_signed_off_is_told(desk, phase, signed, again):
+def test_connect_at_an_event_that_is_signed_off_is_another_attempt(desk, phase, signed, again):
     event = EventSeen("e", 1, "Home", "HWV", "Visitors", "Alpha", 1, 1, NOW, NOW, "done", True, "run 1",
                       signed_utc_s=signed)
     desk.put(zone_of(phase=phase, warnings=(), not_stopped=()), schedule={"e": event})
