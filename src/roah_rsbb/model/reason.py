@@ -66,11 +66,6 @@ def reason_of(text: str) -> Reason:
     return text if isinstance(text, Reason) else Reason("{text}", {"text": text})
 
 
-def is_made(text: str) -> bool:
-    """Whether a text is a reason that is made of values."""
-    return isinstance(text, Reason) and bool(text.values)
-
-
 def joined(reasons: Sequence[str], between: str = "; ") -> str:
     """Return several reasons as one."""
     if len(reasons) == 1:

@@ -2,6 +2,7 @@
 
 import contextlib
 import itertools
+import json
 import random
 
 from hypothesis import given
@@ -13,7 +14,6 @@ from helpers.competition import TEAMS, UTC0, competition, event
 from helpers.examples import examples
 from helpers.linked_world import FakeLink, World, assert_legal
 from helpers.random_events import ZONES, apply_event, random_competition, random_events
-from roah_rsbb.client.in_memory import InMemory
 from roah_rsbb.core import effects
 from roah_rsbb.core.link.timeline import Freshness, Timeline
 from roah_rsbb.core.scoring.sheet import Mark
@@ -22,7 +22,7 @@ from roah_rsbb.core.views import views
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.core.views.schedule import ScheduleView, schedule
-from roah_rsbb.document.document import Written
+from roah_rsbb.document.document import DocumentReader, Followed, Written
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.model.referee import Refused, RunName
@@ -92,7 +92,7 @@ class _Kept:
         self._driver, self._random = driver, random
         self._documents, self._schedule = documents_of(driver), ScheduleView(driver.box)
         self._written = Written(Document)
-        self._client = InMemory(Document, self._written, {}, lambda: driver.now)
+        self._client, self._followed = DocumentReader(), Followed(Document)
         self._revision, self._coming = None, ()
 
     def check(self):
@@ -123,7 +123,10 @@ class _Kept:
         assert without_skews(kept) == without_skews(fresh)
         self._written.update(kept, now)
         if self._random.random() < 0.5:
-            document = self._client.document  # it is sent what has changed since it was asked last
+            sent = self._client.next(self._written, now)  # what has changed since it was asked last
+            if sent is not None:
+                self._followed.take(json.loads(sent))
+            document = self._followed.document
             assert document == kept
             assert [str(z) for z in document.zones.values()] == [str(z) for z in kept.zones.values()]
 
