@@ -1,7 +1,6 @@
 """The call `reload`: an organiser changes the configuration while the box runs (docs/organiser.md, "Changes
 during the competition")."""
 
-import contextlib
 import threading
 from typing import Any, Callable, List, Mapping, NamedTuple, Sequence, Tuple
 
@@ -53,26 +52,30 @@ class Reloads:
         """Check the files, or apply what was listed with this digest. Call it in another thread than the loop's."""
         if not self._lock.acquire(timeout=WAIT_S):
             return Reloaded(errors=[BUSY])
-        with contextlib.ExitStack() as held:
-            held.callback(self._lock.release)
-            ran = self._in_loop(self._box.ran)
-            try:
-                content = self._configuration.read_next(ran)
-            except ConfigErrors as errors:
-                return Reloaded(errors=str(errors).splitlines())
-            changes = self._configuration.changes(content, ran)
-            found = Reloaded(warnings=self._configuration.warnings_of(content, ran), changes=changes,
-                             errors=self._in_loop(lambda: self._box.reload_off(content.config)))
-            if found.errors:
-                return found
-            found = found._replace(digest=content.digest)
-            if not digest or digest != content.digest:
-                return found._replace(errors=[CHANGED_AGAIN] if digest else [])
-            with_ids = self._configuration.with_ids(content)
-            errors = self._apply(with_ids, changes, who)
-            trouble = "" if errors else self._configuration.write_ids(content, with_ids)
-            return found._replace(errors=errors, applied=not errors,
-                                  warnings=[*found.warnings, *([trouble] if trouble else [])])
+        try:
+            return self._reload(digest, who)
+        finally:
+            self._lock.release()
+
+    def _reload(self, digest: str, who: str) -> Reloaded:
+        ran = self._in_loop(self._box.ran)
+        try:
+            content = self._configuration.read_next(ran)
+        except ConfigErrors as errors:
+            return Reloaded(errors=str(errors).splitlines())
+        changes = self._configuration.changes(content, ran)
+        found = Reloaded(warnings=self._configuration.warnings_of(content, ran), changes=changes,
+                         errors=self._in_loop(lambda: self._box.reload_off(content.config)))
+        if found.errors:
+            return found
+        found = found._replace(digest=content.digest)
+        if not digest or digest != content.digest:
+            return found._replace(errors=[CHANGED_AGAIN] if digest else [])
+        with_ids = self._configuration.with_ids(content)
+        errors = self._apply(with_ids, changes, who)
+        trouble = "" if errors else self._configuration.write_ids(content, with_ids)
+        return found._replace(errors=errors, applied=not errors,
+                              warnings=[*found.warnings, *([trouble] if trouble else [])])
 
     def _apply(self, content: Content, changes: List[str], who: str) -> List[str]:
         """Put a content into force; returns why that is not possible."""

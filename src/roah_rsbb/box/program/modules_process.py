@@ -38,7 +38,6 @@ from roah_rsbb.bmbox.host.limits import checked_state
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RunForModule
 from roah_rsbb.model.reason import Template, say
 from roah_rsbb.model.saved import BadState, freeze, thaw
-from roah_rsbb.platform import signal_named
 
 COMMAND = "modules"  # of `roah-rsbb`; not for users
 # Seconds without a message, of which two come in a second; and until the first one, on a busy computer.
@@ -51,8 +50,8 @@ PAUSE_S = 1.0
 # Whose message ends a run in the place of a process that cannot.
 OWN_NODE = "the box"
 HUNG, CRASHED = say("its rules do not answer ({place})"), say("its rules end their process ({place})")
-# What ends a process from outside: a person, or a computer whose memory is full.
-_FROM_OUTSIDE = tuple(-number for number in (signal.SIGTERM, signal_named("SIGKILL")) if number is not None)
+# What ends a process from outside: a person, or a computer whose memory is full (SIGKILL, which Windows does not have).
+_FROM_OUTSIDE = (-signal.SIGTERM, -9)
 # For the process to end by itself, seconds.
 END_S = 1.0
 
