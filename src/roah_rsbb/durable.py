@@ -35,10 +35,11 @@ def write_file(path: str, content: bytes, mode: int = PRIVATE) -> None:
     sync(os.path.dirname(path) or ".")
 
 
-def has_space(folder: str) -> bool:
-    """Whether the disk of a folder has space for small files and the beginning of a segment of the journal."""
+def has_space(folder: str, size: int = 0) -> bool:
+    """Whether the disk of a folder has space for so many bytes, and then for small files and the beginning of a segment
+    of the journal."""
     try:
-        return shutil.disk_usage(folder or ".").free >= SPACE_BYTES
+        return shutil.disk_usage(folder or ".").free >= SPACE_BYTES + size
     except OSError:
         return True
 

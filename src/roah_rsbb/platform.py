@@ -9,6 +9,7 @@ import contextlib
 import errno
 import importlib
 import os
+import shutil
 import signal
 import socket
 import stat
@@ -138,15 +139,6 @@ def open_to_sync(path: str) -> Optional[int]:
     return None if os.path.isdir(path) else open_file(path, os.O_RDWR)  # only a writer may sync
 
 
-def reserve(fd: int, size: int) -> None:
-    """Make an empty file so large, with space on the disk for all of it. Raises OSError."""
-    if hasattr(os, "posix_fallocate"):
-        os.posix_fallocate(fd, 0, size)
-        return
-    while size > 0:
-        size -= os.write(fd, bytes(min(size, _PIECE_BYTES)))
-
-
 def open_to_others(path: str) -> int:
     """The permissions of a file that others than its owner may read; 0: they may not, or the system has no such
     permissions. Raises OSError or ValueError."""
@@ -216,6 +208,12 @@ def processors() -> int:
     if not hasattr(os, "fork"):
         return 1
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def with_low_priority(command: List[str]) -> List[str]:
+    """Return a command that gives way to all other programs, where the system has a program for that."""
+    nice = shutil.which("nice")
+    return command if nice is None else [nice, "-n", "19", *command]
 
 
 def is_root() -> bool:

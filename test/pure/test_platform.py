@@ -200,14 +200,6 @@ def test_files_and_folders_are_synced(each, tmp_path, monkeypatch):
     assert (tmp_path / "file").read_bytes() == b"content"
 
 
-def test_space_is_reserved(each, tmp_path):
-    size = (1 << 21) + 5
-    with open(str(tmp_path / "file"), "wb") as file:
-        platform.reserve(file.fileno(), size)
-    assert (tmp_path / "file").stat().st_size == size
-    assert (tmp_path / "file").stat().st_blocks * 512 >= size, "it has no place on the disk"
-
-
 def test_files_that_others_may_read(tmp_path, monkeypatch):
     path = tmp_path / "file"
     path.touch()
@@ -522,7 +514,7 @@ import os
 from helpers.journals import Writer
 from roah_rsbb.journal import file
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.run_logs import bag_file, writer
+from roah_rsbb.run_logs import bag_file
 
 folder = sys.argv[3]
 for start in range(2):
@@ -540,11 +532,8 @@ with JournalReader(box.path) as reader:
     print(*(entry.value for entry in reader.entries("")), *reader.damage)
 
 path = os.path.join(folder, "one.bag")
-bag_file.try_out(path, 100)
-bag = bag_file.GrowingBag(path)
-print(writer._is_unlocked(path))
-bag.close()
-print(writer._is_unlocked(path))
+bag_file.write_bag(path, [("/notification", "start", 1e9)])
+print(os.path.getsize(path) > 4096)
 """
 
 
@@ -577,7 +566,7 @@ def test_every_module_is_imported_on_windows():
 
 
 def test_a_journal_and_a_run_log_are_written_on_windows(tmp_path):
-    assert run(JOURNAL, str(tmp_path)) == "start 0 start 1\nFalse\nTrue\n"
+    assert run(JOURNAL, str(tmp_path)) == "start 0 start 1\nTrue\n"
 
 
 def test_what_is_missing_on_windows_is_noticed(tmp_path):

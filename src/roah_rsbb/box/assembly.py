@@ -55,8 +55,8 @@ class BoxPlace(NamedTuple):
 OnText = Callable[[str], None]
 # (session, competition, on_trouble): see `Journal`.
 OpenJournal = Callable[[CoreSession, str, OnText], Journal]
-# (uuid of the box, on_problem, on_repaired, entries_of, post): see `RunLogWriter`.
-MakeRunLogs = Callable[..., RunLogs]
+# (uuid of the box, on_problem, on_repaired): see `RunLogWriter`.
+MakeRunLogs = Callable[[str, OnText, Callable[[str, str], None]], RunLogs]
 
 
 class CoreAssembly:
@@ -94,8 +94,7 @@ class CoreAssembly:
             self.fence.check, machine.random_bytes, machine.seen)
         self.radio.use_passwords(version, config.passwords)
         self.journal = CoreJournal(box, self.store)
-        self.run_logs = make_run_logs(machine.uuid, self._on_log_trouble, self._on_log_repaired,
-                                      self.journal.log_entries, self._post)
+        self.run_logs = make_run_logs(machine.uuid, self._on_log_trouble, self._on_log_repaired)
         self.driver = CoreDriver(loop, box, self.radio, self.run_logs, ports, self.journal, outputs, self.now,
                                  self.fence.check)
         self.standby = StandbyAnswers(loop, box, self.now, self.event, ask_standby, lambda: self.store.committed)
@@ -137,7 +136,6 @@ class CoreAssembly:
         for version, config in saved.earlier.items():
             self.radio.use_passwords(version, config.passwords)
         self.event(self.box.resume, saved)
-        self.run_logs.repair(previous.log_files)
         self.store.forget_previous()
 
     def open(self) -> bool:
@@ -147,6 +145,7 @@ class CoreAssembly:
         if self.box.is_superseded:
             return False
         self.radio.open(self.box.listening_left(self.now()))
+        self.run_logs.make(self.store.previous.ended_logs)
         return True
 
     def each_second(self) -> None:

@@ -4,7 +4,7 @@ Everything here runs in the loop's thread. The core makes all decisions; the dri
 """
 
 import asyncio
-from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Protocol, Set
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Protocol, Set
 
 from roah_rsbb.box.journal import CoreJournal
 from roah_rsbb.core import effects
@@ -18,9 +18,9 @@ from roah_rsbb.wording.texts import escaped
 
 
 class RunLogs(Protocol):
-    """Writes the run logs. `run_logs.writer.RunLogWriter` does it in files, in a thread."""
+    """Has the run logs made. `run_logs.writer.RunLogWriter` does it in another process."""
 
-    files: Dict[int, str]  # path of each run's log by the run's port
+    files: Dict[int, str]  # by the run's port: where its log will be
 
     def check(self) -> str:
         """Why logs cannot be written, with the remedy; empty if they can."""
@@ -29,19 +29,16 @@ class RunLogs(Protocol):
         """A run has begun."""
 
     def resumed(self, port: int, path: str) -> None:
-        """A run continues after a restart; `path` is its log, empty if unknown."""
-
-    def logged(self, effect: effects.RunLogged, utc: float) -> None:
-        """Add an entry to a run's log."""
+        """A run continues after a restart; `path` was that of its log, empty if unknown."""
 
     def closed(self, effect: effects.RunClosed) -> None:
-        """A run has ended."""
+        """A run is over: make its log from the journal."""
 
-    def repair(self, known: Mapping[int, str]) -> None:
-        """Repair logs that a killed process left open. `known` has the paths of the journal's runs by port."""
+    def make(self, paths: Iterable[str]) -> None:
+        """Make those of the logs of earlier runs that are missing."""
 
     def stop(self) -> None:
-        """Write the remaining entries, and close all logs."""
+        """Wait for the last logs for a while."""
 
 
 class Outputs(NamedTuple):
@@ -103,7 +100,7 @@ class CoreDriver:
             effects.RunResumed: self._run_resumed,
             effects.RecordChanged: lambda e: None,  # the journal records it
             effects.Recorded: lambda e: None,  # the journal records it
-            effects.RunLogged: lambda e: self._run_logs.logged(e, self._moment.utc),
+            effects.RunLogged: lambda e: None,  # the journal records it
             effects.RunClosed: lambda e: self._run_logs.closed(e),
             effects.ModuleRunsChanged: self._want_module_runs,
             effects.Superseded: lambda e: self._radio.close(),

@@ -116,13 +116,6 @@ class CoreJournal:
         """Record the path of a robot's run log."""
         self._journal.write(Batch(log_files={port: path}))
 
-    def log_entries(self, port: int) -> Optional[List[Tuple[str, object, float]]]:
-        """All entries of a robot's run log so far: topic, value and UTC seconds, in order; None: not readable now."""
-        entries = self._journal.entries_of(port)
-        return None if entries is None else [
-            (entry.kind, entry.value, entry.utc) for entry in entries if entry.kind in run_log.KINDS
-        ]
-
     def log_file_before(self, port: int) -> str:
         """The path of a robot's run log before the restart; empty if unknown."""
         return self._journal.previous.log_files.get(port, "")

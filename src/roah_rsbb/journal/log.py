@@ -40,7 +40,6 @@ import zlib
 from collections import deque
 from typing import (
     Callable,
-    Container,
     Deque,
     Dict,
     Iterable,
@@ -515,12 +514,6 @@ class Log:
                 self.written = waiting.number
                 self._unwritten.popleft()
 
-    @property
-    def unproven(self) -> List[Tuple[int, bytes]]:
-        """The records that are not proven, in order."""
-        with self.lock:
-            return list(self._waiting)
-
     def sync(self) -> None:
         """Bring everything that was written to the disk. Begins a segment if the newest one is full or not to be
         trusted."""
@@ -609,16 +602,6 @@ class Log:
         self._before, self._before_end, self._proven = self.segment, end, number
         while self._waiting and self._waiting[0].number <= number:
             self._waiting.popleft()
-
-    def content_of(self, numbers: Container[int]) -> Iterator[Tuple[int, bytes]]:
-        """Return the salt and the content of the segments with these numbers, also if their files were removed: of each
-        up to where the next one begins. What is behind that was torn off, and its numbers were given again."""
-        with self.lock:
-            found = [*self._kept, *([] if self._fd is None else [(self.segment, self._fd)])]
-            ends = {segment.head.before: segment.head.before_bytes for segment, _ in found}
-        for segment, fd in found:
-            if segment.name.number in numbers:
-                yield segment.head.salt, _content(fd)[:ends.get(segment.head.salt)]
 
     @property
     def is_in_place(self) -> bool:

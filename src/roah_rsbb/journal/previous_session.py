@@ -12,11 +12,12 @@ class PreviousSession(NamedTuple):
     states: Dict[str, Any]  # by name
     outcomes: Tuple[Any, ...]  # the records of all runs, including active ones; oldest first
     log_files: Dict[int, str]  # path of the run log by port
+    ended_logs: Tuple[str, ...]  # those of the runs that are over
     last_port: Optional[int]  # the highest used private port
     last: Optional[CoreSession]  # the session that wrote the states, with the times of its last record
 
 
-NOTHING = PreviousSession({}, (), {}, None, None)
+NOTHING = PreviousSession({}, (), {}, (), None, None)
 
 
 def read_previous_session(opened: Opened) -> Tuple[PreviousSession, List[str]]:
@@ -39,6 +40,8 @@ def read_previous_session(opened: Opened) -> Tuple[PreviousSession, List[str]]:
     previous = PreviousSession(
         states={name: state.state for name, state in contents.states.items() if state.state is not None},
         outcomes=tuple(outcomes), log_files={member[0]: member[4] for member in members if member[4]},
+        ended_logs=tuple([member[4] for run in contents.runs.values() if run.closed is not None
+                          for member in run.members if member[4]]),
         last_port=max(contents.run_of, default=None), last=last,
     )
     problems += [f"the state of {name} is damaged" for name, state in contents.states.items() if state.state is None]

@@ -8,7 +8,7 @@ import contextlib
 import os
 import tempfile
 import time
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Collection, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb import platform
 from roah_rsbb.journal import kinds, records
@@ -199,6 +199,20 @@ class JournalReader:
         caller can do."""
         return [entry for entry in self._entries(self._of(identity), (records.ENTRIES,))
                 if entry.identity == identity and entry.kind not in without]
+
+    def entries_of(self, identities: Collection[str]) -> Iterator[JournalEntry]:
+        """All entries of these runs, in order for each run, except its states. Each segment is read once."""
+        numbers = {number for identity in identities for number in self._contents.runs[identity].segments}
+        for place, segment in enumerate(self._opened.segments):
+            if segment.name.number in numbers:
+                found = self._load(place).of
+                for identity in identities:
+                    logged = (each for each in found.get(identity, ()) if records.ENTRIES in each[0].letters)
+                    yield from (e for e in self._entries(logged, (records.ENTRIES,)) if e.identity == identity)
+
+    def is_over(self, identity: str) -> bool:
+        """Whether a run was disconnected."""
+        return self._contents.runs[identity].closed is not None
 
     def states(self, identity: str, without: Sequence[str] = ()) -> List[JournalEntry]:
         """The states of a run, in order, for `changes.ChangesReader`. `without`: parts of the state, such as

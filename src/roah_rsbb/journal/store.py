@@ -18,9 +18,8 @@ from typing import Any, Callable, Deque, Iterator, List, Optional, Tuple, Type
 
 from roah_rsbb import durable
 from roah_rsbb.journal import file as files
-from roah_rsbb.journal import records
-from roah_rsbb.journal.batch import Batch, NewEntry
-from roah_rsbb.journal.contents import Opened, frames_of
+from roah_rsbb.journal.batch import Batch
+from roah_rsbb.journal.contents import Opened
 from roah_rsbb.journal.file import CannotWriteJournal, CoreSession, DamagedJournal, Lock, Resume
 from roah_rsbb.journal.log import Files, NewerFormat, read_chain
 from roah_rsbb.journal.previous_session import NOTHING, PreviousSession, read_previous_session
@@ -172,25 +171,6 @@ class Journal:
                 self._writer.log.finish()
             self._writer.log.close()
         self._unlock()
-
-    def entries_of(self, port: int) -> Optional[List[NewEntry]]:
-        """All entries of a robot in a run, including waiting ones, in order; None: earlier ones cannot be read now."""
-        if self._writer is None:
-            return [entry for batch in self._pending for entry in batch.entries if entry.port == port]
-        log, contents = self._writer.log, self._writer.contents
-        identity = contents.run_of.get(port)
-        run = contents.runs.get(identity)
-        waiting = log.unproven
-        proven = waiting[0][0] - 1 if waiting else log.last
-        try:
-            payloads = {frame.number: frame.payload
-                        for salt, content in log.content_of(() if run is None else run.segments)
-                        for frame in frames_of(content, salt, identity) if frame.number <= proven}
-        except OSError:
-            return None
-        payloads.update(waiting)
-        return [NewEntry(*entry[1:]) for _, payload in sorted(payloads.items())
-                for entry in records.entries_in(payload, records.OF_ENTRIES) if entry[5] == port]
 
     # -- trouble ------------------------------------------------------------------------------------
 

@@ -1,1 +1,1 @@
-"""Run logs: one rosbag per run. Writing, repairing, naming, reading."""
+"""Run logs: one rosbag per run, made from the journal. Format, naming, making."""

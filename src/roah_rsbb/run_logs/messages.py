@@ -57,23 +57,6 @@ def message_of(entry: LogEntry) -> Message:
         raise BadEntry(f"{topic} cannot hold {value!r}: {error}") from None
 
 
-def is_sound(kind: LogKind, data: bytes) -> bool:
-    """Whether the data of a message can be read. What a power failure has torn would end every reader: sectors that
-    were not written are zeros."""
-    try:
-        if kind is LogKind.UINT8:
-            return len(data) == _UINT8.size
-        end = 0
-        for _ in range({LogKind.STRING: 1, LogKind.SCORE: 2}.get(kind, 0)):
-            begin = end + _LENGTH.size
-            end = begin + _LENGTH.unpack_from(data, end)[0]
-            if end > len(data) or "\0" in data[begin:end].decode():
-                return False
-        return end + (_INT32.size if kind is LogKind.SCORE else 0) == len(data)
-    except (struct.error, UnicodeDecodeError):
-        return False
-
-
 def _string(value: str) -> bytes:
     data = value.encode()
     return _LENGTH.pack(len(data)) + data

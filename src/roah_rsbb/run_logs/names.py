@@ -8,8 +8,6 @@ from typing import Container
 SUFFIX = ".bag"
 # Longest robot name in a file name (characters).
 MAX_ROBOT_NAME = 40
-_UUID = r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}"
-_LOG_NAME = re.compile(rf"online_log_\d{{4}}(-\d\d){{2}}_\d\d(-\d\d){{2}}_.+_{_UUID}(_port\d+)?\{SUFFIX}")
 
 
 def log_name(utc: float, team: str, robot: str, round_: int, run: int, box_uuid: str) -> str:
@@ -30,8 +28,3 @@ def unused(path: str, port: int, in_use: Container[str]) -> str:
     if path not in in_use and not os.path.exists(path):
         return path
     return f"{path[:-len(SUFFIX)]}_port{port}{SUFFIX}"
-
-
-def is_log_name(name: str) -> bool:
-    """Whether this is the file name of a run log."""
-    return _LOG_NAME.fullmatch(name) is not None

@@ -336,59 +336,9 @@ class KeptFile:
         return Found([number_of(text) for text in content], "; ".join(reports))
 
 
-class RunLog:
-    """A run log: `run_logs/`. It acknowledges nothing: after a start, it is complete because the journal is."""
-
-    LIVES = (40, 40, 20)
-    NAME = "2026-11-24_10-00-00_Alpha_r1_1_1_abc.bag"
-    TOPIC = "/rsbb_log/rsbb_state_str"
-
-    @staticmethod
-    def entries(count: int):
-        """What the journal has of the run."""
-        return [(RunLog.TOPIC, text_of(number), 1e9 + number) for number in range(1, count + 1)]
-
-    @staticmethod
-    def live(folder: str, life: int, recorded: Recorded) -> None:
-        """Write a bag. Each later process writes it again from the journal first."""
-        from roah_rsbb.run_logs.bag_file import GrowingBag, write_whole
-        from roah_rsbb.run_logs.messages import message_of
-
-        path, first = os.path.join(folder, RunLog.NAME), sum(RunLog.LIVES[:life])
-        bag = write_whole(path, RunLog.entries(first), stays_open=True)[0] if life else GrowingBag(path)
-        recorded.acknowledged(first)  # the journal's
-        for number in range(first + 1, first + 1 + RunLog.LIVES[life]):
-            recorded.issued(number)
-            bag.write(message_of(RunLog.entries(number)[-1]))
-            recorded.acknowledged(number)
-            if number % 7 == 0:
-                bag.flush()
-        if life + 1 < len(RunLog.LIVES):
-            recorded.kill()
-        bag.close()
-
-    @staticmethod
-    def found(folder: str, newest: int) -> Found:
-        """Repair the bag as a core does at its start, with the journal's entries, and read it."""
-        import rosbag
-
-        from roah_rsbb.run_logs.bag_file import WRITE_ERRORS, write_whole
-        from roah_rsbb.run_logs.salvage import NotABag
-
-        path = os.path.join(folder, RunLog.NAME)
-        try:
-            write_whole(path, RunLog.entries(newest))
-            with rosbag.Bag(path) as bag:
-                return Found([number_of(message.data) for _, message, _ in bag.read_messages()], "")
-        except WRITE_ERRORS as error:
-            if isinstance(error, NotABag) and not newest:
-                return Found([], "")  # the file was just created; it is kept, and reported
-            return Found([], f"{type(error).__name__}: {error}")
-
-
 SUBJECTS: Dict[str, type] = {each.__name__: each for each in (
     Journal, SealsPageCache, NamesTooEarly, TrustsFailedSync, Copy, CopyOfUnsyncedDrafts, CopyThatTrustsFailedSync,
-    CopyThatTakesTheDiskOfTheBoxForItsOwn, KeptFile, RunLog)}
+    CopyThatTakesTheDiskOfTheBoxForItsOwn, KeptFile)}
 
 
 def lives_of(name: str, folder) -> List[List[str]]:

@@ -52,7 +52,7 @@ def problems(name, folder, count, *fail):
 
 
 CASES = [
-    ("Journal", 40_000), ("Copy", 10_000), ("KeptFile", 2000), ("RunLog", 4000),
+    ("Journal", 40_000), ("Copy", 10_000), ("KeptFile", 2000),
     *(("Journal", 4000, ".log", number) for number in (1, 2, 3, 5, 8, 12)),  # also after a kill
     *(("Journal", 4000, ".log.new", number) for number in (1, 2, 3, 4)), ("Journal", 4000, "/roah_rsbb_journal", 2),
     *(("Copy", 2000, ".log", number) for number in (1, 2, 5, 12)),
@@ -65,8 +65,6 @@ CASES = [
 @pytest.mark.parametrize("name, count, fail", [(name, count, fail) for name, count, *fail in CASES])
 def test_what_was_acknowledged_is_there(folder, name, count, fail):
     """`fail`: which fsync of which file fails, in each process."""
-    if name == "RunLog":
-        pytest.importorskip("helpers.bags")  # without rosbag, this skips
     found = collections.Counter(problems(name, folder, round(count * SHARE), *fail))
     assert set(found) == {""}, found
     assert found[""] > count * SHARE * 0.5

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from roah_rsbb.run_logs.names import is_log_name, log_name, unused
+from roah_rsbb.run_logs.names import log_name, unused
 
 
 def _name(team="Alpha", robot=""):
@@ -38,23 +38,3 @@ def test_no_two_runs_share_a_log(tmp_path):
     assert unused(path, 6668, {path: 1}) == other
     with open(path, "w"):
         assert unused(path, 6668, {}) == other
-
-
-UUID = "0123abcd-0123-0123-0123-0123456789ab"
-
-
-def test_logs_are_known_by_their_names():
-    for who in (("Alpha", ""), ("A b", "r 1"), ("Ä/..:x", "ä" * 100)):
-        name = log_name(1_800_000_000.0, *who, 2, 3, UUID)
-        assert is_log_name(name)
-        assert is_log_name(unused(name, 6667, {name}))
-
-
-@pytest.mark.parametrize("name", [
-    "notes.bag", "online_log_.bag", f"online_log_2027-01-15_08-00-00_Alpha_round1_run1_{UUID}.bag.draft",
-    f"copy_of_online_log_2027-01-15_08-00-00_Alpha_round1_run1_{UUID}.bag",
-    f"online_log_2027-01-15_08-00-00_Alpha_round1_run1_{UUID}.orig.bag",
-    "online_log_2027-01-15_08-00-00_Alpha_round1_run1.bag", "2027-01-15-08-00-00.bag", ".bag",
-])
-def test_other_files_are_not_taken_for_logs(name):
-    assert not is_log_name(name)

@@ -61,6 +61,7 @@ class TestDummySetUp(NetworkCase):
         self.assertGreater(box.zone_details("Hall").messages_saved, 0)
         path = box.zone_details("Hall").log_file
         self.modules_are_there()
+        box.command("disconnect", "Hall")
 
         rospy.wait_for_service("/roah_rsbb_shutdown", LIMIT_S)
         rospy.ServiceProxy("/roah_rsbb_shutdown", Empty)()

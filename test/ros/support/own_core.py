@@ -92,7 +92,7 @@ class OwnCoreCase(NetworkCase):
 
     def complete_log(self, path: pathlib.Path) -> RunLog:
         """The log of a run that was left, once it is complete."""
-        return wait_until(lambda: path.exists() and RunLog.complete(path), f"{path} is complete")
+        return wait_until(lambda: RunLog.complete(path), f"{path} is complete")
 
     def wait_warned(self, text: str) -> str:
         """Wait until every referee is warned of something; returns the whole warning."""

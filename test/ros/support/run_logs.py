@@ -16,11 +16,11 @@ class RunLog:
 
     @classmethod
     def complete(cls, path: pathlib.Path) -> Optional["RunLog"]:
-        """The log at `path`; None while it is still being written."""
+        """The log at `path`; None while it is still to be made."""
         try:
             with rosbag.Bag(str(path)) as bag:
                 return cls(path, [(topic, message) for topic, message, _ in bag.read_messages()])
-        except rosbag.ROSBagException:
+        except (OSError, rosbag.ROSBagException):
             return None
 
     @property

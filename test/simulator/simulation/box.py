@@ -24,10 +24,9 @@ TICKS_A_SECOND = 10
 
 
 class RunLogs:
-    """The run logs of a core, in memory. A restarted core writes those again that were open, from the journal."""
+    """The run logs of a core, which are never made: the journal has them."""
 
-    def __init__(self, box, uuid, on_problem, on_repaired, entries_of, post):
-        self._box, self._entries_of, self._post = box, entries_of, post
+    def __init__(self, uuid, on_problem, on_repaired):
         self.files = {}
 
     def check(self):
@@ -35,26 +34,15 @@ class RunLogs:
 
     def opened(self, effect, utc):
         self.files[effect.port] = f"run log of port {effect.port}"
-        self._box.run_logs[effect.port] = []
 
     def resumed(self, port, path):
         self.files[port] = path or f"run log of port {port}"
-        self._box.run_logs[port] = None  # later entries are among those of the journal, until it was asked
-        self._post(lambda: self._box.run_logs.update({port: self._entries_of(port)}))
-
-    def logged(self, effect, utc):
-        log = self._box.run_logs.get(effect.port)
-        if log is not None:
-            log.append((effect.topic, effect.value, utc))
 
     def closed(self, effect):
         self.files.pop(effect.port, None)
-        log = self._box.run_logs.get(effect.port)
-        if log is not None:
-            self._box.oracles.run_log_closed(effect.port, log, self._entries_of(effect.port))
 
-    def repair(self, known):
-        """Logs that were left open are complete: they were written with each entry."""
+    def make(self, paths):
+        """None is made."""
 
     def stop(self):
         """Nothing waits."""
@@ -69,7 +57,6 @@ class Box:
         self.standby_port = standby_port
         self.backup = None  # copies the journal to a standby; None: there is none
         self.oracles = world.oracles
-        self.run_logs = {}  # by port
         self.starts = 0
         self.is_lost = False  # it is never started again
         self.process = None  # of the present core
@@ -95,7 +82,7 @@ class Box:
         place = BoxPlace(self.storage.folder, network, self.standby_port)
         core = CoreAssembly(
             process.loop, machine, place, self.config, 0, self.settings, "", self.storage.open_journal(process), ports,
-            lambda *parts: RunLogs(self, *parts), outputs, self._ask_standby, world.air.peer_maker(process),
+            RunLogs, outputs, self._ask_standby, world.air.peer_maker(process),
             self._end_superseded)
         if self.backup is not None:
             core.box.copies.expect(core.now(), STANDBY)

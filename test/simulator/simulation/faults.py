@@ -60,9 +60,6 @@ FAULTS = (
           "max(last_ports), version)", "0, version)"),
     Fault("a restarted core does not use the time that passed", "model/saved.py",
           "        return now.mono - passed - self.mono\n", "        return now.mono - self.mono\n"),
-    Fault("an entry is missing in the run log", "box/driver.py",
-          "            effects.RunLogged: lambda e: self._run_logs.logged(e, self._moment.utc),",
-          "            effects.RunLogged: lambda e: e.port % 7 and self._run_logs.logged(e, self._moment.utc),"),
     # -- box and standby
     Fault("an entry does not wait for the standby", "box/standby_answers.py",
           "        waiting = ticket, answer\n",

@@ -109,17 +109,6 @@ class Oracles:
         if box.core is core:  # the power did not fail meanwhile
             self._check_runs(box, core)
 
-    def run_log_closed(self, port, log, entries):
-        """A run log is complete."""
-        if entries is None:
-            return
-        if json.dumps(log) != json.dumps(entries):
-            texts, others = [json.dumps(entry) for entry in log], [json.dumps(entry) for entry in entries]
-            extra = [text for text in texts if text not in others][:3]
-            missing = [text for text in others if text not in texts][:3]
-            self.fail("run log", f"that of port {port} has {len(log)} entries, the journal {len(entries)}; "
-                                 f"only in the log: {extra}, only in the journal: {missing}")
-
     # -- marks --------------------------------------------------------------------------------------
 
     def confirmed(self, number):

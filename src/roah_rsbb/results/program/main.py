@@ -11,7 +11,7 @@ from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.processes import ProcessEnded
 from roah_rsbb.journal.reader import JournalError
 from roah_rsbb.model import run_log
-from roah_rsbb.results.bags import bag_lines
+from roah_rsbb.results.bags import bag_lines, making_bags, missing_bags
 from roah_rsbb.results.mcap_file import NoMcap
 from roah_rsbb.results.printing import CannotPrint
 from roah_rsbb.results.program.journal import (
@@ -26,7 +26,7 @@ from roah_rsbb.results.program.journal import (
 from roah_rsbb.results.run_list import list_lines
 from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, heads
 from roah_rsbb.rulebook.errors import ConfigErrors
-from roah_rsbb.run_logs.bag_file import WRITE_ERRORS, write_whole
+from roah_rsbb.run_logs.bag_file import write_bag, write_bags
 from roah_rsbb.shipped import NotShipped, shipped_folder
 
 LOG_DIR = "~/.ros/roah_rsbb"
@@ -78,7 +78,7 @@ Lists all events of the schedule: signed off (final, and public if the organiser
 without a run. The exit status is 0 only if every event has a signed-off result, so scripts can wait for it.
 """
 _BAG = """\
-Writes a run's log (rosbag) again from the journal, for example after it was lost. This needs no ROS.
+Writes a run's log (rosbag) from the journal, also that of a run that is not over. This needs no ROS.
 """
 _RULES = """\
 A YAML file defines how teams are ranked (docs/results.md, "Standings"). Benchmarks that it does not name are ranked by
@@ -188,6 +188,7 @@ def _add_recovery(commands: Any) -> None:
     bag.add_argument("--port", type=int, help="port of the robot, if the run had several")
     bag.set_defaults(do=_bag)
     bags = commands.add_parser("bags", help="list the run logs (rosbags) of all runs, and what is missing")
+    bags.add_argument("--make", action="store_true", help="make those that are missing of runs that are over")
     bags.set_defaults(do=_bags)
     journals = commands.add_parser("journals", help="list the journals in the log_dir, including old ones")
     journals.set_defaults(do=_writing("journals", "segments"))
@@ -284,6 +285,11 @@ def _bag(options: argparse.Namespace) -> int:
 
 def _bags(options: argparse.Namespace) -> int:
     with open_journal(options, checks_all=False) as reader:
+        if options.make:
+            with making_bags(reader) as may_make:
+                if not may_make:
+                    raise _NoBag("another program makes the bags just now: try again")
+                write_bags(reader, missing_bags(reader))
         lines = list(bag_lines(reader))
     for text in lines:
         print(text)
@@ -299,10 +305,7 @@ def _write_bag(result: RunResult, port: Optional[int], path: str) -> int:
         raise _NoBag(f"{path}: this file already exists: choose another name")
     robot = _robot_of(result, port)
     entries = [(e.kind, e.value, e.utc) for e in result.entries if e.port == robot.port and e.kind in run_log.KINDS]
-    try:
-        write_whole(path, entries)
-    except WRITE_ERRORS as error:
-        raise _NoBag(f"{path}: {error}: choose another place or free some space") from None
+    write_bag(path, entries)
     return len(entries)
 
 
