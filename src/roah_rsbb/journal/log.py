@@ -63,8 +63,8 @@ _HEAD_MAGIC = b"RSBBlog\n"
 _RECORD, _SUMMARY = 0x52627352, 0x53627352  # "RsbR", "RsbS"
 _MAGIC = re.compile(b"Rsb[RS]")
 
-# A segment with so many bytes after its summary is full.
-FULL_BYTES = 32_000_000
+# A segment with so many bytes after its summary is full. A start reads the newest one: 0.1 s at most.
+FULL_BYTES = 8_000_000
 # So many files are kept open, in case they are removed.
 MOST_KEPT = 200
 # A single frame is read with so many bytes; most are shorter.
