@@ -50,7 +50,7 @@ from roah_rsbb.ros import connections  # noqa: E402
 from roah_rsbb.srv import Zone  # noqa: E402
 
 WINDOW_ZONES = 20
-RESUMED = 10
+RESUMED, MANY_RESUMED = 10, 44
 MANY_VIEWERS = 200
 REPEATING = 40  # robots
 WARM_S = 2.0  # until a box that was started has done all that it does once
@@ -78,12 +78,13 @@ class Extent(NamedTuple):
     runs: int  # in the journal of results
     reported_runs: int
     flood_rounds: int  # of each kind
+    run_seconds: float  # until a core is killed among many runs
 
 
 QUICK = Extent(probes=36, starts=12, clicks=5, kills=2, takeovers=1, seconds=2.0, idle_seconds=2.0, runs=200,
-               reported_runs=50, flood_rounds=2)
+               reported_runs=50, flood_rounds=2, run_seconds=10.0)
 FULL = Extent(probes=300, starts=100, clicks=40, kills=10, takeovers=5, seconds=15.0, idle_seconds=10.0, runs=10_000,
-              reported_runs=1000, flood_rounds=5)
+              reported_runs=1000, flood_rounds=5, run_seconds=180.0)
 
 
 class Bench:
@@ -128,12 +129,15 @@ class Bench:
 
     def resume(self) -> None:
         """From kill -9 of the core to the last robot's channel."""
-        with processes.LaunchedBox(RESUMED) as box, Fleet(RESUMED, box.port) as fleet:
-            reaction.connect(box, fleet, RESUMED)
-            reaction.start(box, fleet, RESUMED)
-            taken = resume.kills(box, fleet, self.extent.kills)
-        self.results.add(f"kill -9 to the resumed channels of {RESUMED} robots, median", "s", quantile(taken, 0.5), 3)
-        self.results.add(f"kill -9 to the resumed channels of {RESUMED} robots, longest", "s", max(taken), 3)
+        for robots, seconds in ((RESUMED, 0.0), (MANY_RESUMED, self.extent.run_seconds)):
+            with processes.LaunchedBox(robots) as box, Fleet(robots, box.port) as fleet:
+                reaction.connect(box, fleet, robots)
+                reaction.start(box, fleet, robots)
+                time.sleep(seconds)
+                taken = resume.kills(box, fleet, self.extent.kills)
+            name = f"kill -9 after {seconds:g} s to the resumed channels of {robots} robots"
+            self.results.add(f"{name}, median", "s", quantile(taken, 0.5), 3)
+            self.results.add(f"{name}, longest", "s", max(taken), 3)
 
     def hung(self) -> None:
         """From the stop of the core (SIGSTOP), in each of 12 phases of a run, to the next core."""
