@@ -87,9 +87,9 @@ def test_many_bags_take_one_reading_of_the_journal(tmp_path, monkeypatch):
         writer.journal.why_not_saved(writer.journal.write(contents.records.Batch(states={"box": number})))
     writer.close()
     with readers.JournalReader(writer.path, checks_all=False) as reader:
-        read_segments = []
-        scan = readers.scan_at
-        monkeypatch.setattr(readers, "scan_at", lambda segments, place: read_segments.append(place) or scan(segments, place))
+        read_segments, scan = [], readers.scan_at
+        monkeypatch.setattr(
+            readers, "scan_at", lambda segments, place: read_segments.append(place) or scan(segments, place))
         paths = {(record.identity, port): str(tmp_path / f"{port}.bag") for port, record in zip(ports, records)}
         write_bags(reader, paths)
     assert len(read_segments) == len(set(read_segments)) > 2

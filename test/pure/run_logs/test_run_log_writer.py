@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from helpers.bags import NAME, TEXT, UUID, entries, plain, read
+from helpers.bags import NAME, UUID, entries, plain, read
 from helpers.journals import Writer
 from helpers.results_of import task_record
 from roah_rsbb import platform

@@ -242,7 +242,8 @@ def test_the_bags_of_all_runs(run, tmp_path):
 def test_the_missing_bags_of_runs_that_are_over_are_made(run, tmp_path):
     writer = Writer(tmp_path / "log")
     for number in (1, 2, 3):
-        writer.run(task_record("Alpha", number, **({"closed_utc": 0.0} if number == 3 else {})), ((6666 + number, "r1"),))
+        record = task_record("Alpha", number)
+        writer.run(record._replace(closed_utc=0.0) if number == 3 else record, ((6666 + number, "r1"),))
     writer.close()
     (tmp_path / "log" / "6667.bag").write_bytes(b"there")
     status, out, _ = run("bags", "--make", source=("--log-dir", tmp_path / "log"))
