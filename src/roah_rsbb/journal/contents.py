@@ -230,14 +230,17 @@ class Opened(NamedTuple):
         order in which they are in the journal."""
         by_segment = itertools.groupby(sorted(runs, key=lambda run: (run.segment, run.at)), lambda run: run.segment)
         for number, group in by_segment:
-            segment, those = self.segment(number), list(group)
+            segment = self.segment(number)
             if segment is None:
-                yield from ((run, DAMAGED if number else None) for run in those)
+                yield from ((run, DAMAGED if number else None) for run in group)
                 continue
-            payloads = payloads_at(segment.path, segment.head.salt, [run.at for run in those])
-            for run, payload in zip(those, payloads):
+            # Many runs may have ended in one event, whose record is read once.
+            by_place = [(at, list(those)) for at, those in itertools.groupby(group, lambda run: run.at)]
+            payloads = payloads_at(segment.path, segment.head.salt, [at for at, _ in by_place])
+            for (_, those), payload in zip(by_place, payloads):
                 lines = None if payload is None else line_of(payload, records.OUTCOMES)
-                yield run, DAMAGED if lines is None else lines.get(run.row[0], DAMAGED)
+                for run in those:
+                    yield run, DAMAGED if lines is None else lines.get(run.row[0], DAMAGED)
 
     def earlier_outcome(self, identity: str) -> Any:
         """Return the newest intact record of a run; None: there is none. Raises OSError."""
