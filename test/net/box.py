@@ -19,6 +19,8 @@ from support.waiting import wait_until
 from roah_rsbb.client.places import DoorPlaces, door_file_in
 from roah_rsbb.document.place import read_place
 from roah_rsbb.journal.file import holder_of
+from roah_rsbb.journal.reader import JournalReader, journal_in
+from roah_rsbb.results.bags import missing_bags
 
 HERE = pathlib.Path(__file__).resolve().parent
 # Whatever a robot misses in an outage, it has time for its goal afterwards.
@@ -86,6 +88,11 @@ class Box(DoorClient):
         text = pathlib.Path(f"/proc/{holder_of(str(self.log_dir))}/stat").read_text(encoding="ascii")
         fields = text.rpartition(")")[2].split()
         return Used(time.monotonic(), (int(fields[11]) + int(fields[12])) / _TICKS_PER_S)
+
+    def has_all_logs(self) -> bool:
+        """Whether all runs that are over have their logs."""
+        with JournalReader(journal_in(str(self.log_dir)), checks_all=False) as reader:
+            return not missing_bags(reader)
 
     def logs_of(self, code: str, number: int) -> List[pathlib.Path]:
         """The run logs of a benchmark in a round."""

@@ -7,7 +7,6 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 import rosbag
 from crew import ROBOT
 from support.door_client import NoAnswer, Refusal, SeenZone
-from support.run_logs import RunLog
 from support.waiting import wait_until
 
 from box import SPEECH, Box
@@ -167,10 +166,8 @@ class Referee:
         self._box.wait_details(self._code, lambda d: not _are_to_confirm(d), "they are confirmed", LIMIT_S)
 
     def _read_logs(self) -> List[List[Entry]]:
-        paths = wait_until(lambda: self._box.logs_of(self._code, self._number), f"{self._code} has a log")
-        for path in paths:
-            wait_until(lambda path=path: RunLog.complete(path), f"{path} is complete")
-        return [_entries(path) for path in paths]
+        wait_until(self._box.has_all_logs, "the logs of runs that are over are made")
+        return [_entries(path) for path in self._box.logs_of(self._code, self._number)]
 
 
 def _state(details: SeenZone) -> str:
