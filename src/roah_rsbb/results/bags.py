@@ -10,7 +10,7 @@ from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import NOTHING
 
 MISSING = "missing"
-GOING_ON = "not over"
+NOT_OVER = "not over"
 # A file beside the journal.
 LOCK = "roah_rsbb_bags.lock"
 
@@ -25,7 +25,7 @@ def bag_lines(reader: JournalReader) -> Iterator[str]:
         path = _found(member.log_file, os.path.dirname(reader.path))
         found += bool(path)
         size = (f"{os.path.getsize(path) / 1e6:.1f} MB" if path else NOTHING if not member.log_file else
-                MISSING if reader.is_over(member.identity) else GOING_ON)
+                MISSING if reader.is_over(member.identity) else NOT_OVER)
         rows.append((str(number), one_line(member.identity), str(member.port),
                      one_line(f"{member.robot} of team {member.team}"), size, one_line(path or member.log_file)))
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]

@@ -67,6 +67,6 @@ def test_a_start_reads_the_newest_segment_once_and_the_newest_records_of_runs(tm
     assert taken.pop(newest) == os.path.getsize(newest) < 10_000_000
     assert sum(taken.values()) < 500_000
     before = sum(taken.values())
-    after.entry("/notification", "it goes on", task_record("Alpha", PORTS[0]).identity)
+    after.entry("/notification", "it continues", task_record("Alpha", PORTS[0]).identity)
     assert sum(taken.values()) == before
     after.close()

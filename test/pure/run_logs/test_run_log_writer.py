@@ -63,7 +63,7 @@ def test_a_bag_is_made_when_the_run_is_over(box, tmp_path):
     assert path != other and not list(tmp_path.glob("*.bag")), "nothing is written before"
     box.close(PORT, record)
     assert made(path) == plain(entries(3, first=PORT))
-    assert list(box.logs.files) == [OTHER] and not os.path.exists(other), "that run goes on"
+    assert list(box.logs.files) == [OTHER] and not os.path.exists(other), "that run continues"
     assert box.news.empty()
 
 
@@ -82,7 +82,7 @@ def test_missing_bags_of_earlier_runs_are_made(tmp_path):
     before.journal.close()
     after = Box(tmp_path)
     logs = after.journal.journal.previous.ended_logs
-    assert sorted(logs) == sorted(paths), "not of the run that goes on"
+    assert sorted(logs) == sorted(paths), "not of the run that continues"
     after.logs.make(f"/another/computer/{os.path.basename(path)}" for path in logs)
     assert [made(path) for path in paths] == [plain(entries(3, first=port)) for port in (PORT, OTHER)]
     after.logs.stop()
@@ -121,7 +121,7 @@ def test_the_end_of_the_box_waits_for_the_last_bag(box, monkeypatch):
 
 
 @pytest.mark.parametrize("known", [f"/logs/{NAME}", ""])
-def test_a_run_that_goes_on_keeps_its_name(box, tmp_path, known):
+def test_a_run_that_continues_keeps_its_name(box, tmp_path, known):
     box.logs.resumed(PORT, known)
     path = box.logs.files[PORT]
     assert os.path.dirname(path) == str(tmp_path) and (not known or os.path.basename(path) == NAME)
