@@ -28,7 +28,9 @@ RUNTIME = "protobuf>=3.20.2,<8"
 # It brings protoc 25.1, and has wheels for Python 3.8 to 3.12.
 COMPILER = "grpcio-tools>=1.62,<1.63; python_version<'3.13'"
 
-REQUIRES = {"robot": [RUNTIME, "cryptography>=2.8"], "check": ["PyYAML>=5.3.1"],
+REQUIRES = {"robot": [RUNTIME, "cryptography>=2.8"],
+            "check": ["PyYAML>=5.3.1", "python-dateutil>=2.7; python_version<'3.9'",
+                      "tzdata; platform_system=='Windows'"],
             "box": ["tornado>=6", "qrcode>=6"]}
 # Before Python 3.12, PySide6 6.12.0 ends each program with windows: it releases None too often.
 EXTRAS = {"box": {"window": ["PySide6-Essentials; python_version>='3.12'",

@@ -40,6 +40,21 @@ def _module(name: str) -> Any:
 fcntl, msvcrt, _winapi = _module("fcntl"), _module("msvcrt"), _module("_winapi")
 
 
+# -- time -------------------------------------------------------------------------------------------
+
+
+def time_zone() -> str:
+    """Return what this computer calls its time zone, such as Asia/Tokyo; empty: not known. Where TZ describes one, such
+    as JST-9, it is no name."""
+    name = os.environ.get("TZ", "").lstrip(":")
+    if not name:
+        try:
+            name = os.readlink("/etc/localtime")
+        except OSError:
+            name = "" if WINDOWS else "UTC"
+    return name.rpartition("zoneinfo/")[2]
+
+
 # -- files ------------------------------------------------------------------------------------------
 
 # Arguments of CreateFile that Python has no names for.

@@ -7,6 +7,14 @@ import sys
 
 import pytest
 
+from roah_rsbb.wording import times
+
+
+@pytest.fixture(autouse=True)
+def _no_zone():
+    """No test shows times in the time zone of another one's competition."""
+    times.use_zone("")
+
 
 @pytest.fixture(autouse=True, scope="session")
 def _package():

@@ -115,7 +115,7 @@ CONTENTS = runpy.run_path(str(ROOT / "packaging" / "contents.py"))
 # What else the modules of a package may import: what is installed with it, and what they do without.
 OTHERS = {"robot": {"google", "cryptography", "argcomplete"},
           "comm": {"google", *ROS},
-          "check": {"google", "cryptography", "argcomplete", "yaml"},
+          "check": {"google", "cryptography", "argcomplete", "yaml", "dateutil"},
           "results": {"yaml", "argcomplete", "mcap", "mcap_ros2"},
           "box": {"google", "cryptography", "argcomplete", "yaml", "tornado", "qrcode",
                   "roah_rsbb.nodes.modules.check_ground_truth", "roah_rsbb.ros.display"}}

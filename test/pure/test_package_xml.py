@@ -13,7 +13,8 @@ from helpers.imports import imports_of
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # rosdep's names of Python packages that are no ROS packages. Without a name: part of another one.
 NAMES = {
-    "argcomplete": "python3-argcomplete", "cryptography": "python3-cryptography", "google": "python3-protobuf",
+    "argcomplete": "python3-argcomplete", "cryptography": "python3-cryptography", "dateutil": "python3-dateutil",
+    "google": "python3-protobuf",
     "jsonschema": "python3-jsonschema", "pytest": "python3-pytest", "qrcode": "python3-qrcode",
     "rospkg": "python3-rospkg-modules",
     "tornado": "python3-tornado", "yaml": "python3-yaml", "hypothesis": None, "PyQt5": "python_qt_binding",

@@ -79,7 +79,8 @@ class Box:
             beacon_size, last_port,
         )
         self._connections.version = version
-        self._reload = Reload(zones, self.robots, self.finished, self._connections, self.copies, outbox)
+        self._reload = Reload(zones, self.robots, self.finished, self._connections, self.copies, outbox,
+                              config.time_zone)
         self._restart = Restart(zones, self.finished, self._connections, self.watches, outbox)
         self._record = record = CommandRecord(zones, outbox)
         self.candidates = Candidates(settings, zones, self.robots, self.watches, self._connections, self.finished)
@@ -223,6 +224,11 @@ class Box:
         if self._superseded:
             return 0.0
         return self.watches.listening_left(now)
+
+    @property
+    def time_zone(self) -> str:
+        """Name of the venue's time zone; empty: not known."""
+        return self._reload.time_zone
 
     @property
     def is_held(self) -> bool:

@@ -21,6 +21,7 @@ from roah_rsbb.model.reason import say
 from roah_rsbb.model.referee import Refused, checked_who
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.rulebook.event_ids import EventKey, key_of
+from roah_rsbb.wording import times
 
 # The journal records at most this many changes of a reload.
 MAX_RECORDED = 500
@@ -34,7 +35,7 @@ class Reload:
 
     def __init__(
         self, zones: Zones, robots: ActiveRobots, finished: FinishedRuns, connections: Connections, copies: Copies,
-        outbox: Outbox
+        outbox: Outbox, time_zone: str
     ) -> None:
         self._zones = zones
         self._robots = robots
@@ -42,6 +43,11 @@ class Reload:
         self._connections = connections
         self._copies = copies
         self._outbox = outbox
+        self._use_zone(time_zone)
+
+    def _use_zone(self, name: str) -> None:
+        self.time_zone = name
+        times.use_zone(name)
 
     def off(self, config: Config) -> List[str]:
         """Return why a configuration cannot be taken now; empty: it can."""
@@ -70,6 +76,7 @@ class Reload:
         self._robots.use_teams(config.passwords)
         self._finished.use(config.benchmarks, config.ranking)
         self._copies.use(config)
+        self._use_zone(config.time_zone)
         self._connections.version = version
         self._zones.reschedule(config.zones)
         self._outbox.emit(effects.ModuleRunsChanged())  # a module may be needed from now on

@@ -112,3 +112,4 @@ class Public(NamedTuple):
     results: str = "none"  # what the organisers allow of results: none, outcomes or scores
     following: Tuple[PublicEvent, ...] = ()  # the events that have not begun, the soonest first
     standings: Tuple[PublicStanding, ...] = ()
+    time_zone: str = ""  # of the venue: `wording.times.zone_of`; empty: none

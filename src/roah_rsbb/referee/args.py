@@ -48,7 +48,7 @@ def parser() -> argparse.ArgumentParser:
                         "Colour is used on a terminal only, and never where NO_COLOR is set.",
     )
     top.add_argument("--json", action="store_true", help="print JSON; watch and run: one object a line")
-    top.add_argument("--utc", action="store_true", help="show times in UTC (default: the local time of this computer)")
+    top.add_argument("--utc", action="store_true", help="show times in UTC (default: the venue's time)")
     commands = top.add_subparsers(dest="command", metavar="COMMAND")
     _status(commands)
     _watch(commands)

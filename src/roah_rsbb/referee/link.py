@@ -22,6 +22,7 @@ from roah_rsbb.model.results import RunSheet
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.referee.exits import NoCore
+from roah_rsbb.wording.times import use_zone
 
 # Time limits: for the document, for the answer to a call. A busy computer may take seconds.
 CORE_S, ANSWER_S = 6.0, 6.0
@@ -58,6 +59,7 @@ class Link(Client[Document]):
     def box(self) -> Document:
         """The newest document. The link must be open."""
         assert self.document is not None, "the link is open"
+        use_zone(self.document.public.time_zone)
         return self.document
 
     @property

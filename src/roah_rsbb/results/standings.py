@@ -34,11 +34,10 @@ from roah_rsbb.rulebook.standing_rules import (
     Rules,
     StandingPart,
     StandingRules,
-    day_of,
 )
 from roah_rsbb.wording.sheets import NOT_SIGNED_OFF, end_reason, turn
 from roah_rsbb.wording.texts import one_line
-from roah_rsbb.wording.times import NOTHING, date_time
+from roah_rsbb.wording.times import NOTHING, date_time, day_of, has_zone
 
 # Numbers are shown with at most this many decimals.
 _DECIMALS = 3
@@ -47,6 +46,10 @@ WITHOUT_RULES = (
     "points (docs/organiser.md), or write its criteria into the file with the standings' rules (docs/results.md)"
 )
 
+DAYS_OF_COMPUTER = (
+    "the competition has no time zone, so days are those of this computer: set time_zone in schedule.yaml "
+    "(docs/organiser.md)"
+)
 NO_TITLES: Mapping[str, str] = {}
 
 
@@ -247,6 +250,8 @@ def _column(
     choice: RunChoice, remarks: List[str],
 ) -> Dict[str, _TeamsPart]:
     """Return what each team gets for one benchmark. A team that did not appear or withdrew gets 0."""
+    if part.day and not has_zone() and DAYS_OF_COMPUTER not in remarks:
+        remarks.append(DAYS_OF_COMPUTER)
     records = [record for record in records if not part.day or day_of(record.scheduled) == part.day]
     found = standing(part.benchmark, records, rules.get(part.benchmark), choice)
     numbers = {line.team: Fraction(0) if line.disqualified else line.numbers[0] or Fraction(0) for line in found.lines}

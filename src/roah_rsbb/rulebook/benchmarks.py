@@ -154,6 +154,7 @@ class Config:
     zones: Tuple[ZonePlan, ...]
     ranking: StandingRules = field(default_factory=StandingRules)  # how runs compare
     durable: Durable = Durable.ONE
+    time_zone: str = ""  # of the venue: `wording.times.zone_of`; empty: that of each computer
     durable_at: Optional[Place] = field(default=None, compare=False)  # where the schedule says so; None: nowhere
 
 

@@ -4,13 +4,13 @@ No line contains a password (docs/organiser.md, "Changes during the competition"
 """
 
 import collections
-import datetime
 from dataclasses import fields, is_dataclass
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple
 
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.errors import quote
 from roah_rsbb.rulebook.event_ids import EventKey, key_of
+from roah_rsbb.wording.times import date_time
 
 # The fields of a benchmark whose differences are listed by other names.
 _NAMES = {"own": "", "rules": "", "desc": "subject", "name": "title"}
@@ -32,6 +32,8 @@ def changes(before: Config, after: Config, ran: Iterable[EventKey] = ()) -> List
     found += _of_schedule(before, after, _Ran(ran))
     if before.durable != after.durable:
         found.append(f"durable: {before.durable.value}, now {after.durable.value}")
+    if before.time_zone != after.time_zone:
+        found.append(f"time zone: {before.time_zone or 'none'}, now {after.time_zone or 'none'}")
     if before.ranking != after.ranking:
         found.append("standings: other rules")
     if not found and before != after:
@@ -216,5 +218,4 @@ def _run(event: ScheduledEvent) -> str:
 
 
 def _time(event: ScheduledEvent) -> str:
-    moment = datetime.datetime.fromtimestamp(event.scheduled, datetime.timezone.utc)
-    return moment.strftime("%Y-%m-%d %H:%M:%S UTC")
+    return date_time(event.scheduled)

@@ -32,6 +32,7 @@ from roah_rsbb.rulebook.scoring_section import MAX_JUDGES, ScoringSection
 from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, integer, number, sequence, text, utc_time
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable, read_yaml
 from roah_rsbb.wording.suggestions import nearest
+from roah_rsbb.wording.times import zone_of
 
 __all__ = ["ConfigError", "ConfigErrors", "load"]
 
@@ -46,8 +47,9 @@ def load(benchmarks_file: str, schedule_file: str, passwords_file: str) -> Tuple
     passwords = PasswordsFile(passwords_file, report)
     schedule = ScheduleFile(schedule_file, report, benchmarks, passwords)
     report.raise_errors()
-    return Config(benchmarks.by_code, passwords.by_team, schedule.zones, durable=schedule.durable.wish,
-                  durable_at=schedule.durable.place), report.warnings
+    settings = schedule.settings
+    return Config(benchmarks.by_code, passwords.by_team, schedule.zones, durable=settings.durable,
+                  durable_at=settings.durable_at, time_zone=settings.time_zone), report.warnings
 
 
 def load_benchmarks(benchmarks_file: str) -> Dict[str, Benchmark]:
@@ -399,7 +401,8 @@ class PasswordsFile:
 
 _ZONES_SHAPE = "zones, '- zone: ...' with 'schedule: ...'"
 _ZONE = {"zone": "Task Benchmarks", "schedule": "[...]"}
-_SETTING = {"durable": Durable.TWO.value}
+ZONE_SHAPE = "a name such as Asia/Tokyo, UTC, or the offset from UTC, such as +01:00"
+_SETTING = {"durable": Durable.TWO.value, "time_zone": "Asia/Tokyo"}
 _EVENT = {
     "benchmark": "HGTKMH",
     "team": "TestingTeam",
@@ -414,38 +417,45 @@ MAX_ROUND = 255
 _Run = Tuple[str, str, int, int]
 
 
-class DurableSetting:
-    """What the entry 'durable' of a schedule file says, beside its zones."""
+class ScheduleSettings:
+    """What a schedule file sets beside its zones."""
 
     def __init__(self, report: Report) -> None:
-        self.wish = Durable.ONE
-        self.place: Optional[Place] = None
+        self.durable = Durable.ONE
+        self.durable_at: Optional[Place] = None
+        self.time_zone = ""  # of the venue; empty: not set
         self._report = report
         self._places: Dict[str, Place] = {}
 
     def take(self, node: Node) -> bool:
-        """Read the entry if it is this setting and no zone; returns whether it is."""
+        """Read the entry if it is a setting and no zone; returns whether it is."""
         keys = [key.text for key, _ in node.pairs] if isinstance(node, Mapping) else []
         if not keys or nearest(keys[0], (*_ZONE, *_SETTING)) not in _SETTING:
             return False
         report = self._report
-        got = fields(report, node, "a setting", _SETTING, {}) or {}
+        got = fields(report, node, "a setting", {}, _SETTING) or {}
+        for key in got:
+            report.once(self._places, key, node.place, f"the setting '{key}' again", "each setting once")
         if "durable" in got:
-            report.once(self._places, "durable", node.place, "the setting 'durable' again", "each setting once")
             words = tuple(each.value for each in Durable)
             found = choice(report, got["durable"], "durable", words,
                            f"on how many computers an entry must be before it is confirmed, {' or '.join(words)}")
-            self.wish, self.place = Durable(found or Durable.ONE.value), node.place
+            self.durable, self.durable_at = Durable(found or Durable.ONE.value), node.place
+        if "time_zone" in got:
+            name = text(report, got["time_zone"], "time_zone")
+            if name is not None and zone_of(name) is None:
+                report.error(got["time_zone"].place, f"{quote(name)} as time_zone", ZONE_SHAPE)
+            self.time_zone = name or ""
         return True
 
 
-def durable_in(schedule_file: str) -> Durable:
-    """What a schedule file says about it, whatever else is wrong there."""
-    found, report = DurableSetting(Report()), Report()
+def settings_in(schedule_file: str) -> ScheduleSettings:
+    """What a schedule file sets, whatever else is wrong there."""
+    found, report = ScheduleSettings(Report()), Report()
     root = read_yaml(schedule_file, report, "the schedule file", "")
     for node in root.items if isinstance(root, Sequence) else ():
         found.take(node)
-    return found.wish
+    return found
 
 
 class ScheduleFile:
@@ -456,7 +466,7 @@ class ScheduleFile:
     ) -> None:
         """`passwords`: None if the teams are not to be checked."""
         self.zones: Tuple[ZonePlan, ...] = ()
-        self.durable = DurableSetting(report)
+        self.settings = ScheduleSettings(report)
         self._report = report
         self._benchmarks = benchmarks
         self._passwords = passwords
@@ -468,7 +478,7 @@ class ScheduleFile:
         what = "the schedule file (parameter schedule_file)"
         root = read_yaml(path, report, what, f"a sequence of {_ZONES_SHAPE}")
         nodes = sequence(report, root, "the file's content", _ZONES_SHAPE) or ()
-        of_zones = [node for node in nodes if not self.durable.take(node)]
+        of_zones = [node for node in nodes if not self.settings.take(node)]
         if nodes and not of_zones:
             report.error(nodes[0].place, "no zone", f"a sequence of {_ZONES_SHAPE}")
         zones = [self._zone(node) for node in of_zones]

@@ -5,7 +5,6 @@ sum of items of the referee's sheet, of its points, and of values of the benchma
 weighted sum of the first criteria of several benchmarks.
 """
 
-import datetime
 import enum
 from decimal import Decimal
 from typing import Dict, List, NamedTuple, Optional, Tuple
@@ -15,6 +14,7 @@ from roah_rsbb.rulebook.registry import CODE, PROFILES
 from roah_rsbb.rulebook.yaml_fields import choice, exact, fields, number, sequence, text, utc_time
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Unusable, read_yaml
 from roah_rsbb.wording.suggestions import nearest
+from roah_rsbb.wording.times import formatted
 
 _SHAPE = "a map 'CODE: {runs: best, criteria: [...]}' of benchmarks"
 _CRITERION = {"name": "Achievements", "of": "[{group: Achievements}]"}
@@ -87,7 +87,7 @@ class StandingPart(NamedTuple):
 
     benchmark: str  # code
     weight: Decimal = Decimal(1)
-    day: str = ""  # only runs that are scheduled on this day (UTC); empty: all
+    day: str = ""  # only runs that are scheduled on this day of the venue; empty: all
     maximum: Decimal = Decimal(0)  # of the number, for `Normalised.MAXIMUM`
 
     @property
@@ -257,9 +257,4 @@ def _part(report: Report, node: Node, normalised: Optional[str], rules: Dict[str
 def _day(report: Report, node: Node) -> Optional[str]:
     """Read a day; None after an error."""
     seconds = utc_time(report, node, "day")
-    return None if seconds is None else day_of(seconds)
-
-
-def day_of(utc: float) -> str:
-    """Return the day of a time (UTC)."""
-    return datetime.datetime.fromtimestamp(utc, datetime.timezone.utc).strftime("%Y-%m-%d")
+    return None if seconds is None else formatted(seconds, "%Y-%m-%d", in_utc=True)  # as it is written

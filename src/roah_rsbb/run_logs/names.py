@@ -2,8 +2,9 @@
 
 import os
 import re
-import time
 from typing import Container
+
+from roah_rsbb.wording.times import formatted
 
 SUFFIX = ".bag"
 # Longest robot name in a file name (characters).
@@ -12,7 +13,7 @@ MAX_ROBOT_NAME = 40
 
 def log_name(utc: float, team: str, robot: str, round_: int, run: int, box_uuid: str) -> str:
     """The file name of a run's log that begins at `utc` (s); `robot` is empty unless a team has several robots."""
-    local = time.strftime("%Y-%m-%d_%H-%M-%S", time.localtime(utc))
+    local = formatted(utc, "%Y-%m-%d_%H-%M-%S", in_utc=False)
     team = re.sub(r"[^\w.-]", "-", team)
     # The name comes from the robot: its characters and length are unchecked.
     robot = re.sub(r"[^A-Za-z0-9_.-]", "-", robot)[:MAX_ROBOT_NAME]

@@ -21,7 +21,7 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.tools.competition import firewall
-from roah_rsbb.tools.competition.check import module_errors, scheduled_modules
+from roah_rsbb.tools.competition.check import module_errors, scheduled_modules, warnings_of_days
 from roah_rsbb.tools.interfaces import Interface
 from roah_rsbb.tools.open_ports import Listener, command_that_shows, open_to
 
@@ -237,7 +237,8 @@ def check_configuration(files: Dict[str, str], modules_dir: str) -> List[Remark]
         return [Remark(Severity.FAILED, line, "") for line in str(errors).splitlines()]
     events = sum(len(zone.events) for zone in loaded.zones)
     found = [Remark(Severity.OK, f"the configuration is valid: {len(loaded.zones)} zones, {events} events")]
-    found += [Remark(Severity.WARNING, warning, "") for warning in warnings]
+    found += [Remark(Severity.WARNING, warning, "")
+              for warning in [*warnings, *warnings_of_days(files["schedule_file"], loaded)]]
     return [*found, *_check_modules(loaded, modules_dir), _check_passwords(loaded)]
 
 

@@ -1,21 +1,20 @@
 """What everybody is shown of the box: the documents made from what is public. No I/O and no clock."""
 
-import time
 from typing import ContextManager, Dict, Iterable, List, Optional, Set, Tuple
 
 from roah_rsbb.model.document import Document
 from roah_rsbb.web import documents
 from roah_rsbb.web.documents import TEXTS, Data
 from roah_rsbb.web.numbered import BoxShown, Key, Numbered
-from roah_rsbb.wording import device
+from roah_rsbb.wording import device, times
 from roah_rsbb.wording.catalogues import ENGLISH, chosen
 from roah_rsbb.wording.language import Translate, in_language
 from roah_rsbb.wording.public import ALL_TEAMS
 
 # UTC slews. While the times of runs differ by less, they are the same.
 SAME_TIME_S = 0.05
-Day = Tuple[int, int, int]
-_NO_DAY = (0, 0, 0)
+Day = Tuple[str, int]
+_NO_DAY = ("", 0)
 
 
 class Store(Numbered):
@@ -93,6 +92,8 @@ class Store(Numbered):
     def _look(self, document: Optional[Document]) -> None:
         """Make what is made of parts that have changed; without a document, only the fixed texts."""
         now = self.box.now()
+        if document is not None:
+            times.use_zone(document.public.time_zone)
         day = None if document is None else _day(now.utc)
         if document is not None:
             if abs(now.utc - now.mono - self._ahead_s) >= SAME_TIME_S:
@@ -115,7 +116,7 @@ class Store(Numbered):
 
     def _make_words(self, language: str, day: Optional[Day], utc_s: float) -> None:
         self._renew((documents.WORDS, language), day, lambda: {
-            **documents.page_words(language, self._title, None if day is None else utc_s, (day or _NO_DAY)[2]),
+            **documents.page_words(language, self._title, None if day is None else utc_s, (day or _NO_DAY)[1]),
             "logos": list(self.logos)})
         self._renew((documents.DEVICE_WORDS, language), None, device.page_words)
 
@@ -139,8 +140,4 @@ def _runs_of(document: Document) -> Tuple[object, ...]:
 
 def _day(utc_s: float) -> Day:
     """The local day, and the offset of local time to UTC in seconds."""
-    try:
-        local = time.localtime(utc_s)
-    except (OverflowError, OSError, ValueError):  # a clock that is far off must not stop the gateway
-        return _NO_DAY
-    return (local.tm_year, local.tm_yday, local.tm_gmtoff)
+    return times.day_of(utc_s), times.offset_s(utc_s)

@@ -1,10 +1,9 @@
 """The texts of the public pages (docs/public_display.md).
 
-Times of day are local times of the computer that makes the texts: the public compares them with the clock on the wall.
+Times of day are those of the venue: the public compares them with the clock on the wall.
 """
 
 import math
-import time
 from typing import Dict, Iterable, NamedTuple, Tuple
 
 from roah_rsbb.model.document import Document
@@ -192,7 +191,4 @@ def date(utc_s: float) -> str:
 
 
 def _local(pattern: str, utc_s: float) -> str:
-    try:
-        return time.strftime(pattern, time.localtime(utc_s))
-    except (OverflowError, OSError, ValueError):  # a clock that is far off must not stop the display
-        return "?"
+    return times.formatted(utc_s, pattern, in_utc=False)

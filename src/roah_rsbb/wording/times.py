@@ -1,5 +1,6 @@
 """Times of day, durations and clock skews as people read them.
 
+Days and times are those of the competition's time zone (`use_zone`), or of this computer's if it has none.
 A countdown shows whole seconds, rounded up, so that 0:00 means that the time is over. The time that a run took is a
 result: it shows tenths of a second, in panels, in the terminal and on score sheets alike.
 """
@@ -8,13 +9,63 @@ import contextlib
 import datetime
 import math
 import re
-import time
+import sys
 from typing import NamedTuple, Optional
 
 from roah_rsbb.wording.language import tr, tr_later
 
 # Stands for a value that does not exist.
 NOTHING = "–"
+
+
+# -- the time zone ----------------------------------------------------------------------------------
+
+
+_OFFSET = re.compile(r"([+-])([0-9]{1,2}):([0-9]{2})")
+# Not 'localtime' or 'posixrules', which mean another zone on each computer, and no path that leads elsewhere.
+_NAME = re.compile(r"[A-Z][A-Za-z0-9_+-]*(/[A-Z][A-Za-z0-9_+-]*)*")
+_name = ""
+_zone: Optional[datetime.tzinfo] = None
+
+
+def zone_of(name: str) -> Optional[datetime.tzinfo]:
+    """Return the time zone of this name: of the IANA's list, UTC, or an offset from it; None: there is none."""
+    offset = _OFFSET.fullmatch(name)
+    if offset is not None and int(offset.group(2)) <= 14 and int(offset.group(3)) < 60:
+        ahead = datetime.timedelta(hours=int(offset.group(2)), minutes=int(offset.group(3)))
+        return datetime.timezone(-ahead if offset.group(1) == "-" else ahead)
+    if name == "UTC":
+        return datetime.timezone.utc
+    if not _NAME.fullmatch(name):
+        return None
+    if sys.version_info >= (3, 9):
+        import zoneinfo
+
+        try:
+            return zoneinfo.ZoneInfo(name)
+        except (OSError, ValueError, zoneinfo.ZoneInfoNotFoundError):  # OSError: a folder, such as Asia
+            return None
+    from dateutil import tz
+
+    found = tz.gettz(name)
+    return found if isinstance(found, tz.tzfile) else None  # others are rules that a name such as EST-5 spells
+
+
+def use_zone(name: str) -> None:
+    """Show days and times in the time zone of this name; empty, or unknown here: in that of this computer."""
+    global _name, _zone
+    if name != _name:
+        _name, _zone = name, zone_of(name)
+
+
+def has_zone() -> bool:
+    """Return whether days and times are those of a competition's time zone."""
+    return _zone is not None
+
+
+def day_of(utc_s: float) -> str:
+    """Return the day of a moment, such as ``2026-11-28``."""
+    return formatted(utc_s, "%Y-%m-%d", in_utc=False)
 
 
 # -- durations --------------------------------------------------------------------------------------
@@ -77,14 +128,14 @@ def time_of_day(utc_s: float) -> str:
 
 
 def time_with_zone(utc_s: float) -> str:
-    """Return the UTC time of day as in log lines, such as ``14:03:59Z``."""
+    """Return the UTC time of day at the beginning of log lines, such as ``14:03:59Z``: see `Moments.lines`."""
     return f"{time_of_day(utc_s)}Z"
 
 
 def formatted(utc_s: float, pattern: str, in_utc: bool) -> str:
     """Return a local or UTC moment in this format."""
     try:
-        return time.strftime(pattern, time.gmtime(utc_s) if in_utc else time.localtime(utc_s))
+        return _moment(utc_s, in_utc).strftime(pattern)
     except (OverflowError, OSError, ValueError):  # a clock that is far off must not stop a panel
         return "?"
 
@@ -97,7 +148,7 @@ _DAY_S = 86400
 
 
 class Moments(NamedTuple):
-    """How the panels of a client show moments: all in the local time of this computer, or all in UTC."""
+    """How the panels of a client show moments: all in local time, or all in UTC."""
 
     in_utc: bool = False
 
@@ -145,12 +196,18 @@ class Moments(NamedTuple):
         return f"{formatted(utc_s, '%Y-%m-%d %H:%M:%S', in_utc=True)} UTC"
 
 
+def at_venue(utc_s: float) -> str:
+    """Return a time of day within a sentence, such as ``14:03:59 CET``."""
+    return Moments().with_zone(utc_s)
+
+
 def offset_s(utc_s: float) -> int:
-    """Return by how many seconds local time is ahead of UTC."""
+    """Return by how many seconds local time is ahead of UTC then."""
     try:
-        return time.localtime(utc_s).tm_gmtoff
+        ahead = _moment(utc_s, in_utc=False).utcoffset()
     except (OverflowError, OSError, ValueError):
         return 0
+    return 0 if ahead is None else int(ahead.total_seconds())
 
 
 # -- moments for the public and for results, local or UTC -------------------------------------------
@@ -195,8 +252,7 @@ def optional_date_time(utc_s: Optional[float], in_utc: bool = False) -> str:
 
 def time_with_tenths(utc_s: float, in_utc: bool = False) -> str:
     """Return the time of day with tenths of a second, where the day and the offset are shown elsewhere."""
-    moment = datetime.datetime.fromtimestamp(utc_s, datetime.timezone.utc if in_utc else None)
-    return moment.isoformat(timespec="milliseconds")[11:21]  # in a fraction of the time of strftime
+    return _moment(utc_s, in_utc).isoformat(timespec="milliseconds")[11:21]  # in a fraction of the time of strftime
 
 
 def iso(utc_s: float, in_utc: bool = False) -> str:
@@ -206,4 +262,4 @@ def iso(utc_s: float, in_utc: bool = False) -> str:
 
 def _moment(utc_s: float, in_utc: bool) -> datetime.datetime:
     moment = datetime.datetime.fromtimestamp(utc_s, datetime.timezone.utc)
-    return moment if in_utc else moment.astimezone()
+    return moment if in_utc else moment.astimezone(_zone)

@@ -1,7 +1,6 @@
 """Files that people write: configuration, passwords, maps. Errors are those that are documented, and nothing else."""
 
 import atexit
-import datetime
 import os
 import pathlib
 import shutil
@@ -89,7 +88,7 @@ def _load_parameters(data: bytes) -> None:
 def _load_sheet(data: bytes) -> None:
     report = Report()
     try:
-        plan = read_sheet(_FOLDER.file("sheet.csv", data), report, VenueClock(datetime.timedelta(hours=1)))
+        plan = read_sheet(_FOLDER.file("sheet.csv", data), report, VenueClock("+01:00"))
     except ConfigErrors:
         assert len(report.errors) >= MAX_ERRORS
         return

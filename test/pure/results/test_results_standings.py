@@ -16,8 +16,10 @@ from helpers.results_of import (
     module_record,
     task_record,
 )
+from helpers.time_zones import local_time
 from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints, SignOff
 from roah_rsbb.results.standings import (
+    DAYS_OF_COMPUTER,
     WITHOUT_RULES,
     RunChoice,
     number_text,
@@ -42,6 +44,7 @@ from roah_rsbb.rulebook.standing_rules import (
     Term,
     read_rules,
 )
+from roah_rsbb.wording import times
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "config" / "standings.yaml"
 ACHIEVEMENTS = Criterion("Achievements", True, (Term(group=ACHIEVED),))
@@ -49,6 +52,11 @@ PENALTIES = Criterion("Penalties", False, (Term(group=PENALIZED),))
 TASK = Rules(OfRuns.BEST, (DISQUALIFYING,), (ACHIEVEMENTS, PENALTIES))
 SIGNED = SignOff(1.0, "chief")
 ALL = RunChoice()
+
+
+@pytest.fixture(autouse=True)
+def _utc():
+    times.use_zone("UTC")
 
 
 def ranks(records, rules=TASK, choice=ALL, code="HGTKMH"):
@@ -360,6 +368,28 @@ def test_an_overall_standing_of_plain_numbers_over_days():
     parts = StandingPart("HWV", day="1970-01-01"), StandingPart("HWV", Decimal("0.5"), "1970-01-02")
     assert overall(*parts, normalised=Normalised.NO) == [
         (1, False, "A", (7.5, 3.0, 4.5)), (2, False, "B", (6.0, 6.0, 0.0))]
+
+
+@pytest.mark.parametrize("zone, total", [
+    ("Asia/Tokyo", {"A": 2}), ("America/Lima", {"A": 1, "B": 4}), ("UTC", {"A": 1})])
+def test_a_day_is_one_of_the_venue(zone, total):
+    """2026-11-28 in Tokyo begins and ends at 15:00 UTC, in Lima at 5:00."""
+    night, morning, evening = 1795822200.0, 1795824000.0, 1795905000.0  # 27th 23:30; 28th 0:00, 22:30 UTC
+    times.use_zone(zone)
+    records = [pointed("A", 1, "2", scheduled=night), pointed("A", 2, "1", scheduled=evening),
+               pointed("B", 3, "4", scheduled=morning + 28 * 3600.0)]
+    table = overall_standing(Overall("28th", (StandingPart("HGTKMH", day="2026-11-28"),), Normalised.NO), records, {},
+                             ALL)
+    assert {line.team: line.numbers[0] for line in table.lines} == total
+    assert DAYS_OF_COMPUTER not in table.remarks
+
+
+def test_without_a_time_zone_days_are_those_of_this_computer():
+    times.use_zone("")
+    with local_time("JST-9"):
+        records = [pointed("A", 1, "2", scheduled=1795822200.0)]
+        table = overall_standing(Overall("28th", (StandingPart("HGTKMH", day="2026-11-28"),)), records, {}, ALL)
+    assert ([line.team for line in table.lines], table.remarks) == (["A"], (DAYS_OF_COMPUTER,))
 
 
 def test_ties_of_an_overall_standing():

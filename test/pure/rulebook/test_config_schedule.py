@@ -172,7 +172,15 @@ def test_how_many_computers_must_have_an_entry(files, before, after, wish, line)
     assert (loaded.durable_at.line if line else loaded.durable_at) == line
 
 
+@pytest.mark.parametrize("setting, zone", [("", ""), ("- time_zone: Asia/Tokyo\n", "Asia/Tokyo"),
+                                           ("- time_zone: '-03:30'\n", "-03:30")])
+def test_the_time_zone_of_the_venue(files, setting, zone):
+    assert files.load(schedule=setting + TEXTS["schedule"])[0].time_zone == zone
+
+
 @pytest.mark.parametrize("setting, parts", [
+    ("time_zone: Tokyo", ["'Tokyo' as time_zone", "such as Asia/Tokyo, UTC, or the offset"]),
+    ("time_zone: [UTC]", ["as time_zone"]),
     ("durable: 2", ["the number '2' as durable", "one or two", "'one', 'two'"]),
     ("durable: tow", ["the text 'tow' as durable", "did you mean 'two'?"]),
     ("durable:", ["nothing as durable"]),

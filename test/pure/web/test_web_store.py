@@ -156,6 +156,15 @@ def test_the_texts_name_another_day_at_midnight(store):
     assert data(store, "page.words", "en")["date"] == "Saturday, 16 January 2027"
 
 
+def test_times_are_those_of_the_venue(store):
+    store.keys(TEXTS, "en")
+    store.box.publish([run()], EVENTS)
+    store.box.document = store.box.document._replace(public=store.box.document.public._replace(time_zone="Asia/Tokyo"))
+    store.look()
+    assert data(store, "page.next", "en")["lines"][0]["time"] == "17:15"
+    assert data(store, "page.words", "en")["utc_offset_s"] == 9 * 3600
+
+
 def test_a_run_is_explained_in_the_language_of_the_reader(store):
     store.keys([PAGE_EXPLAINED], "de")
     store.put(explanation(phases=("Door", "Talk"), phase_number=2))

@@ -1,6 +1,6 @@
 """How a result becomes final: it is published as provisional, teams may object, and it is signed off.
 
-The time limit is a time of day (UTC), because teams read it, and because it must survive a restart of the computer.
+The time limit is a time of day, because teams read it, and because it must survive a restart of the computer.
 """
 
 from dataclasses import dataclass, field
@@ -51,7 +51,7 @@ class Publication:
             raise Refused([say("{limit} s for objections: at most {most} are possible")(
                 limit=f"{limit_s:g}", most=f"{MAX_OBJECTION_TIME_S:g}")])
         self.state.published = Published(now.utc, by.who, now.utc + limit_s)
-        return f"Published as provisional: objections are possible until {times.time_with_zone(now.utc + limit_s)}"
+        return f"Published as provisional: objections are possible until {times.at_venue(now.utc + limit_s)}"
 
     def object(self, now: Now, who: str, by: str, text: str) -> str:
         """Enter an objection of `by`. Raises `Refused`."""
@@ -60,7 +60,7 @@ class Publication:
             raise Refused([say("the result is not published yet: publish it as provisional first")])
         if now.utc > published.until_utc:
             raise Refused([say("objections were possible until {time}: the organiser can publish the result again, "
-                               "with another time limit")(time=times.time_with_zone(published.until_utc))])
+                               "with another time limit")(time=times.at_venue(published.until_utc))])
         missing = [name for name, value in (
             (say("who objects"), by), (say("the text of the objection"), text)) if not value]
         if missing:
@@ -93,7 +93,7 @@ class Publication:
         reasons: List[str] = [] if not waiting else [
             say("answer objection {numbers} first")(numbers=", ".join(waiting))]
         if now.utc < state.published.until_utc:
-            until = times.time_with_zone(state.published.until_utc)
+            until = times.at_venue(state.published.until_utc)
             reasons.append(UNTIL(time=until))
         return reasons
 

@@ -82,7 +82,7 @@ class Restart:
                 self._give_up(record, saved.utc)
         if runs:
             down = max(0.0, now.utc - saved.utc)
-            text = RESTARTED(time=times.time_with_zone(now.utc), down=f"{down:.0f}")
+            text = RESTARTED(time=times.at_venue(now.utc), down=f"{down:.0f}")
             continuing_text = CONTINUES_AT(text=text, address=by) if by else CONTINUES(text=text)
             for run in runs:
                 run.warn(now, continuing_text if run.phase is Phase.RUNNING else text)

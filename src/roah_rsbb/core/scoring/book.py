@@ -271,7 +271,7 @@ class FinishedRun:
             raise Refused([
                 say("the score sheet of run {run} was signed off by {who} at {time}: it is final. Take an objection "
                     "to the technical committee")(
-                    run=self.record.identity, who=signed.who or "somebody", time=times.time_with_zone(signed.utc))
+                    run=self.record.identity, who=signed.who or "somebody", time=times.at_venue(signed.utc))
             ])
 
     def _changed(self, text: str) -> str:

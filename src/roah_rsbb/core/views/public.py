@@ -100,7 +100,7 @@ class PublicViews:
 
     def others(self, now: Now) -> Public:
         """Return what the public may see besides."""
-        return Public(self._publicity.results.value, self._following(), self._ranking(now))
+        return Public(self._publicity.results.value, self._following(), self._ranking(now), self._box.time_zone)
 
     def _following(self) -> Tuple[PublicEvent, ...]:
         """Return the coming events. Events whose run is connected or was completed, or whose team withdrew or did not
@@ -120,7 +120,7 @@ class PublicViews:
         finished = self._box.finished
         ruled = self._box.scores.rulings(now)
         signed = tuple((r.record.identity, r.why) for r in ruled if r.record.sign_off is not None)
-        made_of = signed, finished.ranking, finished.benchmarks
+        made_of = signed, finished.ranking, finished.benchmarks, self._box.time_zone
         if self._ranked != made_of:
             self._ranked = made_of
             self._standings = self._publicity.ranked(

@@ -1,7 +1,6 @@
 """The original's topics that the core publishes: for panels, for the public display, and when a run times out."""
 
 import asyncio
-import time
 from typing import Any, Callable, List, Optional
 
 import rospy
@@ -15,6 +14,7 @@ from roah_rsbb.msg import CoreToGui, CoreToPublic, ScheduleInfo
 from roah_rsbb.nodes.core.latched import LatchedTopic
 from roah_rsbb.nodes.core.to_gui import ToGui
 from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.wording.times import formatted
 
 # Instead of the time. The original's public display shows it.
 NOT_LIVE = "not live"
@@ -51,7 +51,7 @@ class ToPublic:
 
 
 def _local(utc: float) -> str:
-    return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(utc))
+    return formatted(utc, "%Y-%m-%d %H:%M:%S", in_utc=False)
 
 
 class OriginalTopics:

@@ -3,12 +3,12 @@
 import argparse
 import contextlib
 import os
-from typing import Dict, Iterable, List, Optional, Sequence, TypeVar, Union
+from typing import Dict, Iterable, List, Sequence, TypeVar, Union
 
 from roah_rsbb.core.scoring.counting import Ruling, RunChoice, Why, attempts_of, rulings, with_events
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.results.program.journal import BENCHMARKS_FILE, RULES_FILE, SCHEDULE_FILE, warn
+from roah_rsbb.results.program.journal import BENCHMARKS_FILE, RULES_FILE, SCHEDULE_FILE, beside, file, warn
 from roah_rsbb.results.runs import RunHead, find, find_record, records
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import NO_RULES, Benchmark, CountingAttempt
@@ -24,25 +24,12 @@ T = TypeVar("T", RunRecord, RunHead)
 def rules(options: argparse.Namespace) -> StandingRules:
     """Return the rules of the standings. Raises ConfigErrors."""
     given = getattr(options, "rules", None)
-    return read_rules(given or _beside(options, RULES_FILE) or os.path.join(options.config_dir, RULES_FILE))
+    return read_rules(given or beside(options, RULES_FILE) or os.path.join(options.config_dir, RULES_FILE))
 
 
 def benchmarks(options: argparse.Namespace) -> Dict[str, Benchmark]:
     """Return the benchmarks by their codes. Raises ConfigErrors."""
     return config.load_benchmarks(file(options, BENCHMARKS_FILE))
-
-
-def file(options: argparse.Namespace, name: str) -> str:
-    """The path of a file of the competition: the option's, or the one beside the log_dir, else the included one."""
-    given = getattr(options, name.replace(".yaml", "_file"), None)
-    return given or _beside(options, name) or os.path.join(options.config_dir, name)
-
-
-def _beside(options: argparse.Namespace, name: str) -> Optional[str]:
-    """The path of a file of the competition beside the log_dir; None if it does not exist."""
-    log_dir = os.path.dirname(options.journal) if options.journal else os.path.expanduser(options.log_dir)
-    beside = os.path.join(os.path.dirname(os.path.abspath(log_dir)), name)
-    return beside if os.path.exists(beside) else None
 
 
 # -- what counts ------------------------------------------------------------------------------------

@@ -32,8 +32,8 @@ from roah_rsbb.results.mcap_file import library, write_mcap
 from roah_rsbb.results.page import Competition, page, picture_address
 from roah_rsbb.results.paper import blank_front, front_markup
 from roah_rsbb.results.printing import Printer, browser, print_pdf
-from roah_rsbb.results.program.counting import benchmarks, choice, file, known_records, ruled, rules, why_of
-from roah_rsbb.results.program.journal import BENCHMARKS_FILE, SCHEDULE_FILE, Usage, open_journal, warn
+from roah_rsbb.results.program.counting import benchmarks, choice, known_records, ruled, rules, why_of
+from roah_rsbb.results.program.journal import BENCHMARKS_FILE, SCHEDULE_FILE, Usage, file, open_journal, use_zone, warn
 from roah_rsbb.results.replay_page import PageParts, page_parts, replay_name, replay_of
 from roah_rsbb.results.report.facts import RunFacts, facts_of, link_period_s
 from roah_rsbb.results.report.pages import Compared, Site, all_pages, comparison
@@ -179,6 +179,7 @@ def _write_site(
 ) -> Site:
     """Write the pages of a competition."""
     options = argparse.Namespace(**{**vars(options), "journal": journal})
+    use_zone(options)
     of_rules, titles, competition = rules(options), _titles(options), _competition(options)
     parts = None if options.no_replays else page_parts(_resource(options, "replay"))
     os.makedirs(os.path.join(folder, "runs"), exist_ok=True)

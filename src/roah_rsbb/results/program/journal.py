@@ -3,10 +3,11 @@
 import argparse
 import os
 import sys
-from typing import List
+from typing import List, Optional
 
 from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
 from roah_rsbb.results.runs import RunResult, find_record, run_result
+from roah_rsbb.wording import times
 from roah_rsbb.wording.texts import visible
 
 RULES_FILE = "standings.yaml"
@@ -15,6 +16,29 @@ BENCHMARKS_FILE, SCHEDULE_FILE = "benchmarks.yaml", "schedule.yaml"
 
 class Usage(Exception):
     """The request cannot be fulfilled. The text names the remedy."""
+
+
+def file(options: argparse.Namespace, name: str) -> str:
+    """The path of a file of the competition: the option's, or the one beside the log_dir, else the included one."""
+    given = getattr(options, name.replace(".yaml", "_file"), None)
+    return given or beside(options, name) or os.path.join(options.config_dir, name)
+
+
+def beside(options: argparse.Namespace, name: str) -> Optional[str]:
+    """The path of a file of the competition beside the log_dir; None if it does not exist."""
+    log_dir = os.path.dirname(options.journal) if options.journal else os.path.expanduser(options.log_dir)
+    found = os.path.join(os.path.dirname(os.path.abspath(log_dir)), name)
+    return found if os.path.exists(found) else None
+
+
+def use_zone(options: argparse.Namespace) -> None:
+    """Show days and times in the time zone of the option, or else in that of the competition. Raises `Usage`."""
+    from roah_rsbb.rulebook.config import ZONE_SHAPE, settings_in  # imported late, after errors of the command line
+
+    name = options.time_zone
+    if name and times.zone_of(name) is None:
+        raise Usage(f"--time-zone {name}: no time zone has this name. Give {ZONE_SHAPE}")
+    times.use_zone(name or settings_in(file(options, SCHEDULE_FILE)).time_zone)
 
 
 def open_journal(options: argparse.Namespace, checks_all: bool = True) -> JournalReader:

@@ -21,6 +21,7 @@ from roah_rsbb.results.program.journal import (
     Usage,
     one_run,
     open_journal,
+    use_zone,
     warn,
 )
 from roah_rsbb.results.run_list import list_lines
@@ -50,7 +51,8 @@ Examples:
   results --journal /media/usb/roah_rsbb_journal list
   results verify                                 whether the journal is whole
 
-Times are local times with their UTC offset; --utc shows UTC. The journal is never changed.
+Times are those of the venue (time_zone in schedule.yaml beside the log_dir) with their UTC offset; --utc shows UTC.
+The journal is never changed.
 The exit status is 0 on success, 1 if something cannot be read or written, 2 for wrong usage.
 """
 _EXPORT = """\
@@ -97,6 +99,7 @@ def main(arguments: Optional[List[str]] = None) -> NoReturn:
     options = _parser().parse_args(sys.argv[1:] if arguments is None else arguments)
     try:
         options.config_dir = str(shipped_folder())
+        use_zone(options)
         status = options.do(options)
     except (JournalError, ProcessEnded, _NoBag, NoSuchRun, NoMcap, Usage, CannotPrint, NotShipped) as error:
         status = _fail(str(error))
@@ -112,7 +115,7 @@ def main(arguments: Optional[List[str]] = None) -> NoReturn:
 
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(called("results"), _DESCRIPTION, _EPILOG)
-    parser.set_defaults(journal=None, log_dir=LOG_DIR, utc=False)
+    parser.set_defaults(journal=None, log_dir=LOG_DIR, utc=False, time_zone="")
     _add_source(parser)
     commands = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=_sub_parser)
     _add_views(commands)
@@ -206,6 +209,9 @@ def _add_source(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--log-dir", metavar="DIR", default=argparse.SUPPRESS,
                         help=f"the box's log_dir; default: {LOG_DIR}")
     parser.add_argument("--utc", action="store_true", default=argparse.SUPPRESS, help="show times in UTC")
+    parser.add_argument("--time-zone", metavar="NAME", default=argparse.SUPPRESS,
+                        help=f"of the venue, such as Asia/Tokyo; default: that of {SCHEDULE_FILE} beside the log_dir, "
+                        "or else this computer's")
 
 
 def _sub_parser(**options: str) -> Parser:

@@ -16,6 +16,7 @@ from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.wording import clock, judging, superseded
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.replay import NO_COMMANDS
+from roah_rsbb.wording.times import use_zone
 
 TICK_MS = 200
 # Interval at which to look for the devices again while the box is silent, seconds.
@@ -194,6 +195,8 @@ class Model(QObject):
     def _take(self) -> None:
         self._is_coming = False
         self.number, self.document = self.afar.number, self.afar.document  # in this order: it may be newer
+        if self.document is not None:
+            use_zone(self.document.public.time_zone)
         self._look()
 
     def _tick(self) -> None:

@@ -30,7 +30,7 @@ from roah_rsbb.journal.contents import open_journal
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.log import NewerFormat, names_in
 from roah_rsbb.rulebook.benchmarks import Durable
-from roah_rsbb.rulebook.config import durable_in
+from roah_rsbb.rulebook.config import settings_in
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.channel import Lost
 from roah_rsbb.standby.messages import MODULES, NETWORK, PASSWORDS
@@ -389,7 +389,7 @@ def _durable_of(folder: str) -> str:
     with tempfile.NamedTemporaryFile("w", encoding="utf-8", suffix=".yaml") as file:
         file.write(text)
         file.flush()
-        if durable_in(file.name) is Durable.TWO:
+        if settings_in(file.name).durable is Durable.TWO:
             return "Scores and sign-offs are confirmed when the standby has them, too (durable: two)"
     return "Scores and sign-offs are confirmed without waiting for the standby (durable: one)"
 

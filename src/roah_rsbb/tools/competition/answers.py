@@ -13,7 +13,7 @@ from roah_rsbb.rulebook.errors import Place, Report, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.rulebook.yaml_fields import choice, integer, text
 from roah_rsbb.rulebook.yaml_lines import Scalar
-from roah_rsbb.tools.competition.plan import Break, read_clock, read_day, read_time
+from roah_rsbb.tools.competition.plan import Break, local_zone, read_clock, read_day, read_time
 from roah_rsbb.tools.competition.rulebooks import Benchmarks, RulebookAnswer
 
 # A competition usually has two zones (docs/organiser.md, "A first competition").
@@ -225,9 +225,11 @@ def questions(benchmarks: Benchmarks) -> Tuple[Question, ...]:
                  "more)", "", "", True),
         Question("breaks", read_breaks, "12:30-13:30", "breaks of each day, separated by commas: no run begins or "
                  "continues in them", "", "", True),
-        Question("time-zone", read_clock, "+01:00",
-                 "time zone of the venue: local (this computer's, the default), UTC, or its offset, such as +01:00",
-                 "", "local"),
+        Question("time-zone", read_clock, "Asia/Tokyo",
+                 "time zone of the venue: a name such as Asia/Tokyo, UTC, its offset, such as +01:00, or local (this "
+                 "computer's, the default)",
+                 f"Time zone of the venue, such as Asia/Tokyo (press Enter for {local_zone() or 'none'}, that of this "
+                 "computer)", "local"),
         Question("rsbb-host", read_address, "192.168.1.255",
                  "broadcast address of the network with the robots, for the launch file",
                  "Broadcast address of the network with the robots ('ip address' shows it as brd; press Enter to give "

@@ -16,8 +16,9 @@ from roah_rsbb.rulebook.launch_file import elements
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.rulebook.standing_rules import read_rules
 from roah_rsbb.tools.competition import files
-from roah_rsbb.tools.competition.plan import planned_s
+from roah_rsbb.tools.competition.plan import local_zone, planned_s
 from roah_rsbb.tools.competition.rulebooks import STANDINGS
+from roah_rsbb.wording import times
 from roah_rsbb.wording.suggestions import did_you_mean
 
 # Arguments of the launch file that name files of the folder.
@@ -63,6 +64,7 @@ def check(directory: str) -> Checked:
     except ConfigErrors as found:
         errors += str(found).splitlines()
     if loaded is not None:
+        report.warnings += warnings_of_days(paths[1], loaded)
         _check_times(report, paths[1], loaded)
         _check_teams(report, paths[2], loaded)
         errors += _check_modules(report, directory, loaded)
@@ -110,6 +112,22 @@ def _check_times(report: Report, path: str, loaded: Config) -> None:
         report.warn(whole, f"zone {quote(zone)}: too little time between runs: {_few(found)}")
     for team, found in by_team.items():
         report.warn(whole, f"team {quote(team)} is in two zones at once: {_few(found)}")
+
+
+def warnings_of_days(path: str, loaded: Config) -> List[str]:
+    """Warn where it is not clear on which day a run is. `path`: of the schedule."""
+    report, whole = Report(), Place(path, 0, 0)
+    if not loaded.time_zone:
+        here = local_zone()
+        report.warn(whole, "no time zone, so each computer shows days and times in its own"
+                    f"{f', here {here}' if here else ''}. Add the venue's as a line '- time_zone: "
+                    f"{here or 'Asia/Tokyo'}'")
+    times.use_zone(loaded.time_zone)
+    late = [f"{_name(event)}, from {times.date_time(event.scheduled)}" for _, event in _events(loaded)
+            if times.day_of(event.scheduled) != times.day_of(event.scheduled + planned_s(event.benchmark) - 1)]
+    if late:
+        report.warn(whole, f"past midnight, and counted on the day on which it begins: {_few(late)}")
+    return report.warnings
 
 
 def _name(event: ScheduledEvent) -> str:

@@ -14,7 +14,7 @@ import yaml
 from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME as GROUND_TRUTH
 from roah_rsbb.bmbox.framework.zone_folders import own_file
 from roah_rsbb.rulebook.benchmarks import Benchmark, Durable
-from roah_rsbb.rulebook.config import PasswordsFile, durable_in
+from roah_rsbb.rulebook.config import PasswordsFile, settings_in
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.event_ids import new_id
 from roah_rsbb.rulebook.registry import BELL, DEVICES, TABLET, BenchmarkKind
@@ -27,7 +27,7 @@ _LETTERS = "".join(c for c in string.ascii_letters if c not in "lIoO")
 _FURTHER = _LETTERS + "23456789"
 _PASSWORD_LENGTH = 16
 # Text that needs no quotes in YAML, also in `{a: b}`.
-_PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_]+(?:[ -][A-Za-z0-9_]+)*")
+_PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_]+(?:[ /-][A-Za-z0-9_]+)*")
 
 _PASSWORDS = """\
 # Passwords of the teams, randomly generated for this competition. Keep this file secret (chmod 600) and out of any
@@ -70,8 +70,9 @@ def schedule_text(
 ) -> str:
     """The schedule file with the comments of the default one. A comment after each run gives its time at the venue."""
     lines = [line for line in shipped.splitlines() if line.startswith("#")]
-    lines += ["#", "# The comment after each run gives its start in the venue's time."]
-    lines += ["", f"- durable: {durable.value}"] if durable is not Durable.ONE else []
+    lines += ["#", "# The comment after each run gives its start in the venue's time.", ""]
+    lines += [f"- time_zone: {yaml_text(clock.name)}"]
+    lines += [f"- durable: {durable.value}"] if durable is not Durable.ONE else []
     zones = list(zones)
     ids = {run.id for zone in zones for run in zone.runs}
     for zone in zones:
@@ -222,7 +223,7 @@ def write_schedule(directory: str, book: Rulebook, zones: Sequence[PlannedZone],
     """Replace the schedule; returns the path of the old one, "" if there was none."""
     path, before = os.path.join(directory, SCHEDULE), os.path.join(directory, _BEFORE)
     with writing(directory):
-        text = schedule_text(_text(book, SCHEDULE), zones, clock, durable_in(path))
+        text = schedule_text(_text(book, SCHEDULE), zones, clock, settings_in(path).durable)
         new = path + ".new"
         with contextlib.suppress(FileNotFoundError):
             os.unlink(new)

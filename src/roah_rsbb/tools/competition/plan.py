@@ -2,30 +2,45 @@
 
 import datetime
 import re
+import time
 from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
+from roah_rsbb import platform
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_LIMIT, Benchmark
+from roah_rsbb.rulebook.config import ZONE_SHAPE
 from roah_rsbb.rulebook.errors import Place, Report, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind, profile_of
+from roah_rsbb.wording.times import zone_of
 
 UTC = datetime.timezone.utc
 _DAY = re.compile(r"([0-9]{4})-([0-9]{1,2})-([0-9]{1,2})")
 _TIME = re.compile(r"([0-9]{1,2}):([0-9]{2})(?::([0-9]{2}))?")
-_OFFSET = re.compile(r"([+-])([0-9]{1,2}):([0-9]{2})")
 # Rejects two-digit years and typing errors.
 _FIRST_YEAR, _LAST_YEAR = 2000, 2100
 
 
 class VenueClock:
-    """Time at the venue: this computer's local time, or a fixed offset from UTC."""
+    """Time at the venue. `name`: of its time zone, see `wording.times.zone_of`."""
 
-    def __init__(self, offset: Optional[datetime.timedelta] = None) -> None:
-        self._zone = None if offset is None else datetime.timezone(offset)
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self._zone = zone_of(name)
 
-    def utc(self, day: datetime.date, time: datetime.time) -> datetime.datetime:
-        """Convert from venue time to UTC."""
-        local = datetime.datetime.combine(day, time)
-        return (local if self._zone is None else local.replace(tzinfo=self._zone)).astimezone(UTC)
+    def utc(self, day: datetime.date, at: datetime.time) -> datetime.datetime:
+        """Convert from venue time to UTC. Of a time that exists twice, it is the first one."""
+        return datetime.datetime.combine(day, at, self._zone).astimezone(UTC)
+
+    def check(self, report: Report, place: Place, day: datetime.date, at: datetime.time) -> None:
+        """Report a time that does not exist on a day, or exists twice, because the clocks are changed."""
+        local = datetime.datetime.combine(day, at, self._zone)
+        first, second = (local.replace(fold=fold).astimezone(UTC) for fold in (0, 1))
+        if self.local(first).time() != at:
+            report.error(place, f"{at:%H:%M} on {day}, which does not exist: the clocks of {self.name} skip it",
+                         "another time")
+        elif first != second:
+            report.warn(place, f"{at:%H:%M} on {day} exists twice, because the clocks of {self.name} are set back: "
+                        f"the first one was taken, {first:%H:%M} UTC. For the second one, write {second:%H:%M:%S} "
+                        "into scheduled_time of schedule.yaml, which is in UTC")
 
     def local(self, moment: datetime.datetime) -> datetime.datetime:
         """Convert a time to venue time (with its UTC offset)."""
@@ -61,18 +76,25 @@ def read_time(report: Report, place: Place, text: str, what: str) -> Optional[da
 
 
 def read_clock(report: Report, place: Place, text: str) -> Optional[VenueClock]:
-    """Read ``local``, ``UTC`` or an offset; None after an error, which is added to the report."""
+    """Read ``local``, or the name of a time zone; None after an error, which is added to the report."""
     if text.casefold() == "local":
-        return VenueClock()
-    if text.casefold() == "utc":
-        return VenueClock(datetime.timedelta(0))
-    found = _OFFSET.fullmatch(text)
-    if found is not None and int(found.group(2)) <= 14 and int(found.group(3)) < 60:
-        offset = datetime.timedelta(hours=int(found.group(2)), minutes=int(found.group(3)))
-        return VenueClock(-offset if found.group(1) == "-" else offset)
-    report.error(place, f"{quote(text)} as time zone",
-                 "local (this computer's), UTC, or the venue's offset from UTC, such as +01:00")
-    return None
+        name = local_zone()
+        if not name:
+            return report.error(place, "local, whose name this computer does not know", f"the venue's: {ZONE_SHAPE}")
+        return VenueClock(name)
+    name = "UTC" if text.casefold() == "utc" else text
+    if zone_of(name) is None:
+        return report.error(place, f"{quote(text)} as time zone", f"local (this computer's), {ZONE_SHAPE}")
+    return VenueClock(name)
+
+
+def local_zone() -> str:
+    """Return the name of this computer's time zone, or its offset if it has no other one; empty: not known."""
+    name = platform.time_zone()
+    if zone_of(name) is not None:
+        return name
+    sign, minutes = "-" if time.timezone > 0 else "+", abs(time.timezone) // 60
+    return "" if time.daylight else f"{sign}{minutes // 60:02d}:{minutes % 60:02d}"
 
 
 # -- the plan ---------------------------------------------------------------------------------------
@@ -199,6 +221,7 @@ def timetable(
     runs: Dict[str, List[PlannedRun]] = {name: [] for name in zones}
     ordered = {name: sorted(codes, key=for_all) for name, codes in zones.items()}
     for day, waiting in zip(days, _turns(teams, ordered, days, rounds, for_all)):
+        clock.check(report, Place("--begin", 0, 0), day.day, day.first)
         begins = ended = clock.utc(day.day, day.first)
         while any(waiting.values()):
             begins = day.free(ended, clock)

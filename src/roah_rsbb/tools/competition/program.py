@@ -221,6 +221,8 @@ def _new(options: argparse.Namespace, book: Rulebook, plan: Plan, found: Dict[st
     written = files.new_files(book, plan, found["time-zone"], hosts)
     files.write_new(options.directory, written)
     print(f"Written to {options.directory}: {', '.join(written)}")
+    whose = " (this computer's; another: --time-zone)" if options.time_zone is None else ""
+    print(f"Time zone: {found['time-zone'].name}{whose}")
 
 
 def _only(report: Report, options: argparse.Namespace, command: str, *allowed: str) -> None:
@@ -263,7 +265,9 @@ def _zones_before(directory: str) -> Sequence[ZonePlan]:
 
 
 def _clock(report: Report, options: argparse.Namespace) -> Optional[VenueClock]:
-    return read_clock(report, Place("--time-zone", 0, 0), options.time_zone or "local")
+    """The venue's time zone: the option's, or that of the competition, or else this computer's."""
+    known = config.settings_in(os.path.join(options.directory, files.SCHEDULE)).time_zone
+    return read_clock(report, Place("--time-zone", 0, 0), options.time_zone or known or "local")
 
 
 def _certificate(report: Report, options: argparse.Namespace) -> int:

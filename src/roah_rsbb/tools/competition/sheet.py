@@ -151,6 +151,8 @@ class _Sheet:
         day = read_day(report, cell["date"].place, cell["date"].text, self._what("date"))
         time = read_time(report, cell["time"].place, cell["time"].text, self._what("time"))
         round_, run = (self._number(cell.get(name), name) for name in OPTIONAL)
+        if day is not None and time is not None:
+            self._clock.check(report, cell["time"].place, day, time)
         if len(report.errors) > known:
             return None
         return _Row(cell["zone"].place, zone, code, team, day, self._clock.utc(day, time), round_, run)

@@ -244,6 +244,6 @@ def test_a_signed_off_sheet_is_final():
             lambda run: run.give_stop_reason(NOW, By("Ben", "x"), 0),
             lambda run: run.sign_off(NOW, "Ben"),
         ):
-            with pytest.raises(Refused, match=f"signed off by Cleo at {times.time_with_zone(NOW.utc)}: it is final"):
+            with pytest.raises(Refused, match=f"signed off by Cleo at {times.at_venue(NOW.utc)}: it is final"):
                 change(finished)
         assert finished.record == signed

@@ -1,5 +1,7 @@
 """The box as the public may see it."""
 
+import dataclasses
+
 import pytest
 
 from helpers.all_robots import all_robots_box, connect_all, robots_of, start_all
@@ -13,6 +15,7 @@ from roah_rsbb.model.records import ItemRecord, SignOff
 from roah_rsbb.model.referee import RunName
 from roah_rsbb.results.standings import public_standings
 from roah_rsbb.rulebook.standing_rules import Overall, StandingPart, StandingRules
+from roah_rsbb.wording import times
 
 NONE, OUTCOMES, SCORES = PublicResults.NONE, PublicResults.OUTCOMES, PublicResults.SCORES
 
@@ -36,6 +39,16 @@ def _left(driver):
 
 def _following(driver):
     return [(event.zone, event.team, event.run) for event in _view(driver).public.following]
+
+
+def test_the_time_zone_of_the_venue():
+    here = competition(tbm=["HWV"])
+    driver = BoxDriver(dataclasses.replace(here, time_zone="Asia/Tokyo"))
+    assert _view(driver).public.time_zone == "Asia/Tokyo"
+    assert times.date_time(UTC0).endswith("+09:00")
+    driver.event(driver.box.reload, dataclasses.replace(here, time_zone="America/Lima"), 1, ["time zone"], "Olga")
+    assert _view(driver).public.time_zone == "America/Lima"
+    assert times.date_time(UTC0).endswith("-05:00")
 
 
 def test_a_run_from_connect_to_its_end():

@@ -137,6 +137,20 @@ def test_every_command_says_whether_a_run_counts(run, tmp_path):
     assert "whether runs count is not known, because a file of the competition is invalid" in err
 
 
+def test_times_are_those_of_the_venue(run, journal, tmp_path):
+    (tmp_path / "schedule.yaml").write_text("- time_zone: Asia/Tokyo\n", "utf-8")
+    shutil.copytree(os.path.dirname(journal), tmp_path / "log")
+    source = ("--log-dir", tmp_path / "log")
+    assert all("+09:00" in line for line in run("list", source=source)[1].splitlines()[1:])
+    assert "+09:00" in run("show", 1, source=source)[1]
+    run("report", tmp_path / "log", "--html", tmp_path / "html", "--no-replays", source=())
+    assert "+09:00" in (tmp_path / "html" / "index.html").read_text("utf-8")
+    assert run("list", "--time-zone", "America/Lima", source=source)[1].count(" -05:00 ") == 5
+    assert run("list", "--utc", source=source)[1].count("Z ") == 5
+    status, _, err = run("list", "--time-zone", "Lima", source=source)
+    assert (status, "--time-zone Lima: no time zone has this name. Give a name such as Asia/Tokyo" in err) == (1, True)
+
+
 def test_the_list_does_not_load_what_writes_files():
     script = ("import sys; import roah_rsbb.results.program.main; "
               "print([name for name in sys.modules if name.startswith(('yaml', 'roah_rsbb.results.standing'))])")

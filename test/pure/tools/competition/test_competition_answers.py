@@ -167,7 +167,7 @@ def test_time_zones(zone, hour):
 
 
 def test_the_local_time_zone_has_summers():
-    with local_time("CET-1CEST,M3.5.0,M10.5.0/3"):
+    with local_time("Europe/Berlin"):
         clock = read(plan.read_clock, "local")
         for month, hour in ((1, 8), (7, 7)):
             moment = clock.utc(datetime.date(2026, month, 10), datetime.time(9))
@@ -175,6 +175,17 @@ def test_the_local_time_zone_has_summers():
             assert clock.local(moment).hour == 9
 
 
+@pytest.mark.parametrize("rule, name", [("JST-9", "+09:00"), ("XYZ3:30", "-03:30"), (":Asia/Tokyo", "Asia/Tokyo")])
+def test_what_this_computer_calls_its_time_zone(rule, name):
+    with local_time(rule):
+        assert read(plan.read_clock, "local").name == name
+
+
+def test_a_time_zone_with_summers_and_without_a_name():
+    with local_time("XYZ-1ZYX,M3.5.0,M10.5.0/3"):
+        assert "the venue's: a name such as Asia/Tokyo" in refused(plan.read_clock, "local")[0]
+
+
 def test_wrong_time_zones():
-    for zone in ("CET", "+1", "+15:00", "+01:60"):
+    for zone in ("Tokyo", "asia/tokyo", "Asia", "localtime", "../zoneinfo/UTC", "EST-5", "+1", "+15:00", "+01:60"):
         assert "such as +01:00" in refused(plan.read_clock, zone)[0]

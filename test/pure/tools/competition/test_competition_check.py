@@ -5,6 +5,7 @@ import datetime
 import pytest
 
 from helpers.config_files import SHIPPED
+from helpers.time_zones import local_time
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.tools.competition import files
 from roah_rsbb.tools.competition.check import check
@@ -13,7 +14,7 @@ from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, Venu
 from roah_rsbb.tools.competition.rulebooks import read_rulebook
 
 BOOK = read_rulebook(Report(), str(SHIPPED))
-CLOCK = VenueClock(datetime.timedelta(0))
+CLOCK = VenueClock("UTC")
 
 
 def run(code, team, minute=0, number=1):
@@ -104,6 +105,22 @@ def test_runs_that_follow_too_soon(competition):
     assert warnings(directory) == [
         "schedule.yaml: zone 'X': too little time between runs: HWV of B (round 1, run 1) before the end of HWV of A "
         "(round 1, run 1)"]
+
+
+def test_a_run_past_midnight(competition):
+    late = [run("HWV", "A", 14 * 60 + 55), run("HWV", "B", 14 * 60 + 40)]
+    warning, = warnings(competition(X=late))
+    assert warning == ("schedule.yaml: past midnight, and counted on the day on which it begins: HWV of A (round 1, "
+                       "run 1), from 2026-11-28 23:55:00 +00:00")
+
+
+def test_no_time_zone(competition):
+    directory = competition()
+    change(directory / "schedule.yaml", "- time_zone: UTC\n", "")
+    with local_time("Asia/Tokyo"):
+        warning, = warnings(directory)
+    assert "schedule.yaml: no time zone, so each computer shows days and times in its own, here Asia/Tokyo." in warning
+    assert "a line '- time_zone: Asia/Tokyo'" in warning
 
 
 def test_many_runs_that_follow_too_soon_are_one_warning(competition):

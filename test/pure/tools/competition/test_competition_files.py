@@ -22,7 +22,7 @@ from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, Venu
 from roah_rsbb.tools.competition.rulebooks import BENCHMARKS, benchmarks_text, read_rulebook
 
 BOOK = read_rulebook(Report(), str(SHIPPED))
-CLOCK = VenueClock(datetime.timedelta(hours=1))
+CLOCK = VenueClock("+01:00")
 NO_HOSTS = Hosts(None, None)
 AWKWARD = ("Brass Butlers", "123", "yes", "n", "Übung's", "a, {b}", "x #y", "-", "null", "2026-11-28", '"q"', "N-1 b")
 

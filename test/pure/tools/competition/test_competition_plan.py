@@ -12,7 +12,7 @@ from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.tools.competition.plan import Break, PlannedDay, VenueClock, timetable
 
-UTC = VenueClock(datetime.timedelta(0))
+UTC = VenueClock("UTC")
 
 
 def days(count=1, first="09:00", last="18:00", minutes=15):
@@ -108,7 +108,7 @@ def test_a_day_that_continues_at_night():
 
 def test_times_are_the_venues():
     report = Report()
-    made = timetable(report, ["A"], {"X": ["HWV"]}, days(), VenueClock(datetime.timedelta(hours=2)))
+    made = timetable(report, ["A"], {"X": ["HWV"]}, days(), VenueClock("+02:00"))
     assert made.zones[0].runs[0].begins == datetime.datetime(2026, 11, 28, 7, tzinfo=datetime.timezone.utc)
 
 

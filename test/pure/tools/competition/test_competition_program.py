@@ -5,6 +5,7 @@ import os
 
 import pytest
 
+from helpers.time_zones import local_time
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.tools.competition import program
@@ -83,6 +84,19 @@ def test_questions_are_asked_again_until_they_are_answered(run, tmp_path):
     loaded = load(tmp_path / "erl")[0]
     assert [(event.team, event.scheduled % 86400) for event in loaded.zones[0].events] == [
         ("BrassButlers", 9 * 3600), ("CopperKettle", 9.25 * 3600)]
+
+
+def test_the_time_zone_is_asked_for_and_kept(run, tmp_path):
+    with local_time("Asia/Tokyo"):
+        typed = "A,B\nHWV\n\n2026-11-28\n09:00\nAmerica/Lima\n\n"
+        assert run("erl", typed=typed)[:2:2] == (0,)
+        made = load(tmp_path / "erl")[0]
+        assert (made.time_zone, made.zones[0].events[0].scheduled % 86400) == ("America/Lima", 14 * 3600)
+        assert run("erl", "--add-team", "Gamma")[0] == 0
+        assert run("two", *OPTIONS[:-2], "--zones", "A,B")[1].count("Time zone: Asia/Tokyo (this computer's") == 1
+    assert load(tmp_path / "erl")[0].time_zone == "America/Lima"
+    lines = (tmp_path / "erl" / "schedule.yaml").read_text("utf-8").splitlines()
+    assert [line.rpartition("  # ")[2] for line in lines if "team: Gamma" in line] == ["Saturday 09:30"]
 
 
 def test_given_options_are_not_asked_for(run):

@@ -1,14 +1,12 @@
 """Schedules from CSV sheets: what spreadsheet programs write is read; each bad cell is named."""
 
-import datetime
-
 import pytest
 
 from roah_rsbb.rulebook.errors import ConfigErrors, Report
 from roah_rsbb.tools.competition.plan import VenueClock
 from roah_rsbb.tools.competition.sheet import Known, column_name, read_sheet
 
-UTC = VenueClock(datetime.timedelta(0))
+UTC = VenueClock("UTC")
 HEAD = "zone,benchmark,team,date,time\n"
 
 
@@ -75,9 +73,25 @@ def test_all_robots_at_once(good):
 
 
 def test_times_are_the_venues(good):
-    made = good(HEAD + "X,HNF,A,2026-11-28,00:30\n", clock=VenueClock(datetime.timedelta(hours=1)))
+    made = good(HEAD + "X,HNF,A,2026-11-28,00:30\n", clock=VenueClock("+01:00"))
     assert runs(made)[0][5] == "11-27 23:30"
     assert runs(made)[0][3] == 1
+
+
+BERLIN = VenueClock("Europe/Berlin")
+
+
+def test_a_time_that_the_clocks_skip(errors):
+    (line, column, text), = errors(HEAD + "X,HNF,A,2026-03-29,02:30\n", clock=BERLIN)
+    assert (line, column) == (2, 5)
+    assert "02:30 on 2026-03-29, which does not exist: the clocks of Europe/Berlin skip it" in text
+
+
+def test_a_time_that_exists_twice(sheet):
+    made, report = sheet(HEAD + "X,HNF,A,2026-10-25,02:30\nX,HNF,B,2026-10-25,03:00\n", clock=BERLIN)
+    assert [run[5] for run in runs(made)] == ["10-25 00:30", "10-25 02:00"]
+    assert [warning.count("exists twice") for warning in report.warnings] == [1]
+    assert "write 01:30:00 into scheduled_time" in report.warnings[0]
 
 
 @pytest.mark.parametrize("text", [
