@@ -128,7 +128,7 @@ def launch_text(
         ("benchmarks_file", f"{beside}/benchmarks.yaml", "YAML file with the benchmarks"),
         ("schedule_file", f"{beside}/schedule.yaml", "YAML file with the schedule of the competition"),
         ("passwords_file", f"{beside}/passwords.yaml", "YAML file with the teams' passwords"),
-        ("log_dir", f"{beside}/log", "Directory for the logs of the runs"),
+        ("log_dir", f"{beside}/{LOG}", "Directory for the logs of the runs"),
         ("standings_file", f"{beside}/standings.yaml", "YAML file with the ranking of the standings"),
         ("modules", yes[needs_modules(benchmarks)], "Run the benchmarking modules of functionality benchmarks"),
         ("modules_dir", f"{beside}/modules",
@@ -151,6 +151,7 @@ def launch_text(
 # -- writing ----------------------------------------------------------------------------------------
 
 SCHEDULE, PASSWORDS = "schedule.yaml", "passwords.yaml"
+LOG = "log"  # the log_dir
 LAUNCH = "competition.launch"
 FIREWALL = "firewall.nft"
 RSBB_PORT = 6666  # roah_rsbb.launch's

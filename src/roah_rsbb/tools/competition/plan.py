@@ -3,7 +3,7 @@
 import datetime
 import re
 import time
-from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, Container, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from roah_rsbb import platform
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_LIMIT, Benchmark
@@ -144,33 +144,83 @@ class Merged(NamedTuple):
 
     zones: Tuple[PlannedZone, ...]
     kept: Dict[datetime.date, int]  # runs of days that the new plan does not have
+    ran: List[str]  # what becomes of events that have results and are planned otherwise now
+
+
+# Returns which of these runs is now the event that has results; None: none of them.
+Which = Callable[[str, Sequence[str]], Optional[int]]
 
 
 def with_other_days(
-    before: Sequence[PlannedZone], after: Sequence[PlannedZone], clock: VenueClock
+    before: Sequence[PlannedZone], after: Sequence[PlannedZone], clock: VenueClock, ran: Container[str], which: Which
 ) -> Merged:
-    """Replace the days that a new plan has, and keep the others. A run of the same benchmark, team, round and number on
-    one of these days keeps its id, also in another zone and at another time."""
+    """Replace the days that a new plan has, and keep the others. The events of a team in a benchmark keep their ids at
+    the same time, or else within their day, whatever their zones, rounds and numbers are.
+
+    `ran`: the ids of the events that have results. `which` is asked where such an event may be another one now.
+    """
     days = days_of(after, clock)
-    ids: Dict[Tuple[str, str, int, int], List[str]] = {}
+    old: Dict[Tuple[str, str], List[PlannedRun]] = {}
     kept: Dict[datetime.date, int] = {}
     zones: Dict[str, List[PlannedRun]] = {}
     for zone in before:
         for run in zone.runs:
             day = clock.local(run.begins).date()
             if day in days:
-                ids.setdefault(run[:4], []).append(run.id)
+                old.setdefault(run[:2], []).append(run)
             else:
                 zones.setdefault(zone.name, []).append(run)
                 kept[day] = kept.get(day, 0) + 1
+    new: Dict[Tuple[str, str], List[PlannedRun]] = {}
+    for run in sorted((run for zone in after for run in zone.runs), key=lambda run: run.begins):
+        new.setdefault(run[:2], []).append(run)
+    ids: Dict[PlannedRun, str] = {}
+    said: List[str] = []
+    for key, runs in old.items():
+        ids.update(_ids(sorted(runs, key=lambda run: run.begins), new.get(key, []), clock, ran, which, said))
     for zone in after:
-        for run in zone.runs:
-            own = ids.get(run[:4])
-            zones.setdefault(zone.name, []).append(run._replace(id=own.pop(0)) if own else run)
+        zones.setdefault(zone.name, []).extend(run._replace(id=ids.get(run, "")) for run in zone.runs)
     order = dict.fromkeys(zone.name for zone in (*before, *after) if zone.name in zones)
     return Merged(
         tuple(PlannedZone(name, tuple(sorted(zones[name], key=lambda run: run.begins))) for name in order),
-        dict(sorted(kept.items())))
+        dict(sorted(kept.items())), said)
+
+
+def _ids(
+    old: Sequence[PlannedRun], new: Sequence[PlannedRun], clock: VenueClock, ran: Container[str], which: Which,
+    said: List[str],
+) -> Dict[PlannedRun, str]:
+    """Return the ids of the new runs of a team in a benchmark that are events of the old plan. Both are in order."""
+    def time(run: PlannedRun) -> str:
+        return f"{clock.local(run.begins):%Y-%m-%d %H:%M}"
+
+    def day(run: PlannedRun) -> datetime.date:
+        return clock.local(run.begins).date()
+
+    left, found = list(new), {}
+    waiting = []
+    for run in old:
+        same = next((other for other in left if other.begins == run.begins), None)
+        if same is None:
+            waiting.append(run)
+        else:
+            left.remove(same)
+            found[same] = run.id
+    for run in sorted(waiting, key=lambda run: run.id not in ran):  # first those that have results
+        today = [other for other in left if day(other) == day(run)]
+        choice = 0 if today else None
+        if run.id in ran:
+            event = f"{run.code} of {run.team} on {time(run)}"
+            rivals = [other for other in waiting if other.id in ran and day(other) == day(run)]
+            if len(today) != 1 or len(rivals) > 1:
+                today = today or left
+                choice = which(event, list(map(time, today))) if today else None
+            said.append(f"{event} has results and no event any more: they stay in the results" if choice is None else
+                        f"{event} has results and is on {time(today[choice])} now: they stay with it")
+        if choice is not None:
+            left.remove(today[choice])
+            found[today[choice]] = run.id
+    return found
 
 
 class Break(NamedTuple):

@@ -2,13 +2,17 @@
 
 import argparse
 import datetime
+import functools
 import math
 import os
 import shlex
 import sys
-from typing import Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.arguments import Parser, called, is_without_ros
+from roah_rsbb.core.scoring.counting import with_events
+from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
+from roah_rsbb.results.runs import heads
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ZonePlan
 from roah_rsbb.rulebook.config import BenchmarksFile, PasswordsFile
@@ -115,7 +119,7 @@ def _run(options: argparse.Namespace, config_dir: str, ask: Optional[Callable[[s
         book = read_rulebook(report, config_dir, options.rulebook)
         report.raise_errors()
         if options.schedule_only:
-            return _schedule_only(report, options, book)
+            return _schedule_only(report, options, book, ask)
         if options.add_team is not None:
             return _add_team(report, options, book)
         found = known_answers(options, report, ask, print, {"benchmarks": _described(book)}, book.benchmarks,
@@ -233,7 +237,9 @@ def _only(report: Report, options: argparse.Namespace, command: str, *allowed: s
             report.error(Place("--" + option, 0, 0), f"this option together with {command}", f"only {words}")
 
 
-def _schedule_only(report: Report, options: argparse.Namespace, book: Rulebook) -> int:
+def _schedule_only(
+    report: Report, options: argparse.Namespace, book: Rulebook, ask: Optional[Callable[[str], str]]
+) -> int:
     """Replace the schedule of an existing competition from a sheet; its teams and benchmarks stay."""
     if not options.sheet:
         raise Missing("not given: --sheet, which --schedule-only needs")
@@ -243,19 +249,48 @@ def _schedule_only(report: Report, options: argparse.Namespace, book: Rulebook) 
     teams = PasswordsFile(passwords, report).by_team
     known = BenchmarksFile(benchmarks, report).by_code
     report.raise_errors()
-    old = planned(_zones_before(options.directory))
+    zones = _zones_before(options.directory)
+    old = planned(zones)
     plan = read_sheet(options.sheet, report, clock, Known(list(teams), f"the teams of {passwords}"),
                       Known(list(known), f"the benchmarks of {benchmarks}"),
                       lambda code: code in known and known[code].kind is BenchmarkKind.ALL_ROBOTS, days_of(old, clock))
     report.raise_errors()
-    merged = with_other_days(old, plan.zones, clock)
+    merged = with_other_days(old, plan.zones, clock, _ran(options.directory, zones), functools.partial(_which, ask))
     before = files.write_schedule(options.directory, book, merged.zones, clock)
     print(f"Written: {files.SCHEDULE} in {options.directory}" + (f"; the old one is {before}" if before else ""))
     if merged.kept:
         print(f"The runs of other days stay: {', '.join(f'{count} on {day}' for day, count in merged.kept.items())}")
-    for warning in report.warnings:
+    for warning in (*merged.ran, *report.warnings):
         print(f"warning: {warning}")
     return _checked(options.directory)
+
+
+def _ran(directory: str, zones: Sequence[ZonePlan]) -> Set[str]:
+    """The ids of the events that have results. Raises `CannotWriteFiles` if the journal cannot be read."""
+    path = journal_in(os.path.join(directory, files.LOG))
+    if not os.path.exists(path):
+        return set()
+    try:
+        with JournalReader(path, checks_all=False) as reader:
+            return {head.event for head in with_events(heads(reader, print), zones)}
+    except JournalError as error:
+        raise CannotWriteFiles(f"{error}. Which events have results is not known, so the schedule was left as it is") \
+            from None
+
+
+def _which(ask: Optional[Callable[[str], str]], event: str, choices: Sequence[str]) -> Optional[int]:
+    """Ask which of these times an event has now; None: none of them."""
+    words = ", ".join(f"{number} for {time}" for number, time in enumerate(choices, 1))
+    if ask is None:
+        raise Missing(f"{event} has results, and is not in the sheet at that time. Is it the event of "
+                      f"{' or '.join(choices)} now? Keep its row, or start this command at a terminal, where it asks")
+    while True:
+        answer = ask(f"{event} has results, and is not in the sheet at that time. Which event is it now? {words}, or "
+                     "press Enter for none of them: ").strip()
+        if not answer:
+            return None
+        if answer in map(str, range(1, len(choices) + 1)):
+            return int(answer) - 1
 
 
 def _zones_before(directory: str) -> Sequence[ZonePlan]:

@@ -5,6 +5,8 @@ import os
 
 import pytest
 
+from helpers.journals import Writer
+from helpers.results_of import task_record
 from helpers.time_zones import local_time
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Durable
@@ -195,6 +197,75 @@ def test_a_sheet_of_one_day_keeps_the_other_days_and_counts_them(run, tmp_path):
     (tmp_path / "plan.csv").write_text("\n".join([lines[0], moved]), encoding="utf-8")
     assert run("erl", "--sheet", "plan.csv", "--schedule-only", "--time-zone", "UTC")[0] == 0
     assert [own for _, _, own in turns(load(tmp_path / "erl")[0])] == [own for _, _, own in second]
+
+
+HEAD = "zone,benchmark,team,date,time"
+TWO_DAYS = ["Home,HWV,A,2026-11-28,09:00", "Home,HWV,B,2026-11-28,09:30", "Home,HWV,A,2026-11-29,09:00",
+            "Home,HWV,B,2026-11-29,09:30"]
+
+
+@pytest.fixture
+def reimport(run, tmp_path):
+    """Begin with `TWO_DAYS`, of which all events have results; then import other rows. Returns the exit status, what is
+    printed, and the new day and time of each event, by the ones before."""
+    def write(rows):
+        (tmp_path / "plan.csv").write_text("\n".join([HEAD, *rows]), encoding="utf-8")
+
+    def times():
+        loaded = load(tmp_path / "erl")[0]
+        return {e.id: f"{datetime.datetime.utcfromtimestamp(e.scheduled):%d %H:%M} {e.team}"
+                for zone in loaded.zones for e in zone.events}
+
+    write(TWO_DAYS)
+    run("erl", "--sheet", "plan.csv", "--time-zone", "UTC", "--rsbb-host", "10.0.0.255")
+    before = times()
+    writer = Writer(tmp_path / "erl" / "log")
+    for number, (own, when) in enumerate(before.items()):
+        record = task_record(when[-1], number + 1, event=own)._replace(benchmark="HWV")
+        writer.run(record, ((6667 + number, "r1"),))
+    writer.close()
+
+    def again(rows, typed=None):
+        write(rows)
+        status, out, err = run("erl", "--sheet", "plan.csv", "--schedule-only", typed=typed)
+        now = times()
+        return status, out + err, {when: now.get(own, "") for own, when in before.items()}
+    return again
+
+
+def test_a_day_before_the_others_moves_no_result(reimport):
+    status, said, moved = reimport(["Home,HWV,B,2026-11-27,16:00", *TWO_DAYS])
+    assert (status, "results" in said) == (0, False)
+    assert {when: now for when, now in moved.items() if when != now} == {}
+
+
+def test_an_event_with_results_that_moves_within_its_day_is_named(reimport):
+    status, said, moved = reimport(["Hall,HWV,A,2026-11-28,11:00", *TWO_DAYS[1:]])
+    assert (status, moved["28 09:00 A"]) == (0, "28 11:00 A")
+    assert "warning: HWV of A on 2026-11-28 09:00 has results and is on 2026-11-28 11:00 now: they stay with it" in said
+
+
+def test_events_that_go(reimport):
+    status, said, moved = reimport(TWO_DAYS[1:])
+    assert (status, moved) == (0, {**{when: when for when in moved}, "28 09:00 A": ""})
+    assert "warning: HWV of A on 2026-11-28 09:00 has results and no event any more: they stay in the results" in said
+
+
+@pytest.mark.parametrize("typed, now", [("7\n2\n", "28 12:00 A"), ("\n", ""), (None, None)])
+def test_which_event_has_the_results_is_asked(reimport, typed, now):
+    rows = ["Home,HWV,A,2026-11-28,11:00", "Home,HWV,A,2026-11-28,12:00", *TWO_DAYS[1:]]
+    status, said, moved = reimport(rows, typed)
+    if typed is None:
+        assert (status, moved["28 09:00 A"]) == (2, "28 09:00 A")
+        assert "Is it the event of 2026-11-28 11:00 or 2026-11-28 12:00 now? Keep its row" in said
+    else:
+        assert (status, moved["28 09:00 A"]) == (0, now)
+
+
+def test_no_result_goes_to_another_day_unasked(reimport):
+    rows = [*TWO_DAYS[1:], "Home,HWV,A,2026-11-29,15:00"]
+    assert reimport(rows)[0] == 2
+    assert reimport(rows, "\n")[2]["28 09:00 A"] == ""
 
 
 def turns(loaded):
