@@ -31,7 +31,7 @@ from roah_rsbb.rulebook.registry import CODE, PROFILES, USES, BenchmarkKind, Pro
 from roah_rsbb.rulebook.scoring_section import MAX_JUDGES, ScoringSection
 from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, integer, number, sequence, text, utc_time
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable, read_yaml
-from roah_rsbb.wording.suggestions import nearest
+from roah_rsbb.wording.suggestions import nearest, twins
 from roah_rsbb.wording.times import zone_of
 
 __all__ = ["ConfigError", "ConfigErrors", "load"]
@@ -362,6 +362,8 @@ class PasswordsFile:
         if not root.pairs and root.whole:
             report.error(root.place, "no teams", _PASSWORDS_SHAPE)
         readable = [self._line(key, value) for key, value in root.pairs]
+        places = {key.text: key.place for key, _ in root.pairs}
+        _warn_of_twins(report, "team", {team: places[team] for team in self.by_team})
         if root.whole and readable and all(readable):
             self.teams = {key.text for key, _ in root.pairs}
 
@@ -395,6 +397,13 @@ class PasswordsFile:
                 Place(path, 0, 0),
                 f"other users of this computer can read the passwords (mode {mode:04o}); remedy: {remedy}",
             )
+
+
+def _warn_of_twins(report: Report, what: str, places: Dict[str, Place]) -> None:
+    """Warn of names that are probably one name in two spellings."""
+    for name, other in twins(places):
+        report.warn(places[name], f"{what} {quote(name)} is nearly the same as {what} {quote(other)}. To the box they are "
+                    f"two {what}s: if they are one, give it one spelling")
 
 
 # -- the schedule file ------------------------------------------------------------------------------
@@ -483,6 +492,7 @@ class ScheduleFile:
             report.error(nodes[0].place, "no zone", f"a sequence of {_ZONES_SHAPE}")
         zones = [self._zone(node) for node in of_zones]
         self._report_unknown()
+        _warn_of_twins(report, "zone", self._zone_places)
         self.zones = adopted(tuple(zone for zone in zones if zone is not None), ())
 
     def _zone(self, node: Node) -> Optional[ZonePlan]:

@@ -65,7 +65,6 @@ def read_sheet(
     rows = _Sheet(path, content, report, clock, teams, codes, for_all).rows()
     if not rows and len(report.errors) == before:
         report.error(Place(path, 0, 0), "no runs", f"{_SHAPE}; below it a row for each run")
-    _warn_of_names(report, rows)
     plan = _plan(report, rows, other_days)
     return plan if len(report.errors) == before else None
 
@@ -204,15 +203,3 @@ def _plan(report: Report, rows: List[_Row], other_days: Collection[datetime.date
         zones[row.zone].append(PlannedRun(row.code, row.team, number, run, row.begins))
     teams = dict.fromkeys(row.team for row in rows if row.team != ALL_TEAMS)
     return Plan(tuple(teams), tuple(PlannedZone(name, tuple(runs)) for name, runs in zones.items()))
-
-
-def _warn_of_names(report: Report, rows: List[_Row]) -> None:
-    """Warn about names that differ only in case or spaces, because they are probably the same."""
-    for what, names in (("team", [(row.team, row.place) for row in rows]),
-                        ("zone", [(row.zone, row.place) for row in rows])):
-        first: Dict[str, str] = {}
-        for name, place in dict(reversed(names)).items():
-            other = first.setdefault("".join(name.casefold().split()), name)
-            if other != name:
-                report.warn(place, f"{what} {quote(name)} and {what} {quote(other)} "
-                                   "are different: is one of them misspelt?")

@@ -11,6 +11,7 @@ from helpers.time_zones import local_time
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.tools.competition import program
+from roah_rsbb.tools.preflight_checks import check_configuration
 
 OPTIONS = ["--teams", "BrassButlers,CopperKettle", "--benchmarks", "HWV,HNF", "--days", "2026-11-28,2026-11-29",
            "--time-zone", "UTC"]
@@ -197,6 +198,21 @@ def test_a_sheet_of_one_day_keeps_the_other_days_and_counts_them(run, tmp_path):
     (tmp_path / "plan.csv").write_text("\n".join([lines[0], moved]), encoding="utf-8")
     assert run("erl", "--sheet", "plan.csv", "--schedule-only", "--time-zone", "UTC")[0] == 0
     assert [own for _, _, own in turns(load(tmp_path / "erl")[0])] == [own for _, _, own in second]
+
+
+def test_one_team_in_two_spellings(run, tmp_path):
+    names = ["Pumas", "b-it-bots", "WrightEagle", "Pumans", "b-it bots", "Wright Eagle"]
+    (tmp_path / "plan.csv").write_text("\n".join([HEAD, *(
+        f"Arena,HWV,{name},2026-11-28,{9 + number}:00" for number, name in enumerate(names))]), encoding="utf-8")
+    made = run("erl", "--sheet", "plan.csv", "--rsbb-host", "10.0.0.255", "--time-zone", "UTC")[1]
+    checked, late = run("erl", "--check")[1], run("erl", "--add-team", "pumas")[1]
+    for name, other in zip(names[3:], names):
+        assert [text.count(f"team '{name}' is nearly the same as team '{other}'") for text in (made, checked, late)] == [
+            1, 1, 1]
+    assert "team 'pumas' is nearly the same as team 'Pumas'" in late
+    files = {f"{name}_file": f"erl/{name}.yaml" for name in ("benchmarks", "schedule", "passwords")}
+    found = check_configuration(files, "")
+    assert sum("is nearly the same as" in remark.text for remark in found) == 4
 
 
 HEAD = "zone,benchmark,team,date,time"

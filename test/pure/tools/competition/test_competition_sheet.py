@@ -198,15 +198,6 @@ def test_a_run_listed_twice(sheet):
     assert "it is already in line 2" in report.errors[0].expected
 
 
-def test_names_that_are_probably_the_same(sheet):
-    _, report = sheet(HEAD + "Home A,HNF,Butlers,2026-11-28,10:00\nhome a,HWV,butlers,2026-11-28,11:00\n")
-    assert report.errors == []
-    assert [warning.partition(": ")[2] for warning in report.warnings] == [
-        "team 'Butlers' and team 'butlers' are different: is one of them misspelt?",
-        "zone 'Home A' and zone 'home a' are different: is one of them misspelt?",
-    ]
-
-
 def test_a_hostile_sheet_ends(sheet):
     with pytest.raises(ConfigErrors) as raised:
         sheet(HEAD + "X,HNF,A,x,y\n" * 60_000)
