@@ -2,11 +2,13 @@
 
 import math
 import statistics
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from types import MappingProxyType
 from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.core.scoring.book import form_of
 from roah_rsbb.core.scoring.counting import (
     Numbers,
     Ruling,
@@ -21,9 +23,11 @@ from roah_rsbb.core.scoring.counting import (
 from roah_rsbb.core.scoring.points import text_of
 from roah_rsbb.model.public import PublicRank, PublicStanding
 from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.scoring import SheetForm
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, joined, page, table, tag
 from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_RULES, EventRules
+from roah_rsbb.rulebook.changes import differences
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.rulebook.standing_rules import (
     DEFAULT,
@@ -132,6 +136,7 @@ def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], ch
             run = RankedRun(ruling.record, ruling.disqualified(rules), ruling.numbers(rules, missing))
             by_team.setdefault(ruling.record.team, []).append(run)
         remarks += _remarks(ruling, missing, choice.events.get(code, NO_RULES))
+    remarks += _of_other_rules([run.record for runs in by_team.values() for run in runs])
     lines = [_team_line(team, runs, of_runs, rules.criteria) for team, runs in by_team.items()]
     if rules is DEFAULT and any(run.record.items for runs in by_team.values() for run in runs):
         remarks.append(WITHOUT_RULES)
@@ -139,6 +144,17 @@ def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], ch
     return Standing(
         code, of_runs, rules.criteria, _ranked(lines, rules.criteria), tuple(dict.fromkeys(remarks)), units
     )
+
+
+def _of_other_rules(records: Sequence[RunRecord]) -> Iterator[str]:
+    """Yield a note for each score sheet by which runs that count were scored, other than that of the newest one."""
+    by_form: Dict[SheetForm, List[str]] = {}
+    for record in sorted((record for record in records if record.items), key=lambda record: -record.opened_utc):
+        by_form.setdefault(replace(form_of(record), objection_time=0.0), []).append(record.identity)
+    newest = next(iter(by_form), None)
+    for form, runs in by_form.items():
+        if form is not newest:
+            yield f"scored by an earlier sheet ({'; '.join(differences('', form, newest))}): run {', '.join(runs[::-1])}"
 
 
 def _is_shown(record: RunRecord, choice: RunChoice) -> bool:

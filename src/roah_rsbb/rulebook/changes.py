@@ -7,13 +7,16 @@ import collections
 from dataclasses import fields, is_dataclass
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple
 
+from roah_rsbb.model.scoring import ScoreKind
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.errors import quote
 from roah_rsbb.rulebook.event_ids import EventKey, key_of
 from roah_rsbb.wording.times import date_time
 
 # The fields of a benchmark whose differences are listed by other names.
-_NAMES = {"own": "", "rules": "", "desc": "subject", "name": "title"}
+_NAMES = {"own": "", "rules": "", "desc": "subject", "name": "title", "least": "min", "most": "max"}
+# Those of a benchmark by which its sheets are scored.
+_OF_SHEET = ("scoring", "sheet_rules")
 
 
 def changes(before: Config, after: Config, ran: Iterable[EventKey] = ()) -> List[str]:
@@ -21,9 +24,10 @@ def changes(before: Config, after: Config, ran: Iterable[EventKey] = ()) -> List
 
     `ran`: the events of all runs, as they were then.
     """
-    found = []
+    found, ran = [], list(ran)
     for code in {**before.benchmarks, **after.benchmarks}:
-        found += _of_benchmark(code, before.benchmarks.get(code), after.benchmarks.get(code))
+        found += _of_benchmark(code, before.benchmarks.get(code), after.benchmarks.get(code),
+                               sum(key.benchmark == code for key in ran))
     for team in {**before.passwords, **after.passwords}:
         old, new = before.passwords.get(team), after.passwords.get(team)
         if old != new:
@@ -44,25 +48,30 @@ def changes(before: Config, after: Config, ran: Iterable[EventKey] = ()) -> List
 # -- benchmarks -------------------------------------------------------------------------------------
 
 
-def _of_benchmark(code: str, before: Any, after: Any) -> List[str]:
+def _of_benchmark(code: str, before: Any, after: Any, ran: int) -> List[str]:
+    """Return the differences of a benchmark, and what becomes of its runs, whose number is `ran`."""
     if before is None or after is None:
         return [f"benchmark {code}: {'added' if before is None else 'removed'}"]
-    lines = _differences("", before, after)
+    lines = differences("", before, after)
+    if ran and any(getattr(before, name) != getattr(after, name) for name in _OF_SHEET):
+        lines.append("1 run keeps the old score sheet" if ran == 1 else f"{ran} runs keep the old score sheet")
     return [f"benchmark {code}: {line}" for line in lines]
 
 
-def _differences(name: str, before: Any, after: Any) -> List[str]:
+def differences(name: str, before: Any, after: Any) -> List[str]:
     """Return the differences of a value, with its name in the file."""
     if before == after:
         return []
+    if is_dataclass(before or after) and None in (before, after):
+        return [f"{name}: {'added' if before is None else 'removed'}"]
     if is_dataclass(before) and type(before) is type(after):
         found = []
         for field in fields(before):
             label = _NAMES.get(field.name, field.name.replace("_", " "))
             if isinstance(before, Benchmark) and field.name == "own":
-                found += _differences(label, before.profile, after.profile)
+                found += differences(label, before.profile, after.profile)
             else:
-                found += _differences(label, getattr(before, field.name), getattr(after, field.name))
+                found += differences(label, getattr(before, field.name), getattr(after, field.name))
         return found
     if isinstance(before, tuple) and isinstance(after, tuple):
         return _of_items(name, before, after)
@@ -77,7 +86,7 @@ def _of_items(name: str, before: Iterable[Any], after: Iterable[Any]) -> List[st
         if key not in old or key not in new:
             found.append(f"{name}: {quote(key)} {'added' if key not in old else 'removed'}")
         elif old[key] != new[key]:
-            found.append(f"{name}: {quote(key)} changed")
+            found.append(f"{name}: {quote(key)}: {', '.join(differences('', old[key], new[key]))}")
     return found or [f"{name}: another order"]
 
 
@@ -91,6 +100,8 @@ def _text(value: Any) -> str:
         return "none"
     if isinstance(value, bool):
         return "yes" if value else "no"
+    if isinstance(value, ScoreKind):
+        return value.word
     if isinstance(value, float):
         return f"{value:g}" if abs(value) != float("inf") else "without limit"
     if isinstance(value, (frozenset, set)):

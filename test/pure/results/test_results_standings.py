@@ -1,5 +1,6 @@
 """Standings: which runs count, the order of teams, and ties."""
 
+import dataclasses
 import pathlib
 from decimal import Decimal
 from fractions import Fraction
@@ -18,6 +19,7 @@ from helpers.results_of import (
 )
 from helpers.time_zones import local_time
 from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints, SignOff
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.results.standings import (
     DAYS_OF_COMPUTER,
     WITHOUT_RULES,
@@ -303,6 +305,18 @@ def pointed(team, number, total, groups=(), **fields):
     """A run whose sheet gives points."""
     record = task_record(team, number, **fields)
     return record._replace(points=SheetPoints(total, tuple(GroupPoints(*group) for group in groups)))
+
+
+def test_runs_that_were_scored_by_an_earlier_sheet_are_named():
+    item = ScoringItem(ACHIEVED, "objects", ScoreKind.UINT, Decimal(60))
+    old, new = (SheetForm((dataclasses.replace(item, points=Decimal(points)),)) for points in (60, 50))
+    records = [pointed("A", 1, "60", form=old), pointed("B", 2, "50", form=new), pointed("C", 3, "60", form=old)]
+    assert "earlier sheet" not in str(standing("HGTKMH", records[::2], None, ALL).remarks)
+    last = records[1]._replace(opened_utc=records[2].opened_utc + 60.0)
+    table = standing("HGTKMH", [records[0], last, records[2]], None, ALL)
+    assert [remark for remark in table.remarks if "earlier sheet" in remark] == [
+        f"scored by an earlier sheet (items: '{ACHIEVED}: objects': points 60, now 50): run {records[0].identity}, "
+        f"{records[2].identity}"]
 
 
 def test_points_rank_where_a_sheet_gives_them():

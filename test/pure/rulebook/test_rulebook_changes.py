@@ -1,8 +1,10 @@
 """The list of what differs between two configurations."""
 
 import dataclasses
+from decimal import Decimal
 
 from helpers.competition import BUMPS, DOOR, UTC0, competition, event
+from roah_rsbb.model.scoring import NO_SHEET_RULES, SheetRules, TimeLeft
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Config, Durable
 from roah_rsbb.rulebook.changes import changes, warnings
 from roah_rsbb.rulebook.errors import Place
@@ -31,7 +33,7 @@ def test_benchmarks():
         "benchmark HNF: timeout 120, now 120.5",
         "benchmark HNF: total timeout 120, now without limit",
         "benchmark HWV: subject 'About HWV', now 'Visitors'",
-        "benchmark HWV: scoring: 'Achievements: changed objects' changed",
+        "benchmark HWV: scoring: 'Achievements: changed objects': kind uint, now bool",
         "benchmark HWV: scoring: 'Penalized: bumps' removed",
         "benchmark HWV: scoring: 'Penalized: falls' added",
         "benchmark HWV: uses activation_event, bell, notifications, visitor, now nothing",
@@ -61,6 +63,23 @@ def test_how_many_computers_must_have_an_entry():
 def with_id(own, code="HNF", **of_event):
     """An event that is known by this id."""
     return dataclasses.replace(event(code, **of_event), id=own)
+
+
+def test_points_that_change_are_said_with_the_runs_that_keep_the_old_ones():
+    before = competition(a=["HWV", "HNF"])
+    sixty = dataclasses.replace(DOOR, points=Decimal(60))
+    after = competition(a=["HWV", "HNF"])
+    rules = SheetRules(least=Decimal(0), time_left=TimeLeft(Decimal(1)))
+    for config, points in ((before, 60), (after, 50)):
+        config.benchmarks["HWV"] = dataclasses.replace(
+            config.benchmarks["HWV"], scoring=(dataclasses.replace(sixty, points=Decimal(points)),),
+            sheet_rules=rules if points == 50 else NO_SHEET_RULES)
+    lines = [f"benchmark HWV: scoring: '{DOOR.group}: {DOOR.desc}': points 60, now 50",
+             "benchmark HWV: min none, now 0", "benchmark HWV: time left: added"]
+    assert changes(before, after) == lines
+    ran = [key_of(with_id("m", "HWV")), key_of(with_id("n"))]
+    assert changes(before, after, ran) == [*lines, "benchmark HWV: 1 run keeps the old score sheet"]
+    assert changes(before, after, 2 * ran)[-1] == "benchmark HWV: 2 runs keep the old score sheet"
 
 
 def test_the_schedule():
