@@ -93,7 +93,7 @@ class RunHead(NamedTuple):
     sign_off: Optional[float]  # UTC seconds; None: not signed off
     event: str = ""
 
-    points = None  # not read
+    points, items = None, ()  # not read
 
 
 def heads(reader: JournalReader, warn: Callable[[str], None]) -> List[RunHead]:

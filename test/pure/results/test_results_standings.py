@@ -541,12 +541,24 @@ def test_the_best_attempt_is_not_one_that_was_disqualified():
 
 @pytest.mark.parametrize("end, word", [("no_show", "no-show"), ("withdrawn", "withdrawn")])
 def test_a_team_that_was_not_there_has_no_rank_unless_the_rules_say_zero(end, word):
-    records = [attempt(1, objects=2), attempt(2, "B", end, objects=4)._replace(started_utc=0.0)]
+    records = [attempt(1, objects=2), attempt(2, "B", end)._replace(started_utc=0.0)]
     assert ranks(records) == [(1, "A", (2.0, 0.0))]
     assert f"team B, round 1, run 1: {word}, no score" in remarks(records)
     zero = counting(no_show=NoShow.ZERO)
     assert ranks(records, choice=zero) == [(1, "A", (2.0, 0.0)), (2, "B", (0.0, 0.0))]
     assert f"team B, round 1, run 1: {word}, counts as 0" in remarks(records, choice=zero)
+
+
+@pytest.mark.parametrize("no_show", NoShow)
+def test_penalty_points_of_a_team_that_did_not_appear_count(no_show):
+    """As RoboCup@Home gives them to a team that does not attend. The table had 0, the sheet -500."""
+    absent = pointed("A", 1, "-500", bumps=1)._replace(end_reason="no_show", started_utc=0.0)
+    records = [absent, pointed("B", 2, "10")]
+    choice = RunChoice(events={"HGTKMH": EventRules(no_show=no_show)})
+    table = standing("HGTKMH", records, None, choice)
+    assert [(line.rank, line.team, line.numbers) for line in table.lines] == [(1, "B", (10.0,)), (2, "A", (-500.0,))]
+    total = overall_standing(Overall("All", (StandingPart("HGTKMH"),), Normalised.NO), records, {}, choice)
+    assert [line.numbers[0] for line in total.lines] == [10, -500]
 
 
 def test_a_no_show_does_not_replace_a_run_of_the_same_event():

@@ -312,7 +312,10 @@ def _of_attempts(
     if not ran:
         found.update({record.identity: Why.NOT_LAST for record in left})
         if left:
-            found[left[-1].identity] = Why.ZERO if event.no_show is NoShow.ZERO else Why.NO_SCORE
+            # Rule books give a team that does not appear penalty points: what the referee entered counts.
+            entered = any(is_marked(item.value, item.text) for item in left[-1].items)
+            found[left[-1].identity] = (
+                Why.COUNTS if entered else Why.ZERO if event.no_show is NoShow.ZERO else Why.NO_SCORE)
         return found
     if event.counting is CountingAttempt.ALL:
         found.update({record.identity: Why.COUNTS for record in ran})

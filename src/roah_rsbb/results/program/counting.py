@@ -5,7 +5,7 @@ import contextlib
 import os
 from typing import Dict, Iterable, List, Sequence, TypeVar, Union
 
-from roah_rsbb.core.scoring.counting import Ruling, RunChoice, Why, attempts_of, rulings, with_events
+from roah_rsbb.core.scoring.counting import NOT_RUN_WORDS, Ruling, RunChoice, Why, attempts_of, rulings, with_events
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results.program.journal import BENCHMARKS_FILE, RULES_FILE, SCHEDULE_FILE, beside, file, warn
@@ -68,13 +68,14 @@ def why_of(options: argparse.Namespace, known: Sequence[RunRecord]) -> Dict[str,
 
 def words_of_heads(options: argparse.Namespace, reader: JournalReader, heads: Sequence[RunHead]) -> Dict[str, str]:
     """Return whether runs count (`RunResult.counts`), by their identities; nothing if a file of the competition is
-    invalid. Only attempts of which the best one counts are read whole."""
+    invalid. Only attempts whose sheets decide it are read whole."""
     try:
         of_events = choice(options, heads).events
         known: Sequence[Union[RunRecord, RunHead]] = _with_events(options, heads)
         compared = {
             head.identity for (code, _, _), attempts in attempts_of(known).items() for head in attempts
-            if len(attempts) > 1 and of_events.get(code, NO_RULES).counting is CountingAttempt.BEST
+            if head.end_reason in NOT_RUN_WORDS
+            or len(attempts) > 1 and of_events.get(code, NO_RULES).counting is CountingAttempt.BEST
         }
         known = [find_record(reader, head.identity, warn)[1]._replace(event=head.event)
                  if head.identity in compared else head for head in known]
