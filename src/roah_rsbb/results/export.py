@@ -6,6 +6,7 @@ referees; a spreadsheet program would run those that look like formulas.
 
 import csv
 import dataclasses
+import itertools
 import json
 import os
 from fractions import Fraction
@@ -59,17 +60,23 @@ def safe(cell: Cell) -> Union[str, int, float]:
     return f"'{text}" if text.lstrip(" ").startswith(_FORMULA) or text.startswith("'") else text
 
 
-def write_table(file: TextIO, columns: Tuple[str, ...], rows: Iterable[Dict[str, Cell]]) -> None:
-    """Write a header line and rows. Missing cells are empty."""
-    csv.writer(file).writerow(columns)
-    write_rows(file, columns, rows)
+def write_table(
+    file: TextIO, columns: Tuple[str, ...], rows: Iterable[Dict[str, Cell]], decimal_comma: bool = False
+) -> None:
+    """Write a header line and rows. Missing cells are empty. `decimal_comma`: for spreadsheet programs of regions that
+    write 1,5 and separate cells with semicolons."""
+    write_rows(file, columns, itertools.chain([dict(zip(columns, columns))], rows), decimal_comma)
 
 
-def write_rows(file: TextIO, columns: Tuple[str, ...], rows: Iterable[Dict[str, Cell]]) -> None:
+def write_rows(
+    file: TextIO, columns: Tuple[str, ...], rows: Iterable[Dict[str, Cell]], decimal_comma: bool = False
+) -> None:
     """Write rows below a header line."""
-    writer = csv.writer(file)
+    writer = csv.writer(file, delimiter=";" if decimal_comma else ",")
     for row in rows:
-        writer.writerow([safe(row.get(column)) for column in columns])
+        cells = [safe(row.get(column)) for column in columns]
+        writer.writerow([str(cell).replace(".", ",") if decimal_comma and isinstance(cell, float) else cell
+                         for cell in cells])
 
 
 def result_rows(

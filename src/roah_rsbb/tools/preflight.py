@@ -114,11 +114,12 @@ def findings(settings: CheckedSettings, folder: str, listen_s: float) -> List[Re
     is_linux = not (platform.WINDOWS or platform.MACOS)
     own = interfaces()
     reaches_robots = checks.check_network(network.rsbb_host, own)
-    found = [reaches_robots, *checks.check_ports(network.bind_host, port)]
+    cannot_bind = checks.check_bind(network.bind_host, port)
+    found = [reaches_robots, *(cannot_bind or checks.check_ports(network.bind_host, port))]
     if is_linux:
         firewall_file = os.path.join(folder or "COMPETITION", FIREWALL)
         found += checks.check_exposure(network.rsbb_host, own, listeners(), checks.list_firewall(), firewall_file)
-    if listen_s and reaches_robots.level is not Severity.FAILED:
+    if listen_s and not cannot_bind and reaches_robots.level is not Severity.FAILED:
         found.append(checks.check_other_box(network.rsbb_host, port, network.bind_host, listen_s))
     if is_without_ros():
         found.append(checks.check_door(local_door_file()))

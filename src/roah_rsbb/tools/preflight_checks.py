@@ -120,6 +120,17 @@ def check_elsewhere(rsbb_port: int) -> Remark:
                   "the robots' NTP server")
 
 
+def check_bind(bind_host: str, port: int) -> List[Remark]:
+    """Check that nothing but another program can keep the box from opening its UDP ports."""
+    for number in (port, port + PORTS):
+        try:
+            sockets.listen(bind_host, number, shared=False).close()
+        except OSError as error:
+            if not platform.is_in_use(error):
+                return [Remark(Severity.FAILED, str(error))]
+    return []
+
+
 def check_ports(bind_host: str, port: int) -> List[Remark]:
     """Check that the UDP ports are free."""
     taken = [number for number in range(port, port + PORTS + 1) if not _is_free(bind_host, number)]
@@ -137,8 +148,8 @@ def check_ports(bind_host: str, port: int) -> List[Remark]:
 def _is_free(bind_host: str, port: int) -> bool:
     try:
         sockets.listen(bind_host, port, shared=False).close()
-    except OSError:
-        return False
+    except OSError as error:
+        return not platform.is_in_use(error)
     return True
 
 

@@ -64,9 +64,9 @@ def _check_tcp_port(host: str, port: int, what: str, parameter: str, level: Seve
         try:
             trial.bind((host, port))
         except OSError as error:
+            in_use = f"end the program that uses it ('{command_that_shows('tcp', port)}' shows it), or "
             return Remark(level, f"TCP port {port} of {what} cannot be used: {platform.reason_of(error)}",
-                          f"end the program that uses it ('{command_that_shows('tcp', port)}' shows it), or choose "
-                          f"another {parameter}{purpose}")
+                          f"{in_use if platform.is_in_use(error) else ''}choose another {parameter}{purpose}")
     return Remark(Severity.OK, f"TCP port {port} of {what} is free")
 
 

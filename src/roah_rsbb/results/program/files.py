@@ -70,8 +70,8 @@ def export(options: argparse.Namespace) -> int:
         chosen = [(place + 1, known[place]) for place in places]
         ranked = _ranked(options, known)
         if options.csv:
-            _write(options.csv, lambda file: write_table(
-                file, RESULT_COLUMNS, result_rows((r for _, r in chosen), options.utc, why)), "utf-8-sig")
+            rows = result_rows((r for _, r in chosen), options.utc, why)
+            _write(options.csv, lambda file: write_table(file, RESULT_COLUMNS, rows, options.decimal_comma), "utf-8-sig")
 
         def results() -> Iterator[RunResult]:
             return (run_result(reader, number, record, warn)._replace(counts=why[record.identity].value)
@@ -272,7 +272,7 @@ def standings(options: argparse.Namespace) -> int:
         ranked = [standing for standing in ranked if standing.benchmark in options.benchmarks]
     if options.csv:
         _write(options.csv, lambda file: write_table(
-            file, STANDING_COLUMNS, standing_rows(ranked)), "utf-8-sig")
+            file, STANDING_COLUMNS, standing_rows(ranked), options.decimal_comma), "utf-8-sig")
     if options.json:
         _write(options.json, lambda file: _dump(exported_standings(ranked, path, as_of), file))
     _write_page(options, standings_page(ranked, as_of, options.utc, _competition(options)))
@@ -339,6 +339,7 @@ def _write_page(options: argparse.Namespace, text: str) -> None:
     if options.html:
         _write_html(text, options.html)
     if options.pdf:
+        _make_folder_of(options.pdf)
         print_pdf(text, options.pdf)
 
 
@@ -352,6 +353,7 @@ def _write(path: str, write: Callable[[TextIO], object], encoding: str = "utf-8"
         write(sys.stdout)
         return
     draft = f"{path}.draft"
+    _make_folder_of(path)
     try:
         with open(draft, "w", encoding=encoding, errors="backslashreplace", newline="") as file:
             write(file)
@@ -360,6 +362,10 @@ def _write(path: str, write: Callable[[TextIO], object], encoding: str = "utf-8"
         if os.path.exists(draft):
             os.remove(draft)
         raise
+
+
+def _make_folder_of(path: str) -> None:
+    os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
 
 
 def _dump(value: object, file: TextIO) -> None:

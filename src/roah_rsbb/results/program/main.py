@@ -133,6 +133,7 @@ def _add_views(commands: Any) -> None:
     export = commands.add_parser("export", help="write files", description=_EXPORT, epilog=_RULES)
     export.add_argument("runs", metavar="RUN", nargs="*", help="only these runs")
     export.add_argument("--csv", metavar="FILE", help="one row for each scoring item and each value of a module")
+    _add_decimal_comma(export)
     export.add_argument("--json", metavar="FILE", help="everything that is recorded")
     export.add_argument("--html", metavar="DIR", help="a printable score sheet for each run, and index.html")
     export.add_argument("--pdf", metavar="DIR", help="the same, printed by Chromium if it is installed")
@@ -164,6 +165,7 @@ def _add_views(commands: Any) -> None:
     ranks = commands.add_parser("standings", help="rank the teams", description=_STANDINGS, epilog=_RULES)
     ranks.add_argument("benchmarks", metavar="CODE", nargs="*", help="only these benchmarks, such as HGTKMH")
     ranks.add_argument("--csv", metavar="FILE")
+    _add_decimal_comma(ranks)
     ranks.add_argument("--json", metavar="FILE")
     ranks.add_argument("--html", metavar="FILE", help="a page that can be printed")
     ranks.add_argument("--pdf", metavar="FILE", help="the same, printed by Chromium if it is installed")
@@ -223,6 +225,11 @@ def _sub_parser(**options: str) -> Parser:
 def _add_files(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--benchmarks-file", metavar="YAML", help=f"default: {BENCHMARKS_FILE} beside the log_dir")
     parser.add_argument("--schedule-file", metavar="YAML", help=f"default: {SCHEDULE_FILE} beside the log_dir")
+
+
+def _add_decimal_comma(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--decimal-comma", action="store_true",
+                        help="write 1,5 and semicolons into CSV, for spreadsheet programs in German, French and others")
 
 
 def _add_competition(parser: argparse.ArgumentParser) -> None:

@@ -21,6 +21,7 @@ from roah_rsbb.model.link import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry, ScoreValue
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.results import export
+from roah_rsbb.results.export import RESULT_COLUMNS, STANDING_COLUMNS
 from roah_rsbb.results.program import files as writing
 from roah_rsbb.results.program import main as program
 from roah_rsbb.results.run_list import list_lines
@@ -151,6 +152,19 @@ def test_times_are_those_of_the_venue(run, journal, tmp_path):
     assert (status, "--time-zone Lima: no time zone has this name. Give a name such as Asia/Tokyo" in err) == (1, True)
 
 
+def test_numbers_for_spreadsheets_with_a_decimal_comma(run, tmp_path):
+    """Such a spreadsheet takes 300.015 for three hundred thousand and fifteen."""
+    path = tmp_path / "new" / "folder" / "r.csv"
+    for command in (("export",), ("standings", "HNF")):
+        for options in ((), ("--decimal-comma",)):
+            assert run(*command, "--csv", path, *options, "--html", tmp_path / "new" / "page")[0] == 0
+            text = path.read_text("utf-8-sig")
+            head, *rows = csv.reader(io.StringIO(text), delimiter=";" if options else ",")
+            assert head == list(RESULT_COLUMNS if command == ("export",) else STANDING_COLUMNS)
+            assert ("0,2" if options else "0.2") in {cell for row in rows for cell in row}
+        shutil.rmtree(tmp_path / "new")
+
+
 def test_the_list_does_not_load_what_writes_files():
     script = ("import sys; import roah_rsbb.results.program.main; "
               "print([name for name in sys.modules if name.startswith(('yaml', 'roah_rsbb.results.standing'))])")
@@ -179,7 +193,7 @@ def test_a_journal_without_runs(run, tmp_path):
 @pytest.mark.parametrize(("arguments", "status", "reported"), [
     (("show", "9"), 1, "there is no run '9': there are 1 to 5"),
     (("export",), 1, "choose what to write"),
-    (("export", "--csv", "/nowhere/x"), 1, "/nowhere/x.draft: No such file or directory"),
+    (("export", "--csv", "/dev/null/x"), 1, "/dev/null: File exists: choose another place"),
     (("standings", "HOPF"), 1, "there are no runs of HOPF; there are some of HGTKMH, HNF"),
     (("standings", "--without", "77"), 1, "there is no run '77'"),
     (("standings", "--rules", "/nowhere/rules"), 1, "a file of the competition is invalid:\n/nowhere/rules"),
