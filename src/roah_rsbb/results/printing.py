@@ -14,7 +14,7 @@ import subprocess
 import tempfile
 import time
 from types import TracebackType
-from typing import Any, Dict, List, Optional, Type
+from typing import Any, Dict, Iterable, List, Optional, Type
 
 from roah_rsbb import platform
 
@@ -25,6 +25,7 @@ CLOSE_S = 5.0  # for the browser to end
 # The browser reads commands from the first of these descriptors, and answers on the second.
 _COMMANDS, _ANSWERS = 3, 4
 _PIECE = 1 << 16
+_MAX_LETTERS = 300  # that are looked for in fonts, each in milliseconds
 _IMAGES = "Promise.all([...document.images].map(image => image.decode().catch(() => 0)))"
 
 
@@ -47,6 +48,16 @@ def browser() -> str:
             "and print the pages in any browser"
         )
     return found
+
+
+def without_font(text: Iterable[str]) -> str:
+    """Return the letters that no font of this computer has, such as emoji: in a PDF they are boxes. Empty: none, or
+    not known."""
+    if shutil.which("fc-list") is None:
+        return ""
+    letters = sorted({letter for letter in text if letter > "~" and letter.isprintable()})[:_MAX_LETTERS]
+    return "".join(letter for letter in letters if not subprocess.run(
+        ["fc-list", f":charset={ord(letter):x}", "family"], stdout=subprocess.PIPE, check=False).stdout.strip())
 
 
 def print_pdf(html: str, path: str) -> None:

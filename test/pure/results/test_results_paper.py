@@ -16,7 +16,7 @@ from roah_rsbb.model.records import ItemRecord, ScoreEntry, ScoreValue, SignOff,
 from roah_rsbb.results import paper, printing
 from roah_rsbb.results.page import LONGEST_WORD, Competition, breakable, page, tag
 from roah_rsbb.results.paper import blank_front, cut, front_markup, front_of, layout_of, wrapped_lines
-from roah_rsbb.results.printing import CannotPrint, Printer, print_pdf
+from roah_rsbb.results.printing import CannotPrint, Printer, print_pdf, without_font
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.standing_rules import Criterion, OfRuns, Rules, Term, read_rules
@@ -63,6 +63,15 @@ def values(found):
 
 
 # -- texts ------------------------------------------------------------------------------------------
+
+
+def test_letters_without_a_font_are_named(monkeypatch, tmp_path):
+    """The robot of a team's name was a box in the PDF, without a word."""
+    fonts = tmp_path / "fc-list"
+    fonts.write_text('#!/bin/sh\n[ "$1" = :charset=1f916 ] || echo Sans\n', "utf-8")
+    fonts.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    assert without_font("Team \U0001f916 M\u00fcller \u2713") == "\U0001f916"
 
 
 def test_the_page_has_what_is_signed():

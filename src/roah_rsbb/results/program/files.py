@@ -6,7 +6,7 @@ import json
 import os
 import sys
 from functools import partial
-from typing import Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, TextIO, Tuple
+from typing import Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Set, TextIO, Tuple
 
 from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.journal.log import names_in
@@ -31,7 +31,7 @@ from roah_rsbb.results.export import (
 from roah_rsbb.results.mcap_file import library, write_mcap
 from roah_rsbb.results.page import Competition, page, picture_address
 from roah_rsbb.results.paper import blank_front, front_markup
-from roah_rsbb.results.printing import Printer, browser, print_pdf
+from roah_rsbb.results.printing import Printer, browser, print_pdf, without_font
 from roah_rsbb.results.program.counting import benchmarks, choice, known_records, ruled, rules, why_of
 from roah_rsbb.results.program.journal import BENCHMARKS_FILE, SCHEDULE_FILE, Usage, file, open_journal, use_zone, warn
 from roah_rsbb.results.replay_page import PageParts, page_parts, replay_name, replay_of
@@ -103,13 +103,17 @@ def _write_pages(
 ) -> None:
     of_rules, titles, competition = rules(options), _titles(options), _competition(options)
     sheets: Dict[str, str] = {}
+    letters: Set[str] = set()
     os.makedirs(folder, exist_ok=True)
     for result in results:
         record = result.record
         sheets[record.identity] = name = f"{file_name(result.number, record)}.{suffix}"
         text = sheet_page(result, options.utc, of_rules.get(record.benchmark), titles.get(record.benchmark, ""),
                           not options.no_appendix, competition)
+        letters.update(text)
         write(text, os.path.join(folder, name))
+    if suffix == "pdf":
+        _warn_of_fonts(letters)
     index = f"index.{suffix}"
     write(index_page(chosen, sheets, ranked, as_of, options.utc, competition, why), os.path.join(folder, index))
     print(f"{len(sheets)} score sheets and {index} are in {folder}")
@@ -341,6 +345,14 @@ def _write_page(options: argparse.Namespace, text: str) -> None:
     if options.pdf:
         _make_folder_of(options.pdf)
         print_pdf(text, options.pdf)
+        _warn_of_fonts(text)
+
+
+def _warn_of_fonts(letters: Iterable[str]) -> None:
+    missing = without_font(letters)
+    if missing:
+        warn(f"no font of this computer has {' '.join(missing)}, so the PDF has boxes instead. Install one (sudo apt install "
+             "fonts-noto-color-emoji fonts-noto-cjk fonts-noto-core), and print again")
 
 
 def _ranked(options: argparse.Namespace, known: List[RunRecord]) -> List[Standing]:
