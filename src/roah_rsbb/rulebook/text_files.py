@@ -15,7 +15,15 @@ MAX_BYTES = 1_000_000
 # What files contained when they were read, by path. They are not read again.
 _KNOWN: ContextVar[Mapping[str, str]] = ContextVar("known")
 
-_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
+# How files begin that are no text. UTF-32 is before UTF-16, which begins it.
+_UTF_8 = "UTF-8: choose this encoding in the editor's 'save as'"
+_AS_CSV = "plain text: open it in its program, and save a sheet as CSV (UTF-8)"
+_OTHER_FILES = {
+    b"\xff\xfe\0\0": ("UTF-32 text", _UTF_8), b"\0\0\xfe\xff": ("UTF-32 text", _UTF_8),
+    b"\xff\xfe": ("UTF-16 text", _UTF_8), b"\xfe\xff": ("UTF-16 text", _UTF_8),
+    b"PK\3\4": ("a file of a spreadsheet or office program (.xlsx, .ods), or an archive", _AS_CSV),
+    b"\xd0\xcf\x11\xe0": ("a file of a spreadsheet or office program (.xls)", _AS_CSV),
+}
 
 
 class CannotRead(Exception):
@@ -79,12 +87,12 @@ def _neighbour(path: str) -> str:
 
 
 def _decode(path: str, data: bytes) -> str:
-    if data.startswith(_UTF16_MARKS):
-        raise CannotRead(Place(path, 1, 1), "UTF-16 text", "UTF-8: choose this encoding in the editor's 'save as'")
+    for begin, (found, expected) in _OTHER_FILES.items():
+        if data.startswith(begin):
+            raise CannotRead(Place(path, 1, 1), found, expected)
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = data[: error.start]
         place = Place(path, before.count(b"\n") + 1, error.start - before.rfind(b"\n"))
-        found = "a character that is not UTF-8"
-        raise CannotRead(place, found, "UTF-8: choose this encoding in the editor's 'save as'") from None
+        raise CannotRead(place, "a character that is not UTF-8", _UTF_8) from None

@@ -156,7 +156,12 @@ def integer(report: Report, node: Optional[Node], what: str, least: int, most: i
     """Read a whole decimal number from `least` to `most`."""
     shape = f"a whole number from {least} to {most}"
     value = _unquoted(report, node, what, shape, _INTEGER, int)
-    return value if value is None or least <= value <= most else _wrong(report, node, what, shape)
+    if value is not None and least <= value <= most:
+        if isinstance(node, Scalar) and node.text.lstrip("+-") != str(abs(value)) and value > 7:
+            report.warn(node.place, f"{what} {node.text} is {value} here, but another number for programs that take a "
+                        f"leading 0 for octal: write {value}")
+        return value
+    return value if value is None else _wrong(report, node, what, shape)
 
 
 def _unquoted(

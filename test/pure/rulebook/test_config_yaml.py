@@ -186,7 +186,7 @@ def test_a_file_that_is_too_large(files):
     [
         (TEXTS["benchmarks"].encode("latin-1"), line_of(TEXTS["benchmarks"], "ä"), "not UTF-8"),
         (b"\xff", 1, "not UTF-8"),
-        (TEXTS["benchmarks"].encode("utf-16"), 1, "UTF-16"),
+        (TEXTS["benchmarks"].encode("utf-16"), 1, "UTF-16"), (TEXTS["benchmarks"].encode("utf-32"), 1, "UTF-32"),
     ],
 )
 def test_other_encodings(files, data, line, part):

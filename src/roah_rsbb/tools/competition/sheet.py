@@ -1,12 +1,14 @@
 """Reads a schedule from a CSV sheet of any spreadsheet program.
 
 The first row names the columns, in any order: zone, benchmark, team, date, time, and optionally round and run. Each
-further row is a run. The separator may be a comma, a semicolon or a tab.
+further row is a run. The separator may be a comma, a semicolon or a tab, or the one that a line sep= before names.
 """
 
 import csv
 import datetime
 import io
+import re
+from dataclasses import replace
 from typing import Callable, Collection, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
@@ -25,6 +27,8 @@ _COLUMNS = (*REQUIRED, *OPTIONAL)
 _WHAT = "the sheet (option --sheet)"
 _SHAPE = f"a row that names the columns: {', '.join(REQUIRED)}; optionally {' and '.join(OPTIONAL)}"
 _SEPARATORS = ",;\t"
+# A first line for Excel, which does not show it.
+_NAMED_SEPARATOR = re.compile(r'"?sep=([^"\r\n])"?', re.IGNORECASE)
 _MAX_ROUND = 255  # as in a schedule file
 
 
@@ -103,12 +107,16 @@ class _Sheet:
             self._report.error(Place(self._path, line, 0), "a control character", "text; save the sheet as CSV")
             return
         first = next((line for line in self._content.splitlines() if line.strip()), "")
-        separator = max(_SEPARATORS, key=first.count)
+        named = _NAMED_SEPARATOR.fullmatch(first.strip())
+        separator = named.group(1) if named else max(_SEPARATORS, key=first.count)
         reader = csv.reader(io.StringIO(self._content, newline=""), delimiter=separator, strict=True)
         begin = 1
         try:
             for cells in reader:
-                if any(cell.strip() for cell in cells):
+                is_filled = any(cell.strip() for cell in cells)
+                if is_filled and named:
+                    named = None  # that line
+                elif is_filled:
                     yield begin, [cell.strip() for cell in cells]
                 begin = reader.line_num + 1
         except csv.Error:
@@ -160,7 +168,8 @@ class _Sheet:
         return f"{name} (column {column_name(self._columns[name] + 1)})"
 
     def _number(self, cell: Optional[Scalar], name: str) -> Optional[int]:
-        return None if cell is None else integer(self._report, cell, self._what(name), 1, _MAX_ROUND)
+        return None if cell is None else integer(
+            self._report, replace(cell, text=cell.text.lstrip("0") or cell.text), self._what(name), 1, _MAX_ROUND)
 
     def _team(self, code: Optional[str], cell: Scalar) -> Optional[str]:
         what = self._what("team")

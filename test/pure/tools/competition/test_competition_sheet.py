@@ -72,6 +72,13 @@ def test_all_robots_at_once(good):
     assert made.teams == ("A",)
 
 
+@pytest.mark.parametrize("line", ["sep=;", "SEP=;", '"sep=;"'])
+def test_a_line_that_names_the_separator(good, errors, line):
+    rows = f"{line}\r\nzone;benchmark;team;date;time;round\r\nX,Y;HNF;A;2026-11-28;10:00;010\r\n"
+    assert runs(good(rows)) == [("X,Y", "HNF", "A", 10, 1, "11-28 10:00")]
+    assert errors(rows.replace("10:00", "1000"))[0][0] == 3
+
+
 def test_times_are_the_venues(good):
     made = good(HEAD + "X,HNF,A,2026-11-28,00:30\n", clock=VenueClock("+01:00"))
     assert runs(made)[0][5] == "11-27 23:30"
@@ -165,7 +172,9 @@ def test_lines_are_counted_where_a_cell_has_more(errors):
 @pytest.mark.parametrize("data, reported", [
     (b"", "found no column zone, "), (HEAD.encode(), "found no runs"),
     ("zone;Übung".encode("latin-1"), "expected UTF-8: choose this encoding"),
-    (HEAD.encode("utf-16"), "found UTF-16 text"),
+    (HEAD.encode("utf-16"), "found UTF-16 text"), (HEAD.encode("utf-32"), "found UTF-32 text"),
+    (b"PK\3\4\x14\0", "(.xlsx, .ods), or an archive; expected plain text: open it in its program, and save a sheet as CSV"),
+    (b"\xd0\xcf\x11\xe0\xa1", "spreadsheet or office program (.xls); expected plain text"),
     (HEAD.encode() + b"X,HNF,A\0,2026-11-28,10:00\n", "found a control character"),
     (HEAD.encode() + b"x" * 1_000_001, "found more than 1000 kB; expected the sheet (option --sheet)"),
 ])
