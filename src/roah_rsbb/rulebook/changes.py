@@ -62,7 +62,8 @@ def differences(name: str, before: Any, after: Any) -> List[str]:
     """Return the differences of a value, with its name in the file."""
     if before == after:
         return []
-    if is_dataclass(before or after) and None in (before, after):
+    known = after if before is None else before
+    if is_dataclass(known) and type(known).__str__ is object.__str__ and None in (before, after):
         return [f"{name}: {'added' if before is None else 'removed'}"]
     if is_dataclass(before) and type(before) is type(after):
         found = []

@@ -142,7 +142,7 @@ def test_zone_names(files, old, new, parts):
     text = changed("schedule", old, new)
     _, line, message = files.error(schedule=text)
     # Of two zones of one name the second is the error.
-    assert line == (51 if "second zone" in parts[0] else line_of(text, new))
+    assert line == (55 if "second zone" in parts[0] else line_of(text, new))
     assert [part for part in parts if part not in message] == [], message
 
 

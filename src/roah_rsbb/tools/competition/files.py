@@ -1,7 +1,6 @@
 """The files of a competition's folder: their texts, and writing all of them or none."""
 
 import contextlib
-import datetime
 import os
 import re
 import secrets
@@ -68,9 +67,9 @@ def passwords_lines(passwords: Dict[str, str]) -> List[str]:
 def schedule_text(
     shipped: str, zones: Iterable[PlannedZone], clock: VenueClock, durable: Durable = Durable.ONE
 ) -> str:
-    """The schedule file with the comments of the default one. A comment after each run gives its time at the venue."""
+    """The schedule file with the comments of the default one. All times are those of the venue."""
     lines = [line for line in shipped.splitlines() if line.startswith("#")]
-    lines += ["#", "# The comment after each run gives its start in the venue's time.", ""]
+    lines += ["#", "# All times are those of the venue, with their offset from UTC.", ""]
     lines += [f"- time_zone: {yaml_text(clock.name)}"]
     lines += [f"- durable: {durable.value}"] if durable is not Durable.ONE else []
     zones = list(zones)
@@ -85,8 +84,8 @@ def _runs(runs: Sequence[PlannedRun], clock: VenueClock, ids: Set[str]) -> List[
     widest = max(len(yaml_text(run.team)) for run in runs)
     return [
         f"    - {{ benchmark: {run.code + ',':7} team: {yaml_text(run.team) + ',':{widest + 1}} round: {run.round}, "
-        f"run: {run.run}, scheduled_time: {run.begins:%Y-%m-%d %H:%M:%S}, id: {_id(run, ids)} }}"
-        f"  # {_at_venue(run.begins, clock)}"
+        f"run: {run.run}, scheduled_time: {clock.written(run.begins)}, id: {_id(run, ids)} }}"
+        f"  # {clock.local(run.begins):%A}"
         for run in runs
     ]
 
@@ -95,11 +94,6 @@ def _id(run: PlannedRun, ids: Set[str]) -> str:
     own = run.id or new_id(ids)
     ids.add(own)
     return own
-
-
-def _at_venue(moment: datetime.datetime, clock: VenueClock) -> str:
-    local = clock.local(moment)
-    return f"{local:%A} {local:%H:%M}"
 
 
 def needs_modules(benchmarks: Sequence[Benchmark]) -> bool:

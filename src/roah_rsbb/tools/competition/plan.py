@@ -30,6 +30,11 @@ class VenueClock:
         """Convert from venue time to UTC. Of a time that exists twice, it is the first one."""
         return datetime.datetime.combine(day, at, self._zone).astimezone(UTC)
 
+    def written(self, moment: datetime.datetime) -> str:
+        """Return a time as a schedule file has it, with its offset from UTC if there is one."""
+        text = self.local(moment).isoformat(" ", "seconds")
+        return text[:19] if text[19:] == "+00:00" else f"{text[:19]} {text[19:]}"
+
     def check(self, report: Report, place: Place, day: datetime.date, at: datetime.time) -> None:
         """Report a time that does not exist on a day, or exists twice, because the clocks are changed."""
         local = datetime.datetime.combine(day, at, self._zone)
@@ -39,8 +44,8 @@ class VenueClock:
                          "another time")
         elif first != second:
             report.warn(place, f"{at:%H:%M} on {day} exists twice, because the clocks of {self.name} are set back: "
-                        f"the first one was taken, {first:%H:%M} UTC. For the second one, write {second:%H:%M:%S} "
-                        "into scheduled_time of schedule.yaml, which is in UTC")
+                        f"the first one was taken. For the second one, write {self.written(second)} into schedule.yaml "
+                        f"instead of {self.written(first)}")
 
     def local(self, moment: datetime.datetime) -> datetime.datetime:
         """Convert a time to venue time (with its UTC offset)."""

@@ -62,7 +62,7 @@ def test_the_box_reads_what_was_planned(tmp_path):
 def test_each_time_of_the_venue_follows_its_run():
     text = files.schedule_text(TEXTS["schedule"], plan(run("HNF", "A", hour=8)).zones, CLOCK)
     line = next(line for line in text.splitlines() if "HNF" in line and not line.startswith("#"))
-    assert re.search("scheduled_time: 2026-11-28 08:00:00, id: [a-z0-9]{8} }  # Saturday 09:00$", line)
+    assert re.search(r"scheduled_time: 2026-11-28 09:00:00 \+01:00, id: [a-z0-9]{8} }  # Saturday$", line)
     assert text.startswith(TEXTS["schedule"].splitlines()[0])
 
 

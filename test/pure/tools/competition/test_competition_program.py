@@ -99,7 +99,9 @@ def test_the_time_zone_is_asked_for_and_kept(run, tmp_path):
         assert run("two", *OPTIONS[:-2], "--zones", "A,B")[1].count("Time zone: Asia/Tokyo (this computer's") == 1
     assert load(tmp_path / "erl")[0].time_zone == "America/Lima"
     lines = (tmp_path / "erl" / "schedule.yaml").read_text("utf-8").splitlines()
-    assert [line.rpartition("  # ")[2] for line in lines if "team: Gamma" in line] == ["Saturday 09:30"]
+    late, = (line for line in lines if "team: Gamma" in line)
+    assert "scheduled_time: 2026-11-28 09:30:00 -05:00, " in late
+    assert late.endswith("  # Saturday")
 
 
 def test_given_options_are_not_asked_for(run):

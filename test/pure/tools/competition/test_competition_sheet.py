@@ -98,7 +98,8 @@ def test_a_time_that_exists_twice(sheet):
     made, report = sheet(HEAD + "X,HNF,A,2026-10-25,02:30\nX,HNF,B,2026-10-25,03:00\n", clock=BERLIN)
     assert [run[5] for run in runs(made)] == ["10-25 00:30", "10-25 02:00"]
     assert [warning.count("exists twice") for warning in report.warnings] == [1]
-    assert "write 01:30:00 into scheduled_time" in report.warnings[0]
+    assert ("write 2026-10-25 02:30:00 +01:00 into schedule.yaml instead of 2026-10-25 02:30:00 +02:00"
+            in report.warnings[0])
 
 
 @pytest.mark.parametrize("text", [
