@@ -154,7 +154,8 @@ def _of_other_rules(records: Sequence[RunRecord]) -> Iterator[str]:
     newest = next(iter(by_form), None)
     for form, runs in by_form.items():
         if form is not newest:
-            yield f"scored by an earlier sheet ({'; '.join(differences('', form, newest))}): run {', '.join(runs[::-1])}"
+            changed = "; ".join(differences("", form, newest))
+            yield f"scored by an earlier sheet ({changed}): run {', '.join(runs[::-1])}"
 
 
 def _is_shown(record: RunRecord, choice: RunChoice) -> bool:

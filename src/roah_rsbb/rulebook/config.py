@@ -402,8 +402,8 @@ class PasswordsFile:
 def _warn_of_twins(report: Report, what: str, places: Dict[str, Place]) -> None:
     """Warn of names that are probably one name in two spellings."""
     for name, other in twins(places):
-        report.warn(places[name], f"{what} {quote(name)} is nearly the same as {what} {quote(other)}. To the box they are "
-                    f"two {what}s: if they are one, give it one spelling")
+        report.warn(places[name], f"{what} {quote(name)} is nearly the same as {what} {quote(other)}. To the box they "
+                    f"are two {what}s: if they are one, give it one spelling")
 
 
 # -- the schedule file ------------------------------------------------------------------------------

@@ -46,15 +46,14 @@ def twins(names: Iterable[str]) -> List[Tuple[str, str]]:
     """Return the names that may be another spelling of an earlier one, each with that one: in case, spaces, signs,
     accents or look-alike letters, or with a typing error."""
     known: Dict[str, Tuple[str, List[str]]] = {}  # by what is compared first: the name and its words
-    found = []
+    found: List[Tuple[str, str]] = []
     for name in itertools.islice(names, MAX_CHOICES):
         words = _words(name)
         same = "".join(words).translate(_DIGITS)
-        other = known[same][0] if same in known else next(
-            (earlier for earlier, others in known.values() if _is_typing_error(words, others)), None)
+        like = known[same][:1] if same in known else tuple(
+            earlier for earlier, others in known.values() if _is_typing_error(words, others))
         known.setdefault(same, (name, words))
-        if other is not None:
-            found.append((name, other))
+        found += [(name, other) for other in like[:1]]
     return found
 
 
@@ -78,7 +77,8 @@ def _is_typing_error(words: List[str], others: List[str]) -> bool:
     one, two = sorted((one, two), key=len)
     begin = next((i for i, letter in enumerate(one) if letter != two[i]), len(one))
     rest, longer = one[begin:], two[begin:]
-    if len(two) < _LONG_WORD or len("".join(others)) < _LONG_NAME or any(letter.isdigit() for letter in (rest[:1] + longer[:1])):
+    is_short = len(two) < _LONG_WORD or len("".join(others)) < _LONG_NAME
+    if is_short or any(letter.isdigit() for letter in rest[:1] + longer[:1]):
         return False
     if len(rest) == len(longer):
         is_swapped = rest[:2] == longer[1::-1] and rest[2:] == longer[2:]

@@ -20,6 +20,7 @@ from roah_rsbb.arguments import Parser, called, without_ros
 from roah_rsbb.durable import close_to_others
 from roah_rsbb.log_lines import LogLines
 from roah_rsbb.params import BadParams
+from roah_rsbb.wording.times import Moments
 
 if TYPE_CHECKING:
     import asyncio
@@ -58,12 +59,18 @@ def _explanation() -> str:
         subsequent_indent="      ") for name, found in of_box().items()))
 
 
+class _VenueTimes(logging.Formatter):
+    def formatTime(self, record: logging.LogRecord, datefmt: Optional[str] = None) -> str:
+        """Return the time of a line, see `wording.times`."""
+        return Moments().time_of_day(record.created)
+
+
 def log_to_terminal(level: int = logging.INFO, log_dir: str = "") -> None:
     """Let the lines of the log from this level on appear on the standard error, and all in a file of `log_dir`, if that
     can be written. Nothing waits for either."""
     terminal = logging.StreamHandler()
     terminal.setLevel(level)
-    terminal.setFormatter(logging.Formatter(_LINE, "%H:%M:%S"))
+    terminal.setFormatter(_VenueTimes(_LINE))
     handlers: List[logging.Handler] = [terminal]
     if log_dir:
         with contextlib.suppress(OSError):  # the box says what is wrong with the folder

@@ -75,7 +75,7 @@ def words_of_heads(options: argparse.Namespace, reader: JournalReader, heads: Se
         compared = {
             head.identity for (code, _, _), attempts in attempts_of(known).items() for head in attempts
             if head.end_reason in NOT_RUN_WORDS
-            or len(attempts) > 1 and of_events.get(code, NO_RULES).counting is CountingAttempt.BEST
+            or (len(attempts) > 1 and of_events.get(code, NO_RULES).counting is CountingAttempt.BEST)
         }
         known = [find_record(reader, head.identity, warn)[1]._replace(event=head.event)
                  if head.identity in compared else head for head in known]

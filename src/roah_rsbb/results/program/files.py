@@ -71,7 +71,8 @@ def export(options: argparse.Namespace) -> int:
         ranked = _ranked(options, known)
         if options.csv:
             rows = result_rows((r for _, r in chosen), options.utc, why)
-            _write(options.csv, lambda file: write_table(file, RESULT_COLUMNS, rows, options.decimal_comma), "utf-8-sig")
+            _write(options.csv, lambda file: write_table(
+                file, RESULT_COLUMNS, rows, options.decimal_comma), "utf-8-sig")
 
         def results() -> Iterator[RunResult]:
             return (run_result(reader, number, record, warn)._replace(counts=why[record.identity].value)
@@ -351,8 +352,8 @@ def _write_page(options: argparse.Namespace, text: str) -> None:
 def _warn_of_fonts(letters: Iterable[str]) -> None:
     missing = without_font(letters)
     if missing:
-        warn(f"no font of this computer has {' '.join(missing)}, so the PDF has boxes instead. Install one (sudo apt install "
-             "fonts-noto-color-emoji fonts-noto-cjk fonts-noto-core), and print again")
+        warn(f"no font of this computer has {' '.join(missing)}, so the PDF has boxes instead. Install one (sudo apt "
+             "install fonts-noto-color-emoji fonts-noto-cjk fonts-noto-core), and print again")
 
 
 def _ranked(options: argparse.Namespace, known: List[RunRecord]) -> List[Standing]:

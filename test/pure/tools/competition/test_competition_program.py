@@ -209,8 +209,8 @@ def test_one_team_in_two_spellings(run, tmp_path):
     made = run("erl", "--sheet", "plan.csv", "--rsbb-host", "10.0.0.255", "--time-zone", "UTC")[1]
     checked, late = run("erl", "--check")[1], run("erl", "--add-team", "pumas")[1]
     for name, other in zip(names[3:], names):
-        assert [text.count(f"team '{name}' is nearly the same as team '{other}'") for text in (made, checked, late)] == [
-            1, 1, 1]
+        warning = f"team '{name}' is nearly the same as team '{other}'"
+        assert [text.count(warning) for text in (made, checked, late)] == [1, 1, 1]
     assert "team 'pumas' is nearly the same as team 'Pumas'" in late
     files = {f"{name}_file": f"erl/{name}.yaml" for name in ("benchmarks", "schedule", "passwords")}
     found = check_configuration(files, "")

@@ -174,7 +174,7 @@ def test_lines_are_counted_where_a_cell_has_more(errors):
     (b"", "found no column zone, "), (HEAD.encode(), "found no runs"),
     ("zone;Übung".encode("latin-1"), "expected UTF-8: choose this encoding"),
     (HEAD.encode("utf-16"), "found UTF-16 text"), (HEAD.encode("utf-32"), "found UTF-32 text"),
-    (b"PK\3\4\x14\0", "(.xlsx, .ods), or an archive; expected plain text: open it in its program, and save a sheet as CSV"),
+    (b"PK\3\4\x14\0", "(.xlsx, .ods), or an archive; expected plain text: open it in its program, and save a sheet"),
     (b"\xd0\xcf\x11\xe0\xa1", "spreadsheet or office program (.xls); expected plain text"),
     (HEAD.encode() + b"X,HNF,A\0,2026-11-28,10:00\n", "found a control character"),
     (HEAD.encode() + b"x" * 1_000_001, "found more than 1000 kB; expected the sheet (option --sheet)"),
