@@ -65,8 +65,8 @@ def _words(name: str) -> List[str]:
 
 
 def _is_typing_error(words: List[str], others: List[str]) -> bool:
-    """Return whether names differ in one letter, or in the order of two. A digit, or the last letter, may tell teams
-    apart, as in Tigers1 and TigersB."""
+    """Return whether names differ in one letter, or in the order of two. A digit, or the last letter, may be what
+    distinguishes two teams, as in Tigers1 and TigersB."""
     if len(words) == len(others):
         different = [pair for pair in zip(words, others) if pair[0] != pair[1]]
         if len(different) != 1:

@@ -1,8 +1,18 @@
 """The name that a terminal gives itself in the box's records."""
 
-from roah_rsbb.referee.link import caller_name
+from roah_rsbb.model.document import BoxSeen, Document
+from roah_rsbb.model.public import Public
+from roah_rsbb.referee.link import Link, caller_name
+from roah_rsbb.wording.times import Moments
 
 
 def test_a_caller_has_a_name_that_ros_allows() -> None:
     assert caller_name("referee").startswith("/referee_")
     assert caller_name("référée")[1:].replace("_", "").isalnum() and caller_name("référée").isascii()
+
+
+def test_times_are_those_of_the_venue(monkeypatch) -> None:
+    document = Document(BoxSeen("uuid", "", 0), {}, {}, {}, {}, {}, public=Public(time_zone="Asia/Tokyo"))
+    monkeypatch.setattr(Link, "document", document)
+    assert Link().box is document
+    assert Moments().with_zone(0.0) == "09:00:00 JST"

@@ -5,6 +5,7 @@ import os
 import sys
 from typing import List, Optional
 
+from roah_rsbb.journal.in_force import read_in_force
 from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
 from roah_rsbb.results.runs import RunResult, find_record, run_result
 from roah_rsbb.wording import times
@@ -26,19 +27,28 @@ def file(options: argparse.Namespace, name: str) -> str:
 
 def beside(options: argparse.Namespace, name: str) -> Optional[str]:
     """The path of a file of the competition beside the log_dir; None if it does not exist."""
-    log_dir = os.path.dirname(options.journal) if options.journal else os.path.expanduser(options.log_dir)
-    found = os.path.join(os.path.dirname(os.path.abspath(log_dir)), name)
+    found = os.path.join(os.path.dirname(os.path.abspath(_log_dir(options))), name)
     return found if os.path.exists(found) else None
 
 
 def use_zone(options: argparse.Namespace) -> None:
     """Show days and times in the time zone of the option, or else in that of the competition. Raises `Usage`."""
     from roah_rsbb.rulebook.config import ZONE_SHAPE, settings_in  # imported late, after errors of the command line
+    from roah_rsbb.rulebook.text_files import known
 
     name = options.time_zone
     if name and times.zone_of(name) is None:
         raise Usage(f"--time-zone {name}: no time zone has this name. Give {ZONE_SHAPE}")
-    times.use_zone(name or settings_in(file(options, SCHEDULE_FILE)).time_zone)
+    path, texts = file(options, SCHEDULE_FILE), {}
+    kept = None if beside(options, SCHEDULE_FILE) else read_in_force(_log_dir(options))
+    if kept is not None:  # the journal was copied without the competition's folder
+        texts = {path: kept.versions[kept.present].texts[1] or ""}
+    with known(texts):
+        times.use_zone(name or settings_in(path).time_zone)
+
+
+def _log_dir(options: argparse.Namespace) -> str:
+    return os.path.dirname(options.journal) if options.journal else os.path.expanduser(options.log_dir)
 
 
 def open_journal(options: argparse.Namespace, checks_all: bool = True) -> JournalReader:

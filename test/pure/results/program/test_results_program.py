@@ -16,6 +16,7 @@ from helpers.journals import UTC0, Writer, spoil
 from helpers.results_of import EVIL, full_record, task_record, write_competition
 from roah_rsbb.journal.batch import Batch, OutcomeRow
 from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.link import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry, ScoreValue
@@ -148,6 +149,12 @@ def test_times_are_those_of_the_venue(run, journal, tmp_path):
     assert "+09:00" in (tmp_path / "html" / "index.html").read_text("utf-8")
     assert run("list", "--time-zone", "America/Lima", source=source)[1].count(" -05:00 ") == 5
     assert run("list", "--utc", source=source)[1].count("Z ") == 5
+    # Without the competition's folder, it is that of the configuration beside the journal.
+    lone = tmp_path / "stick" / "log"
+    shutil.copytree(tmp_path / "log", lone)
+    texts = Texts(("b", "s", "p"), ("", "- time_zone: Asia/Tokyo\n", None))
+    write_in_force(str(lone), InForce("", 0, {0: texts}))
+    assert run("list", source=("--journal", lone / "roah_rsbb_journal"))[1].count("+09:00") == 5
     status, _, err = run("list", "--time-zone", "Lima", source=source)
     assert (status, "--time-zone Lima: no time zone has this name. Give a name such as Asia/Tokyo" in err) == (1, True)
 
