@@ -19,7 +19,7 @@ NO_DISPLAY = "no display: no window can be opened here. Use 'roah-rsbb referee' 
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
     parser = Parser(called("window"), "The referee's window, with all panels. It needs no ROS.", _MORE)
-    parser.add_argument("--utc", action="store_true", help="show times in UTC (default: the local time)")
+    parser.add_argument("--utc", action="store_true", help="show times in UTC (default: the venue's time)")
     options = parser.parse_args(arguments)
     if not (platform.has_display() or os.environ.get("QT_QPA_PLATFORM")):
         sys.exit(f"{called('window')}: {NO_DISPLAY}")

@@ -29,6 +29,7 @@ from roah_rsbb.tools.competition.plan import (
     PlannedDay,
     VenueClock,
     days_of,
+    local_zone,
     planned_s,
     read_clock,
     timetable,
@@ -225,8 +226,14 @@ def _new(options: argparse.Namespace, book: Rulebook, plan: Plan, found: Dict[st
     written = files.new_files(book, plan, found["time-zone"], hosts)
     files.write_new(options.directory, written)
     print(f"Written to {options.directory}: {', '.join(written)}")
-    whose = " (this computer's; another: --time-zone)" if options.time_zone is None else ""
-    print(f"Time zone: {found['time-zone'].name}{whose}")
+    if options.time_zone is None:
+        _say_zone(found["time-zone"])
+
+
+def _say_zone(clock: Optional[VenueClock]) -> None:
+    """Say that the schedule gets this computer's time zone, because nobody named another one."""
+    if clock is not None and clock.name == local_zone():
+        print(f"Time zone: {clock.name} (this computer's; another: --time-zone)")
 
 
 def _only(report: Report, options: argparse.Namespace, command: str, *allowed: str) -> None:
@@ -302,7 +309,10 @@ def _zones_before(directory: str) -> Sequence[ZonePlan]:
 def _clock(report: Report, options: argparse.Namespace) -> Optional[VenueClock]:
     """The venue's time zone: the option's, or that of the competition, or else this computer's."""
     known = config.settings_in(os.path.join(options.directory, files.SCHEDULE)).time_zone
-    return read_clock(report, Place("--time-zone", 0, 0), options.time_zone or known or "local")
+    clock = read_clock(report, Place("--time-zone", 0, 0), options.time_zone or known or "local")
+    if not (options.time_zone or known):
+        _say_zone(clock)
+    return clock
 
 
 def _certificate(report: Report, options: argparse.Namespace) -> int:

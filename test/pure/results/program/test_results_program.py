@@ -146,7 +146,8 @@ def test_times_are_those_of_the_venue(run, journal, tmp_path):
     assert all("+09:00" in line for line in run("list", source=source)[1].splitlines()[1:])
     assert "+09:00" in run("show", 1, source=source)[1]
     run("report", tmp_path / "log", "--html", tmp_path / "html", "--no-replays", source=())
-    assert "+09:00" in (tmp_path / "html" / "index.html").read_text("utf-8")
+    pages = [tmp_path / "html" / "index.html", *(tmp_path / "html" / "runs").iterdir()]
+    assert all("+09:00" in page.read_text("utf-8") for page in pages)
     assert run("list", "--time-zone", "America/Lima", source=source)[1].count(" -05:00 ") == 5
     assert run("list", "--utc", source=source)[1].count("Z ") == 5
     # Without the competition's folder, it is that of the configuration beside the journal.
