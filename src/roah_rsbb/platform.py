@@ -50,8 +50,10 @@ def time_zone() -> str:
     if not name:
         try:
             name = os.readlink("/etc/localtime")
-        except OSError:
+        except FileNotFoundError:
             name = "" if WINDOWS else "UTC"
+        except OSError:  # a copy, which has no name
+            name = ""
     return name.rpartition("zoneinfo/")[2]
 
 

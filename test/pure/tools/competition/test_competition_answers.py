@@ -181,6 +181,17 @@ def test_what_this_computer_calls_its_time_zone(rule, name):
         assert read(plan.read_clock, "local").name == name
 
 
+@pytest.mark.parametrize("error, name", [(FileNotFoundError(), "UTC"), (OSError(), "+00:00")])
+def test_a_computer_without_a_link_to_its_time_zone(monkeypatch, error, name):
+    def readlink(path):
+        raise error
+
+    with local_time("UTC"):
+        monkeypatch.delenv("TZ")
+        monkeypatch.setattr("os.readlink", readlink)
+        assert plan.local_zone() == name
+
+
 def test_a_time_zone_with_summers_and_without_a_name():
     with local_time("XYZ-1ZYX,M3.5.0,M10.5.0/3"):
         assert "the venue's: a name such as Asia/Tokyo" in refused(plan.read_clock, "local")[0]
