@@ -186,9 +186,9 @@ def test_a_computer_without_a_link_to_its_time_zone(monkeypatch, error, name):
     def readlink(path):
         raise error
 
-    with local_time("UTC"):
-        monkeypatch.delenv("TZ")
-        monkeypatch.setattr("os.readlink", readlink)
+    with local_time("UTC"), monkeypatch.context() as patched:
+        patched.delenv("TZ")
+        patched.setattr("os.readlink", readlink)
         assert plan.local_zone() == name
 
 
