@@ -73,18 +73,20 @@ def adopted(
     zones: Sequence[ZonePlan], before: Sequence[ZonePlan], past: Iterable[EventKey] = ()
 ) -> Tuple[ZonePlan, ...]:
     """Return a schedule whose events without an id have those of the same events in the schedule `before`, or else of
-    the events of runs (`past`): the same benchmark, team, round and run, at most `SAME_S` away."""
+    the events of runs (`past`): the same benchmark and team at the same time, or with the same round and run at most
+    `SAME_S` away."""
     named = {event.id for event in _events(zones) if event.id_goes is None}
     free: Dict[Tuple[object, ...], List[Tuple[bool, EventKey]]] = {}
     for is_past, keys in ((False, map(key_of, _events(before))), (True, past)):
         for key in keys:
             if key.id and key.id not in named:
-                free.setdefault(key.turn, []).append((is_past, key))
+                free.setdefault(key.turn[:2], []).append((is_past, key))
     found: Dict[int, str] = {}
     # The nearest ones first, so that an event that did not move keeps its id.
     pairs = sorted((
         (is_past, abs(old.scheduled - event.scheduled), place, old) for place, event in enumerate(_events(zones))
-        if event.id_goes is not None for is_past, old in free.get(key_of(event).turn, ())), key=lambda pair: pair[:3])
+        if event.id_goes is not None for is_past, old in free.get(key_of(event).turn[:2], ())
+        if old.scheduled == event.scheduled or old.turn == key_of(event).turn), key=lambda pair: pair[:3])
     for _, distance_s, place, old in pairs:
         if distance_s <= SAME_S and place not in found and old.id not in named:
             found[place] = old.id

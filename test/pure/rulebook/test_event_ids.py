@@ -91,6 +91,15 @@ def test_an_event_without_an_id_is_the_one_of_the_same_day(moved_s, is_same):
     assert (ids(found) == ["explicit"]) is is_same
 
 
+def test_an_event_at_the_same_time_stays_the_same_with_another_round():
+    """A run late on Friday, which is round 1 now, took the id of Saturday's, and with it its runs."""
+    saturday = event("HWV", round=1)
+    friday = event("HWV", round=1, scheduled=UTC0 - 9 * HOUR)
+    before = named(saturday)
+    after = adopted(named(friday, dataclasses.replace(saturday, round=2)), before)
+    assert ids(after)[1] == ids(before)[0] != ids(after)[0]
+
+
 def test_an_event_without_an_id_may_have_had_runs_before_it_was_removed():
     x, y = dataclasses.replace(event(), id="x"), dataclasses.replace(event(scheduled=UTC0 + HOUR), id="y")
     new = named(event())
