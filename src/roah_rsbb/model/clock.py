@@ -1,6 +1,6 @@
 """Moments on two clocks.
 
-Durations use the monotonic clock. Everything that is shown, logged or sent is UTC (docs/architecture.md, "Two clocks").
+Durations use the monotonic clock. Everything that is logged or sent is UTC (docs/architecture.md, "Two clocks").
 The core never reads a clock: every method that needs the time takes a `Now`, which drivers make with `one_moment`.
 """
 
