@@ -136,7 +136,7 @@ def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], ch
             run = RankedRun(ruling.record, ruling.disqualified(rules), ruling.numbers(rules, missing))
             by_team.setdefault(ruling.record.team, []).append(run)
         remarks += _remarks(ruling, missing, choice.events.get(code, NO_RULES))
-    remarks += _of_other_rules([run.record for runs in by_team.values() for run in runs])
+    remarks += _of_other_sheets([each.record for each in ruled if each.counts or each.why is Why.NOT_BEST])
     lines = [_team_line(team, runs, of_runs, rules.criteria) for team, runs in by_team.items()]
     if rules is DEFAULT and any(run.record.items for runs in by_team.values() for run in runs):
         remarks.append(WITHOUT_RULES)
@@ -146,8 +146,8 @@ def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], ch
     )
 
 
-def _of_other_rules(records: Sequence[RunRecord]) -> Iterator[str]:
-    """Yield a note for each score sheet by which runs that count were scored, other than that of the newest one."""
+def _of_other_sheets(records: Sequence[RunRecord]) -> Iterator[str]:
+    """Yield a note for each score sheet by which runs that are compared were scored, other than the newest one's."""
     by_form: Dict[SheetForm, List[str]] = {}
     for record in sorted((record for record in records if record.items), key=lambda record: -record.opened_utc):
         by_form.setdefault(replace(form_of(record), objection_time=0.0), []).append(record.identity)
