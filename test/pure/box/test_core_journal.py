@@ -86,7 +86,7 @@ def essence(driver):
 
     def of_run(run):
         run = dict(run, message={key: run["message"][key] for key in run["message"] if key != "acknowledgement"})
-        return {key: value for key, value in run.items() if key not in ("link", "log")}
+        return {key: value for key, value in run.items() if key not in ("link", "log", "doubted")}
 
     found = {}
     for name in driver.box.zones:

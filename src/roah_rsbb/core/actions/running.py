@@ -98,7 +98,7 @@ class Continue(ZoneAction):
     def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
         """See `ZoneAction`."""
         assert zone.run is not None, "it was checked before"
-        zone.run.go_on(now)
+        zone.run.continue_run(now)
 
 
 class Pause(ZoneAction):

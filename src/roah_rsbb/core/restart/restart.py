@@ -14,7 +14,7 @@ from typing import Dict, Mapping, NamedTuple, Optional, Tuple
 from roah_rsbb.core import effects
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.effects import Level, Outbox
-from roah_rsbb.core.runs.run import SentStop
+from roah_rsbb.core.runs.run import UnrecordedStop
 from roah_rsbb.core.scoring.book import FinishedRuns, left_behind
 from roah_rsbb.core.scoring.counting import with_events
 from roah_rsbb.core.watches import Watches
@@ -52,7 +52,7 @@ class Saved(NamedTuple):
     records: Tuple[RunRecord, ...] = ()  # of runs that are over, or were in progress
     earlier: Mapping[int, Config] = MappingProxyType({})  # configurations with which runs were connected, by version
     # By the identity of the run: the box before sent STOP, and its journal does not have it.
-    stopped: Mapping[str, SentStop] = MappingProxyType({})
+    stopped: Mapping[str, UnrecordedStop] = MappingProxyType({})
 
 
 class Restart:

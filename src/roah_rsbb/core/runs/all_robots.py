@@ -23,7 +23,7 @@ from roah_rsbb.core.runs.run import (
     Run,
     RunContext,
     RunState,
-    SentStop,
+    UnrecordedStop,
     ZoneRun,
 )
 from roah_rsbb.core.runs.times import RunTimes
@@ -216,7 +216,7 @@ class AllRobotsRun(ZoneRun):
             member.stop(now)
         self._end(now, EndReason.STOPPED, by)
 
-    def take_stop(self, sent: SentStop) -> None:
+    def take_stop(self, sent: UnrecordedStop) -> None:
         """See `ZoneRun`."""
         for member in self._in_phase(Phase.RUNNING):
             member.take_stop(sent)

@@ -384,7 +384,7 @@ class FunctionalityRun(Run):
 
     def _set_pauses(self, now: Now) -> None:
         """Pause the clock while the referee works or the module is missing. The goal continues while the referee works
-        for it, but not while the referee decides whether the run goes on."""
+        for it, but not while the referee decides whether the run continues."""
         super()._set_pauses(now)
         if self._goal is not None:
             self._goal.clock.set_paused(now, self.held or self.times.state.paused or self.state.asks)

@@ -61,9 +61,9 @@ EXECUTING = say("Robot prepared, executing (no explicit goal)")
 FELL_BACK = say("Robot fell back to {state}: preparing again")
 ASKS = say("The robot reports STOP after a restart of the box: the referee decides")
 STOPPED_ITSELF = say("The robot reports STOP, and after its restart the box cannot know why. If the run was stopped, "
-                     "press STOP. If it goes on, continue the run: then the robot prepares again, and may move")
+                     "press STOP. If it was not, continue the run: then the robot prepares again, and may move")
 UNHEARD = say("The box was restarted, and has not heard the robot since: it may have been stopped, or still be moving. "
-              "If the run was stopped, press STOP. If it goes on, continue the run: then the robot may move")
+              "If the run was stopped, press STOP. If it was not, continue the run: then the robot may move")
 CONTINUED = say("The referee continues the run")
 ALREADY_SENT = say("{end} (recorded after a restart)")
 SAVED = say("Messages saved: {number}")
@@ -84,7 +84,7 @@ ONLINE_FIELDS = (
 )
 
 
-class SentStop(NamedTuple):
+class UnrecordedStop(NamedTuple):
     """A STOP that the box before sent, and did not record."""
 
     at: Now
@@ -291,7 +291,7 @@ class ZoneRun(abc.ABC):
         return self.clock.shown(now, ended=self.phase is Phase.ENDED)
 
     def doubt(self, now: Now) -> Optional[str]:
-        """Return why the box cannot know, after a restart, whether the run goes on; None: it knows."""
+        """Return why the box cannot know, after a restart, whether the run continues; None: it knows."""
         return next((text for text in (member.doubt(now) for member in self.members()) if text), None)
 
     @property
@@ -340,14 +340,14 @@ class ZoneRun(abc.ABC):
         """Stop the run."""
 
     @abc.abstractmethod
-    def take_stop(self, sent: SentStop) -> None:
+    def take_stop(self, sent: UnrecordedStop) -> None:
         """End a run in progress as the box before ended it."""
 
-    def go_on(self, now: Now) -> None:
-        """Continue a run of which the box could not know whether it goes on: see `doubt`."""
+    def continue_run(self, now: Now) -> None:
+        """Continue a run of which the box could not know whether it continues: see `doubt`."""
         for member in self.members():
             if member.doubt(now):
-                member.go_on(now)
+                member.continue_run(now)
 
     @abc.abstractmethod
     def close(self, now: Now, by: By = NOBODY) -> None:
@@ -525,8 +525,8 @@ class Run(ZoneRun):
         # STOP has had its time to answer.
         self._state_mono = float("-inf") if self.resumed and self.phase is Phase.ENDED else now.mono
         self._hint_mono: Optional[float] = None  # when a warning that depends on time may begin: see `_hints_from`
-        # Of a doubted run: the robot was heard, it went on after `SETTLED_S`, and what it has not been sent yet.
-        self._opened_mono, self._is_heard, self._went_on, self._is_withheld = now.mono, False, False, False
+        # Of a doubted run: the robot was heard, it continued after `SETTLED_S`, and what it has not been sent yet.
+        self._opened_mono, self._is_heard, self._continued, self._is_withheld = now.mono, False, False, False
         self._last_logged: Optional[Tuple[RobotReport, bool]] = None
         self._revision = context.revision
         self._settled_at = NO_REVISION  # when the last report was taken again, and changed nothing
@@ -560,7 +560,7 @@ class Run(ZoneRun):
         """Send the robot what the box says, if it may be sent: in a doubted run only what the robot already does."""
         is_prepare = self.message.state is BoxState.PREPARE
         if (self.state.doubted and self.message.state is not BoxState.STOP
-                and not (self._went_on if is_prepare else self._is_heard)):
+                and not (self._continued if is_prepare else self._is_heard)):
             self._is_withheld = True
             return
         how, self._is_withheld = How.CHANGE if self._is_withheld else how, False
@@ -591,12 +591,12 @@ class Run(ZoneRun):
         """See `ZoneRun`."""
         self._end(now, EndReason.STOPPED, by=by)
 
-    def take_stop(self, sent: SentStop) -> None:
+    def take_stop(self, sent: UnrecordedStop) -> None:
         """See `ZoneRun`."""
         self._end(sent.at, sent.reason, ALREADY_SENT(end=sent.reason.value), sent.by)
         self._state_mono = float("-inf")  # the robot had its time to answer
 
-    def go_on(self, now: Now) -> None:
+    def continue_run(self, now: Now) -> None:
         """See `ZoneRun`."""
         self.state.doubted, was_asked, self.state.asks = False, self.state.asks, False
         self._set_pauses(now)
@@ -675,7 +675,7 @@ class Run(ZoneRun):
         revision = self._revision()
         has_strings = self._take_content(now, report, heard)
         # The first time, a run may only note something. Strings are acknowledged at once each time.
-        is_unsure = self.state.doubted and not self._went_on
+        is_unsure = self.state.doubted and not self._continued
         is_settled = repeats and not has_strings and not is_unsure and revision == self._revision()
         self._settled_at = revision if is_settled else NO_REVISION
         return Consequence.ANY
@@ -693,7 +693,7 @@ class Run(ZoneRun):
         has_strings = self._take_strings(now, report)
         self._take_commands(now, report)
         if self.state.doubted:
-            self._look_whether_it_goes_on(now, report)
+            self._look_whether_it_continues(now, report)
         self._step(now, report)
         self.saving.see(now, self.message.state, report)
         if self.message.state == before.state:
@@ -701,14 +701,14 @@ class Run(ZoneRun):
             self.send(How.REPLY if urgent else How.QUIET)
         return has_strings
 
-    def _look_whether_it_goes_on(self, now: Now, report: RobotReport) -> None:
+    def _look_whether_it_continues(self, now: Now, report: RobotReport) -> None:
         """Take what a robot reports in a doubted run. If it stopped, the box before may have stopped it, so the box
         sends it what it already does, and the referee decides."""
         arrived = self.link.last_heard
         self._is_heard = True
         if report.state is not RobotState.STOP:
             assert arrived is not None, "this report"
-            self._went_on = self._went_on or arrived.mono >= self._opened_mono + SETTLED_S
+            self._continued = self._continued or arrived.mono >= self._opened_mono + SETTLED_S
         elif not self.state.asks:
             self.state.asks = True
             self._set_pauses(now)

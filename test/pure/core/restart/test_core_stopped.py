@@ -12,7 +12,7 @@ from helpers.competition import competition, event
 from helpers.module_player import FakeModules
 from roah_rsbb.core import effects
 from roah_rsbb.core.restart.restart import Saved
-from roah_rsbb.core.runs.run import SETTLED_S, SentStop
+from roah_rsbb.core.runs.run import SETTLED_S, UnrecordedStop
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import OutcomeKind, RequestKind
 from roah_rsbb.model.records import By, EndReason, Phase
@@ -123,7 +123,7 @@ def test_a_robot_that_was_stopped_stays_stopped(code, state, last):
         box.command("continue")
 
 
-def test_a_robot_that_stops_after_it_went_on_is_not_asked_to_prepare_either():
+def test_a_robot_that_stops_after_it_continued_is_not_asked_to_prepare_either():
     driver, robot, _ = saved_in(TASK, BoxState.WAITING_RESULT)
     box = NextBox(driver, TASK)
     box.taken_over(robot).lives(60.0)
@@ -135,7 +135,7 @@ def test_a_robot_that_stops_after_it_went_on_is_not_asked_to_prepare_either():
 
 
 @pytest.mark.parametrize("code", [TASK, GOALS, ALL])
-def test_a_robot_that_executes_goes_on(code):
+def test_a_robot_that_executes_continues(code):
     driver, robot, modules = saved_in(code, BoxState.WAITING_RESULT)
     box = NextBox(driver, code)
     modules.driver = box
@@ -260,8 +260,8 @@ def test_a_robot_that_was_left_out_does_not_join_the_others_after_a_restart():
     assert [member.message.state for member in box.run_in().members()] == [BoxState.PREPARE] * 2
 
 
-STOPS = [(SentStop(Now(MONO0 + 6.0, 0.0), EndReason.STOPPED, By("Anna")), "stopped by the referee"),
-         (SentStop(Now(MONO0 + 6.0, 0.0), EndReason.TIMEOUT), "timeout")]
+STOPS = [(UnrecordedStop(Now(MONO0 + 6.0, 0.0), EndReason.STOPPED, By("Anna")), "stopped by the referee"),
+         (UnrecordedStop(Now(MONO0 + 6.0, 0.0), EndReason.TIMEOUT), "timeout")]
 
 
 @pytest.mark.parametrize("code, state, sent", [(*saved, sent[0]) for saved, sent in itertools.product(SAVED, STOPS)])
@@ -285,5 +285,5 @@ def test_a_stop_of_a_run_that_the_journal_shows_as_ended_changes_nothing():
     driver, _, _ = saved_in(TASK, BoxState.WAITING_RESULT)
     driver.command("stop")
     identity = driver.run_in().identity
-    box = NextBox(driver, TASK, stopped={identity: SentStop(driver.now, EndReason.TIMEOUT), "another run": None})
+    box = NextBox(driver, TASK, stopped={identity: UnrecordedStop(driver.now, EndReason.TIMEOUT), "another run": None})
     assert box.run_in().end_reason is EndReason.STOPPED and len(box.run_in().record(box.now).stops) == 1
