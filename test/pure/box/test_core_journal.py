@@ -22,6 +22,7 @@ from roah_rsbb.model.modules import RequestKind, ScoreValue
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.standby.clocks import Ahead
 
 WAYPOINT = {"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}
 
@@ -208,13 +209,15 @@ def test_the_true_time_is_left_after_a_restart_of_the_computer(tmp_path):
     assert driver.run_in("tbm").timer(driver.now) == pytest.approx(left - 60.0)
 
 
-@pytest.mark.parametrize("ahead_s", [30.0, -30.0])
-def test_the_true_time_is_left_on_another_computer(tmp_path, ahead_s):
-    """The clocks of two computers differ. The standby has measured by how much."""
+@pytest.mark.parametrize("ahead, set_s", [
+    (Ahead(30.0), 0.0), (Ahead(-30.0), 0.0), (Ahead(30.0, 5000.0), 900.0), (Ahead(0.0, -900.0), -900.0)])
+def test_the_true_time_is_left_on_another_computer(tmp_path, ahead, set_s):
+    """The clocks of two computers differ. The standby has measured by how much. If it ran all the time, a step of its
+    UTC changes nothing."""
     driver = box(tmp_path)
     driver.executing("tbm")
     left = driver.run_in("tbm").timer(driver.now)
-    driver.kill(60.0, boot="boot 2", ahead_s=ahead_s)
+    driver.kill(60.0, boot="boot 2", ahead=ahead, set_s=set_s)
     assert driver.run_in("tbm").timer(driver.now) == pytest.approx(left - 60.0)
     assert any(" 60 s after its last record" in warning for warning in driver.box.warnings(driver.now))
 

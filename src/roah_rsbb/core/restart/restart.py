@@ -53,6 +53,7 @@ class Saved(NamedTuple):
     earlier: Mapping[int, Config] = MappingProxyType({})  # configurations with which runs were connected, by version
     # By the identity of the run: the box before sent STOP, and its journal does not have it.
     stopped: Mapping[str, UnrecordedStop] = MappingProxyType({})
+    mono: Optional[float] = None  # as `utc`, on the present monotonic clock (s); None: only UTC is known
 
 
 class Restart:
@@ -88,7 +89,7 @@ class Restart:
             if not record.closed_utc and record.identity not in continuing:
                 self._give_up(record, saved.utc)
         if runs:
-            down = max(0.0, now.utc - saved.utc)
+            down = max(0.0, now.utc - saved.utc if saved.mono is None else now.mono - saved.mono)
             text = RESTARTED(time=times.time_with_zone(now.utc), down=f"{down:.0f}")
             continuing_text = CONTINUES_AT(text=text, address=by) if by else CONTINUES(text=text)
             for run in runs:
