@@ -1908,6 +1908,21 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>The box was away for {time} s of the run</source>
+        <translation>Die Box war {time} s des Laufs lang weg</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>The box was away for {time} s of goal {goal}</source>
+        <translation>Die Box war {time} s von Ziel {goal} lang weg</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>{text}. The robot was done meanwhile, so {left_out} s are not counted: the true time is up to {left_out} s longer. Check it</source>
+        <translation>{text}. Der Roboter wurde währenddessen fertig, daher zählen {left_out} s nicht: Die wahre Zeit ist bis zu {left_out} s länger. Prüfen Sie sie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>round {round}, run {run}</source>
         <translation>Runde {round}, Lauf {run}</translation>
     </message>

@@ -87,7 +87,11 @@ def essence(driver):
 
     def of_run(run):
         run = dict(run, message={key: run["message"][key] for key in run["message"] if key != "acknowledgement"})
-        return {key: value for key, value in run.items() if key not in ("link", "log", "doubted")}
+        run["book"] = without_outages(run["book"])
+        return {key: value for key, value in run.items() if key not in ("link", "log", "doubted", "away_s")}
+
+    def without_outages(book):
+        return {key: value for key, value in book.items() if key != "outages"}
 
     found = {}
     for name in driver.box.zones:
@@ -96,7 +100,8 @@ def essence(driver):
             state["run"] = of_run(state["run"])
         if state.get("all_robots"):
             members = [of_run(member) for member in state["all_robots"]["members"]]
-            state["all_robots"] = dict(state["all_robots"], members=members, log="")
+            book = without_outages(state["all_robots"]["book"])
+            state["all_robots"] = dict(state["all_robots"], members=members, log="", book=book)
         found[name] = state
     return found
 

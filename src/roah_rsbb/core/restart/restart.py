@@ -93,6 +93,8 @@ class Restart:
             text = RESTARTED(time=times.time_with_zone(now.utc), down=f"{down:.0f}")
             continuing_text = CONTINUES_AT(text=text, address=by) if by else CONTINUES(text=text)
             for run in runs:
+                if run.phase is Phase.RUNNING and not by:
+                    run.note_outage(now, down)
                 run.warn(now, continuing_text if run.phase is Phase.RUNNING else text)
             self._watches.restarted(now, text)
             self._outbox.emit(effects.SendBeacon())

@@ -359,7 +359,7 @@ class FunctionalityRun(Run):
             self._goal_done(now, goal, result_text(report))
 
     def _goal_done(self, now: Now, goal: RunningGoal, result: str) -> None:
-        seconds = goal.executing_s(now.mono)
+        seconds = goal.executing_s(now.mono - self._leave_out_outage(now))
         if result:
             self._emit(effects.RunLogged(self.port, run_log.RESULT, result))
             if self.event.benchmark.profile.result is ResultForm.OBJECT:
@@ -404,10 +404,16 @@ class FunctionalityRun(Run):
                 self._goal_timed_out(now, goal, due)
         super().tick(now)
 
-    def _end(self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY) -> None:
+    def _goal_number(self) -> int:
+        number = sum(step.request.kind is RequestKind.GOAL for step in self.steps)
+        return 0 if self._goal is None else number
+
+    def _end(
+        self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY, left_out_s: float = 0.0,
+    ) -> None:
         self._goal = self.of_module.goal = None
         self.of_module.held = False
-        super()._end(now, reason, desc, by)
+        super()._end(now, reason, desc, by, left_out_s)
         self._changed()
 
     def close(self, now: Now, by: By = NOBODY) -> None:

@@ -31,11 +31,11 @@ from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import NO_GOAL, BoxMessage, GoalMessage, RobotReport
 from roah_rsbb.model.reason import say
-from roah_rsbb.model.records import NOBODY, By, EndReason, ItemRecord, Phase, RunRecord, ScoreValue
+from roah_rsbb.model.records import NOBODY, By, EndReason, ItemRecord, Outage, Phase, RunRecord, ScoreValue
 from roah_rsbb.model.scoring import WHOLE
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Restarts, ScheduledEvent
-from roah_rsbb.wording import stop, times
+from roah_rsbb.wording import sheets, stop, times
 
 # Types whose values are whole numbers, which `Score` holds.
 WHOLE_WORDS = frozenset(kind.word for kind in WHOLE)
@@ -146,6 +146,7 @@ class RunState:
     said: List[Said] = field(default_factory=list)  # the newest texts of the robot since the start of the run
     times: TimesState = field(default_factory=TimesState)
     doubted: bool = False  # in progress since before a restart: a robot that stopped is not asked to prepare again
+    away_s: float = 0.0  # for so long the box was away since the robot's last message (s)
     asks: bool = False  # the robot reported STOP in such a run: the referee decides
 
 
@@ -476,11 +477,20 @@ class ZoneRun(abc.ABC):
         self.book.started(now)
         self._record_changed(now)
 
-    def _note_end(self, now: Now, desc: str, by: By) -> None:
-        """Record that the run ended just now. `end_reason` must be set already."""
+    def note_outage(self, now: Now, down_s: float) -> None:
+        """Note that the box was away, during a run in progress, until now."""
+        self.book.state.outages.append(Outage(now.utc - down_s, down_s, self._goal_number()))
+        self._record_changed(now)
+
+    def _goal_number(self) -> int:
+        return 0
+
+    def _note_end(self, now: Now, desc: str, by: By, left_out_s: float = 0.0) -> None:
+        """Record that the run ended just now. `end_reason` must be set already. `left_out_s` do not count."""
         assert self.end_reason is not None, "it ended"
         self.times.ended(now)
-        self.book.ended(now, self.end_reason.name.lower(), desc, by, self.clock.elapsed(now))
+        elapsed_s = max(0.0, self.clock.elapsed(now) - left_out_s)
+        self.book.ended(now, self.end_reason.name.lower(), desc, by, elapsed_s)
         self._record_changed(now)
 
     def _note_close(self, now: Now, by: By) -> None:
@@ -695,11 +705,26 @@ class Run(ZoneRun):
         if self.state.doubted:
             self._look_whether_it_continues(now, report)
         self._step(now, report)
+        self.state.away_s = 0.0
         self.saving.see(now, self.message.state, report)
         if self.message.state == before.state:
             urgent = has_strings or heard.state_changed
             self.send(How.REPLY if urgent else How.QUIET)
         return has_strings
+
+    def note_outage(self, now: Now, down_s: float) -> None:
+        """See `ZoneRun`."""
+        self.state.away_s += down_s
+        super().note_outage(now, down_s)
+
+    def _leave_out_outage(self, now: Now) -> float:
+        """The robot has completed its goal or task. Return for how long (s) the box was away just before: the robot was
+        done at some moment of it, which does not count as its time."""
+        away_s, outages = self.state.away_s, self.book.state.outages
+        if away_s and outages:
+            outages[-1] = outages[-1]._replace(left_out_s=away_s)
+            self.warn(now, sheets.outage_text(outages[-1]))
+        return away_s
 
     def _look_whether_it_continues(self, now: Now, report: RobotReport) -> None:
         """Take what a robot reports in a doubted run. If it stopped, the box before may have stopped it, so the box
@@ -738,7 +763,8 @@ class Run(ZoneRun):
         elif reaction is Reaction.RETRY:
             self._set_state(now, BoxState.PREPARE, FELL_BACK(state=report.state.name))
         elif reaction is Reaction.GOAL_DONE:
-            self._end(now, EndReason.COMPLETED)
+            left_out_s = 0.0 if self.clock.paused else self._leave_out_outage(now)
+            self._end(now, EndReason.COMPLETED, left_out_s=left_out_s)
 
     def _take_strings(self, now: Now, report: RobotReport) -> bool:
         any_text, dropped, strings = False, 0, self.state.strings
@@ -794,11 +820,13 @@ class Run(ZoneRun):
 
     # -- shared ------------------------------------------------------------------------------------
 
-    def _end(self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY) -> None:
+    def _end(
+        self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY, left_out_s: float = 0.0,
+    ) -> None:
         self._enter(RunEvent.END, reason)
         self.state.doubted = self.state.asks = False
         self.clock.stop(now)
-        self._note_end(now, desc or reason.value, by)
+        self._note_end(now, desc or reason.value, by, left_out_s)
         self._set_state(now, BoxState.STOP, desc or reason.value)
 
     def _set_state(self, now: Now, state: BoxState, desc: str, goal: GoalMessage = NO_GOAL) -> None:
@@ -872,4 +900,5 @@ class Run(ZoneRun):
 
     def status_lines(self, now: Now) -> List[str]:
         """Return the status lines for the referee besides `desc` and the warnings."""
-        return [] if self.robot_state is None else [SAVED(number=self.link.messages_saved)]
+        saved = [] if self.robot_state is None else [SAVED(number=self.link.messages_saved)]
+        return saved + [sheets.outage_text(outage) for outage in self.book.state.outages[-1:]]

@@ -287,3 +287,68 @@ def test_a_stop_of_a_run_that_the_journal_shows_as_ended_changes_nothing():
     identity = driver.run_in().identity
     box = NextBox(driver, TASK, stopped={identity: UnrecordedStop(driver.now, EndReason.TIMEOUT), "another run": None})
     assert box.run_in().end_reason is EndReason.STOPPED and len(box.run_in().record(box.now).stops) == 1
+
+
+# -- the time in which the box was away -----------------------------------------------------------------
+
+
+def test_the_time_in_which_the_box_was_away_is_not_that_of_a_goal_that_ended_meanwhile():
+    driver, robot, modules = saved_in(GOALS, BoxState.WAITING_RESULT)
+    robot.lives(2.0)
+    box = NextBox(driver, GOALS, down=4.5)
+    modules.driver = box
+    modules.beat()
+    box.taken_over(robot).says(RobotState.RESULT_TX)
+    assert modules.outcome().executing_s == pytest.approx(2.0, abs=0.01)
+    text = ("The box was away for 4.5 s of goal 1. The robot was done meanwhile, so 4.5 s are not counted: the true "
+            "time is up to 4.5 s longer. Check it")
+    assert text in box.view().state and f"WARNING: {text}" in box.run_in().log
+    outage, = box.run_in().record(box.now).outages
+    assert (outage.seconds, outage.left_out_s, outage.goal) == (pytest.approx(4.5), pytest.approx(4.5), 1)
+
+
+def test_a_robot_that_executes_on_needed_the_time_in_which_the_box_was_away():
+    driver, robot, modules = saved_in(GOALS, BoxState.WAITING_RESULT)
+    robot.lives(2.0)
+    box = NextBox(driver, GOALS, down=4.5)
+    modules.driver = box
+    modules.beat()
+    box.taken_over(robot).says()
+    robot.lives(1.0)
+    robot.says(RobotState.RESULT_TX)
+    assert modules.outcome().executing_s == pytest.approx(7.5, abs=0.01)
+    outage, = box.run_in().record(box.now).outages
+    assert (outage.goal, outage.left_out_s) == (1, 0.0)
+    assert "The box was away for 4.5 s of goal 1" in box.view().state
+
+
+def test_a_goal_that_the_robot_begins_again_counts_from_the_new_request():
+    driver, robot, modules = saved_in(GOALS, BoxState.WAITING_RESULT)
+    robot.lives(2.0)
+    box = NextBox(driver, GOALS, down=4.5)
+    modules.driver = box
+    modules.beat()
+    box.taken_over(robot).lives(3.0, state=RobotState.STOP)
+    box.command("continue")
+    robot.says(RobotState.PREPARING)
+    robot.says(RobotState.WAITING_GOAL)
+    robot.says(RobotState.EXECUTING)
+    robot.lives(3.0)
+    robot.says(RobotState.RESULT_TX)
+    assert modules.outcome().executing_s == pytest.approx(3.0, abs=0.01)
+
+
+@pytest.mark.parametrize("restarts", [1, 2])
+def test_a_task_that_ended_while_the_box_was_away(restarts):
+    driver, robot, _ = saved_in(TASK, BoxState.WAITING_RESULT)
+    robot.lives(2.0)
+    elapsed_s, box = driver.run_in().clock.elapsed(driver.now), driver
+    for _ in range(restarts):
+        box = NextBox(box, TASK, down=4.5)
+    box.taken_over(robot).says(RobotState.RESULT_TX)
+    record = box.run_in().record(box.now)
+    assert record.end_reason == "completed" and record.elapsed_s == pytest.approx(elapsed_s, abs=0.01)
+    assert [outage.left_out_s for outage in record.outages][-1] == pytest.approx(4.5 * restarts)
+    box.command("disconnect")
+    finished, = box.box.finished.records()
+    assert finished.outages == record.outages
