@@ -25,7 +25,7 @@ from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.model.saved import Anchor, BadState, freeze, thaw
 from roah_rsbb.model.zone import RunClock
 from roah_rsbb.rulebook.config import Config
-from roah_rsbb.standby.clocks import Ahead
+from roah_rsbb.standby.clocks import NOT_MEASURED, Ahead
 
 BOX_STATE = "box"
 ZONE_STATE = "zone:"
@@ -220,7 +220,7 @@ class CoreJournal:
         self._records.append(record)
 
 
-def saved_state(before: PreviousSession, now: Now, boot: str, ahead: Ahead = Ahead()) -> Tuple[Saved, List[str]]:
+def saved_state(before: PreviousSession, now: Now, boot: str, ahead: Ahead = NOT_MEASURED) -> Tuple[Saved, List[str]]:
     """The state from which the box resumes, and warnings about unreadable parts.
 
     `ahead`: how far the clocks of this computer are ahead of those of the computer before.

@@ -29,6 +29,9 @@ class Ahead(NamedTuple):
     mono_s: Optional[float] = None  # None: one of the two computers was started again since, or it was not measured
 
 
+NOT_MEASURED = Ahead()
+
+
 class ClockDifference:
     """The difference from the clocks of the box, in a file of the standby."""
 
@@ -61,8 +64,8 @@ def ahead_of(folder: str, boot: str, own_boot: str) -> Ahead:
         with open(os.path.join(folder, FILE), encoding="ascii") as file:
             found = json.load(file)
         if not boot or found["boot"] != boot:
-            return Ahead()
+            return NOT_MEASURED
         mono_s = found.get("mono_ahead_s") if own_boot and found.get("own_boot") == own_boot else None
         return Ahead(float(found["ahead_s"]), None if mono_s is None else float(mono_s))
     except (OSError, ValueError, KeyError, TypeError):
-        return Ahead()
+        return NOT_MEASURED

@@ -10,7 +10,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now
-from roah_rsbb.standby.clocks import Ahead
+from roah_rsbb.standby.clocks import NOT_MEASURED
 
 CATERING = event("HCFGAC", timeout=300.0)
 NAVIGATION = event("HNF", team="Beta", timeout=60.0, total_timeout=300.0)
@@ -31,7 +31,7 @@ class JournaledDriver(BoxDriver):
         self.journal = None
         self.troubles = []
         self.restarts = 0
-        self.ahead = Ahead()
+        self.ahead = NOT_MEASURED
         self.on_record = on_record
         self._log_dir = log_dir
         super().__init__(config, settings, **of_driver)
@@ -68,7 +68,7 @@ class JournaledDriver(BoxDriver):
     def _directory(self):
         return self._log_dir / str(self.restarts)
 
-    def kill(self, seconds=2.0, boot=None, config=None, ahead=Ahead(), set_s=0.0, **of_configuration):
+    def kill(self, seconds=2.0, boot=None, config=None, ahead=NOT_MEASURED, set_s=0.0, **of_configuration):
         """The process is killed, and started again after so many seconds; `boot`: with the computer. `ahead`: on
         another computer, whose clocks are ahead by so much, and whose UTC was then set by `set_s`."""
         after = self._log_dir / str(self.restarts + 1)
