@@ -1908,6 +1908,21 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>The box was away for {time} s of the run</source>
+        <translation>Die Box war {time} s des Laufs lang weg</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>The box was away for {time} s of goal {goal}</source>
+        <translation>Die Box war {time} s von Ziel {goal} lang weg</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>{text}. The robot was done meanwhile, so {left_out} s are not counted: the true time is up to {left_out} s longer. Check it</source>
+        <translation>{text}. Der Roboter wurde währenddessen fertig, daher zählen {left_out} s nicht: Die wahre Zeit ist bis zu {left_out} s länger. Prüfen Sie sie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>round {round}, run {run}</source>
         <translation>Runde {round}, Lauf {run}</translation>
     </message>
@@ -3776,6 +3791,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <source>The run is not in doubt after a restart</source>
+        <translation>Es gibt nach einem Neustart keinen Zweifel an diesem Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
         <source>This benchmark has no phases</source>
         <translation>Dieser Benchmark hat keine Phasen</translation>
     </message>
@@ -4266,8 +4286,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
-        <source>{text}: the run continues</source>
-        <translation>{text}: Der Lauf geht weiter</translation>
+        <source>{text}: the run continues if its robot does</source>
+        <translation>{text}: Der Lauf geht weiter, wenn sein Roboter weitermacht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
@@ -4488,6 +4508,31 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/runs/run.py"/>
         <source>Robot fell back to {state}: preparing again</source>
         <translation>Der Roboter ist auf {state} zurückgefallen: Er bereitet sich neu vor</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/run.py"/>
+        <source>The robot reports STOP after a restart of the box: the referee decides</source>
+        <translation>Der Roboter meldet nach einem Neustart der Box STOP: Der Schiedsrichter entscheidet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/run.py"/>
+        <source>The robot reports STOP, and after its restart the box cannot know why. If the run was stopped, press STOP. If it was not, continue the run: then the robot prepares again, and may move</source>
+        <translation>Der Roboter meldet STOP, und die Box kann nach ihrem Neustart nicht wissen, warum. Wurde der Lauf gestoppt, drücken Sie STOP. Wenn nicht, setzen Sie ihn fort: Dann bereitet sich der Roboter wieder vor und kann sich bewegen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/run.py"/>
+        <source>The box was restarted, and has not heard the robot since: it may have been stopped, or still be moving. If the run was stopped, press STOP. If it was not, continue the run: then the robot may move</source>
+        <translation>Die Box wurde neu gestartet und hat den Roboter seither nicht gehört: Er kann gestoppt worden sein oder sich noch bewegen. Wurde der Lauf gestoppt, drücken Sie STOP. Wenn nicht, setzen Sie ihn fort: Dann kann sich der Roboter bewegen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/run.py"/>
+        <source>The referee continues the run</source>
+        <translation>Der Schiedsrichter setzt den Lauf fort</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/run.py"/>
+        <source>{end} (recorded after a restart)</source>
+        <translation>{end} (nach einem Neustart eingetragen)</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/runs/run.py"/>
@@ -4931,6 +4976,16 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>▶ Not stopped: continue</source>
+        <translation>▶ Nicht gestoppt: fortsetzen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>After a restart: the run was not stopped. The robot prepares again, and may move</source>
+        <translation>Nach einem Neustart: Der Lauf wurde nicht gestoppt. Der Roboter bereitet sich wieder vor und kann sich bewegen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>‖ Pause</source>
         <translation>‖ Pause</translation>
     </message>
@@ -5183,6 +5238,16 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Next phase in {zone}</source>
         <translation>Nächste Phase in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Was the run of team {team} not stopped? Its robot prepares again, and may move.</source>
+        <translation>Wurde der Lauf von Team {team} nicht gestoppt? Sein Roboter bereitet sich wieder vor und kann sich bewegen.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Continue in {zone}</source>
+        <translation>Fortsetzen in {zone}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

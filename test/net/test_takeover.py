@@ -87,6 +87,7 @@ def test_a_takeover_by_command(pair: Pair, measured: List[str]) -> None:
     assert pair.standby.takeover().wait_ended(LIMIT_S) == 0
     took_s = pair.wait_followed(commanded, ports)
     measured.append(f"takeover by command: robots sent to the standby after {took_s:.1f} s")
+    pair.continue_runs()
     wait_until(lambda: all(len(robot.did("EXECUTING")) == 2 for robot in pair.robots), "they execute on", LIMIT_S)
     shown = pair.standby.shows("status", ALPHA)
     assert "running" in shown.lower(), shown
@@ -272,6 +273,27 @@ def test_the_standby_does_not_hear_the_box_but_robots_do(pair: Pair, measured: L
     both_s = pair.assert_box_stops(first, healed, ports)
     measured.append(f"both boxes sent to robots for {both_s:.1f} s after a split")
     pair.wait_followed(healed, ports)
+
+
+def test_a_stop_that_the_standby_does_not_have(pair: Pair) -> None:
+    """The robot stays stopped after the takeover, until a referee says that the run was not stopped."""
+    pair.begin("--automatic", "3", "--witness", address(WITNESS))
+    pair.run()
+    pair.wait_ready()
+    pair.wait_copied()
+    alpha, beta = pair.robots
+    pair.separate(BOX, STANDBY)
+    pair.box.referee("stop", ALPHA)
+    wait_until(lambda: alpha.did("STOP"), "it stopped", LIMIT_S)
+    pair.lose_box()
+    for team in pair.teams:
+        pair.standby.wait_shows("reports STOP, and after its restart", "status", zone_of(team))
+    pair.standby.referee("continue", zone_of("Beta"))
+    wait_until(lambda: len(beta.did("EXECUTING")) == 2, "the other one executes again", LIMIT_S)
+    assert len(alpha.did("PREPARING")) == len(alpha.did("EXECUTING")) == 1
+    pair.standby.referee("stop", ALPHA)
+    pair.standby.wait_shows("Benchmark stopped by the referee", "status", ALPHA)
+    assert len(alpha.did("PREPARING")) == len(alpha.did("EXECUTING")) == 1
 
 
 def test_robots_that_send_to_the_address_of_the_box(pair: Pair) -> None:

@@ -295,6 +295,12 @@ class Pair:
             self.box.referee("start", zone_of(team))
         wait_until(lambda: all(robot.did("EXECUTING") for robot in self.robots), "all robots execute", LIMIT_S)
 
+    def continue_runs(self) -> None:
+        """On the standby, say of each run that it was not stopped: our robots halt when they change to another box."""
+        for team in self.teams:
+            self.standby.wait_shows("reports STOP, and after its restart", "status", zone_of(team))
+            self.standby.referee("continue", zone_of(team))
+
     def wait_ready(self) -> None:
         """Wait until the standby has a copy, and a core that waits."""
         wait_until(lambda: "waiting for a takeover" in self.follower.text,

@@ -126,8 +126,9 @@ class CoreAssembly:
         `earlier` returns those of these versions of the configuration that are no longer in force.
         """
         previous, boot_id = self.store.previous, self._machine.boot_id
-        ahead_s = 0.0 if previous.last is None else ahead_of(self._place.log_dir, previous.last.boot_id)
-        saved, warnings = saved_state(previous, self.now(), boot_id, ahead_s)
+        before = "" if previous.last is None else previous.last.boot_id
+        ahead = ahead_of(self._place.log_dir, before, boot_id)
+        saved, warnings = saved_state(previous, self.now(), boot_id, ahead)
         for warning in warnings:
             self.event(self.box.on_notice, warning)
         self.journal.restore(saved.records)

@@ -25,6 +25,7 @@ from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.model.saved import Anchor, BadState, freeze, thaw
 from roah_rsbb.model.zone import RunClock
 from roah_rsbb.rulebook.config import Config
+from roah_rsbb.standby.clocks import NOT_MEASURED, Ahead
 
 BOX_STATE = "box"
 ZONE_STATE = "zone:"
@@ -219,16 +220,16 @@ class CoreJournal:
         self._records.append(record)
 
 
-def saved_state(before: PreviousSession, now: Now, boot: str, ahead_s: float = 0.0) -> Tuple[Saved, List[str]]:
+def saved_state(before: PreviousSession, now: Now, boot: str, ahead: Ahead = NOT_MEASURED) -> Tuple[Saved, List[str]]:
     """The state from which the box resumes, and warnings about unreadable parts.
 
-    `ahead_s`: how far the clock of this computer is ahead of that of the computer before.
+    `ahead`: how far the clocks of this computer are ahead of those of the computer before.
     """
     warnings: List[str] = []
     last = before.last
     if last is not None:
-        last = last._replace(utc=last.utc + ahead_s)
-    shift = 0.0 if last is None else Anchor(last.mono, last.utc, last.boot_id).shift(now, boot)
+        last = last._replace(utc=last.utc + ahead.utc_s)
+    shift = 0.0 if last is None else Anchor(last.mono, last.utc, last.boot_id).shift(now, boot, ahead.mono_s)
     box, zones, records = BoxSaved(), {}, []
     for name, state in before.states.items():
         try:
@@ -244,8 +245,8 @@ def saved_state(before: PreviousSession, now: Now, boot: str, ahead_s: float = 0
             records.append(thaw(RunRecord, outcome))
         except (BadState, ValueError, RecursionError) as error:
             warnings.append(f"The journal's record of a run cannot be read, and cannot be corrected here: {error}")
-    utc = now.utc if last is None else last.utc
-    return Saved(utc, box, zones, tuple(records)), warnings
+    utc, mono = (now.utc, now.mono) if last is None else (last.utc, last.mono + shift)
+    return Saved(utc, box, zones, tuple(records), mono=mono), warnings
 
 
 def _clock_value(clock: RunClock, mono: float) -> Dict[str, Any]:

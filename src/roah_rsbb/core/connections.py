@@ -253,4 +253,4 @@ class Connections:
             if run is not None:
                 version = self._zones[run.zone].version
                 self._outbox.emit(effects.OpenChannel(port, run.robot.team, run.link.host, version))
-                self._outbox.emit(effects.SendState(port, run.message, How.CHANGE))
+                run.send(How.CHANGE)

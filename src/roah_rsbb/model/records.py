@@ -133,6 +133,15 @@ class StopRecord(NamedTuple):
     reason_by: str = ""  # who typed it
 
 
+class Outage(NamedTuple):
+    """The box was away during a run in progress, until it was restarted, or another computer took over."""
+
+    utc: float  # UTC seconds of its last record before
+    seconds: float
+    goal: int = 0  # number of the goal in progress; 0: none
+    left_out_s: float = 0.0  # seconds that do not count: the robot completed the goal, or the task, in them
+
+
 class PhaseTime(NamedTuple):
     """The time of a phase of a task benchmark."""
 
@@ -260,6 +269,7 @@ class RunRecord(NamedTuple):
     judging: JudgingRecord = JudgingRecord()
     publication: PublicationRecord = PublicationRecord()
     event: str = ""  # id of its event in the schedule; empty in journals before 2026-12
+    outages: Tuple[Outage, ...] = ()  # oldest first
 
 
 class By(NamedTuple):

@@ -47,14 +47,16 @@ class Anchor(NamedTuple):
     utc: float
     boot: str
 
-    def shift(self, now: Now, boot: str) -> float:
+    def shift(self, now: Now, boot: str, ahead_s: Optional[float] = None) -> float:
         """Return by how many seconds to move the times that were saved at this anchor, now and in this `boot`.
 
-        Within one boot, the monotonic clock is right. After a reboot, UTC is used; if it was set back in between, the
-        elapsed time counts as zero.
+        Within one boot, the monotonic clock is right. On a computer that heard the other one, its own monotonic clock
+        is, which is `ahead_s`. Otherwise UTC is used; if it was set back in between, the elapsed time counts as zero.
         """
         if boot == self.boot:
             return 0.0
+        if ahead_s is not None:
+            return min(ahead_s, now.mono - self.mono)
         passed = max(0.0, now.utc - self.utc)
         return now.mono - passed - self.mono
 

@@ -237,6 +237,7 @@ def _totals(record: RunRecord, rules: Optional[Rules]) -> Iterator[Tuple[str, st
 
 
 def _remarks(record: RunRecord) -> Iterator[str]:
+    yield from map(sheets.outage_text, record.outages)
     for stop in record.stops:
         if stop.reason:
             yield f"{stop.desc or sheets.end_reason(stop.end_reason)}: {stop.reason}"

@@ -25,7 +25,7 @@ from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.texts import one_line as line
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed, optional_date_time, time_with_tenths
 
-_JUDGES, _OBJECTIONS = "Sheets of the judges", "Objections"
+_JUDGES, _OBJECTIONS, _OUTAGES = "Sheets of the judges", "Objections", "Box away"
 # Begin and end of struck-through text, on terminals that support it.
 _STRUCK, _PLAIN = "\033[9m", "\033[29m"
 
@@ -159,6 +159,8 @@ def _stops(record: RunRecord, in_utc: bool) -> Iterator[str]:
         + (f": {line(_reason(stop))}" if stop.reason else "")
         for stop in record.stops
     ])
+    yield from _titled(_OUTAGES, [f"{date_time(outage.utc, in_utc)} {line(sheets.outage_text(outage))}"
+                                  for outage in record.outages])
 
 
 def _end(stop: StopRecord) -> str:
@@ -273,6 +275,10 @@ def _judges_markup(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
 
 
 def _stops_markup(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
+    if record.outages:
+        yield tag("h2", _OUTAGES)
+        yield table(("When", "What"), [
+            (date_time(outage.utc, in_utc), sheets.outage_text(outage)) for outage in record.outages], ("when", "what"))
     if not record.stops:
         return
     yield tag("h2", "Ends")

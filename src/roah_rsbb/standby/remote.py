@@ -7,14 +7,15 @@ from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent, Part
 from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.journal import log
 from roah_rsbb.journal.file import boot_id
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import decode, encode, say
 from roah_rsbb.standby.clocks import ClockDifference
 from roah_rsbb.standby.messages import BadMessage, Message, files_of, held_of, part_of
 
 OPEN, WRITE, WRITE_FILES, SET_ASIDE, COMPLETE, BEAT = (
     "open", "write", "write_files", "set_aside", "complete", "beat")
-# Of the messages, and of the journal in them. Versions with other messages had numbers up to 3.
-VERSION = (4, log.VERSION)
+# Of the messages, and of the journal in them. Versions with other messages had numbers up to 4.
+VERSION = (5, log.VERSION)
 # Each end hears the other one at least this often.
 BEAT_S = 0.5
 # In an answer: the standby becomes the box.
@@ -88,7 +89,7 @@ class RemoteCopy(Copy):
 
     def _ask(self, message: Message) -> Message:
         self._said = self._core()
-        answer = self._ask_raw({**message, "utc": self._utc(), **self._said._asdict()})
+        answer = self._ask_raw({**message, "utc": self._utc(), "mono": self._now(), **self._said._asdict()})
         self._heard_mono = self._now()
         if "error" in answer:
             raise CannotWriteCopy(_REPORTS(why=decode(answer.get("reason", answer["error"]))))
@@ -100,19 +101,21 @@ class RemoteCopy(Copy):
 class Receiver:
     """The standby's end: carries out the requests of the box."""
 
-    def __init__(self, folder: str, utc: Callable[[], float] = time.time) -> None:
-        self._folder, self._utc = folder, utc
+    def __init__(
+        self, folder: str, utc: Callable[[], float] = time.time, mono: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._folder, self._utc, self._mono = folder, utc, mono
         self._copy: Optional[CopyFolder] = None
         self._clocks: Optional[ClockDifference] = None
 
     def answer(self, message: Message) -> Message:
         """Carry out a request; returns the answer. Raises `BadMessage`."""
-        came = self._utc()
+        came = Now(self._mono(), self._utc())
         try:
             answer = self._carry_out(message)
         except CannotWriteCopy as error:
             return {"error": str(error), "reason": encode(error.args[0])}
-        self._clocks.hear(_time_in(message), came)
+        self._clocks.hear(_moment_in(message), came)
         return answer
 
     def close(self) -> None:
@@ -152,8 +155,8 @@ class Receiver:
         return {"held": copy.held, "aside": copy.aside}
 
 
-def _time_in(message: Message) -> float:
+def _moment_in(message: Message) -> Now:
     try:
-        return float(message["utc"])
+        return Now(float(message["mono"]), float(message["utc"]))
     except (KeyError, TypeError, ValueError):
         raise BadMessage("it has no time") from None

@@ -7,7 +7,8 @@ are shown in the format that the caller passes (`When`).
 import re
 from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.model.records import ItemRecord, SheetPoints
+from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import ItemRecord, Outage, SheetPoints
 from roah_rsbb.model.results import HistoryEntry
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import NOTHING
@@ -36,6 +37,11 @@ END_REASONS = {
     "withdrawn": tr_later("withdrawn"),
 }
 
+_AWAY = say("The box was away for {time} s of the run")
+_AWAY_IN_GOAL = say("The box was away for {time} s of goal {goal}")
+_LEFT_OUT = say("{text}. The robot was done meanwhile, so {left_out} s are not counted: the true time is up to "
+                "{left_out} s longer. Check it")
+
 When = Callable[[float], str]
 
 
@@ -61,6 +67,13 @@ def phase(name: str, end: str = "") -> str:
     """Return the phase of a zone; `end`: name of the reason for which the run has ended."""
     word = tr(PHASES.get(name, name.upper()))
     return f"{word}: {end_reason(end)}" if end else word
+
+
+def outage_text(outage: Outage) -> str:
+    """Return what must be known of a time in which the box was away."""
+    text = _AWAY_IN_GOAL(time=f"{outage.seconds:.1f}", goal=outage.goal) if outage.goal else _AWAY(
+        time=f"{outage.seconds:.1f}")
+    return _LEFT_OUT(text=text, left_out=f"{outage.left_out_s:.1f}") if outage.left_out_s else text
 
 
 def run_state(started: object, closed: object, end: str) -> str:

@@ -44,6 +44,7 @@ NOTHING_CONNECTED = {
 
 
 WITHOUT_RULES = {
+    "continue": ["The run is not in doubt after a restart"],
     "pause": ["The rules of this benchmark do not allow a pause"],
     "resume": ["The clock is not paused"],
     "next_phase": ["This benchmark has no phases"],
@@ -53,7 +54,7 @@ WITHOUT_RULES = {
 
 def test_there_are_exactly_these_commands():
     assert set(COMMANDS) == {
-        "connect", "disconnect", "start", "stop", "previous", "next", "pause", "resume", "next_phase",
+        "connect", "disconnect", "start", "stop", "previous", "next", "continue", "pause", "resume", "next_phase",
         "previous_phase", "open_sheet", "no_show", "withdrawn",
     }
 

@@ -80,7 +80,7 @@ def test_the_runs_do_not_continue(driver):
     assert driver.effects == []
 
 
-@pytest.mark.parametrize("by, where", [("", ""), (HOST, f" on the box at {HOST}")])
+@pytest.mark.parametrize("by, where", [("", " if its robot does"), (HOST, f" on the box at {HOST}")])
 def test_after_a_restart_it_says_where_its_runs_continue(by, where):
     first, second = BoxDriver(), BoxDriver()
     first.executing()

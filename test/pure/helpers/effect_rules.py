@@ -24,7 +24,7 @@ class EffectRules:
         self._taken = set()  # ports on record
         self._opened = set()  # ports of channels
         self._bags = set()  # ports of run logs that are open
-        self._resumed = None  # port of a run that is in progress
+        self._resumed = set()  # ports of runs that continue after a restart
         self._ends = set()  # (zone, end reason) on record
         self._last = {}  # (port, topic) -> last value logged
 
@@ -58,7 +58,7 @@ class EffectRules:
     def _RunResumed(self, effect):
         assert effect.port in self._opened, "a run continues without its channel"
         self._bags.add(effect.port)
-        self._resumed = effect.port
+        self._resumed.add(effect.port)
 
     def _RunLogged(self, effect):
         assert effect.port in self._bags, "an entry for a run log that is not open"
@@ -71,9 +71,8 @@ class EffectRules:
         self._bags.remove(effect.port)
 
     def _SendState(self, effect):
-        if effect.port == self._resumed:
-            self._resumed = None  # it was on record before the restart
-            return
+        if effect.port in self._resumed and (effect.port, run_log.STATE) not in self._last:
+            return  # it was on record before the restart
         state = effect.message.state
         topics = (run_log.STATE, run_log.BOX_STATE, run_log.STATE_NAME)
         logged = [self._last.get((effect.port, topic)) for topic in topics]

@@ -10,6 +10,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now
+from roah_rsbb.standby.clocks import NOT_MEASURED
 
 CATERING = event("HCFGAC", timeout=300.0)
 NAVIGATION = event("HNF", team="Beta", timeout=60.0, total_timeout=300.0)
@@ -30,7 +31,7 @@ class JournaledDriver(BoxDriver):
         self.journal = None
         self.troubles = []
         self.restarts = 0
-        self.ahead_s = 0.0
+        self.ahead = NOT_MEASURED
         self.on_record = on_record
         self._log_dir = log_dir
         super().__init__(config, settings, **of_driver)
@@ -47,7 +48,7 @@ class JournaledDriver(BoxDriver):
         self._rules.restart()
         self.box = Box(self.config, self.settings, beacon_bytes, self.journal.previous.last_port, version)
         self.core_journal = journal.CoreJournal(self.box, self.journal)
-        saved, warnings = journal.saved_state(self.journal.previous, self.now, self.boot, self.ahead_s)
+        saved, warnings = journal.saved_state(self.journal.previous, self.now, self.boot, self.ahead)
         self.troubles += [*self.journal.warnings, *warnings]
         self.event(self.box.resume, saved._replace(earlier=dict(earlier)))
 
@@ -67,19 +68,20 @@ class JournaledDriver(BoxDriver):
     def _directory(self):
         return self._log_dir / str(self.restarts)
 
-    def kill(self, seconds=2.0, boot=None, config=None, ahead_s=0.0, **of_configuration):
-        """The process is killed, and started again after so many seconds; `boot`: with the computer. `ahead_s`: on
-        another computer, whose clock is ahead by so much."""
+    def kill(self, seconds=2.0, boot=None, config=None, ahead=NOT_MEASURED, set_s=0.0, **of_configuration):
+        """The process is killed, and started again after so many seconds; `boot`: with the computer. `ahead`: on
+        another computer, whose clocks are ahead by so much, and whose UTC was then set by `set_s`."""
         after = self._log_dir / str(self.restarts + 1)
         self.copy(after)
         self.journal.close()
         self.now = self.now.later(seconds)
         if boot is not None:
             self.boot = boot
-            self.now = Now(50.0, self.now.utc + ahead_s)
+            mono = 50.0 if ahead.mono_s is None else self.now.mono + ahead.mono_s
+            self.now = Now(mono, self.now.utc + ahead.utc_s + set_s)
         self.config = config or self.config
         self.restarts += 1
-        self.ahead_s = ahead_s
+        self.ahead = ahead
         self.resume_in(after, **of_configuration)
 
     def resume_in(self, directory, **of_configuration):

@@ -17,7 +17,7 @@ from roah_rsbb.copies import segments
 from roah_rsbb.copies.copy import CannotWriteCopy, Part
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.journal.file import FILE_NAME, boot_id
-from roah_rsbb.standby.clocks import SAMPLES, ahead_of
+from roah_rsbb.standby.clocks import SAMPLES, Ahead, ahead_of
 from roah_rsbb.standby.messages import BadMessage, decode, encode
 from roah_rsbb.standby.remote import BEAT_S, Receiver, RemoteCopy
 
@@ -133,7 +133,7 @@ def test_the_standby_reports_its_own_trouble(ends):
     assert ends.is_complete()
 
 
-@pytest.mark.parametrize("version", [2, [4, 2], [5, 1], None])
+@pytest.mark.parametrize("version", [2, [5, 2], [4, 1], None])
 def test_another_version_of_the_program(ends, version):
     """Both computers say so, and nothing is written."""
     request = ends.link.request
@@ -145,22 +145,24 @@ def test_another_version_of_the_program(ends, version):
 
 def test_the_difference_between_the_clocks(tmp_path):
     """The message that took the shortest time counts, and a clock that is set."""
-    clocks = {"box": 1000.0, "standby": 1007.0}
-    receiver = Receiver(str(tmp_path), lambda: clocks["standby"])
+    clocks, monos = {"box": 1000.0, "standby": 1007.0}, iter(range(1000))
+    receiver = Receiver(str(tmp_path), lambda: clocks["standby"], lambda: 500.0 + clocks["box"])
     copy = RemoteCopy(lambda message: decode(encode(receiver.answer(decode(encode(message))))),
-                      iter(range(1000)).__next__, lambda: clocks["box"])
+                      monos.__next__, lambda: clocks["box"])
     here = boot_id()
-    assert ahead_of(str(tmp_path), here) == 7.0
+    assert ahead_of(str(tmp_path), here, here).utc_s == 7.0
     for late_s in (3.0, 0.5, 2.0):
         clocks["standby"] = clocks["box"] + late_s
         copy.check()
-    assert ahead_of(str(tmp_path), here) == 0.5
+    assert ahead_of(str(tmp_path), here, here).utc_s == 0.5
     clocks["standby"] = clocks["box"] + 60.0
     for _ in range(SAMPLES):
         copy.check()
-    assert ahead_of(str(tmp_path), here) == 60.0
-    assert ahead_of(str(tmp_path), "another start") == 0.0, "this computer was started again"
-    assert ahead_of(str(tmp_path / "none"), here) == 0.0
+    utc_s, mono_s = ahead_of(str(tmp_path), here, here)
+    assert utc_s == 60.0 and 1500.0 - next(monos) < mono_s < 1500.0
+    assert ahead_of(str(tmp_path), here, "another start") == Ahead(60.0), "this computer was started again"
+    assert ahead_of(str(tmp_path), "another start", here) == Ahead(), "the box's computer was"
+    assert ahead_of(str(tmp_path / "none"), here, here) == Ahead()
     receiver.close()
 
 

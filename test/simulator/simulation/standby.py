@@ -45,7 +45,7 @@ class Standby:
 
     def _start(self):
         self._process = Process(self.computer, "standby")
-        self._receiver = Receiver(self.folder, self.computer.utc)
+        self._receiver = Receiver(self.folder, self.computer.utc, self.computer.mono)
         self._process.on_end.append(self._receiver.close)
 
     def restart(self):

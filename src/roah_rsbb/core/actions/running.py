@@ -21,6 +21,7 @@ NOT_STARTED = say("The run is not started: disconnect to leave it")
 NO_ANSWER = say("The run is over, but the robot did not answer STOP: stop it by hand")
 OVER = say("The run is over: disconnect to leave it")
 NO_PAUSE = say("The rules of this benchmark do not allow a pause")
+NO_DOUBT = say("The run is not in doubt after a restart")
 PAUSED, NOT_PAUSED = say("The clock is paused"), say("The clock is not paused")
 NO_PHASES = say("This benchmark has no phases")
 FIRST, LAST = say("This is the first phase"), say("This is the last phase")
@@ -78,6 +79,26 @@ class StopRun(ZoneAction):
         """See `ZoneAction`."""
         if zone.run is not None and is_possible(zone.run.phase, RunEvent.END):
             zone.run.stop(now, by)
+
+
+class Continue(ZoneAction):
+    """Continue a run of which the box cannot know, after a restart, whether it was stopped."""
+
+    name = "continue"
+    off_without_run, shown_without_run = NO_DOUBT, False
+
+    def shown(self, zone: Zone) -> bool:
+        """See `ZoneAction`."""
+        return zone.run is not None and zone.run.is_doubted
+
+    def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
+        """See `ZoneAction`."""
+        return [] if zone.run is not None and zone.run.doubt(now) else [NO_DOUBT]
+
+    def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
+        """See `ZoneAction`."""
+        assert zone.run is not None, "it was checked before"
+        zone.run.continue_run(now)
 
 
 class Pause(ZoneAction):

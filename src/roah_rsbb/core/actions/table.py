@@ -22,7 +22,7 @@ from roah_rsbb.wording.suggestions import did_you_mean
 # What each action of `model.actions` does.
 KINDS: Tuple[Type[ZoneAction], ...] = (
     connecting.Connect, connecting.Disconnect, running.Start, running.StopRun, events.Previous, events.Next,
-    running.PreviousPhase, running.NextPhase, running.Pause, running.ResumeClock,
+    running.PreviousPhase, running.NextPhase, running.Continue, running.Pause, running.ResumeClock,
     connecting.OpenSheet, connecting.RecordNoShow, connecting.Withdrawn, events.ChooseEvent,
     modules.Operation, modules.Switch, modules.Damaged, modules.ConfirmSwitches,
 )

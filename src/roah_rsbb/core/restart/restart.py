@@ -14,6 +14,7 @@ from typing import Dict, Mapping, NamedTuple, Optional, Tuple
 from roah_rsbb.core import effects
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.effects import Level, Outbox
+from roah_rsbb.core.runs.run import UnrecordedStop
 from roah_rsbb.core.scoring.book import FinishedRuns, left_behind
 from roah_rsbb.core.scoring.counting import with_events
 from roah_rsbb.core.watches import Watches
@@ -26,7 +27,8 @@ from roah_rsbb.rulebook.benchmarks import Config, ScheduledEvent, ZonePlan
 from roah_rsbb.wording import times
 
 RESTARTED = say("The core was restarted at {time}, {down} s after its last record")
-CONTINUES, CONTINUES_AT = say("{text}: the run continues"), say("{text}: the run continues on the box at {address}")
+CONTINUES, CONTINUES_AT = say("{text}: the run continues if its robot does"), say(
+    "{text}: the run continues on the box at {address}")
 LOST = say("The run of {benchmark}, team {team}, that was connected before the restart cannot continue: {why}. Its "
            "scores are in the journal: see 'rosrun roah_rsbb results'")
 ZONE_GONE = say("zone '{zone}' is no longer in the schedule")
@@ -49,6 +51,9 @@ class Saved(NamedTuple):
     zones: Dict[str, ZoneState]
     records: Tuple[RunRecord, ...] = ()  # of runs that are over, or were in progress
     earlier: Mapping[int, Config] = MappingProxyType({})  # configurations with which runs were connected, by version
+    # By the identity of the run: the box before sent STOP, and its journal does not have it.
+    stopped: Mapping[str, UnrecordedStop] = MappingProxyType({})
+    mono: Optional[float] = None  # as `utc`, on the present monotonic clock (s); None: only UTC is known
 
 
 class Restart:
@@ -76,15 +81,20 @@ class Restart:
             else:
                 self._try_to_resume(now, zone, state, saved.earlier.get(state.version))
         runs = self._zones.runs()
+        for run in runs:
+            if run.identity in saved.stopped and run.phase is Phase.RUNNING:
+                run.take_stop(saved.stopped[run.identity])
         continuing = {run.identity for run in runs}
         for record in saved.records:
             if not record.closed_utc and record.identity not in continuing:
                 self._give_up(record, saved.utc)
         if runs:
-            down = max(0.0, now.utc - saved.utc)
+            down = max(0.0, now.utc - saved.utc if saved.mono is None else now.mono - saved.mono)
             text = RESTARTED(time=times.at_venue(now.utc), down=f"{down:.0f}")
             continuing_text = CONTINUES_AT(text=text, address=by) if by else CONTINUES(text=text)
             for run in runs:
+                if run.phase is Phase.RUNNING and not by:
+                    run.note_outage(now, down)
                 run.warn(now, continuing_text if run.phase is Phase.RUNNING else text)
             self._watches.restarted(now, text)
             self._outbox.emit(effects.SendBeacon())

@@ -23,6 +23,7 @@ from roah_rsbb.core.runs.run import (
     Run,
     RunContext,
     RunState,
+    UnrecordedStop,
     ZoneRun,
 )
 from roah_rsbb.core.runs.times import RunTimes
@@ -85,9 +86,20 @@ class MemberRun(Run):
         self.clock, self.state.clock = whole.clock, whole.clock.state
         self.times = RunTimes(NO_RULES, self.state.times)  # the whole run follows the rules
 
+    @property
+    def _is_in_progress(self) -> bool:
+        """One that was left out may have joined the others, and been stopped, while the box before was the box."""
+        return self._whole.phase is Phase.RUNNING and self.phase is not Phase.ENDED
+
+    def _begin_again(self, now: Now) -> None:
+        """See `Run._begin_again`. One that was left out joins the others with its next message."""
+        if self.phase is Phase.RUNNING:
+            super()._begin_again(now)
+
     def leave_out(self, now: Now) -> None:
         """Note that the others start without this robot, which is not ready."""
         self._enter(RunEvent.LEAVE_OUT)
+        self.state.doubted = self.state.asks = False
         self.say(now, Level.WARNING, LEFT_OUT(why=self.why_not_ready(now)))
 
     def why_not_ready(self, now: Now) -> str:
@@ -178,7 +190,8 @@ class AllRobotsRun(ZoneRun):
 
     def on_member_heard(self, now: Now, member: MemberRun) -> None:
         """Handle a message that a member took. The member may now join the others, or be the last to end."""
-        if self.phase is Phase.RUNNING and member.phase is Phase.CONNECTED and not member.why_not_ready(now):
+        is_awaited = member.phase is Phase.CONNECTED and not member.state.doubted
+        if self.phase is Phase.RUNNING and is_awaited and not member.why_not_ready(now):
             self.say(now, Level.INFO, f"{member.robot} is ready now, and joins the run")
             member.start(now)
         self._end_with_the_last(now)
@@ -202,6 +215,12 @@ class AllRobotsRun(ZoneRun):
         for member in self._in_phase(Phase.RUNNING):
             member.stop(now)
         self._end(now, EndReason.STOPPED, by)
+
+    def take_stop(self, sent: UnrecordedStop) -> None:
+        """See `ZoneRun`."""
+        for member in self._in_phase(Phase.RUNNING):
+            member.take_stop(sent)
+        self._end(sent.at, sent.reason, sent.by)
 
     def close(self, now: Now, by: By = NOBODY) -> None:
         """See `ZoneRun`."""
@@ -263,7 +282,8 @@ class AllRobotsRun(ZoneRun):
     def _warnings_of(self, member: MemberRun, now: Now) -> List[str]:
         if self.phase is Phase.RUNNING:
             if member.phase is Phase.CONNECTED:
-                return [LEFT_OUT(why=member.why_not_ready(now))]
+                doubt = member.doubt(now)
+                return [doubt or LEFT_OUT(why=member.why_not_ready(now))]
         elif now.mono >= self._settled_mono and not self.clock.is_over(now) and member.why_not_ready(now):
             return member.ignores_stop(now) + [WILL_BE_LEFT_OUT(why=member.why_not_ready(now))]
         saved_nothing = member.end_reason is EndReason.NO_MESSAGES_SAVED

@@ -9,7 +9,7 @@ from typing import List, Optional, Tuple
 from roah_rsbb.core import effects
 from roah_rsbb.core.runs.clock import CountdownState
 from roah_rsbb.core.runs.phases import RunEvent
-from roah_rsbb.core.runs.run import Run, RunContext, ZoneRun, ZoneRunState, identity_of
+from roah_rsbb.core.runs.run import Run, RunContext, UnrecordedStop, ZoneRun, ZoneRunState, identity_of
 from roah_rsbb.core.scoring.book import BookState
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
@@ -59,6 +59,10 @@ class HandRun(ZoneRun):
     def stop(self, now: Now, by: By = NOBODY) -> None:
         """See `ZoneRun`."""
         self._end(now, EndReason.STOPPED, by)
+
+    def take_stop(self, sent: UnrecordedStop) -> None:
+        """See `ZoneRun`."""
+        self._end(sent.at, sent.reason, sent.by)
 
     def close(self, now: Now, by: By = NOBODY) -> None:
         """See `ZoneRun`."""

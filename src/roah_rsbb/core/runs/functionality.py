@@ -14,7 +14,7 @@ from roah_rsbb.core.modules.presence import Driver, Modules
 from roah_rsbb.core.modules.texts import goal_json, result_text, scores_json
 from roah_rsbb.core.runs.machine import Reaction, react
 from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, GoalState, NumberedSwitches, RunningGoal, SwitchesState
-from roah_rsbb.core.runs.run import EXECUTING, FELL_BACK, Assignment, Run, RunContext, RunState
+from roah_rsbb.core.runs.run import CONTINUED, EXECUTING, FELL_BACK, Assignment, Run, RunContext, RunState
 from roah_rsbb.core.scoring.book import Marked
 from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import Now
@@ -176,6 +176,16 @@ class FunctionalityRun(Run):
         self._answer(outcome)
         self._set_pauses(now)
 
+    def _begin_again(self, now: Now) -> None:
+        """See `Run._begin_again`. Without a goal, the robot waits for the module."""
+        goal = self._goal
+        if goal is None:
+            self._set_state(now, BoxState.STOP, CONTINUED)
+        else:
+            goal.state.told = None  # its time counts from the new request
+            self._set_state(now, BoxState.PREPARE, NEW_GOAL)
+        self._changed()
+
     # -- the module ---------------------------------------------------------------------------------
 
     def on_modules(self, now: Now) -> None:
@@ -323,7 +333,8 @@ class FunctionalityRun(Run):
             self.switches = NumberedSwitches(self.of_module.switches)
         self._emit(effects.RunLogged(self.port, run_log.GOAL, goal_json(request)))
         self._set_pauses(now)
-        self._set_state(now, BoxState.PREPARE, NEW_GOAL)
+        if not self.state.asks:
+            self._set_state(now, BoxState.PREPARE, NEW_GOAL)
 
     def _step(self, now: Now, report: RobotReport) -> None:
         """React to a message of the robot, if there is a goal. Between goals, the robot waits."""
@@ -348,7 +359,7 @@ class FunctionalityRun(Run):
             self._goal_done(now, goal, result_text(report))
 
     def _goal_done(self, now: Now, goal: RunningGoal, result: str) -> None:
-        seconds = goal.executing_s(now.mono)
+        seconds = goal.executing_s(now.mono - self._leave_out_outage(now))
         if result:
             self._emit(effects.RunLogged(self.port, run_log.RESULT, result))
             if self.event.benchmark.profile.result is ResultForm.OBJECT:
@@ -373,10 +384,10 @@ class FunctionalityRun(Run):
 
     def _set_pauses(self, now: Now) -> None:
         """Pause the clock while the referee works or the module is missing. The goal continues while the referee works
-        for it."""
+        for it, but not while the referee decides whether the run continues."""
         super()._set_pauses(now)
         if self._goal is not None:
-            self._goal.clock.set_paused(now, self.held or self.times.state.paused)
+            self._goal.clock.set_paused(now, self.held or self.times.state.paused or self.state.asks)
 
     def deadline(self) -> Optional[float]:
         """See `Run.deadline`. Includes the goal's timeout."""
@@ -393,10 +404,16 @@ class FunctionalityRun(Run):
                 self._goal_timed_out(now, goal, due)
         super().tick(now)
 
-    def _end(self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY) -> None:
+    def _goal_number(self) -> int:
+        number = sum(step.request.kind is RequestKind.GOAL for step in self.steps)
+        return 0 if self._goal is None else number
+
+    def _end(
+        self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY, left_out_s: float = 0.0,
+    ) -> None:
         self._goal = self.of_module.goal = None
         self.of_module.held = False
-        super()._end(now, reason, desc, by)
+        super()._end(now, reason, desc, by, left_out_s)
         self._changed()
 
     def close(self, now: Now, by: By = NOBODY) -> None:

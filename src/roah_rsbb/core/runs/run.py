@@ -31,11 +31,11 @@ from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import NO_GOAL, BoxMessage, GoalMessage, RobotReport
 from roah_rsbb.model.reason import say
-from roah_rsbb.model.records import NOBODY, By, EndReason, ItemRecord, Phase, RunRecord, ScoreValue
+from roah_rsbb.model.records import NOBODY, By, EndReason, ItemRecord, Outage, Phase, RunRecord, ScoreValue
 from roah_rsbb.model.scoring import WHOLE
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Restarts, ScheduledEvent
-from roah_rsbb.wording import stop, times
+from roah_rsbb.wording import sheets, stop, times
 
 # Types whose values are whole numbers, which `Score` holds.
 WHOLE_WORDS = frozenset(kind.word for kind in WHOLE)
@@ -47,6 +47,9 @@ DROPPED_PERIOD_S = 10.0
 # seconds, the referee gets a hint.
 STUCK = {BoxState.PREPARE: RobotState.STOP, BoxState.GOAL_TX: RobotState.WAITING_GOAL}
 STUCK_S = 10.0
+# After a restart, no robot is asked to prepare before it reports, after this long, that it did not stop: until then, a
+# STOP of the box before may be on its way to it, and that box may still hear that this one took over.
+SETTLED_S = 2.0
 IGNORES_STOP = say("The robot did not answer STOP: stop it by hand. The box repeats STOP until the disconnect")
 STAYS_IN_STOP = say("The robot has stayed in STOP for {time} s after the start. Its program may not know benchmark "
                     "{code}, or may not be ready: check the robot's log")
@@ -56,6 +59,13 @@ WAITING = say("Connected: waiting for the robot's first message")
 PREPARING = say("Robot preparing for the task")
 EXECUTING = say("Robot prepared, executing (no explicit goal)")
 FELL_BACK = say("Robot fell back to {state}: preparing again")
+ASKS = say("The robot reports STOP after a restart of the box: the referee decides")
+STOPPED_ITSELF = say("The robot reports STOP, and after its restart the box cannot know why. If the run was stopped, "
+                     "press STOP. If it was not, continue the run: then the robot prepares again, and may move")
+UNHEARD = say("The box was restarted, and has not heard the robot since: it may have been stopped, or still be moving. "
+              "If the run was stopped, press STOP. If it was not, continue the run: then the robot may move")
+CONTINUED = say("The referee continues the run")
+ALREADY_SENT = say("{end} (recorded after a restart)")
 SAVED = say("Messages saved: {number}")
 
 
@@ -72,6 +82,14 @@ ONLINE_FIELDS = (
     OnlineField("visitor", run_log.VISITOR),
     OnlineField("final_command", run_log.COMMAND),
 )
+
+
+class UnrecordedStop(NamedTuple):
+    """A STOP that the box before sent, and did not record."""
+
+    at: Now
+    reason: EndReason = EndReason.STOPPED
+    by: By = NOBODY
 
 
 class Consequence(enum.Enum):
@@ -127,6 +145,9 @@ class RunState:
     strings: Strings = field(default_factory=dict)
     said: List[Said] = field(default_factory=list)  # the newest texts of the robot since the start of the run
     times: TimesState = field(default_factory=TimesState)
+    doubted: bool = False  # in progress since before a restart: a robot that stopped is not asked to prepare again
+    away_s: float = 0.0  # for so long the box was away since the robot's last message (s)
+    asks: bool = False  # the robot reported STOP in such a run: the referee decides
 
 
 def new_state(now: Now, assignment: Assignment) -> RunState:
@@ -270,6 +291,15 @@ class ZoneRun(abc.ABC):
             return self.times.setup_left(now)
         return self.clock.shown(now, ended=self.phase is Phase.ENDED)
 
+    def doubt(self, now: Now) -> Optional[str]:
+        """Return why the box cannot know, after a restart, whether the run continues; None: it knows."""
+        return next((text for text in (member.doubt(now) for member in self.members()) if text), None)
+
+    @property
+    def is_doubted(self) -> bool:
+        """Whether `doubt` has, or may soon have, a reason."""
+        return any(member.is_doubted for member in self.members())
+
     @property
     def goal(self) -> Optional[RunningGoal]:
         """The goal under way; None: the robot has no goal with a time of its own."""
@@ -309,6 +339,16 @@ class ZoneRun(abc.ABC):
     @abc.abstractmethod
     def stop(self, now: Now, by: By = NOBODY) -> None:
         """Stop the run."""
+
+    @abc.abstractmethod
+    def take_stop(self, sent: UnrecordedStop) -> None:
+        """End a run in progress as the box before ended it."""
+
+    def continue_run(self, now: Now) -> None:
+        """Continue a run of which the box could not know whether it continues: see `doubt`."""
+        for member in self.members():
+            if member.doubt(now):
+                member.continue_run(now)
 
     @abc.abstractmethod
     def close(self, now: Now, by: By = NOBODY) -> None:
@@ -437,11 +477,20 @@ class ZoneRun(abc.ABC):
         self.book.started(now)
         self._record_changed(now)
 
-    def _note_end(self, now: Now, desc: str, by: By) -> None:
-        """Record that the run ended just now. `end_reason` must be set already."""
+    def note_outage(self, now: Now, down_s: float) -> None:
+        """Note that the box was away, during a run in progress, until now."""
+        self.book.state.outages.append(Outage(now.utc - down_s, down_s, self._goal_number()))
+        self._record_changed(now)
+
+    def _goal_number(self) -> int:
+        return 0
+
+    def _note_end(self, now: Now, desc: str, by: By, left_out_s: float = 0.0) -> None:
+        """Record that the run ended just now. `end_reason` must be set already. `left_out_s` do not count."""
         assert self.end_reason is not None, "it ended"
         self.times.ended(now)
-        self.book.ended(now, self.end_reason.name.lower(), desc, by, self.clock.elapsed(now))
+        elapsed_s = max(0.0, self.clock.elapsed(now) - left_out_s)
+        self.book.ended(now, self.end_reason.name.lower(), desc, by, elapsed_s)
         self._record_changed(now)
 
     def _note_close(self, now: Now, by: By) -> None:
@@ -476,6 +525,7 @@ class Run(ZoneRun):
                               None if last_beacon is None else functools.partial(last_beacon, assignment.robot))
         self.saving = SavingWatch(context.settings, self.event.benchmark.profile.offline_data)
         self.devices = DeviceCommands(self.event.benchmark, self.state.devices)
+        self._is_replayed = last_beacon is None
         self._show_map = context.show_map
         self._strings_budget = StringsBudget()
         self._unused_strings = assignment.event.benchmark.unused_strings  # the referee was not warned about these yet
@@ -485,6 +535,8 @@ class Run(ZoneRun):
         # STOP has had its time to answer.
         self._state_mono = float("-inf") if self.resumed and self.phase is Phase.ENDED else now.mono
         self._hint_mono: Optional[float] = None  # when a warning that depends on time may begin: see `_hints_from`
+        # Of a doubted run: the robot was heard, it continued after `SETTLED_S`, and what it has not been sent yet.
+        self._opened_mono, self._is_heard, self._continued, self._is_withheld = now.mono, False, False, False
         self._last_logged: Optional[Tuple[RobotReport, bool]] = None
         self._revision = context.revision
         self._settled_at = NO_REVISION  # when the last report was taken again, and changed nothing
@@ -504,9 +556,25 @@ class Run(ZoneRun):
         self._set_state(now, BoxState.STOP, WAITING)
 
     def resume(self) -> None:
-        """Continue in the saved state."""
+        """Continue in the saved state. Nothing is sent to the robot of a run in progress before it was heard: the box
+        before may have stopped it."""
         self._emit(effects.RunResumed(self.port))
-        self._emit(effects.SendState(self.port, self.message, How.CHANGE))
+        self.state.doubted = self._is_in_progress
+        self.send(How.CHANGE)
+
+    @property
+    def _is_in_progress(self) -> bool:
+        return self.phase is Phase.RUNNING
+
+    def send(self, how: How) -> None:
+        """Send the robot what the box says, if it may be sent: in a doubted run only what the robot already does."""
+        is_prepare = self.message.state is BoxState.PREPARE
+        if (self.state.doubted and self.message.state is not BoxState.STOP
+                and not (self._continued if is_prepare else self._is_heard)):
+            self._is_withheld = True
+            return
+        how, self._is_withheld = How.CHANGE if self._is_withheld else how, False
+        self._emit(effects.SendState(self.port, self.message, how))
 
     def members(self) -> Tuple["Run", ...]:
         """See `ZoneRun`: this run is its only member."""
@@ -519,6 +587,7 @@ class Run(ZoneRun):
 
     def start(self, now: Now) -> None:
         """See `ZoneRun`."""
+        self.state.doubted = self.state.asks = False
         self.clock.start(now)
         self.state.said.clear()
         self._enter(RunEvent.START)
@@ -531,6 +600,25 @@ class Run(ZoneRun):
     def stop(self, now: Now, by: By = NOBODY) -> None:
         """See `ZoneRun`."""
         self._end(now, EndReason.STOPPED, by=by)
+
+    def take_stop(self, sent: UnrecordedStop) -> None:
+        """See `ZoneRun`."""
+        self._end(sent.at, sent.reason, ALREADY_SENT(end=sent.reason.value), sent.by)
+        self._state_mono = float("-inf")  # the robot had its time to answer
+
+    def continue_run(self, now: Now) -> None:
+        """See `ZoneRun`."""
+        self.state.doubted, was_asked, self.state.asks = False, self.state.asks, False
+        self._set_pauses(now)
+        self.say(now, Level.INFO, CONTINUED)
+        if was_asked:
+            self._begin_again(now)
+        else:
+            self.send(How.CHANGE)
+
+    def _begin_again(self, now: Now) -> None:
+        """Let a robot that stopped prepare again."""
+        self._begin(now)
 
     def close(self, now: Now, by: By = NOBODY) -> None:
         """Leave the run. The box sends no last message."""
@@ -597,7 +685,8 @@ class Run(ZoneRun):
         revision = self._revision()
         has_strings = self._take_content(now, report, heard)
         # The first time, a run may only note something. Strings are acknowledged at once each time.
-        is_settled = repeats and not has_strings and revision == self._revision()
+        is_unsure = self.state.doubted and not self._continued
+        is_settled = repeats and not has_strings and not is_unsure and revision == self._revision()
         self._settled_at = revision if is_settled else NO_REVISION
         return Consequence.ANY
 
@@ -613,12 +702,54 @@ class Run(ZoneRun):
         self._log_report(report)
         has_strings = self._take_strings(now, report)
         self._take_commands(now, report)
+        if self.state.doubted:
+            self._look_whether_it_continues(now, report)
         self._step(now, report)
+        self.state.away_s = 0.0
         self.saving.see(now, self.message.state, report)
         if self.message.state == before.state:
             urgent = has_strings or heard.state_changed
-            self._emit(effects.SendState(self.port, self.message, How.REPLY if urgent else How.QUIET))
+            self.send(How.REPLY if urgent else How.QUIET)
         return has_strings
+
+    def note_outage(self, now: Now, down_s: float) -> None:
+        """See `ZoneRun`."""
+        self.state.away_s += down_s
+        super().note_outage(now, down_s)
+
+    def _leave_out_outage(self, now: Now) -> float:
+        """The robot has completed its goal or task. Return for how long (s) the box was away just before: the robot was
+        done at some moment of it, which does not count as its time."""
+        away_s, outages = self.state.away_s, self.book.state.outages
+        if away_s and outages:
+            outages[-1] = outages[-1]._replace(left_out_s=away_s)
+            self.warn(now, sheets.outage_text(outages[-1]))
+        return away_s
+
+    def _look_whether_it_continues(self, now: Now, report: RobotReport) -> None:
+        """Take what a robot reports in a doubted run. If it stopped, the box before may have stopped it, so the box
+        sends it what it already does, and the referee decides."""
+        arrived = self.link.last_heard
+        self._is_heard = True
+        if report.state is not RobotState.STOP:
+            assert arrived is not None, "this report"
+            self._continued = self._continued or arrived.mono >= self._opened_mono + SETTLED_S
+        elif not self.state.asks:
+            self.state.asks = True
+            self._set_pauses(now)
+            self._set_state(now, BoxState.STOP, ASKS)
+
+    @property
+    def is_doubted(self) -> bool:
+        """See `ZoneRun`."""
+        is_unheard = self.state.doubted and not self._is_heard and not self._is_replayed
+        return self._is_in_progress and (self.state.asks or is_unheard)
+
+    def doubt(self, now: Now) -> Optional[str]:
+        """See `ZoneRun`."""
+        if self.state.asks or not self.is_doubted:
+            return STOPPED_ITSELF if self.is_doubted else None
+        return UNHEARD if self.link.is_silent(now) else None
 
     def on_copy(self, now: Now, host: str, count: int) -> None:
         """Handle copies of datagrams of the robot, the last from `host`. They change nothing in the run."""
@@ -632,7 +763,8 @@ class Run(ZoneRun):
         elif reaction is Reaction.RETRY:
             self._set_state(now, BoxState.PREPARE, FELL_BACK(state=report.state.name))
         elif reaction is Reaction.GOAL_DONE:
-            self._end(now, EndReason.COMPLETED)
+            left_out_s = 0.0 if self.clock.paused else self._leave_out_outage(now)
+            self._end(now, EndReason.COMPLETED, left_out_s=left_out_s)
 
     def _take_strings(self, now: Now, report: RobotReport) -> bool:
         any_text, dropped, strings = False, 0, self.state.strings
@@ -688,10 +820,13 @@ class Run(ZoneRun):
 
     # -- shared ------------------------------------------------------------------------------------
 
-    def _end(self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY) -> None:
+    def _end(
+        self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY, left_out_s: float = 0.0,
+    ) -> None:
         self._enter(RunEvent.END, reason)
+        self.state.doubted = self.state.asks = False
         self.clock.stop(now)
-        self._note_end(now, desc or reason.value, by)
+        self._note_end(now, desc or reason.value, by, left_out_s)
         self._set_state(now, BoxState.STOP, desc or reason.value)
 
     def _set_state(self, now: Now, state: BoxState, desc: str, goal: GoalMessage = NO_GOAL) -> None:
@@ -706,7 +841,7 @@ class Run(ZoneRun):
             self._emit(effects.RunLogged(self.port, topic, value))
         self.say(now, Level.INFO, f"{state.name}: {desc}")
         self.link.record.box_says(now, state)
-        self._emit(effects.SendState(self.port, self.message, How.CHANGE))
+        self.send(How.CHANGE)
 
     def _describe(self, now: Now, desc: str) -> None:
         """See `ZoneRun._describe`. The robot receives the same state again."""
@@ -738,7 +873,8 @@ class Run(ZoneRun):
 
     def warnings(self, now: Now) -> List[str]:
         """Return the referee's current warnings."""
-        return self.ignores_stop(now) + self.link.warnings(now) + self._stuck(now)
+        doubt = self.doubt(now)
+        return ([doubt] if doubt else []) + self.ignores_stop(now) + self.link.warnings(now) + self._stuck(now)
 
     def _hints_from(self) -> Optional[float]:
         """Return the monotonic time (s) from which a robot that does not follow the box's state gets a warning; None:
@@ -764,4 +900,5 @@ class Run(ZoneRun):
 
     def status_lines(self, now: Now) -> List[str]:
         """Return the status lines for the referee besides `desc` and the warnings."""
-        return [] if self.robot_state is None else [SAVED(number=self.link.messages_saved)]
+        saved = [] if self.robot_state is None else [SAVED(number=self.link.messages_saved)]
+        return saved + [sheets.outage_text(outage) for outage in self.book.state.outages[-1:]]

@@ -20,6 +20,7 @@ from roah_rsbb.model.records import (
     EndReason,
     ItemRecord,
     JudgingRecord,
+    Outage,
     PublicationRecord,
     RunRecord,
     ScoreEntry,
@@ -52,6 +53,7 @@ class BookState:
     elapsed_s: float = 0.0  # counted seconds from the last start to its end; 0.0: not ended
     judging: JudgesState = field(default_factory=JudgesState)
     publication: PublicationState = field(default_factory=PublicationState)
+    outages: List[Outage] = field(default_factory=list)
 
 
 class Marked(NamedTuple):
@@ -175,6 +177,7 @@ class RunBook:
             items=items, points=points, form=None if self.form.is_plain else self.form, history=self.sheet.history,
             stops=tuple(self.state.stops), started_utc=self.state.started_utc, elapsed_s=self.state.elapsed_s,
             marks=self.sheet.marks, judging=self.judges.record(), publication=self.publication.record(),
+            outages=tuple(self.state.outages),
         )
 
 
@@ -205,7 +208,7 @@ class FinishedRun:
         form = form_of(record)
         state = BookState(
             SheetState(list(record.history), record.marks), list(record.stops), record.started_utc, record.elapsed_s,
-            JudgesState.of(record.judging), PublicationState.of(record.publication),
+            JudgesState.of(record.judging), PublicationState.of(record.publication), list(record.outages),
         )
         self._book = RunBook(form, state, over=True)
 

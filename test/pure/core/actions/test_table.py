@@ -111,7 +111,7 @@ def test_what_is_kept_of_zones_without_a_run_is_as_it_would_be_made(code):
     driver = BoxDriver(competition(tbm=[code]))
     zone, actions = driver.box.zones["tbm"], driver.box.actions
     kept = [name for name in ACTIONS if actions[name].off_without_run is not None]
-    assert len(kept) == 8
+    assert len(kept) == 9
     shown = actions.shown(driver.now, zone)
     assert list(shown) == list(ACTIONS)
     for name, found in shown.items():
