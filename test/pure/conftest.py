@@ -1,5 +1,5 @@
 """Processes that tests start find the package where the tests do, and get Ctrl-\\ as in a terminal: a shell lets what
-it starts in the background ignore it."""
+it starts in the background ignore it. What a test writes into a journal is in its file however busy the computer is."""
 
 import os
 import signal
@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from roah_rsbb.journal import store
 from roah_rsbb.wording import times
 
 
@@ -20,3 +21,4 @@ def _no_zone():
 def _package():
     os.environ["PYTHONPATH"] = os.pathsep.join(sys.path)
     signal.signal(signal.SIGQUIT, signal.SIG_DFL)
+    store.WRITE_S = 60.0

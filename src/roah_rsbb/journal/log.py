@@ -450,8 +450,9 @@ class _Waiting(NamedTuple):
 class Log:
     """Writes the records of a journal into its segments.
 
-    `append` and `write` belong to one thread, `sync` may be called in another. `lock` protects what both change: hold
-    it while you change what `summary` returns. All methods raise OSError; nothing is lost then.
+    `append` belongs to one thread, which never waits for the disk; `write` and `sync` may be called in others. `lock`
+    protects what all of them change, and nobody holds it while the disk works: hold it while you change what `summary`
+    returns. All methods raise OSError; nothing is lost then.
     """
 
     def __init__(self, folder: str, summary: Callable[[], bytes],
@@ -460,6 +461,7 @@ class Log:
         place is known: number of the segment, and bytes from its beginning."""
         self.folder = folder
         self.lock = threading.RLock()
+        self._writing = threading.Lock()  # of whoever writes into the newest segment, or replaces it
         self.last = 0  # number of the newest record
         self.written = 0  # of the newest record in the file
         self.saved = 0  # of the newest record that is on the disk, and will be found there
@@ -502,17 +504,19 @@ class Log:
 
     def write(self) -> None:
         """Hand records to the system, in their order; those that cannot be written wait."""
-        with self.lock:
-            if self._fd is None or self.segment is None:
-                return
-            while self._unwritten:
-                waiting = self._unwritten[0]
-                frame = _frame(_RECORD, waiting, self._proven, self.segment.head.salt)
+        with self._writing:
+            while True:
+                with self.lock:
+                    if self._fd is None or self.segment is None or not self._unwritten:
+                        return
+                    waiting = self._unwritten[0]
+                    frame = _frame(_RECORD, waiting, self._proven, self.segment.head.salt)
                 self._files.write(self._fd, frame, self._at)
-                self._placed(waiting.payload, self.segment.name.number, self._at)
-                self._at += len(frame)
-                self.written = waiting.number
-                self._unwritten.popleft()
+                with self.lock:
+                    self._placed(waiting.payload, self.segment.name.number, self._at)
+                    self._at += len(frame)
+                    self.written = waiting.number
+                    self._unwritten.popleft()
 
     def sync(self) -> None:
         """Bring everything that was written to the disk. Begins a segment if the newest one is full or not to be
@@ -583,19 +587,26 @@ class Log:
 
     def _switch(self, segment: Segment, fd: int, last: int, end: int) -> None:
         """Give a complete segment its name, and write there from now on."""
-        with self.lock:
-            before = self._fd, self.segment, self._at, self.written, self._unwritten
-            self._fd, self.segment, self._at = fd, segment, end
-            self._unwritten = deque(waiting for waiting in self._waiting if waiting.number > last)
-            try:
-                self.write()
-                self._files.rename(segment.path + DRAFT, segment.path)
-            except BaseException:
-                self._fd, self.segment, self._at, self.written, self._unwritten = before
-                raise
-            self.written, self.epoch, self._own = self.last, segment.head.epoch, identity(fd)
-            if before[0] is not None:
-                self._kept.append((before[1], before[0]))
+        with self._writing:
+            with self.lock:
+                later = [waiting for waiting in self._waiting if waiting.number > last]
+            places = []
+            for waiting in later:
+                places.append(end)
+                frame = _frame(_RECORD, waiting, self._proven, segment.head.salt)
+                self._files.write(fd, frame, end)
+                end += len(frame)
+            self._files.rename(segment.path + DRAFT, segment.path)
+            own = identity(fd)
+            with self.lock:
+                if self._fd is not None and self.segment is not None:
+                    self._kept.append((self.segment, self._fd))
+                for waiting, at in zip(later, places):
+                    self._placed(waiting.payload, segment.name.number, at)
+                self._fd, self.segment, self._at, self._own = fd, segment, end, own
+                self.written = later[-1].number if later else last
+                self._unwritten = deque(waiting for waiting in self._waiting if waiting.number > self.written)
+                self.epoch = segment.head.epoch
 
     def _prove(self, number: int, end: int) -> None:
         """Records up to this number, which ends there, are proven in the present segment."""
@@ -607,22 +618,24 @@ class Log:
     def is_in_place(self) -> bool:
         """Whether the segment that is written is still in the folder."""
         with self.lock:
-            return self._fd is None or identity(self.segment.path) == self._own
+            segment, own = self.segment, self._own
+        return segment is None or identity(segment.path) == own
 
     def restore(self) -> None:
         """Write the segments again that were removed from the folder, from their open files. Call `begin` next."""
         self._files.make_folder(self.folder)
         with self.lock:
-            for segment, fd in [*self._kept, (self.segment, self._fd)]:
-                if identity(segment.path) != identity(fd):
-                    self._remove_drafts()
-                    new = self._files.create(segment.path + DRAFT)
-                    try:
-                        self._files.write(new, _content(fd), 0)
-                        self._files.sync(new)
-                    finally:
-                        self._files.close(new)
-                    self._files.rename(segment.path + DRAFT, segment.path)
+            found = [*self._kept, (self.segment, self._fd)]
+        for segment, fd in found:
+            if identity(segment.path) != identity(fd):
+                self._remove_drafts()
+                new = self._files.create(segment.path + DRAFT)
+                try:
+                    self._files.write(new, _content(fd), 0)
+                    self._files.sync(new)
+                finally:
+                    self._files.close(new)
+                self._files.rename(segment.path + DRAFT, segment.path)
 
     def finish(self) -> None:
         """Sync everything, and say in the file that it is proven: nothing else follows that would."""

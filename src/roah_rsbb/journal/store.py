@@ -1,8 +1,10 @@
 """Writes the journal.
 
-Theory of operation. `write` hands the changes of one event to the system before it returns, so that they survive the
-process; a thread (`syncer`) syncs them to the disk soon after. Data that cannot be written (a full disk, a missing
-folder) waits in memory and is written, in order, with the next write that succeeds. Runs continue in the meantime.
+Theory of operation. `write` takes the changes of one event. A thread hands them to the system at once, so that they
+survive the process, and another one syncs them to the disk soon after (`syncer`). `write` waits for the first of them,
+but not for a disk that stands still: `is_waiting` says whether it does, and `on_written` is called when it goes on.
+Data that cannot be written (a full disk, a missing folder) waits in memory and is written, in order, with the next
+write that succeeds. Runs continue in the meantime.
 
 Each write has a ticket, a rising number. `saved` is the newest ticket on the disk, and `why_not_saved` waits for one.
 
@@ -23,7 +25,7 @@ from roah_rsbb.journal.contents import Opened
 from roah_rsbb.journal.file import CannotWriteJournal, CoreSession, DamagedJournal, Lock, Resume
 from roah_rsbb.journal.log import Files, NewerFormat, read_chain
 from roah_rsbb.journal.previous_session import NOTHING, PreviousSession, read_previous_session
-from roah_rsbb.journal.syncer import Syncer
+from roah_rsbb.journal.syncer import GROUP_S, Syncer
 from roah_rsbb.journal.writer import Writer
 
 # Failed writes are retried after this time.
@@ -32,11 +34,15 @@ RETRY_S = 0.5
 SYNC_TIMEOUT_S = 2.0
 # A disk that takes longer than this is reported.
 SLOW_S = 1.0
+# For so long `write` waits. A file is usually written in 0.05 ms, and nothing else happens in the box meanwhile.
+WRITE_S = 0.005
 
 # Reported when a problem is over.
 REPAIRED = ""
 
 _AT_STAKE = "Runs continue, but what happens now is lost if the box ends or this computer is switched off"
+_STANDS_STILL = ("takes no data. Robots get STOP at once, but nothing else that is new before it is written. Check the "
+                 "disk of log_dir, or use another one")
 
 
 class Journal:
@@ -46,11 +52,13 @@ class Journal:
         self, log_dir: str, session: CoreSession, competition: List[Any], resume: Resume,
         on_trouble: Callable[[str], None], lock: Optional[Lock] = None, file_operations: Optional[Files] = None,
         clock: Callable[[], float] = time.monotonic,
-        syncer: Callable[[Callable[[], bool]], Syncer] = Syncer,
+        syncer: Callable[[Callable[[], bool], float], Syncer] = Syncer,
     ) -> None:
         """`competition`: its events, each a list. `lock`: if the caller has locked the journal. `on_trouble` is called,
         in any thread, with a problem and its remedy, or with `REPAIRED`. A simulator replaces the last three. Raises
         only `DamagedJournal`; then the lock is released."""
+        self.on_written: Callable[[], None] = lambda: None
+        """Called in another thread when what waited was written, or cannot be."""
         self._log_dir = log_dir
         self._session = session
         self._competition = competition
@@ -63,31 +71,35 @@ class Journal:
         self._is_begun = False  # this session has a segment
         self._first = 0  # number of the record of this session's start
         self._pending: Deque[Batch] = deque()  # until the journal is open
+        self._adding = threading.Lock()  # of these, and of what opens the journal
         self._ticket = 0  # of the latest write
+        self._asked = self._tried = 0  # number of the newest attempt to write, and of the newest that has ended
         self._retry_at = 0.0
         self._problem = ""  # why the latest write failed
         self._disk_problem = ""  # why the latest sync failed
-        self._waits_since: Optional[float] = None  # monotonic time (s) of the oldest write that is not synced
-        self._is_slow = False
-        self._trouble = REPAIRED
-        self._disk_trouble = REPAIRED
+        self._awaited = 0, 0.0  # a ticket that must be saved soon, and its monotonic time (s)
+        self._slow = ""  # how the disk is slow
+        self._told = REPAIRED  # the trouble that was reported
+        self._telling = threading.Lock()
         self._syncing = threading.Lock()
         self.path = os.path.join(log_dir, files.FILE_NAME)
         self.previous: PreviousSession = NOTHING
         self.warnings: Tuple[str, ...] = ()  # those that nobody has taken
         self._found: Optional[Opened] = None  # at the start
         self._is_running = False  # the core has started, with or without the journal
-        self._syncer = syncer(self._sync)
+        self._syncer, self._writing = syncer(self._sync, GROUP_S), syncer(self._write, 0.0)
         try:
             self._attempt(self._flush, DamagedJournal)
         except DamagedJournal:
+            self._writing.end()
             self._syncer.end()
             raise
         self._is_running = True
 
     def take_warnings(self) -> Tuple[str, ...]:
         """Return what is new and must be known of the journal that was found."""
-        taken, self.warnings = self.warnings, ()
+        with self._adding:
+            taken, self.warnings = self.warnings, ()
         return taken
 
     def earlier_damage(self) -> Iterator[str]:
@@ -100,38 +112,51 @@ class Journal:
     # -- writing ------------------------------------------------------------------------------------
 
     def write(self, batch: Batch) -> int:
-        """Hand the changes of one event and all waiting data to the system; returns its ticket.
+        """Let the changes of one event and all waiting data be written; returns its ticket.
 
         Data that cannot be written waits, and the problem is reported. Raises TypeError or ValueError for what is not
         JSON.
         """
         if batch.is_empty():
             return self._ticket
-        self._ticket += 1
-        ticket = self._ticket
-        self._pending.append(batch)
-        self._take_pending()
+        self._await(self._ticket + 1)
+        with self._adding:
+            self._ticket += 1
+            ticket = self._ticket
+            self._pending.append(batch)
+            self._take_pending()
         if not self._retry_at or self._clock() >= self._retry_at:
-            self._attempt(self._flush)
+            self._try_to_write()
         return ticket
+
+    def is_waiting(self, ticket: int) -> bool:
+        """Whether the disk stands still and has not taken this ticket yet. A problem is not waited for."""
+        return self.committed < ticket and not self._problem
+
+    @property
+    def next_ticket(self) -> int:
+        """The ticket of the next write."""
+        return self._ticket + 1
 
     def set_competition(self, competition: List[Any]) -> None:
         """The schedule was changed: a later start compares its own with this one."""
-        self._competition = competition
-        if self._first:
+        with self._adding:
+            self._competition = competition
+            if not self._first:
+                return
             self._ticket += 1
             self._writer.set_competition(self._competition)
-            self._attempt(self._flush)
+        self._try_to_write()
 
     def look(self) -> None:
         """Call this about once a second: writes waiting data, and checks the folder and the speed of the disk."""
-        if not self._is_begun or self.committed < self._ticket or not self._writer.log.is_in_place:
-            self._attempt(self._flush)
-        if not self._trouble or self._is_slow:
-            since = self._waits_since
-            self._is_slow = since is not None and self._clock() - since >= SLOW_S
-            self._report(f"The disk of the journal {self.path} is slow. {_AT_STAKE}. Use another disk for log_dir"
-                         if self._is_slow else REPAIRED)
+        self._try_to_write()
+        self._await(self._ticket)
+        ticket, since = self._awaited
+        is_slow = self.saved < ticket and self._clock() - since >= SLOW_S
+        self._slow = "" if not is_slow else (
+            f"{_STANDS_STILL}" if self.committed < ticket else f"is slow. {_AT_STAKE}. Use another disk for log_dir")
+        self._tell()
 
     def forget_previous(self) -> None:
         """Free what a core needs of the previous session only when it starts."""
@@ -158,12 +183,13 @@ class Journal:
 
     def why_not_saved(self, ticket: int) -> str:
         """Wait for some time until this ticket is on the disk; returns "" or why it is not. For any thread."""
-        if ticket <= self.committed and self._syncer.wait(lambda: self.saved >= ticket, SYNC_TIMEOUT_S):
+        if not self._problem and self._syncer.wait(lambda: self.saved >= ticket, SYNC_TIMEOUT_S):
             return ""
         return self._problem or self._disk_problem or f"the disk of log_dir takes longer than {SYNC_TIMEOUT_S:g} s"
 
     def close(self) -> None:
         """Write waiting data, and sync everything to the disk."""
+        self._writing.end()
         self._attempt(self._flush)
         self._syncer.end()
         if self._writer is not None:
@@ -172,49 +198,71 @@ class Journal:
             self._writer.log.close()
         self._unlock()
 
+    def _try_to_write(self) -> None:
+        """Let everything be written, and wait for it, but only once for a disk that stands still."""
+        stands_still = self._tried < self._asked
+        self._asked += 1
+        asked = self._asked
+        self._writing.wake()
+        if not stands_still:
+            self._writing.wait(lambda: self._tried >= asked, WRITE_S)
+
+    def _await(self, ticket: int) -> None:
+        """Note since when the oldest ticket waits, or rather one that is little younger."""
+        if self.saved >= self._awaited[0]:
+            self._awaited = ticket, self._clock()
+
     # -- trouble ------------------------------------------------------------------------------------
 
     def _attempt(self, step: Callable[[], None], *raised: Type[Exception]) -> None:
         """Do a step. If it fails, the runs continue, and the data waits."""
         try:
             step()
-        except raised:
-            self._unlock()
-            raise
-        except (CannotWriteJournal, NewerFormat, OSError) as error:
+        except Exception as error:
+            if isinstance(error, raised):
+                self._unlock()
+                raise
             self._retry_at = self._clock() + RETRY_S
-            self._problem, self._is_slow = _plain(error), False
-            self._report(f"The journal {self.path} cannot be written: {self._problem}. {_AT_STAKE}. "
-                         "Free or repair the disk of log_dir")
-            return
-        self._retry_at = 0.0
-        self._problem = ""
-        if not self._is_slow:
-            self._report(REPAIRED)
+            self._problem = _plain(error)
+        else:
+            self._retry_at = 0.0
+            self._problem = ""
+        self._tell()
 
-    def _report(self, trouble: str) -> None:
-        before, self._trouble = self._trouble, trouble
-        if trouble != before:
-            self._on_trouble(trouble or self._disk_trouble)
+    def _tell(self) -> None:
+        """Report what is wrong now, if that is new."""
+        with self._telling:
+            trouble = REPAIRED
+            if self._problem:
+                trouble = (f"The journal {self.path} cannot be written: {self._problem}. {_AT_STAKE}. Free or repair "
+                           "the disk of log_dir")
+            elif self._disk_problem:
+                trouble = (f"The journal {self.path} does not reach the disk: {self._disk_problem}. {_AT_STAKE}. "
+                           "Repair the disk of log_dir")
+            elif self._slow:
+                trouble = f"The disk of the journal {self.path} {self._slow}"
+            if trouble != self._told:
+                self._told = trouble
+                self._on_trouble(trouble)
 
-    # -- in the syncer's thread -----------------------------------------------------------------------
+    # -- in threads of their own ----------------------------------------------------------------------
+
+    def _write(self) -> bool:
+        asked = self._asked
+        self._attempt(self._flush)
+        self._tried = asked
+        self.on_written()
+        return True  # `look` tries again
 
     def _sync(self) -> bool:
-        began, problem = self._clock(), ""
+        problem = ""
         with self._syncing:
-            log = self._writer.log
             try:
-                log.sync()
+                self._writer.log.sync()
             except OSError as error:
                 problem = _plain(error)
-            else:
-                # Writes after the beginning may have missed this sync.
-                self._waits_since = began if log.saved < log.written else None
-        if problem != self._disk_problem:
-            self._disk_problem = problem
-            self._disk_trouble = problem and (f"The journal {self.path} does not reach the disk: {problem}. "
-                                              f"{_AT_STAKE}. Repair the disk of log_dir")
-            self._on_trouble(self._trouble or self._disk_trouble)
+        self._disk_problem = problem
+        self._tell()
         return not problem
 
     # -- steps --------------------------------------------------------------------------------------
@@ -222,7 +270,6 @@ class Journal:
     def _flush(self) -> None:
         if self._writer is None:
             self._open()
-        self._take_pending()
         log = self._writer.log
         if not self._is_begun:
             with self._syncing:
@@ -232,8 +279,6 @@ class Journal:
             self._restore()  # otherwise new data would be lost with the process
         log.write()
         if log.saved < log.last:
-            if self._waits_since is None:
-                self._waits_since = self._clock()
             self._syncer.wake()
 
     def _open(self) -> None:
@@ -246,10 +291,14 @@ class Journal:
         self.previous, problems = read_previous_session(opened)
         if problems:
             warnings.append(f"The journal {self.path} is damaged: {'; '.join(problems)}. {files.COPY}")
-        self.warnings += tuple(warnings)
-        self._writer = Writer(self.path, opened, self._files)
-        self._writer.begin_session(self._session, self._competition)
-        self._first = self._writer.log.last
+        writer = Writer(self.path, opened, self._files)
+        with self._adding:
+            self.warnings += tuple(warnings)
+            writer.begin_session(self._session, self._competition)
+            self._first = writer.log.last
+            self._writer = writer
+            with contextlib.suppress(TypeError, ValueError, RecursionError):  # what is not JSON is not there
+                self._take_pending()
 
     def _take_pending(self) -> None:
         while self._writer is not None and self._pending:
@@ -277,4 +326,6 @@ class Journal:
 
 def _plain(error: Exception) -> str:
     """Return the error of the system in plain words."""
+    if not isinstance(error, (CannotWriteJournal, NewerFormat, OSError)):
+        return f"internal error, please report it: {error!r}"
     return "the disk is full" if durable.is_full(error) else getattr(error, "strerror", None) or str(error)

@@ -1,4 +1,4 @@
-"""Syncs the journal to the disk in a thread of its own, many records at once. The loop never waits for the disk."""
+"""Threads that write the journal, and sync it to the disk, many records at once. The loop does not wait for a disk."""
 
 import threading
 from typing import Callable
@@ -13,29 +13,30 @@ RETRY_S = 0.5
 class Syncer:
     """Calls `work` after `wake`. All methods may be called from any thread. The simulator has another one."""
 
-    def __init__(self, work: Callable[[], bool]) -> None:
-        """`work` syncs everything, and returns whether it succeeded; otherwise it is repeated."""
-        self._work = work
+    def __init__(self, work: Callable[[], bool], group_s: float) -> None:
+        """`work` writes or syncs everything, `group_s` after `wake`, and returns whether it succeeded; otherwise it is
+        repeated."""
+        self._work, self._group_s = work, group_s
         self._changed = threading.Condition()
         self._is_wanted = self._hurry = self._ended = False
         self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
         self._thread.start()
 
     def wake(self) -> None:
-        """Sync soon."""
+        """Work soon."""
         with self._changed:
             self._is_wanted = True
             self._changed.notify_all()
 
     def wait(self, is_done: Callable[[], bool], timeout: float) -> bool:
-        """Sync now, and wait until something is done, at most `timeout` seconds; returns whether it is."""
+        """Work now, and wait until something is done, at most `timeout` seconds; returns whether it is."""
         with self._changed:
             self._hurry = True
             self._changed.notify_all()
             return self._changed.wait_for(is_done, timeout)
 
     def end(self) -> None:
-        """Sync the rest, and end the thread."""
+        """Do the rest, and end the thread."""
         with self._changed:
             self._ended = True
             self._changed.notify_all()
@@ -46,7 +47,7 @@ class Syncer:
         while not ended:
             with self._changed:
                 self._changed.wait_for(lambda: self._ended or self._is_wanted)
-                self._changed.wait_for(lambda: self._ended or self._hurry, GROUP_S if succeeded else RETRY_S)
+                self._changed.wait_for(lambda: self._ended or self._hurry, self._group_s if succeeded else RETRY_S)
                 is_wanted, ended = self._is_wanted, self._ended
                 self._hurry = self._is_wanted = False
             if is_wanted:

@@ -24,11 +24,11 @@ import itertools, json, sys
 sys.path[:] = json.loads(sys.argv[2])
 import roah_rsbb
 roah_rsbb.__path__ = json.loads(sys.argv[3])
-from roah_rsbb.journal import log
+from roah_rsbb.journal import log, store
 from roah_rsbb.journal.batch import Batch, Member, NewEntry
 from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
-log.FULL_BYTES = 100_000
+log.FULL_BYTES, store.WRITE_S = 100_000, 60.0
 troubles = []
 session = CoreSession(1e9, 1.0, "boot", 1, "uuid", "")
 journal = Journal(sys.argv[1], session, [["Home", "HNF", "Alpha", 1, 1, 0.0]], Resume.ALWAYS, troubles.append)

@@ -630,7 +630,7 @@ def test_syncs_are_grouped(journals, monkeypatch):
 class SimulatedSyncer:
     """Syncs when the simulated time has come, without a thread."""
 
-    def __init__(self, work):
+    def __init__(self, work, group_s):
         self.work, self.is_wanted = work, False
 
     def wake(self):
@@ -651,19 +651,18 @@ class SimulatedSyncer:
 def test_in_simulated_time_nothing_depends_on_threads_or_chance(tmp_path):
     contents = []
     for name in ("first", "second"):
-        chance, now, syncers = random.Random(5), [100.0], []
+        chance, now = random.Random(5), [100.0]
 
         class SimulatedFiles(log.Files):
             unique = staticmethod(lambda count, chance=chance: bytes(chance.randrange(256) for _ in range(count)))
 
         journal = Journal(str(tmp_path / name), session(), COMPETITION, Resume.ALWAYS, [].append, None,
-                          SimulatedFiles(), lambda now=now: now[0],
-                          lambda work, syncers=syncers: syncers.append(SimulatedSyncer(work)) or syncers[0])
+                          SimulatedFiles(), lambda now=now: now[0], SimulatedSyncer)
         ticket = journal.write(BATCH)
         assert (journal.committed, journal.saved) == (1, 0)
         now[0] += stores.SLOW_S
         journal.look()
-        assert journal._is_slow
+        assert journal._slow
         assert journal.why_not_saved(ticket) == ""
         journal.close()
         contents.append({path.name: path.read_bytes() for path in sorted((tmp_path / name / FILE_NAME).iterdir())})
@@ -674,7 +673,9 @@ ON_A_DISK = """
 import json, sys
 sys.path[:0] = json.loads(sys.argv[2])
 from roah_rsbb.journal.file import CoreSession, Resume
+from roah_rsbb.journal import store
 from roah_rsbb.journal.store import Journal
+store.WRITE_S = 60.0
 troubles = []
 session = CoreSession(1e9, 1.0, "boot", 1, "uuid", "")
 journal = Journal(sys.argv[1], session, json.loads(sys.argv[3]), Resume.ALWAYS, troubles.append)

@@ -13,7 +13,7 @@ from roah_rsbb.journal import file as files
 from roah_rsbb.journal import log
 from roah_rsbb.journal.file import Resume
 from roah_rsbb.journal.store import Journal
-from roah_rsbb.journal.syncer import GROUP_S, RETRY_S
+from roah_rsbb.journal.syncer import RETRY_S
 
 from .scheduler import Ended
 
@@ -82,6 +82,7 @@ class Storage:
         self.scheduler, self.random, self.random_bytes = scheduler, random, random_bytes
         self.slow_until = self.broken_until = self.full_until = 0.0  # true time
         self.slow_s = 1.0
+        self.frozen_until = 0.0  # true time until which each write waits, as while a snapshot is taken
         self._lock: Optional[int] = None  # of the journal, which the present core has
         self._journal: Optional[Journal] = None  # of the present core
         self._folders: Dict[str, _Folder] = {}
@@ -103,20 +104,25 @@ class Storage:
             self._lock = lock.fd
             self._journal = Journal(
                 self.folder, session, events, Resume.ALWAYS, on_trouble, lock, Files(self, process),
-                process.loop.time, lambda work: Syncer(process, work))
+                process.loop.time, lambda work, group_s: Syncer(process, self, work, group_s))
             return self._journal
         return make
 
     @property
     def is_in_trouble(self):
         """Whether what was written lately may not be on it."""
-        return self.scheduler.now < max(self.slow_until, self.broken_until, self.full_until) + self.slow_s
+        ends = self.slow_until, self.broken_until, self.full_until, self.frozen_until
+        return self.scheduler.now < max(ends) + self.slow_s
 
     def sync_s(self):
         """How long a sync takes now."""
         if self.scheduler.now < self.slow_until:
             return self.random.uniform(0.1, self.slow_s)
         return self.random.uniform(SHORTEST_S, LONGEST_S)
+
+    def write_s(self):
+        """How long a write takes now."""
+        return max(0.0, self.frozen_until - self.scheduler.now)
 
     def killed(self):
         """The process was killed: its files are closed, and the system keeps what was written."""
@@ -212,10 +218,12 @@ class Files(log.Files):
         self._storage, self._process = storage, process
 
     def _wait(self, seconds):
+        if not seconds:
+            return
         process, scheduler = self._process, self._process.scheduler
         if scheduler.current is process:
             process.wait(seconds)
-        else:  # the thread of the syncer: the loop continues
+        else:  # the thread of a syncer: the loop continues
             scheduler.run(scheduler.now + seconds, lambda: process.is_ended or bool(scheduler.bugs))
             if process.is_ended or scheduler.bugs:
                 raise Ended
@@ -230,6 +238,7 @@ class Files(log.Files):
         return self._storage.create(path)
 
     def write(self, fd, content, at):
+        self._wait(self._storage.write_s())
         self._storage.write(fd, content, at)
 
     def sync(self, fd):
@@ -272,14 +281,20 @@ class Files(log.Files):
 class Syncer:
     """Stands for `journal.syncer.Syncer`, without its thread."""
 
-    def __init__(self, process, work):
-        self._process, self._work = process, work
-        self._is_wanted = self._is_planned = False
+    def __init__(self, process, storage, work, group_s):
+        self._process, self._storage, self._work, self._group_s = process, storage, work, group_s
+        self._is_wanted = self._is_planned = self._is_working = False
 
     def wake(self):
-        """Sync soon."""
+        """Work soon."""
         self._is_wanted = True
-        self._plan(GROUP_S)
+        self._plan(self._group_s)
+
+    def wait(self, is_done, timeout):
+        """Work at once, unless that takes long."""
+        if not self._is_working and not self._storage.write_s():
+            self._run()
+        return is_done()
 
     def end(self):
         """Nothing: a simulated core is always killed."""
@@ -290,14 +305,17 @@ class Syncer:
             self._process.scheduler.after(seconds, self._run)
 
     def _run(self):
-        if self._process.is_ended or self._process.scheduler.bugs:
+        if self._process.is_ended or self._process.scheduler.bugs or self._is_working:
             return
-        self._is_wanted = False
+        self._is_planned = False
+        if not self._is_wanted:
+            return
+        self._is_wanted, self._is_working = False, True
         try:
             succeeded = self._work()
         except Ended:
             return
-        self._is_planned = False
+        self._is_working = False
         if self._is_wanted or not succeeded:
             self._is_wanted = True
-            self._plan(GROUP_S if succeeded else RETRY_S)
+            self._plan(self._group_s if succeeded else RETRY_S)
