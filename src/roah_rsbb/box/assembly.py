@@ -136,7 +136,7 @@ class CoreAssembly:
         saved = saved._replace(earlier=earlier(versions))
         for version, config in saved.earlier.items():
             self.radio.use_passwords(version, config.passwords)
-        self.event(self.box.resume, saved)
+        self.driver.resume(saved)
         self.store.forget_previous()
 
     def open(self) -> bool:

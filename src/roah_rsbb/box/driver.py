@@ -1,18 +1,26 @@
 """Drives the core: passes events with their time to the box, and carries out their effects.
 
 Everything here runs in the loop's thread. The core makes all decisions; the driver only dispatches effects.
+
+Effects of an event leave when the journal's file has its record. While the disk stands still, they wait, in their
+order. Only STOP does not wait: it leaves before the record is written, and what still waits for that robot is older than
+it, and is dropped. Messages that only acknowledge what a robot said leave at once if nothing waits for this robot.
 """
 
 import asyncio
-from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Protocol, Set
+from collections import deque
+from typing import Callable, Deque, Dict, Iterable, List, NamedTuple, Optional, Protocol, Set
 
 from roah_rsbb.box.journal import CoreJournal
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.effects import Effect, Level
+from roah_rsbb.core.effects import Effect, How, Level
+from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import BoxMessage, RobotReport
+from roah_rsbb.model.records import EndReason
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio.radio import CoreRadio
 from roah_rsbb.wording.texts import escaped
 
@@ -52,6 +60,14 @@ class Outputs(NamedTuple):
     changed: Callable[[], None] = lambda: None  # something happened in the box: see `Box.happenings`
 
 
+class _Waiting(NamedTuple):
+    """Effects of an event whose record is not in the journal's file yet."""
+
+    ticket: int  # of the record; 0: there is none
+    moment: Now  # of the event
+    effects: List[Effect]
+
+
 class CoreDriver:
     """One box, and the objects that carry out its effects."""
 
@@ -79,13 +95,15 @@ class CoreDriver:
         self._now = now
         self._check = check
         self._timer: Optional[asyncio.TimerHandle] = None
-        self._carrying_out = False
+        self._carrying_out = self._resuming = False
+        self._waiting: Deque[_Waiting] = deque()
         self._beacon_wanted = False
         self._modules_wait = False
         self._unopened: Set[int] = set()  # ports
         self._moment = now()  # of the latest event
         self._happenings = box.happenings  # after it
         radio.connect(self.event, self.report)
+        journal.on_written(lambda: self._waiting and loop.call_soon_threadsafe(self._go_on))
         self._hands = {
             effects.PortTaken: self._port_taken,
             effects.OpenChannel: self._open_channel,
@@ -94,7 +112,7 @@ class CoreDriver:
             effects.SendState: lambda e: self._radio.send_state(e.port, e.message, e.how),
             effects.SendBeacon: self._want_beacon,
             effects.TimeoutRung: lambda e: outputs.ring_timeout(),
-            effects.SetDevice: outputs.set_device,
+            effects.SetDevice: lambda e: box.is_superseded or outputs.set_device(e),
             effects.RunOpened: self._run_opened,
             effects.SheetOpened: lambda e: None,  # the journal records it
             effects.RunResumed: self._run_resumed,
@@ -130,7 +148,21 @@ class CoreDriver:
         finally:
             if message is None:
                 self._finish()
-        return message
+        # It may have a state that still waits.
+        return message if message is not None and port not in self._held() else None
+
+    def resume(self, saved: Saved) -> None:
+        """Continue from a saved state. Robots are sent what they were sent before, which waits for no disk."""
+        self._resuming = True
+        try:
+            self.event(self.box.resume, saved)
+        finally:
+            self._resuming = False
+
+    def _go_on(self) -> None:
+        """The disk goes on."""
+        self._check()
+        self._finish()
 
     def _finish(self) -> None:
         self._carry_out()
@@ -149,18 +181,19 @@ class CoreDriver:
         self._carrying_out = True
         notices: List[effects.Notice] = []
         try:
-            todo = self._take_effects()
+            self._release()
+            todo = self.box.take_effects()
             while todo:
-                for effect in todo:
-                    if isinstance(effect, effects.Notice):
-                        notices.append(effect)
-                    else:
-                        self._do(effect)
-                todo = self._take_effects()
+                self._check()
+                self._stop(todo)
+                notices += [effect for effect in todo if isinstance(effect, effects.Notice)]
+                self._hold(self._record(todo), todo)
+                self._release()
+                todo = self.box.take_effects()
             if self._beacon_wanted:
                 self._beacon_wanted = False
                 self._radio.send_beacon()
-            if self._modules_wait:
+            if self._modules_wait and not self._waiting:  # they see the box as it is now
                 self._modules_wait = False
                 self._outputs.publish_module_runs()
         finally:
@@ -169,18 +202,69 @@ class CoreDriver:
             for notice in notices:
                 self._do(notice)
 
-    def _take_effects(self) -> List[Effect]:
-        """Return the box's effects. When this returns, the journal has them."""
-        todo = self.box.take_effects()
-        if todo:
-            self._check()
-            try:
-                self._journal.record(self._moment, todo)
-            except Exception:
-                # A failed record must not stop the runs.
-                self._journal.lost()
-                self._outputs.report_bug("what happened could not be recorded")
-        return todo
+    def _stop(self, todo: List[Effect]) -> None:
+        """Send STOP, before anything waits for the disk. A run that is left is stopped, too: its robot is no longer
+        among those of the beacon."""
+        for effect in todo:
+            if isinstance(effect, effects.Superseded):
+                self._do(effect)
+            is_stop = isinstance(effect, effects.SendState) and effect.message.state is BoxState.STOP
+            if not is_stop and not isinstance(effect, effects.CloseChannel):
+                continue
+            sent = self._radio.sent(effect.port)
+            if sent is None:
+                continue  # its channel was not opened yet
+            for waiting in self._waiting:
+                waiting.effects[:] = [e for e in waiting.effects
+                                      if not isinstance(e, effects.SendState) or e.port != effect.port]
+            if sent.state is not BoxState.STOP and not self._is_result(effect.port):
+                # What the robot said is acknowledged when it is recorded.
+                self._do(effect._replace(message=effect.message._replace(acknowledgement=sent.acknowledgement))
+                         if is_stop else effect)
+
+    def _is_result(self, port: int) -> bool:
+        """Whether a robot has completed the run: it stands still, and repeats its result until STOP takes it."""
+        run = self.box.zones.run_at(port)
+        return run is not None and run.end_reason is EndReason.COMPLETED and run.robot_state is RobotState.RESULT_TX
+
+    def _record(self, todo: List[Effect]) -> int:
+        """Give the journal what happened; returns the ticket, 0: nothing is to be recorded."""
+        try:
+            return self._journal.record(self._moment, todo)
+        except Exception:
+            # A failed record must not stop the runs.
+            self._journal.lost()
+            self._outputs.report_bug("what happened could not be recorded")
+            return 0
+
+    def _hold(self, ticket: int, todo: List[Effect]) -> None:
+        """Let effects wait until the journal has their record, and all before them."""
+        if self._resuming:
+            ticket = 0
+        held, waiting = self._held(), _Waiting(ticket, self._moment, [])
+        for effect in todo:
+            is_acknowledgement = not ticket and isinstance(effect, effects.SendState) and effect.port not in held
+            if is_acknowledgement or isinstance(effect, (effects.SendBeacon, effects.TimeoutRung)):
+                self._do(effect)
+            elif not isinstance(effect, (effects.Notice, effects.Superseded)):
+                waiting.effects.append(effect)
+            if isinstance(effect, effects.OpenChannel):
+                self._radio.awaited.add(effect.port)
+                held.add(effect.port)
+        self._waiting.append(waiting)
+
+    def _release(self) -> None:
+        """Carry out the effects whose record is in the journal."""
+        while self._waiting and not self._journal.is_waiting(self._waiting[0].ticket):
+            self._moment = self._waiting[0].moment
+            todo = self._waiting.popleft().effects
+            for effect in todo:
+                self._do(effect)
+
+    def _held(self) -> Set[int]:
+        """The ports of robots for which something waits."""
+        return {effect.port for waiting in self._waiting for effect in waiting.effects
+                if isinstance(effect, (effects.OpenChannel, effects.AimChannel, effects.SendState))}
 
     def _do(self, effect: Effect) -> None:
         try:
@@ -210,10 +294,7 @@ class CoreDriver:
         self._modules_wait = True
 
     def _port_taken(self, effect: effects.PortTaken) -> None:
-        try:
-            self._ports.add(effect.port, lambda error: self._loop.call_soon_threadsafe(self._port_not_kept, error))
-        except OSError as error:
-            self._port_not_kept(error)
+        self._ports.add(effect.port, lambda error: self._loop.call_soon_threadsafe(self._port_not_kept, error))
 
     def _port_not_kept(self, error: OSError) -> None:
         self.event(

@@ -1,7 +1,7 @@
 """Connects the core with its journal: turns effects into batches, and saved batches into a resumed box.
 
-The changes of an event are in the journal before any of its effects leave the box (docs/architecture.md, "Write
-first, then act").
+The changes of an event are in the journal before any of its effects but STOP leave the box (docs/architecture.md,
+"Write first, then act").
 """
 
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
@@ -77,8 +77,17 @@ class CoreJournal:
             effects.RecordChanged: self._record_changed,
         }
 
-    def record(self, now: Now, todo: Sequence[Effect]) -> None:
-        """Write the changes of an event; `todo` are its effects, before they are carried out."""
+    def on_written(self, call: Callable[[], object]) -> None:
+        """Set what is called, in another thread, when the disk goes on: see `is_waiting`."""
+        self._journal.on_written = call
+
+    def is_waiting(self, ticket: int) -> bool:
+        """Whether the disk stands still and has not taken this record yet."""
+        return self._journal.is_waiting(ticket)
+
+    def record(self, now: Now, todo: Sequence[Effect]) -> int:
+        """Write the changes of an event; `todo` are its effects, before they are carried out. Returns the ticket of the
+        record; 0: there is nothing to record."""
         for effect in todo:
             taker = self._takers.get(type(effect))
             if taker is not None:
@@ -87,12 +96,13 @@ class CoreJournal:
         for name in sorted(changed):
             self._state_changed(now, name)
         if self._batch.is_empty():
-            return
+            return 0
         batch, self._batch = self._batch, Batch()
         records, self._records = self._records, []
         self._ticket = self._journal.write(batch)
         for record in records:
             self._unsaved.changed(now.mono, self._ticket, record)
+        return self._ticket
 
     def lost(self) -> None:
         """Note that an internal error prevented a record."""

@@ -1,8 +1,7 @@
 """The record of used private ports, so that none is used twice in a competition, even across restarts.
 
-It is a text file in the log directory with one port a line. A port is appended before it is used (docs/protocol.md,
-"Channels"), so the record survives the process. A thread syncs it to the disk, because a slow disk must not delay the
-box. A line that a power failure truncated contains a smaller number, or is empty. Both are harmless, because only the
+It is a text file in the log directory with one port a line. A thread appends a port when it is used (docs/protocol.md,
+"Channels"), because a slow disk must not delay the box. The journal has it, too, before it is used. A line that a power failure truncated contains a smaller number, or is empty. Both are harmless, because only the
 largest number counts.
 """
 
@@ -47,25 +46,19 @@ class PortRecord:
         return max(ports, default=None), warnings
 
     def add(self, port: int, on_problem: Callable[[OSError], None]) -> None:
-        """Record a port. Raises OSError if it cannot be written.
+        """Record a port. `on_problem` is called from another thread if it does not reach the disk."""
+        self._begin(lambda: _append(self.path, port, on_problem))
 
-        `on_problem` is called from another thread if it does not reach the disk.
-        """
-        fd = platform.open_file(self.path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
+
+def _append(path: str, port: int, on_problem: Callable[[OSError], None]) -> None:
+    """Append a port to the file, and sync that to the disk."""
+    try:
+        fd = platform.open_file(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
         try:
             # Begin with a line break, in case the previous line is truncated.
             os.write(fd, f"\n{port}\n".encode("ascii"))
-        except OSError:
+            platform.sync(fd)
+        finally:
             os.close(fd)
-            raise
-        self._begin(lambda: _force(fd, on_problem))
-
-
-def _force(fd: int, on_problem: Callable[[OSError], None]) -> None:
-    """Sync a file to the disk and close it."""
-    try:
-        platform.sync(fd)
     except OSError as error:
         on_problem(error)
-    finally:
-        os.close(fd)

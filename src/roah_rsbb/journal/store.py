@@ -57,7 +57,7 @@ class Journal:
         """`competition`: its events, each a list. `lock`: if the caller has locked the journal. `on_trouble` is called,
         in any thread, with a problem and its remedy, or with `REPAIRED`. A simulator replaces the last three. Raises
         only `DamagedJournal`; then the lock is released."""
-        self.on_written: Callable[[], None] = lambda: None
+        self.on_written: Callable[[], object] = lambda: None
         """Called in another thread when what waited was written, or cannot be."""
         self._log_dir = log_dir
         self._session = session

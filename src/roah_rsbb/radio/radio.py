@@ -7,7 +7,7 @@ It makes no decisions. It turns datagrams into events of the box, and the box's 
 import asyncio
 import functools
 import os
-from typing import Callable, Dict, Mapping, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Mapping, NamedTuple, Optional, Set, Tuple
 
 from roah_rsbb.comm.channels import MakePeer, PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
@@ -99,6 +99,8 @@ class CoreRadio:
         self._listening = True
         self._is_closed = False
         self._privates: Dict[int, _Private] = {}
+        self.awaited: Set[int] = set()
+        """Ports of channels that are not open yet, because a record waits for the disk. No beacon names them."""
         self._seen = Seen() if seen is None else seen  # of all channels, for as long as the box runs
         self._beacon_timer: Optional[asyncio.TimerHandle] = None
         self._beacon_soon: Optional[asyncio.TimerHandle] = None
@@ -157,12 +159,16 @@ class CoreRadio:
     def _send_beacon_now(self) -> None:
         self._beacon_soon = None
         self._last_beacon = self._loop.time()
-        message = wire_convert.beacon_message(self._box.beacon())
+        beacon = self._box.beacon()
+        if self.awaited:
+            beacon = beacon._replace(robots=tuple(one for one in beacon.robots if one.port not in self.awaited))
+        message = wire_convert.beacon_message(beacon)
         self._check()
         self.public.send(message)
 
     def open_channel(self, port: int, team: str, host: Optional[str], version: int) -> None:
         """Open a private channel with the team's key of a version; raises OSError whose text names the remedy."""
+        self.awaited.discard(port)
         if self._is_closed:
             return
         network = self._network
@@ -187,6 +193,11 @@ class CoreRadio:
         private = self._privates.get(port)
         if private is not None:
             private.channel.remote = host
+
+    def sent(self, port: int) -> Optional[BoxMessage]:
+        """Return the message that a channel sends; None: none."""
+        private = self._privates.get(port)
+        return None if private is None else private.message
 
     def send_state(self, port: int, message: BoxMessage, how: How) -> None:
         """Repeat this message from now on; `how` applies to the first time."""

@@ -45,10 +45,10 @@ FAULTS = (
           "            self._prove(target, end)\n            self.saved = target\n",
           "            self._prove(self.written, self._at)\n            self.saved = self.written\n"),
     Fault("a record that did not fit on a full disk is forgotten", "journal/log.py",
-          "                self._files.write(self._fd, frame, self._at)\n                self._placed(",
+          "                self._files.write(self._fd, frame, self._at)\n                with",
           "                self._unwritten.popleft()\n"
           "                self._files.write(self._fd, frame, self._at)\n"
-          "                self._unwritten.appendleft(waiting)\n                self._placed("),
+          "                self._unwritten.appendleft(waiting)\n                with"),
     # -- the program around the core
     Fault("an answer names the ticket of the record before", "box/journal.py",
           "return None if lost else self._ticket", "return None if lost else self._ticket - 1"),
