@@ -13,6 +13,7 @@ from roah_rsbb.box.driver import CoreDriver, Outputs, RunLogs
 from roah_rsbb.box.fence import Fence, end_superseded, running_s
 from roah_rsbb.box.journal import CoreJournal, competition, saved_state
 from roah_rsbb.box.standby_answers import StandbyAnswers
+from roah_rsbb.box.stops import Memory, NoMemory, StopNotes
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.seen import Seen
@@ -28,6 +29,7 @@ from roah_rsbb.radio.radio import CoreRadio, Network, beacon_size
 from roah_rsbb.radio.short_way import Turns
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.standby.clocks import ahead_of
+from roah_rsbb.standby.stops import read_stops
 
 
 class Machine(NamedTuple):
@@ -70,12 +72,13 @@ class CoreAssembly:
         self, loop: asyncio.AbstractEventLoop, machine: Machine, place: BoxPlace, config: Config, version: int,
         settings: Settings, launch: str, open_journal: OpenJournal, ports: PortRecord, make_run_logs: MakeRunLogs,
         outputs: Outputs, ask_standby: Callable[[int], None], make_peer: MakePeer = Peer,
-        end: Callable[[float, str], None] = end_superseded,
+        end: Callable[[float, str], None] = end_superseded, memory: Optional[Memory] = None,
+        tell_standby: Callable[[Mapping[str, str]], object] = lambda stops: None,
     ) -> None:
         """`config` is of this `version` (see `Configuration`). `launch` identifies the launch; empty: none.
 
-        `ask_standby` asks the node that copies the journal: see `StandbyAnswers`. `end`: see `Fence`. Raises
-        `DamagedJournal` or OSError.
+        `ask_standby` asks the node that copies the journal: see `StandbyAnswers`. `end`: see `Fence`. `memory` (None:
+        there is none) and `tell_standby`: see `StopNotes`. Raises `DamagedJournal` or OSError.
         """
         self._loop, self._machine, self._place = loop, machine, place
         last_port, port_warnings = ports.read()
@@ -94,9 +97,10 @@ class CoreAssembly:
             self.fence.check, machine.random_bytes, machine.seen)
         self.radio.use_passwords(version, config.passwords)
         self.journal = CoreJournal(box, self.store)
+        self._stops = StopNotes(NoMemory() if memory is None else memory, tell_standby)
         self.run_logs = make_run_logs(machine.uuid, self._on_log_trouble, self._on_log_repaired)
         self.driver = CoreDriver(loop, box, self.radio, self.run_logs, ports, self.journal, outputs, self.now,
-                                 self.fence.check)
+                                 self.fence.check, self._stops.sent)
         self.standby = StandbyAnswers(loop, box, self.now, self.event, ask_standby, lambda: self.store.committed)
         for warning in port_warnings:
             self.event(box.on_notice, warning)
@@ -128,7 +132,8 @@ class CoreAssembly:
         previous, boot_id = self.store.previous, self._machine.boot_id
         before = "" if previous.last is None else previous.last.boot_id
         ahead = ahead_of(self._place.log_dir, before, boot_id)
-        saved, warnings = saved_state(previous, self.now(), boot_id, ahead)
+        stops = {**read_stops(self._place.log_dir), **self._stops.before()}
+        saved, warnings = saved_state(previous, self.now(), boot_id, ahead, stops)
         for warning in warnings:
             self.event(self.box.on_notice, warning)
         self.journal.restore(saved.records)
@@ -137,6 +142,7 @@ class CoreAssembly:
         for version, config in saved.earlier.items():
             self.radio.use_passwords(version, config.passwords)
         self.driver.resume(saved)
+        self._stops.resumed(self.journal.next_ticket - 1)
         self.store.forget_previous()
 
     def open(self) -> bool:
@@ -153,6 +159,7 @@ class CoreAssembly:
         """Write the link records and waiting data."""
         self.journal.each_second(self.now(), self.radio.unreadable())
         self._warn_of_journal()
+        self._stops.look(self.store.saved)
 
     def check_earlier(self) -> None:
         """In another thread: warn of damage in the part of the journal that a start does not read."""

@@ -76,6 +76,10 @@ class BoxDoor:
         """Carry out a call of this process: see `Door.ask`."""
         return self._door.ask(name, arguments, caller)
 
+    def tell(self, name: str, arguments: Mapping[str, Any], caller: Caller) -> None:
+        """See `Door.tell`."""
+        self._door.tell(name, arguments, caller)
+
     @property
     def rate(self) -> float:
         """How fast the clocks pass; of a replay."""

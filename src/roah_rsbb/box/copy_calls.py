@@ -10,7 +10,7 @@ from typing import Any, Dict, Mapping
 from roah_rsbb.box.assembly import CoreAssembly
 from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.core.copies import CopyReport
-from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, Call, Caller
+from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, STOPPED, Call, Caller
 from roah_rsbb.model.reason import decode
 from roah_rsbb.model.referee import Refused
 
@@ -34,6 +34,10 @@ class CopyCalls:
         """Ask whether the standby has everything up to a ticket of the journal. The answer is the call `COPIED`; a
         question is lost if nobody copies."""
         self._door.ask(COPY, {"box": self._uuid, "journal": self._core.store.identity, "ticket": ticket}, BOX)
+
+    def tell_stops(self, stops: Mapping[str, str]) -> None:
+        """Pass STOPs that were sent to the standby, at once: their records are not written yet. Nothing waits for it."""
+        self._door.tell(STOPPED, {"stops": dict(stops)}, BOX)
 
     def _report(self, found: Mapping[str, Any], _caller: Caller) -> None:
         behind_s = found.get("behind_s")

@@ -175,6 +175,10 @@ class Door:
         self.take(own, json.dumps({**arguments, "id": 0, "call": name}))
         return own.answer
 
+    def tell(self, name: str, arguments: Mapping[str, Any], caller: Caller) -> None:
+        """Pass a call to the client that offers it, in this step of the loop. Nobody hears of the answer."""
+        self._offers.pass_on(name, arguments, caller, lambda answered: None)
+
     def _wake(self) -> None:
         if self._turn is None and self._queue:
             self._turn = self.loop.call_soon(self._carry_out_next)

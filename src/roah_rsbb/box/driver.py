@@ -19,7 +19,7 @@ from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import BoxMessage, RobotReport
-from roah_rsbb.model.records import EndReason
+from roah_rsbb.model.records import EndReason, RunRecord
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio.radio import CoreRadio
 from roah_rsbb.wording.texts import escaped
@@ -82,9 +82,11 @@ class CoreDriver:
         outputs: Outputs,
         now: Callable[[], Now],
         check: Callable[[], None] = lambda: None,
+        on_stop: Callable[[Now, RunRecord, int], object] = lambda now, record, ticket: None,
     ) -> None:
         """`now` returns the present moment; its monotonic clock is the loop's. `check` is called before anything
-        happens, is recorded or leaves: see `Fence.check`."""
+        happens, is recorded or leaves: see `Fence.check`. `on_stop`: STOP has left, and its record has not: see
+        `StopNotes.sent`."""
         self._loop = loop
         self.box = box
         self._radio = radio
@@ -93,7 +95,7 @@ class CoreDriver:
         self._journal = journal
         self._outputs = outputs
         self._now = now
-        self._check = check
+        self._check, self._on_stop = check, on_stop
         self._timer: Optional[asyncio.TimerHandle] = None
         self._carrying_out = self._resuming = False
         self._waiting: Deque[_Waiting] = deque()
@@ -205,6 +207,7 @@ class CoreDriver:
     def _stop(self, todo: List[Effect]) -> None:
         """Send STOP, before anything waits for the disk. A run that is left is stopped, too: its robot is no longer
         among those of the beacon."""
+        ended: Dict[str, RunRecord] = {}
         for effect in todo:
             if isinstance(effect, effects.Superseded):
                 self._do(effect)
@@ -221,6 +224,10 @@ class CoreDriver:
                 # What the robot said is acknowledged when it is recorded.
                 self._do(effect._replace(message=effect.message._replace(acknowledgement=sent.acknowledgement))
                          if is_stop else effect)
+                record = self._journal.end_of(effect.port, todo)
+                ended.update({} if record is None else {record.identity: record})
+        for record in ended.values():
+            self._on_stop(self._moment, record, self._journal.next_ticket)
 
     def _is_result(self, port: int) -> bool:
         """Whether a robot has completed the run: it stands still, and repeats its result until STOP takes it."""

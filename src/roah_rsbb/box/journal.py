@@ -6,6 +6,7 @@ The changes of an event are in the journal before any of its effects but STOP le
 
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.box.stops import unrecorded
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import BOX, Effect, Level
@@ -103,6 +104,18 @@ class CoreJournal:
         for record in records:
             self._unsaved.changed(now.mono, self._ticket, record)
         return self._ticket
+
+    @property
+    def next_ticket(self) -> int:
+        """The ticket of the next record."""
+        return self._journal.next_ticket
+
+    def end_of(self, port: int, todo: Sequence[Effect]) -> Optional[RunRecord]:
+        """Return the record of the run of a robot if the run ends with these effects of an event."""
+        identity = self._place(port).identity
+        found = [effect.record for effect in todo
+                 if isinstance(effect, effects.RecordChanged) and effect.record.identity == identity]
+        return found[-1] if found and found[-1].end_reason and found[-1].stops else None
 
     def lost(self) -> None:
         """Note that an internal error prevented a record."""
@@ -230,10 +243,13 @@ class CoreJournal:
         self._records.append(record)
 
 
-def saved_state(before: PreviousSession, now: Now, boot: str, ahead: Ahead = NOT_MEASURED) -> Tuple[Saved, List[str]]:
+def saved_state(
+    before: PreviousSession, now: Now, boot: str, ahead: Ahead = NOT_MEASURED, stops: Mapping[str, str] = {},
+) -> Tuple[Saved, List[str]]:
     """The state from which the box resumes, and warnings about unreadable parts.
 
-    `ahead`: how far the clocks of this computer are ahead of those of the computer before.
+    `ahead`: how far the clocks of this computer are ahead of those of the computer before. `stops`: what is known of
+    STOPs of the box before, which its journal may not have (`box/stops.py`).
     """
     warnings: List[str] = []
     last = before.last
@@ -256,7 +272,7 @@ def saved_state(before: PreviousSession, now: Now, boot: str, ahead: Ahead = NOT
         except (BadState, ValueError, RecursionError) as error:
             warnings.append(f"The journal's record of a run cannot be read, and cannot be corrected here: {error}")
     utc, mono = (now.utc, now.mono) if last is None else (last.utc, last.mono + shift)
-    return Saved(utc, box, zones, tuple(records), mono=mono), warnings
+    return Saved(utc, box, zones, tuple(records), mono=mono, stopped=unrecorded(stops, records, shift)), warnings
 
 
 def _clock_value(clock: RunClock, mono: float) -> Dict[str, Any]:

@@ -68,6 +68,10 @@ class Follower:
         self._question = question
         self._woken.set()
 
+    def wake(self) -> None:
+        """From any thread: look now."""
+        self._woken.set()
+
     def end(self, timeout: float) -> None:
         """Ask the thread to end, and wait at most `timeout` seconds for it: the stick may hang."""
         self._ended.set()

@@ -12,8 +12,8 @@ from roah_rsbb.model.referee import Refused
 MAX_MESSAGE_BYTES = 64 * 1024  # of a client's message to the door
 HELPER = "helper"  # the face of a program that only calls and offers calls: it is sent no document
 # Between the box and the program that copies its journal (docs/door.md, "Calls of the program that copies"): its
-# reports, what the standby has, and the box's question.
-COPY_REPORT, COPIED, COPY = "copy_report", "copied", "copy"
+# reports, what the standby has, the box's question, and STOPs that are not in the journal yet.
+COPY_REPORT, COPIED, COPY, STOPPED = "copy_report", "copied", "copy", "stopped"
 EXIT = "exit"  # ends the box
 # Those of the home devices (docs/door.md, "Calls of the home devices").
 DEVICES, SET_DEVICE = "devices", "set_device"

@@ -1,7 +1,8 @@
 """The copy on the standby, as the box sees it, and the standby's end of it. No sockets."""
 
 import time
-from typing import Callable, NamedTuple, Optional
+from types import MappingProxyType
+from typing import Callable, Mapping, NamedTuple, Optional
 
 from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent, Part
 from roah_rsbb.copies.folder import CopyFolder
@@ -11,6 +12,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import decode, encode, say
 from roah_rsbb.standby.clocks import ClockDifference
 from roah_rsbb.standby.messages import BadMessage, Message, files_of, held_of, part_of
+from roah_rsbb.standby.stops import add_stops, are_stops
 
 OPEN, WRITE, WRITE_FILES, SET_ASIDE, COMPLETE, BEAT = (
     "open", "write", "write_files", "set_aside", "complete", "beat")
@@ -23,6 +25,7 @@ TAKES_OVER = "takes_over"
 
 _REPORTS = say("the standby reports: {why}")
 _VERSIONS = say("box and standby have different versions of roah_rsbb. Install the same one on both")
+_NO_STOPS = say("a STOP cannot be kept: {error}. Free or repair its disk")
 _NONSENSE = say("the standby answers nonsense ({error}). Install the same version there")
 
 
@@ -31,6 +34,7 @@ class CoreState(NamedTuple):
 
     is_alive: bool = True
     hand_over: bool = False  # it does not send anything any more, and the copy is complete
+    stops: Mapping[str, str] = MappingProxyType({})  # that it sent, and may not have recorded (`standby/stops.py`)
 
 
 class RemoteCopy(Copy):
@@ -47,6 +51,7 @@ class RemoteCopy(Copy):
         self._ask_raw, self._now, self._utc = ask, now, utc
         self._core, self._on_taken = core, on_taken
         self._said = CoreState()
+        self._told: Mapping[str, str] = {}  # the STOPs that the standby knows
         self._heard_mono = now()
         self._is_new = False
         self._open(OPEN)
@@ -88,11 +93,14 @@ class RemoteCopy(Copy):
         self.aside = str(answer.get("aside", ""))
 
     def _ask(self, message: Message) -> Message:
-        self._said = self._core()
-        answer = self._ask_raw({**message, "utc": self._utc(), "mono": self._now(), **self._said._asdict()})
+        self._said = core = self._core()
+        news = {} if core.stops == self._told else {"stops": dict(core.stops)}
+        answer = self._ask_raw({**message, "utc": self._utc(), "mono": self._now(), "is_alive": core.is_alive,
+                                "hand_over": core.hand_over, **news})
         self._heard_mono = self._now()
         if "error" in answer:
             raise CannotWriteCopy(_REPORTS(why=decode(answer.get("reason", answer["error"]))))
+        self._told = core.stops
         if answer.get(TAKES_OVER):
             self._on_taken()
         return answer
@@ -112,6 +120,7 @@ class Receiver:
         """Carry out a request; returns the answer. Raises `BadMessage`."""
         came = Now(self._mono(), self._utc())
         try:
+            self._take_stops(message.get("stops", {}))
             answer = self._carry_out(message)
         except CannotWriteCopy as error:
             return {"error": str(error), "reason": encode(error.args[0])}
@@ -123,6 +132,14 @@ class Receiver:
         if self._copy is not None:
             self._copy.close()
             self._copy = None
+
+    def _take_stops(self, stops: object) -> None:
+        if not isinstance(stops, dict) or not are_stops(stops):
+            raise BadMessage("STOPs")
+        try:
+            add_stops(self._folder, stops)
+        except OSError as error:
+            raise CannotWriteCopy(_NO_STOPS(error=error.strerror or error)) from None
 
     def _carry_out(self, message: Message) -> Message:
         what = message.get("do")

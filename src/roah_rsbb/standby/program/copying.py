@@ -28,7 +28,7 @@ from roah_rsbb.copies.follower import Follower
 from roah_rsbb.copies.reported import ReportedCopy
 from roah_rsbb.copies.settings import CopySettings, copy_settings
 from roah_rsbb.core.copies import STANDBY
-from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, HELPER, Caller
+from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, HELPER, STOPPED, Caller
 from roah_rsbb.document.place import DoorPlace, read_place
 from roah_rsbb.durable import close_to_others
 from roah_rsbb.journal.file import FILE_NAME
@@ -43,6 +43,7 @@ from roah_rsbb.standby.messages import MODULES, NETWORK, PASSWORDS
 from roah_rsbb.standby.modules_folder import PackedModules, TooLarge
 from roah_rsbb.standby.partners import read_standby
 from roah_rsbb.standby.program.handover import Handover
+from roah_rsbb.standby.stops import are_stops, newest
 
 NAME = "roah_rsbb_backup"  # of this program
 PERIOD_S = 1.0
@@ -78,8 +79,10 @@ class Copying:
         self._copies: List[ReportedCopy] = []
         self._modules: Optional[PackedModules] = None
         self._said = ""  # what is wrong with them
+        self._stops: Dict[str, str] = {}  # of the box
         self._box = Client(Document, find, face=HELPER,
-                           offer=Offer({COPY: self._on_asked} if settings.standby_port else {}, name))
+                           offer=Offer({COPY: self._on_asked, STOPPED: self._on_stopped} if settings.standby_port
+                                       else {}, name))
         if settings.backup_dir:
             _log.info("Copying the journal to %s", settings.backup_dir)
             self._add(settings.backup_dir, Follower(settings.log_dir, Stick(
@@ -119,7 +122,8 @@ class Copying:
         self._herald = Herald(log_dir, (_own_address(settings.bind_host), port),
                               lambda: self._handover.state().is_alive)
         self._box_end = end = BoxEnd(log_dir, settings.bind_host, port, lambda text: _log.warning("%s", text),
-                                     self._herald.answer, self._handover.state, self._handover.taken)
+                                     self._herald.answer, lambda: self._handover.state()._replace(stops=self._stops),
+                                     self._handover.taken)
         self._herald.start()
         network, modules = (os.path.join(end.folder, name) for name in (NETWORK, MODULES))
         self._modules = PackedModules(settings.modules_dir, modules) if settings.modules_dir else None
@@ -155,6 +159,13 @@ class Copying:
         if not isinstance(box, str) or not isinstance(journal, str) or type(ticket) is not int:
             raise Refused(["only the box asks whether there is a copy"])
         self._copies[-1].follower.ask(_Question(box, journal, ticket))
+
+    def _on_stopped(self, found: Mapping[str, Any], _caller: Caller) -> None:
+        """The box has sent STOP, which its journal does not have yet."""
+        if not are_stops(found.get("stops")):
+            raise Refused(["only the box says which runs it has stopped"])
+        self._stops = newest(self._stops, found["stops"])
+        self._copies[-1].follower.wake()
 
     def _on_copied(self, question: object) -> None:
         """In a thread: a copy has everything for which it was asked."""

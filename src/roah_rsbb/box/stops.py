@@ -1,0 +1,95 @@
+"""STOPs that left before their record was written: what the next box must know of them.
+
+In the step of the loop in which STOP leaves, a note of it goes to the supervisor and to the standby; nothing waits for
+them. A core that is started again reads the notes of the supervisor, a standby that takes over those that it has heard.
+Otherwise a crash before the record would leave a journal that says "running", and the next box would let the robot
+prepare again.
+"""
+
+import json
+from typing import Callable, Dict, List, Mapping, NamedTuple, Protocol
+
+from roah_rsbb.core.runs.run import SentStop
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import By, EndReason, RunRecord
+
+# Before the identity of the run, in the names of the notes.
+PREFIX = "stop/"
+
+
+class Memory(Protocol):
+    """A small memory outside of this process: see `signs_of_life.Lifeline`. Nothing waits, and nothing raises."""
+
+    kept: Mapping[str, str]  # what the core before had kept when it ended
+
+    def keep(self, name: str, value: str) -> object:
+        """Keep a text under this name."""
+
+    def drop(self, name: str) -> object:
+        """Keep it no longer."""
+
+
+class NoMemory:
+    """Without a supervisor, nothing is kept."""
+
+    kept: Mapping[str, str] = {}
+
+    def keep(self, name: str, value: str) -> None:
+        """Keep nothing."""
+
+    def drop(self, name: str) -> None:
+        """There is nothing."""
+
+
+class _Note(NamedTuple):
+    ticket: int  # of the record
+    text: str
+
+
+class StopNotes:
+    """The notes of STOPs whose record is not on the disk. Call everything in the loop's thread."""
+
+    def __init__(self, memory: Memory, tell_standby: Callable[[Mapping[str, str]], object]) -> None:
+        """`tell_standby` passes texts of STOPs by the identity of the run to the standby, if there is one."""
+        self._memory, self._tell_standby = memory, tell_standby
+        self._notes: Dict[str, _Note] = {}  # by the identity of the run
+        self._earlier = [name for name in memory.kept if name.startswith(PREFIX)]
+
+    def before(self) -> Dict[str, str]:
+        """The texts of the core before, by the identity of the run."""
+        return {name[len(PREFIX):]: self._memory.kept[name] for name in self._earlier}
+
+    def resumed(self, ticket: int) -> None:
+        """The STOPs of the core before are in the journal with this ticket."""
+        self._notes.update((identity, _Note(ticket, text)) for identity, text in self.before().items())
+
+    def sent(self, now: Now, record: RunRecord, ticket: int) -> None:
+        """STOP was sent `now` to a robot of a run, and is recorded next, with this ticket. `record`: what is."""
+        stop = record.stops[-1]
+        text = json.dumps([now.mono, stop.utc, stop.end_reason, stop.who[:200], stop.reason[:300]])
+        self._notes[record.identity] = _Note(ticket, text)
+        self._memory.keep(PREFIX + record.identity, text)
+        self._tell_standby({record.identity: text})
+
+    def look(self, saved: int) -> None:
+        """Forget those whose record is on the disk: tickets up to `saved`. The standby hears the others again."""
+        for identity in [identity for identity, note in self._notes.items() if note.ticket <= saved]:
+            del self._notes[identity]
+            self._memory.drop(PREFIX + identity)
+        if self._notes:
+            self._tell_standby({identity: note.text for identity, note in self._notes.items()})
+
+
+def unrecorded(stops: Mapping[str, str], records: List[RunRecord], shift: float) -> Dict[str, SentStop]:
+    """Return those of the texts of STOPs that no record has, by the identity of the run. `shift`: from the monotonic
+    clock of the box before to that of this one (s)."""
+    stopped = {record.identity: max((stop.utc for stop in record.stops), default=0.0) for record in records}
+    found: Dict[str, SentStop] = {}
+    for identity, text in stops.items():
+        try:
+            mono, utc, reason, who, why = json.loads(text)
+            if utc > stopped.get(identity, 0.0):
+                found[identity] = SentStop(Now(mono + shift, utc), EndReason[reason.upper()], By(who, why))
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+            continue  # of another version: the robot still gets nothing before a referee decides
+    return found

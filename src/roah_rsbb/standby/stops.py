@@ -1,0 +1,49 @@
+"""STOPs that the box has sent, as the standby hears of them: before they are in the journal, and so in the copy.
+
+They are kept in a file beside the copy. The box that takes over reads it before it sends anything. It ignores those that
+its journal has.
+"""
+
+import json
+import os
+from typing import Dict, Mapping
+
+from roah_rsbb import durable
+
+FILE = "stops.json"
+# The newest ones, and the characters of each.
+MOST, LONGEST = 100, 1000
+
+
+def are_stops(found: object) -> bool:
+    """Whether these are texts of STOPs by the identity of the run, as `read_stops` returns them."""
+    return isinstance(found, dict) and len(found) <= MOST and all(
+        isinstance(text, str) and len(text) <= LONGEST for text in (*found, *found.values()))
+
+
+def newest(*stops: Mapping[str, str]) -> Dict[str, str]:
+    """Return the newest of these STOPs, the oldest ones first; later arguments are newer."""
+    found: Dict[str, str] = {}
+    for each in stops:
+        for identity, text in each.items():
+            found.pop(identity, None)
+            found[identity] = text
+    return dict(list(found.items())[-MOST:])
+
+
+def read_stops(folder: str) -> Dict[str, str]:
+    """Return the texts of STOPs (`box/stops.py`) by the identity of the run; empty: none, or not readable."""
+    try:
+        with open(os.path.join(folder, FILE), encoding="ascii") as file:
+            found = json.load(file)
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return found if are_stops(found) else {}
+
+
+def add_stops(folder: str, stops: Mapping[str, str]) -> None:
+    """Keep STOPs. They are on the disk when this returns. Raises OSError."""
+    before = read_stops(folder)
+    found = newest(before, stops)
+    if found != before:
+        durable.write_file(os.path.join(folder, FILE), json.dumps(found).encode("ascii"))
