@@ -54,6 +54,8 @@ class StopNotes:
         self._memory, self._tell_standby = memory, tell_standby
         self._notes: Dict[str, _Note] = {}  # by the identity of the run
         self._earlier = [name for name in memory.kept if name.startswith(PREFIX)]
+        for name in self._earlier:  # this core may end, too, before it has recorded them
+            memory.keep(name, memory.kept[name])
 
     def before(self) -> Dict[str, str]:
         """The texts of the core before, by the identity of the run."""

@@ -5,7 +5,8 @@ from roah_rsbb.copies.follower import PERIOD_S, RETRY_S, Follower
 from roah_rsbb.core.copies import STANDBY, CopyReport
 from roah_rsbb.standby.channel import TIMEOUT_S
 from roah_rsbb.standby.messages import decode, encode
-from roah_rsbb.standby.remote import RemoteCopy
+from roah_rsbb.standby.remote import CoreState, RemoteCopy
+from roah_rsbb.standby.stops import newest
 
 from .scheduler import Process
 
@@ -21,6 +22,7 @@ class Backup:
         self._process = Process(box.computer, f"backup of {box.computer.name}")
         self._follower = Follower(box.storage.folder, self._open, now=box.computer.mono, on_answer=self._answer)
         self._is_stepping = self._is_asked = False
+        self._stops = {}  # that the box has sent
         self._began = box.computer.mono()
         self._planned = None
         self._process.soon(self._step)
@@ -34,9 +36,18 @@ class Backup:
         """The core asks whether the standby has everything up to a ticket."""
         question = core, core.store.identity, ticket
 
+        self._arrive(lambda: self._follower.ask(question))
+
+    def tell(self, stops):
+        """The core has sent STOP, and may not have recorded it."""
+        def take():
+            self._stops = newest(self._stops, stops)
+        self._arrive(take)
+
+    def _arrive(self, take):
         def arrive():
+            take()
             self._is_asked = True
-            self._follower.ask(question)
             if not self._is_stepping and not self._follower.progress.trouble:
                 self._plan(0.0)
         self._world.scheduler.after(self._way_s(), lambda: self._process.soon(arrive))
@@ -81,7 +92,8 @@ class Backup:
         self._plan(RETRY_S if self._follower.progress.trouble else 0.0 if self._is_asked else PERIOD_S)
 
     def _open(self):
-        return RemoteCopy(self._exchange, self._box.computer.mono, self._box.computer.utc)
+        return RemoteCopy(self._exchange, self._box.computer.mono, self._box.computer.utc,
+                          lambda: CoreState(stops=self._stops))
 
     def _exchange(self, message):
         """Send a request to the standby, and wait for the answer."""

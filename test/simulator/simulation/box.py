@@ -48,6 +48,23 @@ class RunLogs:
         """Nothing waits."""
 
 
+class Memory:
+    """What a supervisor keeps for its cores: see `roah_rsbb.box.stops.Memory`."""
+
+    def __init__(self):
+        self.texts, self.kept = {}, {}
+
+    def begin(self):
+        """The next core starts."""
+        self.kept = dict(self.texts)
+
+    def keep(self, name, value):
+        self.texts[name] = value
+
+    def drop(self, name):
+        self.texts.pop(name, None)
+
+
 class Box:
     """A computer on which a core runs, and is started again when it ends."""
 
@@ -57,6 +74,7 @@ class Box:
         self.standby_port = standby_port
         self.backup = None  # copies the journal to a standby; None: there is none
         self.oracles = world.oracles
+        self.memory = Memory()
         self.starts = 0
         self.is_lost = False  # it is never started again
         self.process = None  # of the present core
@@ -79,11 +97,12 @@ class Box:
         network = Network(BROADCAST, 6666, computer.host, Cipher.AES_128_CBC, False, 1024)
         outputs = Outputs(lambda: None, lambda: None, lambda wish: None, self._log, self._bug)
         ports = PortRecord(self.storage.folder, lambda work: process.loop.call_later(self.storage.sync_s(), work))
+        self.memory.begin()
         place = BoxPlace(self.storage.folder, network, self.standby_port)
         core = CoreAssembly(
             process.loop, machine, place, self.config, 0, self.settings, "", self.storage.open_journal(process), ports,
             RunLogs, outputs, self._ask_standby, world.air.peer_maker(process),
-            self._end_superseded)
+            self._end_superseded, self.memory, self._tell_standby)
         if self.backup is not None:
             core.box.copies.expect(core.now(), STANDBY)
         self.oracles.opened(self, core)
@@ -121,6 +140,7 @@ class Box:
         self.is_lost = self.is_lost or math.isinf(restart_s)
         (self.storage.cut if power else self.storage.killed)()
         if power:
+            self.memory = Memory()
             self.computer.boot()
             if self.backup is not None:
                 self.backup.end()
@@ -130,6 +150,10 @@ class Box:
     def _ask_standby(self, ticket):
         if self.backup is not None and self.core is not None:
             self.backup.ask(self.core, ticket)
+
+    def _tell_standby(self, stops):
+        if self.backup is not None:
+            self.backup.tell(stops)
 
     def _end_superseded(self, away_s, host):
         self.world.trace.note(f"{self.computer.name}: ends, superseded by {host} after {away_s:.1f} s")

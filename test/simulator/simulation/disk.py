@@ -82,7 +82,7 @@ class Storage:
         self.scheduler, self.random, self.random_bytes = scheduler, random, random_bytes
         self.slow_until = self.broken_until = self.full_until = 0.0  # true time
         self.slow_s = 1.0
-        self.frozen_until = 0.0  # true time until which each write waits, as while a snapshot is taken
+        self.frozen_until = 0.0  # true time until which it takes no writes, as while a snapshot is taken
         self._lock: Optional[int] = None  # of the journal, which the present core has
         self._journal: Optional[Journal] = None  # of the present core
         self._folders: Dict[str, _Folder] = {}
@@ -121,7 +121,7 @@ class Storage:
         return self.random.uniform(SHORTEST_S, LONGEST_S)
 
     def write_s(self):
-        """How long a write takes now."""
+        """How long it is until the disk takes writes. The threads of the journal stand still for so long."""
         return max(0.0, self.frozen_until - self.scheduler.now)
 
     def killed(self):
@@ -218,8 +218,6 @@ class Files(log.Files):
         self._storage, self._process = storage, process
 
     def _wait(self, seconds):
-        if not seconds:
-            return
         process, scheduler = self._process, self._process.scheduler
         if scheduler.current is process:
             process.wait(seconds)
@@ -238,7 +236,6 @@ class Files(log.Files):
         return self._storage.create(path)
 
     def write(self, fd, content, at):
-        self._wait(self._storage.write_s())
         self._storage.write(fd, content, at)
 
     def sync(self, fd):
@@ -309,6 +306,9 @@ class Syncer:
             return
         self._is_planned = False
         if not self._is_wanted:
+            return
+        if self._storage.write_s():
+            self._plan(self._storage.write_s())
             return
         self._is_wanted, self._is_working = False, True
         try:

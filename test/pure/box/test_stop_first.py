@@ -1,0 +1,250 @@
+"""STOP leaves before its record, and nothing undoes it: beside a disk that stands still, kills and takeovers.
+
+The box, its copy, the standby and the robot are the simulator's, which are built from the real parts.
+"""
+
+import random
+
+import pytest
+
+from helpers.commands import given_with
+from helpers.competition import competition, event
+from roah_rsbb.core.actions.table import Target
+from roah_rsbb.model import run_log
+from roah_rsbb.model.records import Phase
+from roah_rsbb.model.referee import RunName
+from roah_rsbb.protocol import RobotState
+from simulation.air import Air
+from simulation.box import Box
+from simulation.disk import Storage
+from simulation.robots import Robot
+from simulation.scheduler import Computer, Scheduler
+from simulation.standby import PORT, Standby
+from simulation.trace import Trace
+
+STILL_S = 1e6  # the disk stands still for the rest of the test
+LIMIT_S = 30.0
+
+
+class Oracles:
+    """Only internal errors count."""
+
+    def bug(self, text):
+        raise AssertionError(text)
+
+    def __getattr__(self, name):
+        return lambda *_: None
+
+
+class Stage:
+    """A box with one zone, a robot, and a standby if there is one."""
+
+    def __init__(self, folder, has_standby=False):
+        self.folder, self.can_wait, self.documents, self.clocks_were_set = str(folder), True, [], set()
+        self.bytes = random.Random(1)
+        self.scheduler = Scheduler()
+        self.trace = Trace(self.scheduler, self.folder)
+        self.air = Air(self.scheduler, random.Random(2), self.trace)
+        self.oracles = Oracles()
+        self.config = competition(home=[event("HGTKMH", timeout=LIMIT_S), event("HGTKMH")])
+        computer = Computer(self.scheduler, "box", "10.0.0.1")
+        self.storage = Storage(folder / "log", self.scheduler, random.Random(3), self.random_bytes)
+        self.box = Box(self, computer, self.storage, self.config, PORT if has_standby else 0)
+        self.standby = None
+        if has_standby:
+            self.standby = Standby(self, Computer(self.scheduler, "standby", "10.0.0.50"), str(folder / "copy"),
+                                   self.box)
+            self.box.copy()
+        self.robot = Robot(self, Computer(self.scheduler, "robot", "10.0.0.2"), "Alpha", "r1",
+                           self.config.passwords["Alpha"],
+                           {"prepare_duration": 0.5, "execute_duration": 1000.0, "never_end": True})
+        self.states = []  # of the robot, each when it changed
+        self.box.start()
+        self.robot.start()
+        self.pass_time(4.0)
+
+    def random_bytes(self, count):
+        return bytes(self.bytes.getrandbits(8) for _ in range(count))
+
+    def taken_over(self, box):
+        """The standby is the box."""
+        self.box, self.storage = box, box.storage
+        box.start()
+
+    def pass_time(self, seconds):
+        """Let time pass, and note what the robot does."""
+        end = self.scheduler.now + seconds
+        while self.scheduler.now < end and not self.scheduler.bugs:
+            self.scheduler.run(min(end, self.scheduler.now + 0.001))
+            if self.states[-1:] != [self.robot.state]:
+                self.states.append(self.robot.state)
+        if self.scheduler.bugs:
+            raise self.scheduler.bugs[0]
+
+    def do(self, command, who="Anna"):
+        """A referee presses a button."""
+        core, found = self.box.core, []
+
+        def act():
+            if command == "stop":
+                found.append(core.event(core.box.scores.stop, RunName("home", ""), who))
+            else:
+                core.event(core.box.act, Target("home"), command, who, given_with(command, "Alpha"))
+        self.box.process.soon(act)
+        self.scheduler.run(self.scheduler.now)
+
+    def until(self, state):
+        """Let time pass until the robot does this."""
+        for _ in range(100):
+            if self.robot.state is state:
+                return
+            self.pass_time(0.1)
+        raise AssertionError(f"the robot stays in {self.robot.state}")
+
+    def execute(self):
+        """The robot executes its task."""
+        self.do("connect")
+        self.pass_time(2.0)
+        self.do("start")
+        self.until(RobotState.EXECUTING)
+        self.pass_time(1.0)
+
+    def freeze(self, seconds=STILL_S):
+        """The disk takes no writes."""
+        self.storage.frozen_until = self.scheduler.now + seconds
+
+    @property
+    def run(self):
+        return self.box.core.box.zones["home"].run
+
+    def end(self):
+        self.box.process.end()
+        for process in self.scheduler.processes:
+            process.end()
+            process.bury()
+        self.box.storage.killed()
+
+
+@pytest.fixture
+def stage(tmp_path):
+    made = []
+
+    def make(**how):
+        made.append(Stage(tmp_path, **how))
+        return made[-1]
+
+    yield make
+    for each in made:
+        each.end()
+
+
+STOPS = ("stop", "time limit", "disconnect")
+
+
+def stop(stage, how):
+    """The run ends, one way or another. Returns with the first effect of that."""
+    if how == "time limit":
+        stage.pass_time(stage.run.clock.left(stage.box.core.now()) + 0.002)
+    else:
+        stage.do(how)
+
+
+@pytest.mark.parametrize("how", STOPS)
+def test_stop_does_not_wait_for_a_disk_that_stands_still(stage, how):
+    stage = stage()
+    stage.execute()
+    stage.freeze()
+    stop(stage, how)
+    stage.pass_time(0.05)
+    assert stage.robot.state is RobotState.STOP
+    assert stage.box.core.store.is_waiting(stage.box.core.store.next_ticket - 1)
+
+
+@pytest.mark.parametrize("how", STOPS)
+@pytest.mark.parametrize("after_s", [0.0, 0.001, 0.003, 0.03, 0.3, 3.0])
+@pytest.mark.parametrize("is_frozen", [False, True])
+def test_a_core_that_is_killed_after_stop_leaves_the_robot_stopped(stage, how, after_s, is_frozen):
+    stage = stage()
+    stage.execute()
+    if is_frozen:
+        stage.freeze()
+    stop(stage, how)
+    stage.pass_time(after_s)
+    stage.box.kill(0.5)
+    stage.storage.frozen_until = 0.0
+    stage.until(RobotState.STOP)
+    stage.states.clear()
+    stage.pass_time(15.0)
+    assert stage.states == [RobotState.STOP]
+    record = stage.box.core.box.finished.records()[-1] if stage.run is None else stage.run.record(stage.box.core.now())
+    assert record.end_reason == ("timeout" if how == "time limit" else "stopped")
+    assert [end.who for end in record.stops] == ["" if how == "time limit" else "Anna"]
+    assert stage.box.memory.texts == {}
+
+
+@pytest.mark.parametrize("how", STOPS)
+@pytest.mark.parametrize("is_frozen", [False, True])
+def test_a_takeover_after_stop_leaves_the_robot_stopped(stage, how, is_frozen):
+    stage = stage(has_standby=True)
+    stage.execute()
+    if is_frozen:
+        stage.freeze()
+    stop(stage, how)
+    stage.until(RobotState.STOP)
+    stage.pass_time(0.5)
+    stage.box.kill(float("inf"), power=True)
+    stage.states.clear()
+    stage.pass_time(4.0)
+    stage.standby.take_over()
+    stage.pass_time(15.0)
+    assert stage.states == [RobotState.STOP]
+    assert len(stage.box.core.box.zones["home"].run.record(stage.box.core.now()).stops
+               if stage.run is not None else stage.box.core.box.finished.records()[-1].stops) == 1
+
+
+def test_a_start_that_waits_for_the_disk_is_dropped_by_stop(stage):
+    stage = stage()
+    stage.execute()
+    stage.do("stop")
+    stage.until(RobotState.STOP)
+    stage.freeze(10.0)
+    stage.do("start")
+    stage.pass_time(3.0)
+    assert stage.run.phase is Phase.RUNNING
+    assert stage.robot.state is RobotState.STOP, "the start waits for its record"
+    stage.do("stop")
+    stage.states.clear()
+    stage.pass_time(20.0)
+    assert stage.states == [RobotState.STOP]
+    stage.do("start")
+    stage.until(RobotState.EXECUTING)
+
+
+def test_a_run_that_waits_for_the_disk_begins_when_the_disk_goes_on(stage):
+    stage = stage()
+    stage.freeze(6.0)
+    stage.do("connect")
+    stage.pass_time(5.0)
+    assert stage.robot.link is None, "no beacon names a channel that is not open"
+    assert any("takes no data" in text for text in stage.box.core.box.warnings(stage.box.core.now()))
+    stage.pass_time(3.0)
+    assert stage.robot.link is not None
+    stage.do("start")
+    stage.until(RobotState.EXECUTING)
+    assert not any("takes no data" in text for text in stage.box.core.box.warnings(stage.box.core.now()))
+
+
+def test_what_a_robot_says_is_not_acknowledged_before_it_is_recorded(stage):
+    stage = stage()
+    stage.execute()
+    stage.freeze(5.0)
+    stage.robot.client.notify("once")
+    stage.do("stop")
+    stage.pass_time(2.0)
+    assert stage.robot.state is RobotState.STOP
+    assert stage.robot.client.strings_pending == 1, "it is repeated"
+    stage.box.kill(0.5)
+    stage.storage.frozen_until = 0.0
+    stage.pass_time(5.0)
+    port = stage.run.port
+    assert (run_log.NOTIFICATION, "once") in [entry[:2] for entry in stage.box.core.journal.log_entries(port)]
