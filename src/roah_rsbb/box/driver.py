@@ -218,8 +218,8 @@ class CoreDriver:
             if sent is None:
                 continue  # its channel was not opened yet
             for waiting in self._waiting:
-                waiting.effects[:] = [e for e in waiting.effects
-                                      if not isinstance(e, effects.SendState) or e.port != effect.port]
+                waiting.effects[:] = [e for e in waiting.effects if not isinstance(e, effects.SendState)
+                                      or e.port != effect.port or e.message.state is BoxState.STOP]
             if sent.state is not BoxState.STOP and not self._is_result(effect.port):
                 # What the robot said is acknowledged when it is recorded.
                 self._do(effect._replace(message=effect.message._replace(acknowledgement=sent.acknowledgement))

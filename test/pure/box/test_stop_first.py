@@ -11,7 +11,7 @@ from helpers.commands import given_with
 from helpers.competition import competition, event
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.model import run_log
-from roah_rsbb.model.records import Phase
+from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.model.referee import RunName
 from roah_rsbb.protocol import RobotState
 from simulation.air import Air
@@ -39,7 +39,7 @@ class Oracles:
 class Stage:
     """A box with one zone, a robot, and a standby if there is one."""
 
-    def __init__(self, folder, has_standby=False):
+    def __init__(self, folder, has_standby=False, **of_robot):
         self.folder, self.can_wait, self.documents, self.clocks_were_set = str(folder), True, [], set()
         self.bytes = random.Random(1)
         self.scheduler = Scheduler()
@@ -57,7 +57,7 @@ class Stage:
             self.box.copy()
         self.robot = Robot(self, Computer(self.scheduler, "robot", "10.0.0.2"), "Alpha", "r1",
                            self.config.passwords["Alpha"],
-                           {"prepare_duration": 0.5, "execute_duration": 1000.0, "never_end": True})
+                           {"prepare_duration": 0.5, "execute_duration": 1000.0, "never_end": True, **of_robot})
         self.states = []  # of the robot, each when it changed
         self.box.start()
         self.robot.start()
@@ -207,9 +207,9 @@ def test_a_start_that_waits_for_the_disk_is_dropped_by_stop(stage):
     stage.execute()
     stage.do("stop")
     stage.until(RobotState.STOP)
-    stage.freeze(10.0)
+    stage.freeze(20.0)
     stage.do("start")
-    stage.pass_time(3.0)
+    stage.pass_time(8.0)
     assert stage.run.phase is Phase.RUNNING
     assert stage.robot.state is RobotState.STOP, "the start waits for its record"
     stage.do("stop")
@@ -239,6 +239,7 @@ def test_what_a_robot_says_is_not_acknowledged_before_it_is_recorded(stage):
     stage.execute()
     stage.freeze(5.0)
     stage.robot.client.notify("once")
+    stage.pass_time(0.01)
     stage.do("stop")
     stage.pass_time(2.0)
     assert stage.robot.state is RobotState.STOP
@@ -248,3 +249,17 @@ def test_what_a_robot_says_is_not_acknowledged_before_it_is_recorded(stage):
     stage.pass_time(5.0)
     port = stage.run.port
     assert (run_log.NOTIFICATION, "once") in [entry[:2] for entry in stage.box.core.journal.log_entries(port)]
+
+
+
+def test_a_robot_that_has_completed_repeats_its_result_until_it_is_recorded(stage):
+    stage = stage(execute_duration=2.0, never_end=False)
+    stage.execute()
+    stage.freeze(6.0)
+    stage.until(RobotState.RESULT_TX)
+    stage.pass_time(3.0)
+    assert stage.robot.state is RobotState.RESULT_TX
+    stage.box.kill(0.5)
+    stage.storage.frozen_until = 0.0
+    stage.until(RobotState.STOP)
+    assert stage.run.end_reason is EndReason.COMPLETED
