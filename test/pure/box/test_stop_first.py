@@ -23,7 +23,7 @@ from simulation.standby import PORT, Standby
 from simulation.trace import Trace
 
 STILL_S = 1e6  # the disk stands still for the rest of the test
-LIMIT_S = 30.0
+LIMIT_S = 60.0
 
 
 class Oracles:
