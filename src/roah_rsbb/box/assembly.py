@@ -21,9 +21,10 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import CoreSession
-from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.journal.ports import PortRecord, begin_thread
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.reason import say
 from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.radio.radio import CoreRadio, Network, beacon_size
 from roah_rsbb.radio.short_way import Turns
@@ -44,6 +45,7 @@ class Machine(NamedTuple):
     random_bytes: Callable[[int], bytes] = os.urandom
     seen: Optional[Seen] = None  # see `CoreRadio`
     can_wait: bool = True  # see `Turns`
+    begin: Callable[[Callable[[], None]], None] = begin_thread  # runs what may wait for the disk
 
 
 class BoxPlace(NamedTuple):
@@ -53,6 +55,9 @@ class BoxPlace(NamedTuple):
     network: Network
     standby_port: int = 0  # 0: no standby
 
+
+STANDS_STILL = say("the disk of log_dir takes no data. The robot gets STOP all the same. Check the disk")
+NOT_THERE = say("the standby does not have it, because it is not connected. Write the STOP down, and check the standby")
 
 OnText = Callable[[str], None]
 # (session, competition, on_trouble): see `Journal`.
@@ -91,7 +96,7 @@ class CoreAssembly:
         self.fence = Fence(
             loop, place.log_dir, self.store.path, place.network.rsbb_host, place.network.bind_host, place.standby_port,
             lambda *by: self.event(lambda now: box.supersede(*by)), lambda text: self.event(box.on_trouble, text),
-            machine.running_s, end, make_peer)
+            machine.running_s, end, make_peer, machine.begin)
         self.radio = CoreRadio(
             loop, place.network, box, self._turns, lambda text: outputs.log(Level.WARNING, text), make_peer,
             self.fence.check, machine.random_bytes, machine.seen)
@@ -169,6 +174,12 @@ class CoreAssembly:
     def _warn_of_journal(self) -> None:
         for warning in self.store.take_warnings():
             self.event(self.box.on_notice, warning)
+
+    def why_not_recorded(self, ticket: int) -> str:
+        """Return on which disk a STOP is missing, and why; empty: on none, or for a moment only."""
+        if self.store.is_waiting(ticket):
+            return STANDS_STILL
+        return NOT_THERE if self.box.copies.are_two and not self.box.copies.is_worth_waiting(self.now()) else ""
 
     def unsaved(self) -> Tuple[UnsavedParts, ...]:
         """Return the parts of records that are not on all disks yet: see `CoreJournal.unsaved`."""

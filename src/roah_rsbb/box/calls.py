@@ -17,7 +17,7 @@ from roah_rsbb.model.actions import EVERY
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.fields import is_encodable
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import encode, say
 from roah_rsbb.model.referee import Refused, RunName, checked_who
 from roah_rsbb.model.results import RunSheet
 from roah_rsbb.wording.whole_box import ending
@@ -26,6 +26,8 @@ from roah_rsbb.wording.whole_box import ending
 NOT_SAVED = say("not saved: {why}. It counts, and is saved as soon as the disk can be written: do not enter it again. "
                 "Free or repair the disk of log_dir")
 NOT_RECORDED = say("not saved: internal error. It counts until the box ends. Report the error in the core's log")
+# The answer to a STOP that is not on the disks yet. It has been sent.
+STOP_NOT_RECORDED = say("stopped, not yet recorded: {why}")
 NO_OBJECT = say("The values of the fields are not a JSON object, such as {example}")(example='{"robot": "r1"}')
 UNKNOWN = say("The call has {name}, which is unknown: the values of the fields of an action go into given")
 NO_TEXT = say("{name} is not a text of at most {most} characters")
@@ -42,9 +44,10 @@ class Disks(NamedTuple):
     ticket: Callable[[], Optional[int]]  # the journal's of the last change; None: its record failed
     why_not_saved: Callable[[int], str]  # blocks until it is on the disk; returns why it is not
     ask_standby: Callable[[int], Optional[standby_answers.Answer]]  # None: the answer does not wait for it
+    why_not_recorded: Callable[[int], str]  # without a wait; empty: it is, or will be within a moment
 
 
-NO_DISKS = Disks(lambda: 0, lambda ticket: "", lambda ticket: None)
+NO_DISKS = Disks(lambda: 0, lambda ticket: "", lambda ticket: None, lambda ticket: "")
 
 
 class BoxCalls:
@@ -116,7 +119,11 @@ class BoxCalls:
         return waiting if action is not None and action.durable else waiting.answer
 
     def _stop(self, found: Mapping[str, Any], caller: Caller) -> Any:
+        """STOP has left when this returns. It waits for no disk; the answer says where it is missing."""
         self.stop(run_of(found), who_of(found))
+        ticket = self._disks.ticket()
+        why = "" if ticket is None else self._disks.why_not_recorded(ticket)
+        return {"unsaved": encode(STOP_NOT_RECORDED(why=why))} if why else None
 
     def _sheet(self, found: Mapping[str, Any], caller: Caller) -> Any:
         return write(self.sheet(run_of(found)))

@@ -9,6 +9,7 @@ happens. If one of them is the box now, the process ends there and then.
 """
 
 import asyncio
+import contextlib
 import os
 import sys
 from typing import Callable, Dict, Optional, Tuple
@@ -16,6 +17,7 @@ from typing import Callable, Dict, Optional, Tuple
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Address, Peer
 from roah_rsbb.journal import epochs
+from roah_rsbb.journal.ports import begin_thread
 from roah_rsbb.platform import running_s
 from roah_rsbb.standby.pair import AWAY_S, SAY_S, Claim, Side, State, Word
 from roah_rsbb.standby.partners import BOX_FILE, FOLDER, PAIRED, Partner, partners_of
@@ -43,11 +45,12 @@ class Fence:
         self, loop: asyncio.AbstractEventLoop, log_dir: str, journal: str, rsbb_host: str, bind_host: str,
         standby_port: int, on_superseded: OnSuperseded, on_trouble: Callable[[str], None],
         clock: Callable[[], float] = running_s, end: Callable[[float, str], None] = end_superseded,
-        make_peer: MakePeer = Peer,
+        make_peer: MakePeer = Peer, begin: Callable[[Callable[[], None]], None] = begin_thread,
     ) -> None:
         """`journal`: path of the core's journal. `standby_port`: 0: none. `end` ends the process of a core that was
         superseded while it was not running, and is given for how many seconds, and by which address. `make_peer`
-        replaces `Peer`, for another network."""
+        replaces `Peer`, for another network. `begin` runs a function that may wait for the disk."""
+        self._begin, self._is_looking = begin, False
         self._loop = loop
         self._log_dir = log_dir
         self._rsbb_host, self._bind_host, self._port = rsbb_host, bind_host, standby_port
@@ -56,8 +59,9 @@ class Fence:
         self._ran = clock()  # when the loop's thread was running last
         self._is_asking_again = False
         self._files: Tuple[Optional[int], ...] = ()
-        self._partners: Dict[str, Partner] = {}
+        self._found: Dict[str, Partner] = {}
         self._look_at_files()
+        self._partners = self._found
         standing = epochs.standing_in(journal)
         self.by = standing.by if standing.is_superseded else ""  # address of the box that took over before this start
         self._claim = Claim(standing.epoch, standing.cut, self._sides(), standing.is_superseded)
@@ -110,7 +114,7 @@ class Fence:
             return
         self._is_asking_again = True
         self._look_at_files()
-        self._claim.use(self._sides())
+        self._use_files()
         self._claim.ask_again()
         while self._claim.state is State.ASKING:
             self._say_due()
@@ -125,10 +129,9 @@ class Fence:
         self.check()
         self._timer = self._loop.call_later(SAY_S, self._tick)
         now = self._loop.time()
-        if now >= self._looked + LOOK_S:
-            self._looked = now
-            if self._look_at_files():
-                self._claim.use(self._sides())
+        if now >= self._looked + LOOK_S and not self._is_looking:
+            self._looked, self._is_looking = now, True
+            self._begin(self._look_in_thread)
         self._say_due()
         self._note_decision()
 
@@ -163,16 +166,24 @@ class Fence:
     def _sides(self) -> Dict[str, Side]:
         return {name: partner.own_side for name, partner in self._partners.items()}
 
-    def _look_at_files(self) -> bool:
-        """Read the pairs if their files changed. Returns whether they did."""
+    def _look_at_files(self) -> None:
+        """Read the pairs if their files changed."""
         paths = os.path.join(self._log_dir, FOLDER, PAIRED), os.path.join(self._log_dir, BOX_FILE)
         found = tuple(map(_changed, paths))
-        if found == self._files:
-            return False
-        self._files = found
-        # A standby that was never connected has no copy, and cannot have taken over.
-        self._partners = {name: partner for name, partner in partners_of(self._log_dir).items() if partner.host}
-        return True
+        if found != self._files:
+            # A standby that was never connected has no copy, and cannot have taken over.
+            self._found = {name: partner for name, partner in partners_of(self._log_dir).items() if partner.host}
+            self._files = found
+
+    def _look_in_thread(self) -> None:
+        """The loop does not wait for a disk that stands still."""
+        self._look_at_files()
+        with contextlib.suppress(RuntimeError):  # the loop has ended
+            self._loop.call_soon_threadsafe(self._use_files)
+
+    def _use_files(self) -> None:
+        self._is_looking, self._partners = False, self._found
+        self._claim.use(self._sides())
 
 
 def _changed(path: str) -> Optional[int]:

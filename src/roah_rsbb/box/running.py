@@ -92,7 +92,7 @@ class RunningBox:
         self.box, self.event = self.core.box, self.core.event
         core = self.core
         self.calls = BoxCalls(self.box, self._call, Disks(core.journal.ticket, core.store.why_not_saved,
-                                                          core.standby.ask))
+                                                          core.standby.ask, core.why_not_recorded))
         reload = Reloads(
             self.box, self._configuration, lambda function: call_in_loop(loop, function), self.event, self._use)
         self.door = self._door = BoxDoor(

@@ -10,6 +10,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 
 from roah_rsbb.client.client import Answer
 from roah_rsbb.model.document import Document
+from roah_rsbb.model.reason import decode
 from roah_rsbb.model.zone import ENDED, RUNNING, ZoneSeen
 from roah_rsbb.referee.exits import Exit
 from roah_rsbb.referee.words import BadWord, is_all, pick_zone, stop_wanted
@@ -30,7 +31,7 @@ class StopLine(NamedTuple):
     way: str
     text: str
     not_stopped: Tuple[str, ...] = ()  # robots that do not report STOP
-    trouble: str = ""  # why it is not delivered, or why nothing is heard of the robot, with the remedy
+    trouble: str = ""  # why it is not delivered or not recorded, or why nothing is heard of the robot, with the remedy
 
     @property
     def is_lost(self) -> bool:
@@ -51,7 +52,7 @@ class ZoneStop:
         self.number = 0  # of the document that shows the effect
         self.refused: Tuple[str, ...] = ()
         self.after: Optional[ZoneSeen] = None
-        self.trouble = ""
+        self.trouble = self.unsaved = ""
 
     def send(self, link: Any) -> None:
         """Send it until the core answers."""
@@ -59,6 +60,7 @@ class ZoneStop:
             self.refused, self.number = tuple(answer.reasons), answer.number
             if answer.is_answered and not answer.reasons:
                 self.answered_s = time.monotonic()
+                self.unsaved = decode(answer.answer.get("unsaved", "")) if isinstance(answer.answer, dict) else ""
             link.wake()
 
         self.is_sent = True
@@ -109,7 +111,7 @@ class ZoneStop:
         )
         robots = () if after is None or where in DONE else after.not_stopped
         return StopLine(self.zone, where.value, way_text(where, self.zone), robots,
-                        self.trouble if after is None and where in LOST else "")
+                        self.trouble if after is None and where in LOST else self.unsaved)
 
     def status(self) -> Exit:
         """Return the exit status if it ends now."""

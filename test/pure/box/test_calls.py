@@ -35,7 +35,7 @@ class Recorded:
         box = SimpleNamespace(act=self._event("act"), scores=SimpleNamespace(stop=self._event("stop")),
                               outcome=lambda target, action, given: ITEM if action == "mark" else {})
         self.calls = BoxCalls(box, lambda method, *arguments: method(NOW, *arguments), Disks(
-            lambda: self.ticket, self._why_not_saved, self._ask_standby))
+            lambda: self.ticket, self._why_not_saved, self._ask_standby, lambda ticket: ""))
 
     def _event(self, name):
         def event(*arguments):

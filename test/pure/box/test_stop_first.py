@@ -9,7 +9,10 @@ import pytest
 
 from helpers.commands import given_with
 from helpers.competition import competition, event
+from roah_rsbb.box.calls import BoxCalls, Disks
 from roah_rsbb.core.actions.table import Target
+from roah_rsbb.core.views.document import END_UNSAVED, Documents
+from roah_rsbb.document.calls import Caller
 from roah_rsbb.model import run_log
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.model.referee import RunName
@@ -202,6 +205,29 @@ def test_a_takeover_after_stop_leaves_the_robot_stopped(stage, how, is_frozen):
                if stage.run is not None else stage.box.core.box.finished.records()[-1].stops) == 1
 
 
+def test_the_answer_to_stop_says_if_it_is_not_recorded(stage):
+    stage = stage()
+    stage.execute()
+    core = stage.box.core
+    calls = BoxCalls(core.box, core.event, Disks(core.journal.ticket, lambda ticket: "", core.standby.ask,
+                                                core.why_not_recorded)).named()
+    documents = Documents(core.box, "", "")
+    stage.freeze(3.0)
+    asked = []
+    stage.box.process.soon(lambda: asked.append(calls["stop"]({"zone": "home", "by": "Anna"}, Caller())))
+    stage.pass_time(1.0)
+    assert "stopped, not yet recorded: the disk of log_dir" in asked[0]["unsaved"][0].format(
+        **{name: value[0] for name, value in asked[0]["unsaved"][1].items()})
+    assert END_UNSAVED in documents.look(core.now(), unsaved=core.unsaved()).zones["home"].warnings
+    stage.pass_time(3.0)
+    assert END_UNSAVED not in documents.look(core.now(), unsaved=core.unsaved()).zones["home"].warnings
+    stage.do("start")
+    stage.pass_time(0.1)
+    stage.box.process.soon(lambda: asked.append(calls["stop"]({"zone": "home", "by": "Anna"}, Caller())))
+    stage.pass_time(0.1)
+    assert asked[1:] == [None]
+
+
 def test_a_start_that_waits_for_the_disk_is_dropped_by_stop(stage):
     stage = stage()
     stage.execute()
@@ -229,7 +255,10 @@ def test_a_run_that_waits_for_the_disk_begins_when_the_disk_goes_on(stage):
     assert any("takes no data" in text for text in stage.box.core.box.warnings(stage.box.core.now()))
     stage.pass_time(3.0)
     assert stage.robot.link is not None
+    stage.freeze(8.0)
     stage.do("start")
+    stage.pass_time(7.5)
+    assert stage.robot.state is RobotState.STOP
     stage.until(RobotState.EXECUTING)
     assert not any("takes no data" in text for text in stage.box.core.box.warnings(stage.box.core.now()))
 

@@ -93,7 +93,7 @@ class Box:
         world, computer = self.world, self.computer
         machine = Machine(
             computer.boot_id, self.starts, f"uuid {computer.name} {self.starts}", computer.mono, computer.utc,
-            computer.mono, world.random_bytes, Seen(SEEN_BITS), world.can_wait)
+            computer.mono, world.random_bytes, Seen(SEEN_BITS), world.can_wait, lambda work: work())
         network = Network(BROADCAST, 6666, computer.host, Cipher.AES_128_CBC, False, 1024)
         outputs = Outputs(lambda: None, lambda: None, lambda wish: None, self._log, self._bug)
         ports = PortRecord(self.storage.folder, lambda work: process.loop.call_later(self.storage.sync_s(), work))

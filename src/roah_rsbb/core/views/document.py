@@ -10,8 +10,12 @@ from roah_rsbb.core.views.schedule import EventLine, ScheduleView, events_shown
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxSeen, Document
 from roah_rsbb.model.judging import Judging
+from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.model.results import RunLine, UnsavedParts
+
+# Until an end of a run is on all disks on which it must be.
+END_UNSAVED = say("The end of the run is not recorded yet: write it down until this line is gone")
 
 V = TypeVar("V")
 
@@ -38,7 +42,10 @@ class Documents:
         box, last = self._box, self.last
         revision, events = box.revision, self._schedule.look(now)
         robots = _kept(last.robots, views.robots(box, now, last.robots))
-        zones = _kept(last.zones, self._views.look(now, robots, log_files))
+        ended = {parts.identity for parts in unsaved if parts.stops}
+        zones = _kept(last.zones, {
+            name: zone._replace(warnings=(*zone.warnings, END_UNSAVED)) if zone.identity in ended else zone
+            for name, zone in self._views.look(now, robots, log_files).items()})
         document = last._replace(
             box=views.box_state(box, now, self._uuid, self._host, unsaved), robots=robots, zones=zones,
             schedule=last.schedule if events is self._events else _kept(last.schedule, events_shown(events)))
