@@ -25,6 +25,7 @@ import comm_nodes  # noqa: E402
 import copying  # noqa: E402
 import flood  # noqa: E402
 import floods  # noqa: E402
+import frozen  # noqa: E402
 import followers  # noqa: E402
 import gateway  # noqa: E402
 import journal_speed  # noqa: E402
@@ -254,6 +255,13 @@ class Bench:
                 name = f"reaction, {rate}/s of {kind} on another run's channel"
                 self.results.add_spread(name, "ms", taken, {0.5: 25})
                 self.results.add(f"{name}: memory grown", "MB", box.process.memory_mb() - memory, 30)
+
+    def frozen(self) -> None:
+        """STOP beside a disk that stands still. Needs root."""
+        with frozen.BoxOnADisk(REPEATING) as box, Fleet(REPEATING, box.port) as fleet:
+            reaction.connect(box, fleet, REPEATING)
+            reaction.start(box, fleet, REPEATING)
+            frozen.measure(self.results, box, fleet, self.extent.flood_rounds)
 
     def floods(self) -> None:
         """STOP beside floods of datagrams, calls and connections, as ratio to the idle machine."""
@@ -520,7 +528,7 @@ def profile(robots: int, seconds: float) -> None:
 
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
-    "one", "door", "resume", "hung", "takeover", "copying", "repeats", "without_ros", "hundred", "hostile", "floods",
+    "one", "door", "resume", "hung", "takeover", "copying", "repeats", "without_ros", "hundred", "hostile", "floods", "frozen",
     "window", "web", "browser", "journal", "comm")}
 
 

@@ -3555,6 +3555,16 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>Pose</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/box/assembly.py"/>
+        <source>the disk of log_dir takes no data. The robot gets STOP all the same. Check the disk</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/assembly.py"/>
+        <source>the standby does not have it, because it is not connected. Write the STOP down, and check the standby</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/box/calls.py"/>
         <source>not saved: {why}. It counts, and is saved as soon as the disk can be written: do not enter it again. Free or repair the disk of log_dir</source>
         <translation>nicht gespeichert: {why}. Die Eingabe zählt und wird gespeichert, sobald der Datenträger beschrieben werden kann: Geben Sie sie nicht noch einmal ein. Schaffen Sie Platz auf dem Datenträger von log_dir, oder reparieren Sie ihn</translation>
@@ -3563,6 +3573,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/box/calls.py"/>
         <source>not saved: internal error. It counts until the box ends. Report the error in the core&apos;s log</source>
         <translation>nicht gespeichert: interner Fehler. Die Eingabe zählt, bis die Box endet. Melden Sie den Fehler aus dem Log des Cores</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/calls.py"/>
+        <source>stopped, not yet recorded: {why}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/calls.py"/>
@@ -4795,6 +4810,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>die Kennung „{id}“ wurde für „{item}“ verwendet: Geben Sie jeder Wertung eine neue UUID</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/core/views/document.py"/>
+        <source>The end of the run is not recorded yet: write it down until this line is gone</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/core/views/views.py"/>
         <source>Listening for another box before transmitting: {time} s</source>
         <translation>Horche vor dem Senden auf eine andere Box: {time} s</translation>
@@ -5453,6 +5473,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/standby/remote.py"/>
         <source>box and standby have different versions of roah_rsbb. Install the same one on both</source>
         <translation>Box und Standby haben verschiedene Versionen von roah_rsbb. Installieren Sie auf beiden dieselbe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/standby/remote.py"/>
+        <source>a STOP cannot be kept: {error}. Free or repair its disk</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/standby/remote.py"/>
