@@ -3557,12 +3557,12 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     <message>
         <location filename="../../src/roah_rsbb/box/assembly.py"/>
         <source>the disk of log_dir takes no data. The robot gets STOP all the same. Check the disk</source>
-        <translation type="unfinished"></translation>
+        <translation>die Festplatte von log_dir nimmt keine Daten an. Der Roboter bekommt STOP trotzdem. Prüfen Sie die Festplatte</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/assembly.py"/>
         <source>the standby does not have it, because it is not connected. Write the STOP down, and check the standby</source>
-        <translation type="unfinished"></translation>
+        <translation>der Standby hat es nicht, weil er nicht verbunden ist. Schreiben Sie das STOP auf, und prüfen Sie den Standby</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/calls.py"/>
@@ -3577,7 +3577,7 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     <message>
         <location filename="../../src/roah_rsbb/box/calls.py"/>
         <source>stopped, not yet recorded: {why}</source>
-        <translation type="unfinished"></translation>
+        <translation>gestoppt, noch nicht aufgezeichnet: {why}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/calls.py"/>
@@ -4812,7 +4812,7 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     <message>
         <location filename="../../src/roah_rsbb/core/views/document.py"/>
         <source>The end of the run is not recorded yet: write it down until this line is gone</source>
-        <translation type="unfinished"></translation>
+        <translation>Das Ende des Laufs ist noch nicht aufgezeichnet: Schreiben Sie es auf, bis diese Zeile verschwunden ist</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/views/views.py"/>
@@ -5477,7 +5477,7 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     <message>
         <location filename="../../src/roah_rsbb/standby/remote.py"/>
         <source>a STOP cannot be kept: {error}. Free or repair its disk</source>
-        <translation type="unfinished"></translation>
+        <translation>ein STOP kann nicht aufbewahrt werden: {error}. Schaffen Sie dort Platz, oder reparieren Sie die Festplatte</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/standby/remote.py"/>
