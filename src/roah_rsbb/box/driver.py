@@ -164,6 +164,7 @@ class CoreDriver:
     def _go_on(self) -> None:
         """The disk goes on."""
         self._check()
+        self._moment = self._now()  # what was read before is taken before
         self._finish()
 
     def _finish(self) -> None:

@@ -203,9 +203,10 @@ class Journal:
         stands_still = self._tried < self._asked
         self._asked += 1
         asked = self._asked
-        self._writing.wake()
-        if not stands_still:
-            self._writing.wait(lambda: self._tried >= asked, WRITE_S)
+        if stands_still:
+            self._writing.wake()
+        else:
+            self._writing.work(lambda: self._tried >= asked, WRITE_S)
 
     def _await(self, ticket: int) -> None:
         """Note since when the oldest ticket waits, or rather one that is little younger."""

@@ -25,8 +25,16 @@ class Syncer:
     def wake(self) -> None:
         """Work soon."""
         with self._changed:
-            self._is_wanted = True
+            if not self._is_wanted:
+                self._is_wanted = True
+                self._changed.notify_all()
+
+    def work(self, is_done: Callable[[], bool], timeout: float) -> bool:
+        """`wake` and `wait`, in one step."""
+        with self._changed:
+            self._is_wanted = self._hurry = True
             self._changed.notify_all()
+            return self._changed.wait_for(is_done, timeout)
 
     def wait(self, is_done: Callable[[], bool], timeout: float) -> bool:
         """Work now, and wait until something is done, at most `timeout` seconds; returns whether it is."""

@@ -636,6 +636,10 @@ class SimulatedSyncer:
     def wake(self):
         self.is_wanted = True
 
+    def work(self, is_done, timeout):
+        self.wake()
+        return self.wait(is_done, timeout)
+
     def wait(self, is_done, timeout):
         self.pass_time()
         return is_done()

@@ -287,8 +287,9 @@ class Syncer:
         self._is_wanted = True
         self._plan(self._group_s)
 
-    def wait(self, is_done, timeout):
+    def work(self, is_done, timeout):
         """Work at once, unless that takes long."""
+        self.wake()
         if not self._is_working and not self._storage.write_s():
             self._run()
         return is_done()
