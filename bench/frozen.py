@@ -1,10 +1,10 @@
-"""Measures STOP and START beside a disk that stands still, as while a snapshot is taken. Needs root: it mounts a disk."""
+"""Measures STOP and START beside a disk that stands still, as for a snapshot. Needs root: it mounts a disk."""
 
 import contextlib
 import random
 import subprocess
 import time
-from typing import Dict, Iterator, List
+from typing import Dict, Iterator
 
 from fleet import Fleet
 from processes import Measured, wait

@@ -25,8 +25,8 @@ import comm_nodes  # noqa: E402
 import copying  # noqa: E402
 import flood  # noqa: E402
 import floods  # noqa: E402
-import frozen  # noqa: E402
 import followers  # noqa: E402
+import frozen  # noqa: E402
 import gateway  # noqa: E402
 import journal_speed  # noqa: E402
 import load  # noqa: E402
@@ -528,8 +528,8 @@ def profile(robots: int, seconds: float) -> None:
 
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
-    "one", "door", "resume", "hung", "takeover", "copying", "repeats", "without_ros", "hundred", "hostile", "floods", "frozen",
-    "window", "web", "browser", "journal", "comm")}
+    "one", "door", "resume", "hung", "takeover", "copying", "repeats", "without_ros", "hundred", "hostile", "floods",
+    "frozen", "window", "web", "browser", "journal", "comm")}
 
 
 def main() -> int:

@@ -36,7 +36,7 @@ class CopyCalls:
         self._door.ask(COPY, {"box": self._uuid, "journal": self._core.store.identity, "ticket": ticket}, BOX)
 
     def tell_stops(self, stops: Mapping[str, str]) -> None:
-        """Pass STOPs that were sent to the standby, at once: their records are not written yet. Nothing waits for it."""
+        """Pass STOPs that were sent to the standby, before their records are written. Nothing waits for it."""
         self._door.tell(STOPPED, {"stops": dict(stops)}, BOX)
 
     def _report(self, found: Mapping[str, Any], _caller: Caller) -> None:

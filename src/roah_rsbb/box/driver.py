@@ -3,8 +3,8 @@
 Everything here runs in the loop's thread. The core makes all decisions; the driver only dispatches effects.
 
 Effects of an event leave when the journal's file has its record. While the disk stands still, they wait, in their
-order. Only STOP does not wait: it leaves before the record is written, and what still waits for that robot is older than
-it, and is dropped. Messages that only acknowledge what a robot said leave at once if nothing waits for this robot.
+order. Only STOP does not wait: it leaves before the record is written, and what still waits for that robot is older
+than it, and is dropped. Messages that only acknowledge what a robot said leave at once if nothing waits for this robot.
 """
 
 import asyncio
@@ -14,7 +14,7 @@ from typing import Callable, Deque, Dict, Iterable, List, NamedTuple, Optional, 
 from roah_rsbb.box.journal import CoreJournal
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.effects import Effect, How, Level
+from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.model.clock import Now

@@ -9,7 +9,7 @@ prepare again.
 import json
 from typing import Callable, Dict, List, Mapping, NamedTuple, Protocol
 
-from roah_rsbb.core.runs.run import SentStop
+from roah_rsbb.core.runs.run import UnrecordedStop
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import By, EndReason, RunRecord
 
@@ -82,16 +82,16 @@ class StopNotes:
             self._tell_standby({identity: note.text for identity, note in self._notes.items()})
 
 
-def unrecorded(stops: Mapping[str, str], records: List[RunRecord], shift: float) -> Dict[str, SentStop]:
+def unrecorded(stops: Mapping[str, str], records: List[RunRecord], shift: float) -> Dict[str, UnrecordedStop]:
     """Return those of the texts of STOPs that no record has, by the identity of the run. `shift`: from the monotonic
     clock of the box before to that of this one (s)."""
     stopped = {record.identity: max((stop.utc for stop in record.stops), default=0.0) for record in records}
-    found: Dict[str, SentStop] = {}
+    found: Dict[str, UnrecordedStop] = {}
     for identity, text in stops.items():
         try:
             mono, utc, reason, who, why = json.loads(text)
             if utc > stopped.get(identity, 0.0):
-                found[identity] = SentStop(Now(mono + shift, utc), EndReason[reason.upper()], By(who, why))
+                found[identity] = UnrecordedStop(Now(mono + shift, utc), EndReason[reason.upper()], By(who, why))
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
             continue  # of another version: the robot still gets nothing before a referee decides
     return found

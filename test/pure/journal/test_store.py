@@ -631,7 +631,7 @@ class SimulatedSyncer:
     """Syncs when the simulated time has come, without a thread."""
 
     def __init__(self, work, group_s):
-        self.work, self.is_wanted = work, False
+        self._work, self.is_wanted = work, False
 
     def wake(self):
         self.is_wanted = True
@@ -646,7 +646,7 @@ class SimulatedSyncer:
 
     def pass_time(self):
         if self.is_wanted:
-            self.is_wanted = not self.work()
+            self.is_wanted = not self._work()
 
     def end(self):
         self.pass_time()
