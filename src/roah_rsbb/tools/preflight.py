@@ -127,6 +127,7 @@ def findings(settings: CheckedSettings, folder: str, listen_s: float) -> List[Re
     found += checks.check_configuration(files, settings.modules_dir)
     loaded = venue.loaded_config(files)
     if loaded is not None:
+        found += venue.check_standby(loaded, settings.box.standby_port)
         found += venue.check_ground_truth(loaded, settings.modules_dir, _look())
         if settings.has_devices:
             found += venue.check_devices(loaded, settings.smartif_host, settings.smartif_port)
