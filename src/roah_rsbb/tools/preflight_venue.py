@@ -80,10 +80,14 @@ def check_standby(loaded: Config, port: int) -> List[Remark]:
 
 
 def check_devices(loaded: Config, host: str, port: int) -> List[Remark]:
-    """Check that the controller of the home devices can be reached, if a benchmark needs it."""
+    """Check that the controller of the home devices can be reached, if a benchmark needs it. `host`: empty: the box
+    does not control them."""
     codes = _needing(loaded, DEVICES, BELL)
     if not codes:
         return []
+    if not host:
+        return [Remark(Severity.WARNING, f"the home devices are off, and {', '.join(codes)} may need them",
+                       "start the box with devices:=true smartif_host:=ADDRESS of their controller")]
     try:
         socket.create_connection((host, port), CONNECT_S).close()
     except OSError as error:

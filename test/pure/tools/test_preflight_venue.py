@@ -52,6 +52,11 @@ def test_entries_on_two_computers_need_a_standby():
     assert found.level is Severity.FAILED and "schedule.yaml:7" in found.text and "standby_port:=" in found.remedy
 
 
+def test_devices_that_are_off_although_a_benchmark_needs_them():
+    found, = venue.check_devices(competition(home=["HWV"]), "", 1)
+    assert found.level is Severity.WARNING and "devices:=true smartif_host:=" in found.remedy
+
+
 def test_the_tablets_port():
     loaded = competition(home=["HCFGAC"])
     with socket.socket() as other:

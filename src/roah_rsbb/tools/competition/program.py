@@ -221,6 +221,10 @@ def _new(options: argparse.Namespace, book: Rulebook, plan: Plan, found: Dict[st
     written = files.new_files(book, plan, found["time-zone"], hosts)
     files.write_new(options.directory, written)
     print(f"Written to {options.directory}: {', '.join(written)}")
+    codes = sorted({run.code for zone in plan.zones for run in zone.runs})
+    if hosts.smartif is None and files.needs_devices(book.benchmarks[code] for code in codes):
+        print("The home devices are off, because the address of their controller is not known. To use them, start the "
+              f"box with devices:=true smartif_host:=ADDRESS, or write both into {files.LAUNCH}")
 
 
 def _only(report: Report, options: argparse.Namespace, command: str, *allowed: str) -> None:
