@@ -1178,7 +1178,7 @@
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Address of the home devices&apos; controller (empty: they are off)</source>
-        <translation>Adresse der Steuerung der Haushaltsgeräte (leer: sie sind aus)</translation>
+        <translation>Adresse der Steuerung für die Geräte der Wohnung (leer: sie sind aus)</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
