@@ -1177,6 +1177,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Address of the home devices&apos; controller (empty: they are off)</source>
+        <translation>Adresse der Steuerung für die Geräte der Wohnung (leer: sie sind aus)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Competition</source>
         <translation>Wettbewerb</translation>
     </message>

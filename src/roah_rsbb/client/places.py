@@ -10,7 +10,7 @@ import socket
 import urllib.parse
 import xmlrpc.client
 from http.client import HTTPException
-from typing import Any, Optional
+from typing import Any, Callable, Optional
 from xml.parsers.expat import ExpatError
 
 from roah_rsbb.document.place import DoorPlace, NotFound, read_place
@@ -73,7 +73,10 @@ def _is_here(host: str) -> bool:
 
 class DoorPlaces:
     """Finds the door of a box: of the one without ROS, if there is one and no ROS master is named; else of the box of a
-    master, in the file and in the parameter by turns. It never changes from one box to the other."""
+    master, in the file and in the parameter by turns. It never changes from one box to the other.
+
+    `roah-rsbb` prefers a box without ROS that answers to the master of the shell, which many people set for all shells.
+    """
 
     def __init__(self, master_uri: Optional[str] = None, without_ros: bool = False) -> None:
         """`master_uri`: None: that of ROS_MASTER_URI. `without_ros`: nobody expects a box with ROS, unless a master is
@@ -81,8 +84,11 @@ class DoorPlaces:
         named = master_uri or os.environ.get("ROS_MASTER_URI", "")
         self.master_uri = named or MASTER_URI
         self._is_own: Optional[bool] = None  # whether it is the box without ROS; None: none was found yet
+        self._has_own: Callable[[str], bool] = os.path.exists
         if OWN_VARIABLE in os.environ and not master_uri:
             self._is_own = True
+        elif without_ros and named and not master_uri:
+            self._has_own = is_answering
         elif named or without_ros:
             self._is_own = not named
         self._tried: Optional[DoorPlace] = None  # the last one
@@ -90,7 +96,7 @@ class DoorPlaces:
 
     def find(self) -> DoorPlace:
         """Return where to try next; a place that was tried last only if there is no other. Raises `NotFound`."""
-        if self._is_own or (self._is_own is None and os.path.exists(local_door_file())):
+        if self._is_own or (self._is_own is None and self._has_own(local_door_file())):
             self._is_own = True
             if not os.path.exists(local_door_file()):
                 raise NotFound(f"no box of this user runs on this computer: {START_HERE}")
@@ -101,7 +107,11 @@ class DoorPlaces:
 
     def _of_box_with_ros(self) -> DoorPlace:
         of_file: Optional[DoorPlace] = None
-        path = file_of(self.master_uri)
+        try:
+            path = file_of(self.master_uri)
+        except ValueError as error:
+            raise NotFound(f"ROS_MASTER_URI is {self.master_uri!r} ({error}): set it to http://ADDRESS:11311 of the "
+                           "box's computer, or unset it") from None
         if path:
             with contextlib.suppress(NotFound):
                 of_file = read_place(path)

@@ -31,8 +31,10 @@ _TIME = re.compile(
 # `time` on the ROS interface: uint32 seconds since 1970.
 _LAST_SECOND = 2**32 - 1
 
-# Control characters, line and paragraph separators.
-_NOT_IN_A_LINE = ("Cc", "Zl", "Zp")
+# Control characters, those without width or that turn the direction of text, line and paragraph separators.
+_NOT_IN_A_LINE = ("Cc", "Cf", "Zl", "Zp")
+# Names in some languages need those that join letters, or keep them apart.
+_JOINERS = "\u200c\u200d"
 
 # What PyYAML, and so any other program that reads the file, makes of an unquoted value.
 _RESOLVER = yaml.resolver.Resolver()
@@ -86,8 +88,9 @@ def text(report: Report, node: Optional[Node], what: str, max_bytes: Optional[in
         return _wrong(report, node, what, "a text that is not empty")
     if _tag(node) in _KINDS:
         return _wrong(report, node, what, "a text: put it in quotes")
-    if any(unicodedata.category(c) in _NOT_IN_A_LINE for c in node.text):
-        return _wrong(report, node, what, "a text of one line, without tabs and control characters")
+    if any(unicodedata.category(c) in _NOT_IN_A_LINE and c not in _JOINERS for c in node.text):
+        return _wrong(report, node, what, "a text of one line, without tabs and control characters, also without those "
+                      "that have no width or turn the direction of text")
     if node.text != node.text.strip():
         return _wrong(report, node, what, "a text that neither begins nor ends with a space")
     size = len(node.text.encode("utf-8"))

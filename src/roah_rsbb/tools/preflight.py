@@ -128,9 +128,10 @@ def findings(settings: CheckedSettings, folder: str, listen_s: float) -> List[Re
     found += checks.check_configuration(files, settings.modules_dir)
     loaded = venue.loaded_config(files)
     if loaded is not None:
+        found += venue.check_standby(loaded, settings.box.standby_port)
         found += venue.check_ground_truth(loaded, settings.modules_dir, _look())
-        if settings.has_devices:
-            found += venue.check_devices(loaded, settings.smartif_host, settings.smartif_port)
+        found += venue.check_devices(loaded, settings.smartif_host if settings.has_devices else "",
+                                     settings.smartif_port)
         if settings.tablet_port:
             found += venue.check_tablet_port(loaded, pages_host, settings.tablet_port)
     if settings.web_port:

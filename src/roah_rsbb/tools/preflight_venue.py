@@ -15,8 +15,9 @@ from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.bmbox.framework.zone_folders import file_in
 from roah_rsbb.bmbox.host.ground_truth_of_frames import FrameState, NoFrames
+from roah_rsbb.core.copies import NO_PORT
 from roah_rsbb.rulebook import config
-from roah_rsbb.rulebook.benchmarks import Config
+from roah_rsbb.rulebook.benchmarks import Config, Durable
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.registry import BELL, DEVICES, TABLET, BenchmarkKind
 from roah_rsbb.tools.open_ports import command_that_shows
@@ -70,11 +71,23 @@ def _check_tcp_port(host: str, port: int, what: str, parameter: str, level: Seve
     return Remark(Severity.OK, f"TCP port {port} of {what} is free")
 
 
+def check_standby(loaded: Config, port: int) -> List[Remark]:
+    """Check that the box will start: with `durable: two`, it needs a port for a standby."""
+    if loaded.durable is not Durable.TWO or port:
+        return []
+    text, _, remedy = NO_PORT.format(place=loaded.durable_at).rpartition(": ")
+    return [Remark(Severity.FAILED, f"the box will not start. {text}", remedy)]
+
+
 def check_devices(loaded: Config, host: str, port: int) -> List[Remark]:
-    """Check that the controller of the home devices can be reached, if a benchmark needs it."""
+    """Check that the controller of the home devices can be reached, if a benchmark needs it. `host`: empty: the box
+    does not control them."""
     codes = _needing(loaded, DEVICES, BELL)
     if not codes:
         return []
+    if not host:
+        return [Remark(Severity.WARNING, f"the home devices are off, and {', '.join(codes)} may need them",
+                       "start the box with devices:=true smartif_host:=ADDRESS of their controller")]
     try:
         socket.create_connection((host, port), CONNECT_S).close()
     except OSError as error:

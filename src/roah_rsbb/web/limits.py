@@ -2,6 +2,7 @@
 
 import collections
 import ipaddress
+import re
 import socket
 from typing import Callable, Dict, FrozenSet, Generic, Iterable, List, Optional, Tuple, TypeVar
 
@@ -32,8 +33,9 @@ def is_own_host(host: str, names: FrozenSet[str]) -> bool:
     rebinding). It cannot do so with an address.
     """
     name = host.lower()
-    if name.startswith("[") and "]" in name:
-        name = name[1:].partition("]")[0]
+    in_brackets = re.fullmatch(r"\[(.*)\](?::\d*)?", name)
+    if in_brackets:
+        name = in_brackets.group(1)
     elif name.count(":") == 1:
         name = name.partition(":")[0]
     try:

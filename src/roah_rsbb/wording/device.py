@@ -222,6 +222,7 @@ class StartWords:
         CHECK: tr_later("Check it"),
     }
     HOST = tr_later("Broadcast address of the robots' network")
+    DEVICES = tr_later("Address of the home devices' controller (empty: they are off)")
     COMPETITION, NAME, RULEBOOK = tr_later("Competition"), tr_later("Name of the competition"), tr_later("Rulebook")
     TEAMS, DAYS = tr_later("Teams, separated by commas"), tr_later("Days")
     TEAM, PASSWORD = tr_later("Team, as the robot sends it"), tr_later("Password of the team")

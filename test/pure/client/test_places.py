@@ -54,6 +54,23 @@ def test_a_box_without_ros_is_found_unless_a_master_is_named(own, monkeypatch):
     assert DoorPlaces().find().token == "with ROS"
 
 
+def test_the_program_without_ros_prefers_its_own_box_that_answers_to_the_master_of_the_shell(own, monkeypatch):
+    write_place(file_of("http://localhost:11311"), "ws://127.0.0.1:1/door", "with ROS")
+    monkeypatch.setenv("ROS_MASTER_URI", "http://localhost:11311")
+    assert DoorPlaces(without_ros=True).find().token == "with ROS", "nothing answers at the place in the file"
+    with socket.create_server(("127.0.0.1", 0)) as door:
+        write_place(own, f"ws://127.0.0.1:{door.getsockname()[1]}/door", "without ROS")
+        assert DoorPlaces(without_ros=True).find().token == "without ROS"
+        assert DoorPlaces("http://localhost:11311", without_ros=True).find().token == "with ROS", "it is asked for"
+        assert DoorPlaces().find().token == "with ROS"
+
+
+@pytest.mark.parametrize("uri", ["http://[", "http://localhost:port", "http://localhost:99999", "garbage", "\x00"])
+def test_a_master_that_no_address_names_is_reported(home, monkeypatch, uri):
+    with pytest.raises(NotFound, match="ROS_MASTER_URI"):
+        DoorPlaces(uri).find()
+
+
 def test_nobody_is_led_from_one_box_to_another(own, monkeypatch):
     write_place(file_of("http://localhost:11311"), "ws://127.0.0.1:1/door", "with ROS")
     without = DoorPlaces()

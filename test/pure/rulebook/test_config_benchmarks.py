@@ -43,6 +43,8 @@ MISTAKES = [
     ("name: Task Benchmark 1", "name: ~", ["'~' (to YAML, a null value)", "put it in quotes"]),
     ("name: Task Benchmark 1", "name: ' Task'", ["neither begins nor ends with a space"]),
     ("name: Task Benchmark 1", 'name: "Task\\n1"', [r"'Task\n1'", "a text of one line"]),
+    ("name: Task Benchmark 1", 'name: "Task\\u202e1"', [r"'Task\u202e1'", "turn the direction of text"]),
+    ("name: Task Benchmark 1", 'name: "Task\\u200b1"', [r"'Task\u200b1'", "have no width"]),
     ("desc: Getting", "desc: ''  # Getting", ["an empty text as desc"]),
     ("desc: Welcoming", "code: Welcoming", ["the key 'code' again", "already in line"]),
     ("code: HWV", "code: HWV\n  code: x", ["the key 'code' again"]),

@@ -1,5 +1,6 @@
 """preflight: motion capture, home devices and the tablet's page, as far as the schedule needs them."""
 
+import dataclasses
 import socket
 
 import pytest
@@ -8,6 +9,8 @@ from helpers.competition import competition, event
 from helpers.config_files import SHIPPED
 from roah_rsbb.bmbox.framework.ground_truth import Pose3
 from roah_rsbb.bmbox.host.ground_truth_of_frames import FrameState
+from roah_rsbb.rulebook.benchmarks import Durable
+from roah_rsbb.rulebook.errors import Place
 from roah_rsbb.tools import preflight_venue as venue
 from roah_rsbb.tools.preflight_checks import Severity
 
@@ -39,6 +42,19 @@ def test_nothing_is_checked_that_the_schedule_does_not_need(folder):
     assert venue.check_tablet_port(loaded, HOST, 1) == []
     assert venue.check_devices(loaded, HOST, 1) == []
     assert venue.check_ground_truth(loaded, str(folder), sees("robot")) == []
+
+
+def test_entries_on_two_computers_need_a_standby():
+    one = competition(home=["HGTKMH"])
+    two = dataclasses.replace(one, durable=Durable.TWO, durable_at=Place("schedule.yaml", 7, 0))
+    assert venue.check_standby(one, 0) == venue.check_standby(two, 8083) == []
+    found, = venue.check_standby(two, 0)
+    assert found.level is Severity.FAILED and "schedule.yaml:7" in found.text and "standby_port:=" in found.remedy
+
+
+def test_devices_that_are_off_although_a_benchmark_needs_them():
+    found, = venue.check_devices(competition(home=["HWV"]), "", 1)
+    assert found.level is Severity.WARNING and "devices:=true smartif_host:=" in found.remedy
 
 
 def test_the_tablets_port():

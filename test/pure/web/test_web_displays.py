@@ -1,6 +1,7 @@
 """The list of displays, and what the organiser sets for them."""
 
 import json
+import os
 import pathlib
 
 import pytest
@@ -275,6 +276,21 @@ def test_the_logos_of_a_folder(logos):
     assert len(reports) == 1 and "Large.jpg" in reports[0]
     assert read_logos("", reports.append) == {} and len(reports) == 1
     assert read_logos(str(logos / "missing"), reports.append) == {} and "correct web_logos" in reports[1]
+
+
+def test_a_link_serves_no_file_from_elsewhere(served, logos, tmp_path_factory):
+    secret = tmp_path_factory.mktemp("elsewhere") / "passwords.yaml"
+    secret.write_text("secret")
+    (logos / "Beta.png").symlink_to(secret)
+    (logos / "Gamma.png").symlink_to("Alpha.png")
+    reports = []
+    found = read_logos(str(logos), reports.append)
+    assert list(found) == ["Alpha", "Gamma", "Tea & Co"] and "Beta.png" in reports[0]
+    served.store.logos.update(found)
+    os.replace(str(secret), str(logos / "Beta.png"))
+    (logos / "Alpha.png").unlink()
+    (logos / "Alpha.png").symlink_to(logos / "Beta.png")
+    assert served.get("/logos/Alpha").code == 404, "it was replaced by a link after the start"
 
 
 def test_only_logos_are_served(served, logos):

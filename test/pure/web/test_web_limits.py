@@ -17,7 +17,7 @@ def test_names_and_addresses_of_this_computer(host):
 
 @pytest.mark.parametrize("host", [
     "", "evil.example", "evil.example:8081", "127.0.0.1.evil.example", "box.evil.example", "127.0.0.1@evil.example",
-    "1270.0.0.1", "[::1", "a:b:c",
+    "1270.0.0.1", "[::1", "a:b:c", "[::1].evil.com", "[::1].evil.com:8081", "[::1]evil:1",
 ])
 def test_other_names_are_refused(host):
     assert not is_own_host(host, NAMES)

@@ -2,7 +2,7 @@
 
 import os
 from types import SimpleNamespace
-from typing import Dict, List, Optional, Type
+from typing import Callable, Dict, List, Optional, Type
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
 from roah_rsbb.bmbox.framework.module import Module
@@ -20,12 +20,14 @@ class Driven:
     A zone may have parameters of its own. The zone "" stands for all other zones.
     """
 
-    def __init__(self, code: str, folder: str, kind: Optional[Type[Module]], own_file: Optional[str]) -> None:
+    def __init__(self, code: str, folder: str, kind: Optional[Type[Module]], own_file: Optional[str],
+                 load: Callable[[str], Type[Module]] = load_rules) -> None:
+        """`load` loads the rules of a file, or raises ConfigErrors."""
         self.code = code
         self.own_file = own_file
         self._folder = folder
         self._kind = kind
-        self._rules = None if own_file is None else WatchedFile(own_file, lambda: load_rules(own_file))
+        self._rules = None if own_file is None else WatchedFile(own_file, lambda: load(own_file))
         self._parameters: Dict[str, WatchedFile] = {}  # by path
         self._in_zone("")
 

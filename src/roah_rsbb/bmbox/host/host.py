@@ -9,10 +9,11 @@ import asyncio
 import logging
 import time
 import uuid
-from typing import Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Tuple, Type
 
 from roah_rsbb.bmbox.framework import registry
-from roah_rsbb.bmbox.framework.own_rules import own_files
+from roah_rsbb.bmbox.framework.module import Module
+from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
 from roah_rsbb.bmbox.framework.zone_folders import zone_folders
 from roah_rsbb.bmbox.host.driven import Driven
 from roah_rsbb.bmbox.host.ground_truth_of_frames import ZonesGroundTruth
@@ -48,13 +49,14 @@ class ModulesHost:
     def __init__(
         self, loop: asyncio.AbstractEventLoop, folder: str, benchmarks: Optional[Sequence[str]],
         truth: ZonesGroundTruth, send: Callable[[ModulesState], object], utc: Callable[[], float] = time.time,
-        on_enter: Callable[[str], object] = lambda run: None,
+        on_enter: Callable[[str], object] = lambda run: None, load: Callable[[str], Type[Module]] = load_rules,
     ) -> None:
         """`folder`: with parameters, rules of the competition and ground truth. `benchmarks`: codes; None: all.
         `send` is called with the state, on each change and every `BEAT_S`, and `on_enter` with the identity of a run
-        before its rules are called, which may never return."""
+        before its rules are called, which may never return. `load` loads the rules of a file, or raises
+        ConfigErrors."""
         self._loop, self._folder, self._chosen, self._truth, self._utc = loop, folder, benchmarks, truth, utc
-        self._do_send, self._on_enter = send, on_enter
+        self._do_send, self._on_enter, self._load = send, on_enter, load
         self._shipped = registry.modules(lambda text: _log.error("%s", text))
         self._driven: Dict[str, Driven] = {}
         self._find_rules()
@@ -127,7 +129,7 @@ class ModulesHost:
                 del self._driven[code]
         for code in {**self._shipped, **own}:
             if code not in self._driven:
-                self._driven[code] = Driven(code, self._folder, self._shipped.get(code), own.get(code))
+                self._driven[code] = Driven(code, self._folder, self._shipped.get(code), own.get(code), self._load)
 
     def _codes(self) -> List[str]:
         """The codes of the benchmarks that this host drives now."""

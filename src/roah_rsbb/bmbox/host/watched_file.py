@@ -25,7 +25,7 @@ class WatchedFile(Generic[T]):
 
     def reload(self) -> bool:
         """Read the file if it changed; returns whether it was read."""
-        seen = _signature(self.path)
+        seen = signature(self.path)
         if seen == self._seen:
             return False
         self._seen = seen
@@ -48,7 +48,7 @@ class WatchedFile(Generic[T]):
         return [] if self._errors is None else str(self._errors).splitlines()
 
 
-def _signature(path: str) -> Tuple[int, ...]:
+def signature(path: str) -> Tuple[int, ...]:
     """A value that changes with the file's content; empty if the file is not accessible."""
     try:
         found = os.stat(path)

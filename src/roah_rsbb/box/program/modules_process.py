@@ -25,19 +25,23 @@ import sys
 import tempfile
 import threading
 import time
-from typing import IO, Any, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import IO, Any, Callable, Dict, List, Optional, Sequence, Set, Tuple, Type
 
 from roah_rsbb import platform
 from roah_rsbb.arguments import without_ros
 from roah_rsbb.bmbox import framework
 from roah_rsbb.bmbox import host as host_folder
+from roah_rsbb.bmbox.framework.module import Module
+from roah_rsbb.bmbox.framework.own_rules import load_rules
 from roah_rsbb.bmbox.host.dummy_frames import DummyFrames
 from roah_rsbb.bmbox.host.ground_truth_of_frames import NoFrames, ZonesGroundTruth
 from roah_rsbb.bmbox.host.host import ModulesHost
 from roah_rsbb.bmbox.host.limits import checked_state
+from roah_rsbb.bmbox.host.watched_file import signature
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RunForModule
 from roah_rsbb.model.reason import Template, say
 from roah_rsbb.model.saved import BadState, freeze, thaw
+from roah_rsbb.rulebook.errors import Place, Report
 
 COMMAND = "modules"  # of `roah-rsbb`; not for users
 # Seconds without a message, of which two come in a second; and until the first one, on a busy computer.
@@ -67,6 +71,7 @@ class ModulesProcess:
         self._loop, self._on_state = loop, on_state
         self._command, self._traces = list(command), Traces("")
         self._hung: Optional[subprocess.Popen[str]] = None  # the process that was ended last, because it hung
+        self._without: Set[str] = set()  # rules that ended a process while it loaded them: see `_RulesFiles`
         self._blamed = ""  # the run in which that one was; empty: it is not known
         self._process: Optional[subprocess.Popen[str]] = None
         self._silent_s, self._most_s = 0.0, START_S  # how long it said nothing, while this process ran, and the most
@@ -148,7 +153,7 @@ class ModulesProcess:
         self._silent_s, self._most_s = 0.0, START_S
         # In a session of its own: what rules start ends with them, and no key of a terminal stops them.
         process = self._process = subprocess.Popen(
-            self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8",
+            [*self._command, *(f"--without={word}" for word in self._without)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8",
             start_new_session=True)
         with self._news:
             self._is_sent = False
@@ -161,7 +166,14 @@ class ModulesProcess:
 
     def _blame(self, why: Template, said: str) -> None:
         """Say whose rules hung or ended their process, and end their run if they did so before."""
-        run = next((run for run in self._runs if run.run == self._traces.entered()), None)
+        entered = self._traces.entered()
+        if entered.startswith(_LOADING):
+            file = entered[len(_LOADING):]
+            self._without.add(_file_word(file))
+            _log.error("The rules in %s %s while they are loaded: they are left out until the file is changed", file,
+                       said)
+            return
+        run = next((run for run in self._runs if run.run == entered), None)
         whose, place = "a benchmark" if run is None else f"{run.benchmark} in zone {run.zone}", self._traces.place()
         _log.error("The rules of %s %s (%s): the next process continues", whose, said, place)
         before, self._blamed = self._blamed, "" if run is None else run.run
@@ -214,7 +226,7 @@ class Traces:
     """What a process leaves that hangs or crashes: written by itself, and read by the box when it has ended. On a full
     disk it leaves nothing."""
 
-    _BYTES = 200  # of the identity of a run
+    _BYTES = 4096  # of the identity of a run, or of a path
     _FRAME = re.compile(r'^  File "(.+)", line (\d+) in (.+)$', re.MULTILINE)
     # What rules call comes before them in a trace, and what calls them after.
     _OTHERS = ("<", *(os.path.dirname(str(file)) for file in (
@@ -223,7 +235,7 @@ class Traces:
     def __init__(self, folder: str) -> None:
         self.folder = folder
         self._run_file, self._place_file = pathlib.Path(folder, "run"), pathlib.Path(folder, "place")
-        self._run = -1
+        self._run, self._entered = -1, ""
         self._place: Optional[IO[str]] = None
 
     def open(self) -> None:
@@ -236,10 +248,12 @@ class Traces:
             faulthandler.enable(self._place)
         self.live()
 
-    def enter(self, run: str) -> None:
-        """In the process: the rules of this run are called now."""
+    def enter(self, run: str) -> str:
+        """In the process: the rules of this run are called now. Returns what was entered before."""
+        before, self._entered = self._entered, run
         with contextlib.suppress(OSError):
             platform.write_at(self._run, run.encode()[:self._BYTES].ljust(self._BYTES), 0)
+        return before
 
     def live(self) -> None:
         """In the process: it does not hang. If this is not called again in time, it writes where it is, also while
@@ -276,7 +290,36 @@ def modules_command(folder: str, benchmarks: Optional[Sequence[str]], is_dummy: 
                        *([] if benchmarks is None else [f"--codes={','.join(benchmarks)}"]))
 
 
+# In place of a run: the file of rules that is being loaded.
+_LOADING = "loading "
+
+
+def _file_word(path: str) -> str:
+    """A word for a file as it is now."""
+    return f"{'-'.join(map(str, signature(path)))}:{path}"
+
+
 # -- in the process ---------------------------------------------------------------------------------
+
+
+class _RulesFiles:
+    """Loads files of rules. One that ended a process before, and has not changed since, is an error."""
+
+    def __init__(self, traces: Traces, without: Sequence[str]) -> None:
+        self._traces, self._without = traces, frozenset(without)
+
+    def load(self, path: str) -> Type[Module]:
+        """Load a file; raises ConfigErrors."""
+        if _file_word(path) in self._without:
+            report = Report()
+            report.error(Place(path, 0, 0), "rules that end their process, or hang, while they are loaded",
+                         "rules that can be loaded: correct the file, then save it")
+            report.raise_errors()
+        before = self._traces.enter(f"{_LOADING}{path}")
+        try:
+            return load_rules(path)
+        finally:
+            self._traces.enter(before)
 
 
 class _Output(logging.Handler):
@@ -311,6 +354,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     parser.add_argument("--codes", type=lambda text: text.split(","))
     parser.add_argument("--dummy", action="store_true")
     parser.add_argument("--traces", required=True)
+    parser.add_argument("--without", action="append", default=[])
     options = parser.parse_args(arguments)
     platform.end_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the box ends this process
@@ -328,7 +372,8 @@ def main(arguments: Optional[List[str]] = None) -> None:
 
     host = ModulesHost(
         loop, options.folder, options.codes,
-        ZonesGroundTruth(options.folder, DummyFrames if options.dummy else NoFrames), send, on_enter=traces.enter)
+        ZonesGroundTruth(options.folder, DummyFrames if options.dummy else NoFrames), send, on_enter=traces.enter,
+        load=_RulesFiles(traces, options.without).load)
 
     def follow() -> None:
         for line in reading:

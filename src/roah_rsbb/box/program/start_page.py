@@ -71,7 +71,8 @@ def _folder(name: str) -> str:
 
 
 def _new(typed: Dict[str, str]) -> Tuple[List[str], Dict[str, str]]:
-    given = [f"--{name}={typed[name]}" for name in ("rulebook", "teams", "days", "rsbb-host") if typed.get(name)]
+    given = [f"--{name}={typed[name]}" for name in ("rulebook", "teams", "days", "rsbb-host", "smartif-host")
+             if typed.get(name)]
     return ["new", _folder(typed["name"]), *given], {}
 
 
@@ -92,7 +93,8 @@ TASKS = (
     Task(words.NEW, (Input("name", words.NAME, "erl2026"), Input("rulebook", words.RULEBOOK, choices=_rulebooks),
                      Input("teams", words.TEAMS, "BrassButlers, CopperKettle"),
                      Input("days", words.DAYS, "2026-11-28, 2026-11-29"),
-                     Input("rsbb-host", words.HOST, "192.168.1.255", is_required=False)), _new),
+                     Input("rsbb-host", words.HOST, "192.168.1.255", is_required=False),
+                     Input("smartif-host", words.DEVICES, "192.168.1.56", is_required=False)), _new),
     Task(words.CHECK, (Input("team", words.TEAM, "BrassButlers"),
                        Input("password", words.PASSWORD, kind="password"),
                        Input("rsbb-host", words.HOST, "192.168.1.255")), _check),

@@ -10,9 +10,9 @@ from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.bmbox.framework.zone_folders import file_in, zone_folders
 from roah_rsbb.rulebook import config
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, ScheduledEvent
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, Durable, ScheduledEvent
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
-from roah_rsbb.rulebook.launch_file import elements
+from roah_rsbb.rulebook.launch_file import arguments, elements
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.rulebook.standing_rules import read_rules
 from roah_rsbb.tools.competition import files
@@ -67,6 +67,7 @@ def check(directory: str) -> Checked:
         report.warnings += warnings_of_days(paths[1], loaded)
         _check_times(report, paths[1], loaded)
         _check_teams(report, paths[2], loaded)
+        _check_standby(report, os.path.join(directory, files.LAUNCH), loaded)
         errors += _check_modules(report, directory, loaded)
     return Checked(errors, report.warnings, "" if loaded is None else _summary(loaded))
 
@@ -144,6 +145,14 @@ def _check_teams(report: Report, path: str, loaded: Config) -> None:
     idle = [team for team in loaded.passwords if team not in scheduled]
     if idle:
         report.warn(Place(path, 0, 0), f"no runs in the schedule for {listing(map(quote, idle))}: is that intended?")
+
+
+def _check_standby(report: Report, launch: str, loaded: Config) -> None:
+    """Warn of a box that only starts if its command line has a `standby_port`."""
+    port = arguments(Report(), launch).get("standby_port")
+    if loaded.durable is Durable.TWO and loaded.durable_at is not None and (port is None or port.default in ("", "0")):
+        report.warn(loaded.durable_at, "'durable: two' needs a standby, and the launch file has no port for one: start "
+                    "the box with standby_port:=8083, or it does not start")
 
 
 def _check_modules(report: Report, directory: str, loaded: Config) -> List[str]:

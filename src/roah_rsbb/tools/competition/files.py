@@ -110,6 +110,11 @@ def _uses(words: Set[str], benchmarks: Sequence[Benchmark]) -> bool:
     return any(benchmark.profile.uses.intersection(words) for benchmark in benchmarks)
 
 
+def needs_devices(benchmarks: Iterable[Benchmark]) -> bool:
+    """Whether one of these benchmarks uses the home devices or the bell."""
+    return _uses({DEVICES, BELL}, benchmarks)
+
+
 def launch_text(
     benchmarks: Sequence[Benchmark], rsbb_host: Optional[str], smartif_host: Optional[str], has_standings: bool = False
 ) -> str:
@@ -128,7 +133,9 @@ def launch_text(
         ("modules_dir", f"{beside}/modules",
          "Directory with the parameters of the benchmarking modules and ground_truth.yaml"),
         ("tablet", yes[needs_tablet(benchmarks)], "Serve the tablet's page"),
-        ("devices", yes[_uses({DEVICES, BELL}, benchmarks)], "Control the home devices and the doorbell"),
+        # Nobody wants connections to a foreign controller: without its address, they are off.
+        ("devices", yes[needs_devices(benchmarks) and smartif_host is not None],
+         "Control the home devices and the doorbell"),
         ("smartif_host", smartif_host or "192.168.1.56", "IP address of the SmartIF devices controller"),
     ]
     left_out = {"modules_dir"} if not needs_modules(benchmarks) else set()

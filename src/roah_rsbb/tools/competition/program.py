@@ -228,6 +228,10 @@ def _new(options: argparse.Namespace, book: Rulebook, plan: Plan, found: Dict[st
     print(f"Written to {options.directory}: {', '.join(written)}")
     if options.time_zone is None:
         _say_zone(found["time-zone"])
+    codes = sorted({run.code for zone in plan.zones for run in zone.runs})
+    if hosts.smartif is None and files.needs_devices(book.benchmarks[code] for code in codes):
+        print("The home devices are off, because the address of their controller is not known. To use them, start the "
+              f"box with devices:=true smartif_host:=ADDRESS, or write both into {files.LAUNCH}")
 
 
 def _say_zone(clock: Optional[VenueClock]) -> None:

@@ -23,10 +23,13 @@ def read_logos(folder: str, report: Callable[[str], None]) -> Dict[str, str]:
         path = os.path.join(folder, name)
         if kind.lower() not in TYPES or not os.path.isfile(path):
             continue
+        if os.path.dirname(os.path.realpath(path)) != os.path.realpath(folder):
+            report(f"the logo {path} is not shown: it is a link to a file outside of web_logos. Copy the file")
+            continue
         if os.path.getsize(path) > MAX_BYTES:
             report(f"the logo {path} is not shown: it has more than 1 MB")
         elif len(found) < MAX_LOGOS:
-            found[team] = path
+            found[team] = os.path.realpath(path)
     return found
 
 
@@ -40,7 +43,7 @@ class LogoHandler(Guarded):
         """Return the picture. Only files that were found at the start are served."""
         path = self._server.store.logos.get(team, "")
         try:
-            with open(path, "rb") as file:
+            with open(os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0)), "rb") as file:
                 content = file.read(MAX_BYTES)
         except OSError:
             self.send_error(404)

@@ -100,6 +100,27 @@ def test_after_rules_that_end_their_process_the_next_one_gets_the_runs(folder, c
     assert "The rules of HNF in zone Home end their process with status 3" in caplog.text
 
 
+def test_rules_that_end_their_process_at_import_are_named_and_left_out_until_they_change(folder, caplog, monkeypatch):
+    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
+    rules = folder / "HNF.py"
+    rules.write_text("import os\nos._exit(4)\n")
+
+    def problems(hosted):
+        return [problem for state in hosted.states[-1:] for info in state.modules for problem in info.problems]
+
+    async def play():
+        async with Hosted(folder) as hosted:
+            assert len(list(filter(None, hosted.nodes))) == 1, "the next process left the file out"
+            (problem,) = problems(hosted)
+            assert str(rules) in problem and "while they are loaded" in problem
+            with_rules(folder, "await self.referee('go')")
+            await hosted.until(lambda: not problems(hosted))
+            hosted.process.take([a_run()])
+            await hosted.until(lambda: any(one.request for one in hosted.states[-1].progress))
+    run(play())
+    assert f"The rules in {rules} end their process with status 4 while they are loaded" in caplog.text
+
+
 def test_whoever_ends_the_process_from_outside_blames_no_rules(folder, caplog, monkeypatch):
     monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
 

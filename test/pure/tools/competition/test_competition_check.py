@@ -147,6 +147,17 @@ def test_a_team_without_runs(competition):
     assert warnings(directory) == ["passwords.yaml: no runs in the schedule for 'C': is that intended?"]
 
 
+def test_a_box_that_does_not_start_without_a_port_for_its_standby(competition):
+    directory = competition()
+    schedule = directory / files.SCHEDULE
+    schedule.write_text(schedule.read_text("utf-8") + "\n- durable: two\n", encoding="utf-8")
+    (found,) = warnings(directory)
+    assert found.startswith(f"schedule.yaml:{len(schedule.read_text('utf-8').splitlines())}: ")
+    assert "standby_port:=8083" in found
+    change(directory / files.LAUNCH, "  <include", '  <arg name="standby_port" default="8083"/>\n  <include')
+    assert warnings(directory) == []
+
+
 def test_passwords_that_others_can_read(competition):
     directory = competition()
     (directory / files.PASSWORDS).chmod(0o644)

@@ -148,9 +148,14 @@ def test_a_first_schedule_keeps_nothing(tmp_path):
     ("HGTKMH", []), ("HWV", ["devices"]), ("HCFGAC", ["devices", "tablet"]), ("HNF", ["modules"]), ("HSUF", []),
 ])
 def test_only_what_the_benchmarks_need_is_started(code, started):
-    arguments = launch_arguments(files.launch_text([BOOK.benchmarks[code]], None, None))
+    arguments = launch_arguments(files.launch_text([BOOK.benchmarks[code]], None, "10.0.0.9"))
     assert sorted(name for name in ("devices", "modules", "tablet") if arguments[name] == "true") == started
     assert ("modules_dir" in arguments) == (code == "HNF")
+
+
+def test_without_the_address_of_their_controller_the_home_devices_are_off():
+    arguments = launch_arguments(files.launch_text([BOOK.benchmarks["HCFGAC"]], None, None))
+    assert arguments["devices"] == "false"
 
 
 def test_addresses_in_the_launch_file():
