@@ -1,4 +1,4 @@
-"""Measures STOP and START beside a disk that stands still, as for a snapshot. Needs root: it mounts a disk."""
+"""Measures STOP and START beside a disk that hangs, as for a snapshot. Needs root: it mounts a disk."""
 
 import contextlib
 import random
@@ -59,11 +59,11 @@ def measure(results: Results, box: BoxOnADisk, fleet: Fleet, rounds: int) -> Non
             wait(lambda r=robot: r.state is RobotState.STOP, "the robot stops")
             box.command_when_allowed("start", zone)
             wait(lambda r=robot: r.box_state is BoxState.WAITING_RESULT, "the robot executes")
-    results.add_spread("STOP beside a disk that stands still", "ms", taken, {0.99: 50})
+    results.add_spread("STOP beside a disk that hangs", "ms", taken, {0.99: 50})
     before = box.process.ended_mono
     with box.frozen():
         time.sleep(LONG_S)
         last = fleet.ask(lambda: box.stop(0), fleet.robots[0], BoxState.STOP)
-    results.add(f"STOP beside a disk that has stood still for {LONG_S:g} s", "ms", last, 50)
+    results.add(f"STOP beside a disk that has hung for {LONG_S:g} s", "ms", last, 50)
     if before is not None or box.process.ended_mono is not None:
         raise SystemExit(f"bench: the box ended:\n{box.process.text[-2000:]}")

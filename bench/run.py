@@ -257,7 +257,7 @@ class Bench:
                 self.results.add(f"{name}: memory grown", "MB", box.process.memory_mb() - memory, 30)
 
     def frozen(self) -> None:
-        """STOP beside a disk that stands still. Needs root."""
+        """STOP beside a disk that hangs. Needs root."""
         with frozen.BoxOnADisk(REPEATING) as box, Fleet(REPEATING, box.port) as fleet:
             reaction.connect(box, fleet, REPEATING)
             reaction.start(box, fleet, REPEATING)

@@ -56,7 +56,7 @@ class BoxPlace(NamedTuple):
     standby_port: int = 0  # 0: no standby
 
 
-STANDS_STILL = say("the disk of log_dir takes no data. The robot gets STOP all the same. Check the disk")
+HANGS = say("the disk of log_dir takes no data. The robot gets STOP all the same. Check the disk")
 NOT_THERE = say("the standby does not have it, because it is not connected. Write the STOP down, and check the standby")
 
 OnText = Callable[[str], None]
@@ -78,12 +78,12 @@ class CoreAssembly:
         settings: Settings, launch: str, open_journal: OpenJournal, ports: PortRecord, make_run_logs: MakeRunLogs,
         outputs: Outputs, ask_standby: Callable[[int], None], make_peer: MakePeer = Peer,
         end: Callable[[float, str], None] = end_superseded, memory: Optional[Memory] = None,
-        tell_standby: Callable[[Mapping[str, str]], object] = lambda stops: None,
+        inform_standby: Callable[[Mapping[str, str]], object] = lambda stops: None,
     ) -> None:
         """`config` is of this `version` (see `Configuration`). `launch` identifies the launch; empty: none.
 
         `ask_standby` asks the node that copies the journal: see `StandbyAnswers`. `end`: see `Fence`. `memory` (None:
-        there is none) and `tell_standby`: see `StopNotes`. Raises `DamagedJournal` or OSError.
+        there is none) and `inform_standby`: see `StopNotes`. Raises `DamagedJournal` or OSError.
         """
         self._loop, self._machine, self._place = loop, machine, place
         last_port, port_warnings = ports.read()
@@ -102,7 +102,7 @@ class CoreAssembly:
             self.fence.check, machine.random_bytes, machine.seen)
         self.radio.use_passwords(version, config.passwords)
         self.journal = CoreJournal(box, self.store)
-        self._stops = StopNotes(NoMemory() if memory is None else memory, tell_standby)
+        self._stops = StopNotes(NoMemory() if memory is None else memory, inform_standby)
         self.run_logs = make_run_logs(machine.uuid, self._on_log_trouble, self._on_log_repaired)
         self.driver = CoreDriver(loop, box, self.radio, self.run_logs, ports, self.journal, outputs, self.now,
                                  self.fence.check, self._stops.sent)
@@ -178,7 +178,7 @@ class CoreAssembly:
     def why_not_recorded(self, ticket: int) -> str:
         """Return on which disk a STOP is missing, and why; empty: on none, or for a moment only."""
         if self.store.is_waiting(ticket):
-            return STANDS_STILL
+            return HANGS
         return NOT_THERE if self.box.copies.are_two and not self.box.copies.is_worth_waiting(self.now()) else ""
 
     def unsaved(self) -> Tuple[UnsavedParts, ...]:

@@ -76,9 +76,9 @@ class BoxDoor:
         """Carry out a call of this process: see `Door.ask`."""
         return self._door.ask(name, arguments, caller)
 
-    def tell(self, name: str, arguments: Mapping[str, Any], caller: Caller) -> None:
-        """See `Door.tell`."""
-        self._door.tell(name, arguments, caller)
+    def announce(self, name: str, arguments: Mapping[str, Any], caller: Caller) -> None:
+        """See `Door.announce`."""
+        self._door.announce(name, arguments, caller)
 
     @property
     def rate(self) -> float:

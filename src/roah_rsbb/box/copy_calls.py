@@ -35,9 +35,9 @@ class CopyCalls:
         question is lost if nobody copies."""
         self._door.ask(COPY, {"box": self._uuid, "journal": self._core.store.identity, "ticket": ticket}, BOX)
 
-    def tell_stops(self, stops: Mapping[str, str]) -> None:
+    def pass_stops(self, stops: Mapping[str, str]) -> None:
         """Pass STOPs that were sent to the standby, before their records are written. Nothing waits for it."""
-        self._door.tell(STOPPED, {"stops": dict(stops)}, BOX)
+        self._door.announce(STOPPED, {"stops": dict(stops)}, BOX)
 
     def _report(self, found: Mapping[str, Any], _caller: Caller) -> None:
         behind_s = found.get("behind_s")

@@ -175,7 +175,7 @@ class Door:
         self.take(own, json.dumps({**arguments, "id": 0, "call": name}))
         return own.answer
 
-    def tell(self, name: str, arguments: Mapping[str, Any], caller: Caller) -> None:
+    def announce(self, name: str, arguments: Mapping[str, Any], caller: Caller) -> None:
         """Pass a call to the client that offers it, in this step of the loop. Nobody hears of the answer."""
         self._offers.pass_on(name, arguments, caller, lambda answered: None)
 

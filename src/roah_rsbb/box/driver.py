@@ -2,7 +2,7 @@
 
 Everything here runs in the loop's thread. The core makes all decisions; the driver only dispatches effects.
 
-Effects of an event leave when the journal's file has its record. While the disk stands still, they wait, in their
+Effects of an event leave when the journal's file has its record. While the disk hangs, they wait, in their
 order. Only STOP does not wait: it leaves before the record is written, and what still waits for that robot is older
 than it, and is dropped. Messages that only acknowledge what a robot said leave at once if nothing waits for this robot.
 """
@@ -105,7 +105,7 @@ class CoreDriver:
         self._moment = now()  # of the latest event
         self._happenings = box.happenings  # after it
         radio.connect(self.event, self.report)
-        journal.on_written(lambda: self._waiting and loop.call_soon_threadsafe(self._go_on))
+        journal.on_written(lambda: self._waiting and loop.call_soon_threadsafe(self._continue))
         self._hands = {
             effects.PortTaken: self._port_taken,
             effects.OpenChannel: self._open_channel,
@@ -161,8 +161,8 @@ class CoreDriver:
         finally:
             self._resuming = False
 
-    def _go_on(self) -> None:
-        """The disk goes on."""
+    def _continue(self) -> None:
+        """The disk takes data again."""
         self._check()
         self._moment = self._now()  # what was read before is taken before
         self._finish()
@@ -231,7 +231,7 @@ class CoreDriver:
             self._on_stop(self._moment, record, self._journal.next_ticket)
 
     def _is_result(self, port: int) -> bool:
-        """Whether a robot has completed the run: it stands still, and repeats its result until STOP takes it."""
+        """Whether a robot has completed the run: it does not move, and repeats its result until STOP takes it."""
         run = self.box.zones.run_at(port)
         return run is not None and run.end_reason is EndReason.COMPLETED and run.robot_state is RobotState.RESULT_TX
 

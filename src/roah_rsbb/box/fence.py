@@ -176,7 +176,7 @@ class Fence:
             self._files = found
 
     def _look_in_thread(self) -> None:
-        """The loop does not wait for a disk that stands still."""
+        """The loop does not wait for a disk that hangs."""
         self._look_at_files()
         with contextlib.suppress(RuntimeError):  # the loop has ended
             self._loop.call_soon_threadsafe(self._use_files)

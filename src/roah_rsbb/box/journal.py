@@ -79,11 +79,11 @@ class CoreJournal:
         }
 
     def on_written(self, call: Callable[[], object]) -> None:
-        """Set what is called, in another thread, when the disk goes on: see `is_waiting`."""
+        """Set what is called, in another thread, when the disk takes data again: see `is_waiting`."""
         self._journal.on_written = call
 
     def is_waiting(self, ticket: int) -> bool:
-        """Whether the disk stands still and has not taken this record yet."""
+        """Whether the disk hangs and has not taken this record yet."""
         return self._journal.is_waiting(ticket)
 
     def record(self, now: Now, todo: Sequence[Effect]) -> int:

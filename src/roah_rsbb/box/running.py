@@ -88,7 +88,7 @@ class RunningBox:
                 params.log_dir, session, events, params.resume, on_trouble, lock),
             PortRecord(params.log_dir), functools.partial(RunLogWriter, params.log_dir), outputs,
             lambda ticket: self._copies.ask(ticket), peripherals.make_peer,
-            tell_standby=lambda stops: self._copies.tell_stops(stops))
+            inform_standby=lambda stops: self._copies.pass_stops(stops))
         self.box, self.event = self.core.box, self.core.event
         core = self.core
         self.calls = BoxCalls(self.box, self._call, Disks(core.journal.ticket, core.store.why_not_saved,

@@ -49,9 +49,9 @@ class _Note(NamedTuple):
 class StopNotes:
     """The notes of STOPs whose record is not on the disk. Call everything in the loop's thread."""
 
-    def __init__(self, memory: Memory, tell_standby: Callable[[Mapping[str, str]], object]) -> None:
-        """`tell_standby` passes texts of STOPs by the identity of the run to the standby, if there is one."""
-        self._memory, self._tell_standby = memory, tell_standby
+    def __init__(self, memory: Memory, inform_standby: Callable[[Mapping[str, str]], object]) -> None:
+        """`inform_standby` passes texts of STOPs by the identity of the run to the standby, if there is one."""
+        self._memory, self._inform_standby = memory, inform_standby
         self._notes: Dict[str, _Note] = {}  # by the identity of the run
         self._earlier = [name for name in memory.kept if name.startswith(PREFIX)]
         for name in self._earlier:  # this core may end, too, before it has recorded them
@@ -71,7 +71,7 @@ class StopNotes:
         text = json.dumps([now.mono, stop.utc, stop.end_reason, stop.who[:200], stop.reason[:300]])
         self._notes[record.identity] = _Note(ticket, text)
         self._memory.keep(PREFIX + record.identity, text)
-        self._tell_standby({record.identity: text})
+        self._inform_standby({record.identity: text})
 
     def look(self, saved: int) -> None:
         """Forget those whose record is on the disk: tickets up to `saved`. The standby hears the others again."""
@@ -79,7 +79,7 @@ class StopNotes:
             del self._notes[identity]
             self._memory.drop(PREFIX + identity)
         if self._notes:
-            self._tell_standby({identity: note.text for identity, note in self._notes.items()})
+            self._inform_standby({identity: note.text for identity, note in self._notes.items()})
 
 
 def unrecorded(stops: Mapping[str, str], records: List[RunRecord], shift: float) -> Dict[str, UnrecordedStop]:

@@ -2,7 +2,7 @@
 
 Theory of operation. `write` takes the changes of one event. A thread hands them to the system at once, so that they
 survive the process, and another one syncs them to the disk soon after (`syncer`). `write` waits for the first of them,
-but not for a disk that stands still: `is_waiting` says whether it does, and `on_written` is called when it goes on.
+but not for a disk that hangs: `is_waiting` says whether it does, and `on_written` is called when it takes data again.
 Data that cannot be written (a full disk, a missing folder) waits in memory and is written, in order, with the next
 write that succeeds. Runs continue in the meantime.
 
@@ -41,7 +41,7 @@ WRITE_S = 0.005
 REPAIRED = ""
 
 _AT_STAKE = "Runs continue, but what happens now is lost if the box ends or this computer is switched off"
-_STANDS_STILL = ("takes no data. Robots get STOP at once, but nothing else that is new before it is written. Check the "
+_HANGS = ("takes no data. Robots get STOP at once, but nothing else that is new before it is written. Check the "
                  "disk of log_dir, or use another one")
 
 
@@ -79,8 +79,8 @@ class Journal:
         self._disk_problem = ""  # why the latest sync failed
         self._awaited = 0, 0.0  # a ticket that must be saved soon, and its monotonic time (s)
         self._slow = ""  # how the disk is slow
-        self._told = REPAIRED  # the trouble that was reported
-        self._telling = threading.Lock()
+        self._known = REPAIRED  # the trouble that was reported
+        self._reporting = threading.Lock()
         self._syncing = threading.Lock()
         self.path = os.path.join(log_dir, files.FILE_NAME)
         self.previous: PreviousSession = NOTHING
@@ -130,7 +130,7 @@ class Journal:
         return ticket
 
     def is_waiting(self, ticket: int) -> bool:
-        """Whether the disk stands still and has not taken this ticket yet. A problem is not waited for."""
+        """Whether the disk hangs and has not taken this ticket yet. A problem is not waited for."""
         return self.committed < ticket and not self._problem
 
     @property
@@ -155,8 +155,8 @@ class Journal:
         ticket, since = self._awaited
         is_slow = self.saved < ticket and self._clock() - since >= SLOW_S
         self._slow = "" if not is_slow else (
-            f"{_STANDS_STILL}" if self.committed < ticket else f"is slow. {_AT_STAKE}. Use another disk for log_dir")
-        self._tell()
+            f"{_HANGS}" if self.committed < ticket else f"is slow. {_AT_STAKE}. Use another disk for log_dir")
+        self._report()
 
     def forget_previous(self) -> None:
         """Free what a core needs of the previous session only when it starts."""
@@ -199,11 +199,11 @@ class Journal:
         self._unlock()
 
     def _try_to_write(self) -> None:
-        """Let everything be written, and wait for it, but only once for a disk that stands still."""
-        stands_still = self._tried < self._asked
+        """Let everything be written, and wait for it, but only once for a disk that hangs."""
+        hangs = self._tried < self._asked
         self._asked += 1
         asked = self._asked
-        if stands_still:
+        if hangs:
             self._writing.wake()
         else:
             self._writing.work(lambda: self._tried >= asked, WRITE_S)
@@ -228,11 +228,11 @@ class Journal:
         else:
             self._retry_at = 0.0
             self._problem = ""
-        self._tell()
+        self._report()
 
-    def _tell(self) -> None:
+    def _report(self) -> None:
         """Report what is wrong now, if that is new."""
-        with self._telling:
+        with self._reporting:
             trouble = REPAIRED
             if self._problem:
                 trouble = (f"The journal {self.path} cannot be written: {self._problem}. {_AT_STAKE}. Free or repair "
@@ -242,8 +242,8 @@ class Journal:
                            "Repair the disk of log_dir")
             elif self._slow:
                 trouble = f"The disk of the journal {self.path} {self._slow}"
-            if trouble != self._told:
-                self._told = trouble
+            if trouble != self._known:
+                self._known = trouble
                 self._on_trouble(trouble)
 
     # -- in threads of their own ----------------------------------------------------------------------
@@ -263,7 +263,7 @@ class Journal:
             except OSError as error:
                 problem = _plain(error)
         self._disk_problem = problem
-        self._tell()
+        self._report()
         return not problem
 
     # -- steps --------------------------------------------------------------------------------------

@@ -51,7 +51,7 @@ class RemoteCopy(Copy):
         self._ask_raw, self._now, self._utc = ask, now, utc
         self._core, self._on_taken = core, on_taken
         self._said = CoreState()
-        self._told: Mapping[str, str] = {}  # the STOPs that the standby knows
+        self._known: Mapping[str, str] = {}  # the STOPs that the standby knows
         self._heard_mono = now()
         self._is_new = False
         self._open(OPEN)
@@ -94,13 +94,13 @@ class RemoteCopy(Copy):
 
     def _ask(self, message: Message) -> Message:
         self._said = core = self._core()
-        news = {} if core.stops == self._told else {"stops": dict(core.stops)}
+        news = {} if core.stops == self._known else {"stops": dict(core.stops)}
         answer = self._ask_raw({**message, "utc": self._utc(), "mono": self._now(), "is_alive": core.is_alive,
                                 "hand_over": core.hand_over, **news})
         self._heard_mono = self._now()
         if "error" in answer:
             raise CannotWriteCopy(_REPORTS(why=decode(answer.get("reason", answer["error"]))))
-        self._told = core.stops
+        self._known = core.stops
         if answer.get(TAKES_OVER):
             self._on_taken()
         return answer

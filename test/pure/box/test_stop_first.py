@@ -1,4 +1,4 @@
-"""STOP leaves before its record, and nothing undoes it: beside a disk that stands still, kills and takeovers.
+"""STOP leaves before its record, and nothing undoes it: beside a disk that hangs, kills and takeovers.
 
 The box, its copy, the standby and the robot are the simulator's, which are built from the real parts.
 """
@@ -28,7 +28,7 @@ from simulation.scheduler import Computer, Scheduler
 from simulation.standby import PORT, Standby
 from simulation.trace import Trace
 
-STILL_S = 1e6  # the disk stands still for the rest of the test
+STILL_S = 1e6  # the disk hangs for the rest of the test
 LIMIT_S = 60.0
 
 
@@ -168,7 +168,7 @@ def stop(stage, how):
 
 
 @pytest.mark.parametrize("how", STOPS)
-def test_stop_does_not_wait_for_a_disk_that_stands_still(stage, how):
+def test_stop_does_not_wait_for_a_disk_that_hangs(stage, how):
     stage = stage()
     stage.execute()
     stage.freeze()
@@ -221,7 +221,7 @@ def test_a_takeover_after_stop_leaves_the_robot_stopped(stage, how, is_frozen):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_nothing_older_follows_stop_whatever_referees_do_beside_a_disk_that_stands_still_at_times(stage, seed):
+def test_nothing_older_follows_stop_whatever_referees_do_beside_a_disk_that_hangs_at_times(stage, seed):
     stage, chance, held = stage(execute_duration=3.0, never_end=False), random.Random(seed), 0
     for _ in range(150):
         if chance.random() < 0.2:
@@ -287,7 +287,7 @@ def test_a_start_that_waits_for_the_disk_is_dropped_by_stop(stage):
     stage.until(RobotState.EXECUTING)
 
 
-def test_a_run_that_waits_for_the_disk_begins_when_the_disk_goes_on(stage):
+def test_a_run_that_waits_for_the_disk_begins_when_the_disk_takes_data_again(stage):
     stage = stage()
     stage.freeze(6.0)
     stage.do("connect")

@@ -38,7 +38,7 @@ class Backup:
 
         self._arrive(lambda: self._follower.ask(question))
 
-    def tell(self, stops):
+    def pass_stops(self, stops):
         """The core has sent STOP, and may not have recorded it."""
         def take():
             self._stops = newest(self._stops, stops)

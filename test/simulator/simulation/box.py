@@ -102,7 +102,7 @@ class Box:
         core = CoreAssembly(
             process.loop, machine, place, self.config, 0, self.settings, "", self.storage.open_journal(process), ports,
             RunLogs, outputs, self._ask_standby, world.air.peer_maker(process),
-            self._end_superseded, self.memory, self._tell_standby)
+            self._end_superseded, self.memory, self._inform_standby)
         if self.backup is not None:
             core.box.copies.expect(core.now(), STANDBY)
         self.oracles.opened(self, core)
@@ -151,9 +151,9 @@ class Box:
         if self.backup is not None and self.core is not None:
             self.backup.ask(self.core, ticket)
 
-    def _tell_standby(self, stops):
+    def _inform_standby(self, stops):
         if self.backup is not None:
-            self.backup.tell(stops)
+            self.backup.pass_stops(stops)
 
     def _end_superseded(self, away_s, host):
         self.world.trace.note(f"{self.computer.name}: ends, superseded by {host} after {away_s:.1f} s")

@@ -121,7 +121,7 @@ class Storage:
         return self.random.uniform(SHORTEST_S, LONGEST_S)
 
     def write_s(self):
-        """How long it is until the disk takes writes. The threads of the journal stand still for so long."""
+        """How long it is until the disk takes writes. The threads of the journal wait for so long."""
         return max(0.0, self.frozen_until - self.scheduler.now)
 
     def killed(self):

@@ -153,8 +153,8 @@ class ModulesProcess:
         self._silent_s, self._most_s = 0.0, START_S
         # In a session of its own: what rules start ends with them, and no key of a terminal stops them.
         process = self._process = subprocess.Popen(
-            [*self._command, *(f"--without={word}" for word in self._without)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8",
-            start_new_session=True)
+            [*self._command, *(f"--without={word}" for word in self._without)], stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE, text=True, encoding="utf-8", start_new_session=True)
         with self._news:
             self._is_sent = False
             self._news.notify_all()
