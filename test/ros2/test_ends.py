@@ -84,6 +84,8 @@ def test_a_run_survives_a_killed_box_and_a_killed_node(box, running, probe):
     assert node.wait_ended() == -signal.SIGKILL
     probe.heard["benchmark/state"].clear()
     running(comm(box.port))
+    # After its own restart, the box cannot know why the robot reports STOP. Until it does, the command is refused.
+    assert any(running(box.referee("continue", "Testing")).wait_ended() == 0 for _ in range(60))
     # The box starts again with PREPARE. The latched count of saved data is received again.
     probe.wait_state(BenchmarkState.PREPARE)
     assert probe.call("end_prepare", Trigger).success

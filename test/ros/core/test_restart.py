@@ -25,6 +25,7 @@ class TestRestart(BoxCase):
         with contextlib.ExitStack() as stack:
             for taken in (port + 1, port + 2):
                 stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)).bind((BOX, taken))
-            self.assertEqual(self.box.connect("Home"), port + 3)
+            self.box.connect("Home")  # the ports are tried one after the other
+            self.box.wait_details("Home", lambda d: d.port == port + 3, "the run has the next free port")
         self.box.start("Home")
         robot.wait_did("execute HGTKMH")

@@ -108,7 +108,7 @@ class PlayedZone:
         shown = ZoneSeen(
             self.name, EVENT, self.phase, state=("All OK",),
             warnings=tuple(filter(None, [self.is_moving and IGNORES_STOP, self.warning])),
-            actions=actions_shown(off, ("pause", "resume", "next_phase", "previous_phase"), asked=asked),
+            actions=actions_shown(off, ("continue", "pause", "resume", "next_phase", "previous_phase"), asked=asked),
             clock=RunClock(600.0, Count(10.0 if self.run else 0.0, 0.0 if self.phase == "running" else None)),
             not_stopped=tuple(self.not_stopped), operation=7 if asked else 0, manual_operation=self.operation)
         if self.phase == "idle":
