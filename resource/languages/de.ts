@@ -4206,8 +4206,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/link/link.py"/>
-        <source>No message from the robot for {time} s but old ones: check whether its clock is stopped or set back repeatedly</source>
-        <translation>Seit {time} s nur alte Nachrichten vom Roboter: Prüfen Sie, ob seine Uhr steht oder immer wieder zurückgestellt wird</translation>
+        <source>No message from the robot for {time} s but old ones: its clock was set back or stopped, or somebody sends recordings. Set its clock right, and it is heard again</source>
+        <translation>Seit {time} s nur alte Nachrichten vom Roboter: Seine Uhr wurde zurückgestellt oder steht, oder jemand sendet Aufzeichnungen. Stellen Sie seine Uhr richtig, dann wird er wieder gehört</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/link/link.py"/>

@@ -17,6 +17,7 @@ from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.copies import Copies, CopyReport
 from roah_rsbb.core.effects import Effect, How, Level, Outbox
 from roah_rsbb.core.judges.desk import JudgeDesk
+from roah_rsbb.core.link.heard import Heard
 from roah_rsbb.core.modules.desk import ModuleDesk
 from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.reload import Reload
@@ -72,11 +73,12 @@ class Box:
         self.watches = Watches(settings.listen_duration)
         self.copies = Copies()
         self.copies.use(config)
+        self.heard = Heard(settings.allowed_skew)
         self._modules = Modules()
         # What changes runs.
         self._connections = Connections(
-            settings, zones, self.robots, self._modules, self.tablet, self.watches, self.finished, outbox,
-            beacon_size, last_port,
+            settings, zones, self.robots, self._modules, self.tablet, self.watches, self.finished, self.heard,
+            outbox, beacon_size, last_port,
         )
         self._connections.version = version
         self._reload = Reload(zones, self.robots, self.finished, self._connections, self.copies, outbox,
@@ -273,12 +275,13 @@ class Box:
 
     def saved(self) -> BoxSaved:
         """Return the state that belongs to no zone."""
-        return BoxSaved(self.devices, self.tablet.state)
+        return BoxSaved(self.devices, self.tablet.state, self.heard.state)
 
     def resume(self, now: Now, saved: Saved) -> None:
         """Continue from the state that was saved before a restart. Call it once, before any other event."""
         self.devices = saved.box.devices
         self.tablet.restore(saved.box.tablet)
+        self.heard.restore(saved.box.heard)
         self._restart.resume(now, saved, self.superseded_by)
         self._outbox.revision += 1  # whoever looked before must look again, also at what no event of a run reports
         self.tick(now)
@@ -387,8 +390,11 @@ class Box:
         taken = run.on_report(now, host, report, arrival)
         if taken is not Consequence.NONE:
             self.robots.hear(arrival, run.robot, host, report.time, certain=True)
+        is_due = self.heard.take_due()
+        if is_due:
+            self._outbox.mark_box_changed()
         if taken is Consequence.LINK_ONLY:
-            if self._ticks == ticks and self._outbox.is_empty():
+            if self._ticks == ticks and self._outbox.is_empty() and not is_due:
                 return run.message
             self._outbox.emit(effects.SendState(port, run.message, How.QUIET))
         due = run.deadline()

@@ -11,6 +11,7 @@ from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence
 from roah_rsbb.core import effects
 from roah_rsbb.core.capacity import LAST_PORT, Capacity, ports_warning
 from roah_rsbb.core.effects import How, Level, Outbox
+from roah_rsbb.core.link.heard import Heard
 from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.robots import MAX_ROBOTS, ActiveRobot, ActiveRobots, RobotId
 from roah_rsbb.core.runs.all_robots import AllRobotsRun
@@ -45,6 +46,7 @@ class Connections:
         tablet: Tablet,
         watches: Watches,
         finished: FinishedRuns,
+        heard: Heard,
         outbox: Outbox,
         beacon_size: Callable[[Beacon], int],
         last_port: Optional[int],
@@ -57,6 +59,7 @@ class Connections:
         self._tablet = tablet
         self._watches = watches
         self._finished = finished
+        self._heard = heard
         self._outbox = outbox
         self._beacon_size = beacon_size
         self._last_port = max(settings.rsbb_port, last_port or 0)
@@ -164,9 +167,6 @@ class Connections:
         else:
             zone.run = run = self._make_run(now, assignment, context)
             run.open(now)
-        opened = self._zones.run_at(port)
-        assert opened is not None, "it was opened above"
-        opened.link.expect_after(robot.last_heard, robot.time)
         if TABLET in zone.event.benchmark.profile.uses:
             self._tablet.display_map = False  # the view that the previous run's robot selected ends with its run
         self._outbox.emit(effects.SendBeacon())
@@ -182,7 +182,7 @@ class Connections:
     def _context(self, zone: str) -> RunContext:
         last_beacon = self._robots.last_beacon if self.hears_beacons else None
         return RunContext(self._settings, self._outbox.of_zone(zone), functools.partial(self._outbox.revision_of, zone),
-                          self._show_map, last_beacon)
+                          self._show_map, last_beacon, self._heard)
 
     def _show_map(self, display_map: bool) -> bool:
         is_change = display_map != self._tablet.display_map

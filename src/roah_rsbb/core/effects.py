@@ -195,7 +195,7 @@ class Outbox:
     def emit(self, effect: Effect) -> None:
         """Add an effect that belongs to no run."""
         if isinstance(effect, SendBeacon):
-            self._changed.add(BOX)
+            self.mark_box_changed()
         elif isinstance(effect, RecordChanged):
             self.revision += 1
         if not isinstance(effect, SendState) or effect.how is How.CHANGE:
@@ -219,6 +219,10 @@ class Outbox:
     def notice(self, level: Level, text: str, zone: str = "") -> None:
         """Add a line for the log."""
         self.emit(Notice(level, text, zone))
+
+    def mark_box_changed(self) -> None:
+        """Mark the state that belongs to no zone as changed. It is saved with the next effect."""
+        self._changed.add(BOX)
 
     def mark_changed(self, zone: str) -> None:
         """Mark the zone's state as changed, for changes outside its run."""

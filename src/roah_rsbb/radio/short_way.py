@@ -8,7 +8,7 @@ layer from memory for each datagram: of several in a row, only the first one nee
 
 What a robot has not said just before never waits. A repetition does not wait either if it can have an effect: because
 the run changed or did not take the same content before, because something is due, or because of the clocks. The core
-promises when there is none (`Run.settled_at`, `Box.is_calm`, `RobotLink.calm_skews`).
+promises when there is none (`Run.settled_at`, `Box.is_calm`, `RobotLink.calm_skews`, `RobotPast.saved`).
 """
 
 import asyncio
@@ -22,6 +22,7 @@ from roah_rsbb.comm.frame import HEADER_SIZE, open_private
 from roah_rsbb.comm.peer import Address
 from roah_rsbb.comm.sender import GRID_S, on_grid
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.link.heard import RobotPast
 from roah_rsbb.core.runs.run import NO_REVISION, Run
 from roah_rsbb.model.clock import SAME_MOMENT_S, Now, one_moment
 from roah_rsbb.model.messages import RobotReport
@@ -125,6 +126,7 @@ class ShortWay:
         self._zone, self._revision = "", NO_REVISION  # as long as the zone has it, no repetition has an effect
         self._skews, self._offset = (0.0, 0.0), 0.0  # (s) as long as these hold, neither has a clock
         self._host: Optional[str] = None  # of the robot
+        self._past = RobotPast(0.0)  # the journal must have a time before it is taken
         self._datagram = b""  # the one that takes the long way just now
         self._frames: Dict[bytes, Tuple[int, Cipher]] = {}  # of reports: length and cipher by `_shape`
 
@@ -136,7 +138,7 @@ class ShortWay:
         """Take the core's promise, after a report from the host of the run's robot. It is for repetitions of the run's
         last report, which is not this one if this one was old."""
         link = run.link
-        self._skews, heard = link.calm_skews, link.last_heard
+        self._skews, heard, self._past = link.calm_skews, link.last_heard, link.past
         self._offset = 0.0 if heard is None else heard.utc - heard.mono
         is_for_it = link.last is report and self._skews[0] < self._skews[1]
         self._zone, self._revision, self._host = run.zone, run.settled_at if is_for_it else NO_REVISION, link.host
@@ -156,9 +158,11 @@ class ShortWay:
                 if time is not None:
                     mono, utc, received_utc = turns.mono(), turns.utc(), channel.stamp
                     least, most = self._skews
-                    skew = wire_seconds(time) - (utc if received_utc is None else received_utc)
+                    seconds = wire_seconds(time)
+                    skew = seconds - (utc if received_utc is None else received_utc)
                     # If the clocks are not as far apart as before, one was set, or this process paused between both.
-                    if (least < skew < most and abs(utc - mono - self._offset) < SAME_MOMENT_S
+                    if (least < skew < most and seconds < self._past.saved.near
+                            and abs(utc - mono - self._offset) < SAME_MOMENT_S
                             and self._is_calm(mono)):
                         turns.add(WaitingDatagram(
                             mono, utc, self, datagram, cipher, time, len(payload), sender, received_utc))

@@ -189,7 +189,7 @@ def test_every_reason_against_a_start_is_listed():
     driver = BoxDriver(competition(tbm=[event(timeout=60)]))
     robot = driver.executing()
     driver.command("stop")
-    robot.skew = -200
+    robot.skew = +200
     for _ in range(3):
         robot.says(RobotState.EXECUTING, after=1.5)
     driver.run(60)
@@ -197,7 +197,7 @@ def test_every_reason_against_a_start_is_listed():
     assert over.startswith("The run's time is up (the clock kept running after the stop)")
     assert silent == ("The robot has disappeared: no message for 60 s, and no beacon from its address. It may "
                       "still be moving, and STOP may not reach it: check it")
-    assert skew.startswith("Clock skew of the robot is -200")
+    assert skew.startswith("Clock skew of the robot is +200")
     assert state == "Robot has not stopped yet: it reports EXECUTING"
 
 

@@ -165,7 +165,7 @@ def test_a_robot_that_crashes_and_comes_back_completes(when):
     assert world.box.run_in().end_reason is EndReason.COMPLETED
 
 
-@pytest.mark.parametrize("skew", [-3600.0, -5.0, -0.9, 5.0, 3600.0])
+@pytest.mark.parametrize("skew", [-5.0, -0.9, 5.0, 3600.0])
 def test_a_robot_whose_clock_is_set_in_the_middle_completes(skew):
     world = _world("loses", 3, "HWV")
     robot = _connected(world, execute_s=10.0)

@@ -267,7 +267,7 @@ def test_whatever_referee_and_robot_do_both_ends_keep_to_their_tables(link, seed
             robot.set_clock(robot.skew + (-50 if len(acts) % 2 else 50))
         elif act == "end_execute":
             with contextlib.suppress(IllegalEvent):
-                robot.session.end_execute()
+                robot.end_execute()
         elif not world.box.off(act):
             world.press(act)
         world.run(after)

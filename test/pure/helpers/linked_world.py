@@ -96,6 +96,11 @@ class RadioRobot:
         self.skew = skew
         self.world.clocks_are_set = True
 
+    def end_execute(self):
+        """The robot ends its goal before its time. Raises `IllegalEvent`."""
+        self.session.end_execute()
+        self._next = None
+
     def deadline(self):
         return min(self.session.deadline(), self._next[0] if self._next else float("inf"))
 

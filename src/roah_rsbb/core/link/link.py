@@ -8,6 +8,7 @@ import enum
 from dataclasses import dataclass, field
 from typing import Callable, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.core.link.heard import RobotPast
 from roah_rsbb.core.link.record import LinkRecorder
 from roah_rsbb.core.link.skew import THE_ROBOT, SkewEstimate, SkewSample, skew_off, within
 from roah_rsbb.core.link.timeline import Freshness, Timeline, TimelineState
@@ -15,7 +16,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.link import LinkSample
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.reason import say
-from roah_rsbb.protocol import RobotState, WireTime, wire_ns
+from roah_rsbb.protocol import RobotState, wire_ns
 from roah_rsbb.wording import times
 
 # A robot sends every second. After this long without a message, something is wrong.
@@ -38,8 +39,8 @@ BAD_S = 10.0
 
 NO_ANSWER = say("Robot has not answered on the private channel yet")
 SILENT = say("No message from the robot for {time} s")
-OLD_ONLY = say("No message from the robot for {time} s but old ones: check whether its clock is stopped or set back "
-               "repeatedly")
+OLD_ONLY = say("No message from the robot for {time} s but old ones: its clock was set back or stopped, or "
+               "somebody sends recordings. Set its clock right, and it is heard again")
 BEACONS_ONLY = say("No message from the robot for {time} s, but its beacons arrive: its program was restarted, or a "
                    "firewall blocks the private channel. Check whether it moves")
 GONE = say("The robot has disappeared: no message for {time} s, and no beacon from its address. It may still be "
@@ -88,20 +89,27 @@ class LinkState:
     skew: Optional[SkewSample] = None  # robot's clock minus box's; None: not known
     told_invalid: bool = False
 
+    def clock(self, now: Now) -> Optional[float]:
+        """Return what the robot's clock shows by its last message (s); None: it sent none."""
+        if self.last is None or self.last_heard is None:
+            return None
+        return wire_ns(self.last.time) / 1e9 + now.mono - self.last_heard.mono
+
 
 class RobotLink:
     """One robot's messages on its private channel."""
 
     def __init__(
         self, allowed_skew: float, now: Now, state: Optional[LinkState] = None,
-        last_beacon: Optional[Callable[[], Optional[float]]] = None,
+        last_beacon: Optional[Callable[[], Optional[float]]] = None, past: Optional[RobotPast] = None,
     ) -> None:
         """The channel is opened `now`. `allowed_skew` is in seconds. After a restart, the silence counts from `now`,
         because the box did not listen before. `last_beacon` returns when a beacon of the robot arrived last, in
-        monotonic seconds; None: nothing is known of its beacons."""
+        monotonic seconds; None: nothing is known of its beacons. `past`: of the robot; None: none."""
         self.state = state or LinkState()
         self._allowed_skew = allowed_skew
         self._timeline = Timeline(self.state.timeline)
+        self.past = past or RobotPast(allowed_skew)
         self._skew = SkewEstimate(self.state.skew)
         self._listens_since = now.mono
         self._last_beacon = last_beacon
@@ -165,16 +173,6 @@ class RobotLink:
         """The number of saved messages of offline data that the robot reports."""
         return 0 if self.last is None else self.last.messages_saved
 
-    def expect_after(self, heard: Now, time: WireTime) -> None:
-        """Note a time that the robot sent before, in its beacon or its last run, and when it was `heard`. Messages with
-        older times are recordings.
-
-        Anybody can forge a beacon. One with a time to come must not make the robot's messages look old. If the robot's
-        clock was set back since, its times soon make a new timeline.
-        """
-        latest_ns = round((heard.utc + self._allowed_skew) * 1e9)
-        self._timeline.begin_after(heard.mono, min(wire_ns(time), latest_ns))
-
     def hear(self, now: Now, host: str, report: RobotReport) -> TakenReport:
         """Judge a message from `host`, and keep it if it is fresh."""
         state = self.state
@@ -182,12 +180,16 @@ class RobotLink:
         if new_host and self._is_elsewhere(now):
             return STALE._replace(notices=self._note_rival(now, host))
         time_ns = wire_ns(report.time)
-        verdict = self._timeline.judge(now.mono, time_ns)
+        if time_ns != state.timeline.newest and not self.past.is_new(now.utc, time_ns):
+            verdict = Freshness.STALE
+        else:  # a clock that was set back is believed only where the robot is known to be
+            verdict = self._timeline.judge(now.mono, time_ns, can_begin=state.host in (None, host))
         if verdict is Freshness.DUPLICATE or verdict is Freshness.STALE:
             self._old += 1
             self._old_mono = now.mono
             self.record.old(duplicate=verdict is Freshness.DUPLICATE)
             return STALE
+        self.past.take(now.utc, time_ns)
         notices = self._note_clock(now, verdict, report, time_ns)
         if new_host and state.host is not None:
             notices.extend(self._note_host(now, state.host, host))
@@ -265,7 +267,7 @@ class RobotLink:
         if not self.is_silent(now):
             return None
         if self.last_heard is None:
-            return Silent.NO_ANSWER
+            return Silent.OLD_ONLY if self._old >= OLD_REPORTED else Silent.NO_ANSWER
         if self._last_beacon is not None:
             beacon = self._last_beacon()
             if beacon is not None and beacon > self.last_heard.mono and now.mono - beacon <= SILENT_S:
@@ -316,10 +318,12 @@ class RobotLink:
         return max(signs if beacon is None else [*signs, beacon]) + GONE_S
 
     def _silence_text(self, now: Now, silence: Silent) -> str:
-        if self.last_heard is None:
+        if silence is Silent.NO_ANSWER:
             return NO_ANSWER
+        since = self._listens_since if self.last_heard is None else self.last_heard.mono
+        time = times.in_sentence(now.mono - since)
         text = {Silent.OLD_ONLY: OLD_ONLY, Silent.BEACONS_ONLY: BEACONS_ONLY, Silent.GONE: GONE}.get(silence, SILENT)
-        return text(time=times.in_sentence(now.mono - self.last_heard.mono))
+        return text(time=time)
 
     def _is_elsewhere(self, now: Now) -> bool:
         """Whether a message from another host than the robot's comes while the robot is still heard."""

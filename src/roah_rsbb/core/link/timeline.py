@@ -45,24 +45,24 @@ class Timeline:
         self._candidate: Optional[int] = None
         self._rising = 0
 
-    def begin_after(self, mono: float, time_ns: int) -> None:
-        """Start from a time that came at `mono` (s) on another channel."""
-        self._accept(mono, time_ns)
+    def judge(self, mono: float, time_ns: int, can_begin: bool = True) -> Freshness:
+        """Judge a message that arrived at `mono` (s) and carries `time_ns`. An accepted one moves the timeline.
 
-    def judge(self, mono: float, time_ns: int) -> Freshness:
-        """Judge a message that arrived at `mono` (s) and carries `time_ns`. An accepted one moves the timeline."""
+        `can_begin`: whether it may belong to a new timeline.
+        """
         newest = self.state.newest
         if newest is None or time_ns > newest:
             self._accept(mono, time_ns)
             return Freshness.FRESH
         if time_ns in (newest, self._candidate):
             return Freshness.DUPLICATE
-        is_rising = self._candidate is not None and time_ns > self._candidate
-        self._rising = self._rising + 1 if is_rising else 1
-        self._candidate = time_ns
-        if self._rising >= RISING and mono - self.state.newest_mono >= QUIET_S:
-            self._accept(mono, time_ns)
-            return Freshness.CLOCK_SET_BACK
+        if can_begin:
+            is_rising = self._candidate is not None and time_ns > self._candidate
+            self._rising = self._rising + 1 if is_rising else 1
+            self._candidate = time_ns
+            if self._rising >= RISING and mono - self.state.newest_mono >= QUIET_S:
+                self._accept(mono, time_ns)
+                return Freshness.CLOCK_SET_BACK
         return Freshness.STALE
 
     def _accept(self, mono: float, time_ns: int) -> None:

@@ -14,6 +14,7 @@ from typing import Dict, Mapping, NamedTuple, Optional, Tuple
 from roah_rsbb.core import effects
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.effects import Level, Outbox
+from roah_rsbb.core.link.heard import HeardState
 from roah_rsbb.core.runs.run import UnrecordedStop
 from roah_rsbb.core.scoring.book import FinishedRuns, left_behind
 from roah_rsbb.core.scoring.counting import with_events
@@ -41,6 +42,7 @@ class BoxSaved(NamedTuple):
 
     devices: DevicesState = DevicesState()
     tablet: TabletState = TabletState()
+    heard: HeardState = {}  # up to which of their times robots were heard
 
 
 class Saved(NamedTuple):

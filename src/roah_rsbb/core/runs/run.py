@@ -15,6 +15,7 @@ from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Effect, How, Level
+from roah_rsbb.core.link.heard import Heard
 from roah_rsbb.core.link.link import LinkState, RobotLink, TakenReport
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs.clock import CountdownState, RunCountdown, SavingWatch
@@ -190,6 +191,7 @@ class RunContext(NamedTuple):
     revision: Callable[[], int]  # rises with everything that happens to the run, but for reports that say nothing new
     show_map: Callable[[bool], bool]  # sets the tablet's view (True: map); returns whether it showed the other one
     last_beacon: Optional[Callable[[RobotId], Optional[float]]]  # see `ActiveRobots.last_beacon`; None: not known
+    heard: Heard
 
 
 class ZoneRun(abc.ABC):
@@ -522,7 +524,8 @@ class Run(ZoneRun):
         self.resumed = state is not None
         last_beacon = context.last_beacon
         self.link = RobotLink(context.settings.allowed_skew, now, self.state.link,
-                              None if last_beacon is None else functools.partial(last_beacon, assignment.robot))
+                              None if last_beacon is None else functools.partial(last_beacon, assignment.robot),
+                              context.heard.begin(now, assignment.robot, self.state.link.clock(now)))
         self.saving = SavingWatch(context.settings, self.event.benchmark.profile.offline_data)
         self.devices = DeviceCommands(self.event.benchmark, self.state.devices)
         self._is_replayed = last_beacon is None
