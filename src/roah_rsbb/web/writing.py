@@ -18,7 +18,7 @@ from roah_rsbb.web.commands import STOP as STOP_COMMAND
 from roah_rsbb.web.desk import NO_STOP, STOP
 from roah_rsbb.web.events import Reader
 from roah_rsbb.web.guarded import TOO_MANY_REQUESTS, Guarded
-from roah_rsbb.web.pairing import JUDGE, ORGANISER, SESSION_VALID_S, DeviceSession, NotPaired, TooManyGuesses, plain
+from roah_rsbb.web.pairing import JUDGE, ORGANISER, SESSION_VALID_S, DeviceSession, NotPaired, TooManyGuesses
 from roah_rsbb.web.viewer import Viewer
 from roah_rsbb.web.zone_documents import own_sheet, side_by_side
 from roah_rsbb.wording import device
@@ -147,22 +147,19 @@ class PairHandler(FromOwnPage):
     def post(self) -> None:
         """Take the code, and answer with the session's cookie."""
         server = self._server
-        person, kind, now = plain(self.text("person")), self.text("device"), server.now()
-        address = self.request.remote_ip or ""
-        before = self.session()
+        code, before = self.text("code"), self.session()
         with server.store.speaking(self.language()):
             try:
-                server.codes.check_guess(now, address)
-                server.sessions.check(server.utc(), person)
-                grant = server.codes.take(now, self.text("code"))
-                server.codes.was_right(address)
-                token = server.sessions.add(server.utc(), grant, person, kind, self.is_encrypted)
+                grant = server.codes.granted(server.now(), code, self.request.remote_ip or "")
+                token = server.sessions.add(server.utc(), grant, self.text("person"), self.text("device"),
+                                            self.is_encrypted, before)
             except TooManyGuesses as refused:
                 self.refuse(TOO_MANY_REQUESTS, str(refused))
                 return
             except NotPaired as refused:
                 self.refuse(403, str(refused))
                 return
+        server.codes.use_up(code)
         if before is not None:
             server.revoke(before.id)
         self.set_cookie(self.cookie, token, path="/", max_age=int(SESSION_VALID_S), httponly=True, samesite="Strict",

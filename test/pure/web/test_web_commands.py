@@ -107,7 +107,8 @@ class Served(HttpClients):
         self.running = running
         self.commands = []
         self.outcome = Outcome(result={"number": 3})
-        self.sessions = Sessions(lambda records: None)
+        self.saved = []
+        self.sessions = Sessions(self.saved.append)
         store = Store(PublicBox(), GERMAN)
         self.server = WebServer(running.loop, store, FOLDER, frozenset(), self.sessions, self.carry_out)
         self.port = self.server.open(HOST, 0)
@@ -118,7 +119,7 @@ class Served(HttpClients):
         return self.outcome
 
     def token(self, role="referee", zone="Home"):
-        return self.sessions.add(self.server.utc(), Grant(role, zone), "Anna", "iPhone")
+        return self.sessions.add(self.server.utc(), Grant(role, zone), f"Anna {len(self.saved)}", "iPhone")
 
     def send(self, name, body, token="", **headers):
         headers = {"Origin": self.origin, "Content-Type": "application/json", "Cookie": f"{COOKIE}={token}", **headers}
@@ -187,9 +188,10 @@ def test_a_sheet_of_a_run_that_is_over_is_shown_to_referees(served):
 
 def test_the_session_says_who_it_was_and_not_the_request(served):
     served.send("mark", {**MARK, "device": "Eve's", "role": "organiser"}, served.token())
-    assert served.commands[0].session.who == "Anna, iPhone"
+    session = served.commands[0].session
+    assert session.who == f"Anna 0, iPhone {session.id}"
     given = served.commands[0].fields["given"]
-    assert (given["device"], given["role"]) == ("iPhone", "referee")
+    assert (given["device"], given["role"]) == (f"iPhone {session.id}", "referee")
 
 
 def test_a_crowd_behind_the_same_address_does_not_keep_a_referee_out(served):
