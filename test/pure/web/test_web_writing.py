@@ -9,7 +9,7 @@ import pytest
 
 from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox, event, run
-from roah_rsbb.web import limits
+from roah_rsbb.web import limits, serving
 from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant, NotPaired, Sessions
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
@@ -47,6 +47,26 @@ class Served(HttpClients):
 
     def token(self, person="Anna"):
         return self.pair(person).headers["Set-Cookie"].partition("=")[2].partition(";")[0]
+
+    def asking(self, token):
+        """A function that asks on a connection of the device, and returns whether there was an answer."""
+        ask = (f"GET /api/v1/session HTTP/1.1\r\nHost: {HOST}\r\nCookie: {COOKIE}={token}\r\n\r\n").encode()
+
+        def asked(sock):
+            sock.sendall(ask)
+            sock.setblocking(False)
+            received = []
+
+            def is_answered():
+                try:
+                    received.append(sock.recv(65536))
+                except BlockingIOError:
+                    return False
+                return True
+
+            self.running.until(is_answered)
+            return b" 200 OK" in received[0]
+        return asked
 
 
 def session(served, token):
@@ -120,25 +140,7 @@ def few_connections(monkeypatch):
 
 
 def test_a_paired_phone_stays_connected_and_connects_beside_many_hostile_addresses(few_connections, served):
-    token = served.token()
-    ask = (f"GET /api/v1/session HTTP/1.1\r\nHost: {HOST}\r\nCookie: {COOKIE}={token}\r\n\r\n").encode()
-    hostile = []
-
-    def asked(sock):
-        sock.sendall(ask)
-        sock.setblocking(False)
-        received = []
-
-        def is_answered():
-            try:
-                received.append(sock.recv(65536))
-            except BlockingIOError:
-                return False
-            return True
-
-        served.running.until(is_answered)
-        return b" 200 OK" in received[0]
-
+    asked, hostile = served.asking(served.token()), []
     phone = socket.create_connection((HOST, served.port))
     assert asked(phone)
     for n in range(20):
@@ -156,6 +158,38 @@ def test_a_paired_phone_stays_connected_and_connects_beside_many_hostile_address
     assert asked(again), "its new connection stayed open, too"
     for sock in (phone, again, *hostile):
         sock.close()
+
+
+def test_a_paired_phone_that_needs_a_new_connection_is_served_before_those_who_wait(served, monkeypatch):
+    token = served.token()
+    session(served, token)
+    order, handle = [], serving.BoundedServer.handle_stream
+
+    def handled(server, stream, address):
+        order.append(address[0])
+        return handle(server, stream, address)
+
+    monkeypatch.setattr(serving.BoundedServer, "handle_stream", handled)
+    # Nothing is accepted meanwhile, as on a busy computer.
+    sockets = [socket.create_connection((HOST, served.port), 30.0, (f"127.0.9.{1 + n % 50}", 0)) for n in range(300)]
+    sockets.append(socket.create_connection((HOST, served.port), 30.0))
+    served.running.until(lambda: HOST in order)
+    assert order.index(HOST) <= 2 * serving.SERVED_AT_ONCE * (1 + 300 // 128), "the loop accepts 128 at once"
+    for sock in sockets:
+        sock.close()
+    served.running.turn()
+
+
+def test_the_connection_of_a_paired_phone_stays_open_when_it_is_idle(running, monkeypatch):
+    monkeypatch.setattr(serving, "IDLE_S", 0.3)
+    served = Served(running)
+    asked, phone = served.asking(served.token()), socket.create_connection((HOST, served.port))
+    assert asked(phone)
+    assert served.raw(b"") == b"", "one that came later is closed"
+    assert asked(phone)
+    phone.close()
+    served.server.close()
+    running.turn()
 
 
 def test_many_phones_behind_one_address_are_paired_at_once(served):

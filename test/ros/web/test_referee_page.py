@@ -40,10 +40,17 @@ window.AudioContext = class extends AudioContext {
   createOscillator() { sounds += 1; return super.createOscillator(); }
 };
 page.addEventListener("click", () => { drawn = text(); }, true);
+const note = (name) => {
+  sent[name] ??= {drawn: drawn !== text(), said: page.querySelector(".run.ended") !== null, sounds};
+};
 window.fetch = (path, ...how) => {
-  sent[path.split("/").pop()] ??= {drawn: drawn !== text(), said: page.querySelector(".run.ended") !== null, sounds};
+  note(path.split("/").pop());
   return real(path, ...how);
 };
+WebSocket.prototype.send = (send => function (...what) {
+  note("stop");
+  return send.apply(this, what);
+})(WebSocket.prototype.send);
 """
 # Each drawing of the whole page reads the items of the zone.
 COUNT_DRAWS = """
