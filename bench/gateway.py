@@ -81,7 +81,7 @@ class Phone:
     def __init__(self, gateway: Gateway) -> None:
         self._url = f"http://127.0.0.1:{gateway.port}"
         self.cookie = ""
-        self._send("pair", {"code": organisers_code()["code"], "person": "Bench"})
+        self._send("pair", {"code": organisers_code()["code"], "person": f"Bench {time.monotonic_ns()}"})
 
     def command(self, name: str, fields: Dict[str, object]) -> None:
         """Send a command as the page does."""

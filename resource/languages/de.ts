@@ -202,8 +202,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Too many wrong codes: wait a minute, then ask for a new code</source>
-        <translation>Zu viele falsche Codes: warten Sie eine Minute und lassen Sie sich dann einen neuen geben</translation>
+        <source>Too many wrong codes from this network: wait a minute, or scan the QR code of a new code</source>
+        <translation>Zu viele falsche Codes aus diesem Netz: eine Minute warten, oder den QR-Code eines neuen Codes scannen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -219,6 +219,11 @@
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Type your name: it is recorded with everything that you enter</source>
         <translation>Geben Sie Ihren Namen ein: er wird mit allem aufgezeichnet, was Sie eingeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The name {name} is in use on another device ({device}): type another one. If that is your own earlier pairing, ask an organiser to end it first (Pairing)</source>
+        <translation>Der Name {name} wird schon auf einem anderen Gerät benutzt ({device}): einen anderen eingeben. Ist das die eigene frühere Kopplung, einen Organisator bitten, sie zuerst zu beenden (Koppeln)</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>

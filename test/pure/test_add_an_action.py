@@ -96,7 +96,7 @@ def test_the_gateway_takes_it_and_gives_the_page_its_form(tree):
     answers, request, words = found
     assert answers == [True, False]
     assert request == ["act", {
-        "zone": "Home", "run": "run 1", "by": "Anna, judge, phone", "action": "extend", "event": "",
+        "zone": "Home", "run": "run 1", "by": "Anna, judge, phone id", "action": "extend", "event": "",
         "given": {"seconds": 60, "reason": "why"}}]
     assert (words["label"], words["row"]) == ("More time", "clock")
     assert [(field["kind"], field["label"]) for field in words["fields"]] == [

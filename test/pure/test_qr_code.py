@@ -6,7 +6,7 @@ import pytest
 
 from roah_rsbb import qr_code
 
-URL = "http://192.168.100.200:8081/pair#ABCD-EFGH"
+URL = "http://192.168.100.200:8081/pair#ABCD-EFGH-JKMNPQRSTUVWXYZ2"
 
 
 def test_a_terminal_shows_each_module():

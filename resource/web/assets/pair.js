@@ -1,10 +1,10 @@
-// Pairs this device. The code may be in the address after #, from the QR code: so it is in no log.
+// Pairs this device. The link of the QR code is in the address after #, so it is in no log. It begins with the code.
 
 import {address, html, parameters, show, useEffect, useState} from "/assets/parts.js";
 import {ask, deviceName, ownPage, reasonsText, roleText} from "/assets/device.js";
 
 const NAME = "roah_rsbb_name";
-const CODE = location.hash.slice(1);
+const LINK = location.hash.slice(1), CODE = LINK.slice(0, 9);
 
 function Field({name, text, value, ...rest}) {
   const [typed, setTyped] = useState(value);
@@ -28,7 +28,7 @@ function Pair({live, words}) {
     const typed = new FormData(event.target);
     setBusy(true);
     const answer = await ask("POST", "pair", {
-      code: typed.get("code"), person: typed.get("person"), device: typed.get("device"),
+      code: typed.get("code") === CODE ? LINK : typed.get("code"), person: typed.get("person"), device: typed.get("device"),
       language: parameters.get("language") || "",
     });
     setBusy(false);

@@ -5,6 +5,8 @@
 "use strict";
 (() => {
   const AGAIN_MS = 500, ANSWER_MS = 6000, NEXT_TRY_MS = 2000;
+  const ALSO_MS = 300;  // without an answer on its connection, a STOP is also sent by a request
+  const MOST_SIGNS = 300;  // of a STOP on its connection: the gateway takes 1024 bytes
   const SILENT_MS = 2200, CONNECT_MS = 5000, RECONNECT_MS = 1000;
   const LATE_MS = 1000;  // as in wording/stop.py
   const HOLD_MS = 800;
@@ -37,6 +39,8 @@
   const page = {zones: [], all: false, successor: "", isKnown: false, isPaired: true,
     shown: new URLSearchParams(location.search).get("zone"), note: "", isUrgent: false, failures: new Map(), why: () => null};
   const stops = new Map();  // the newest one of each zone
+  const asked = new Map();  // what takes the answers on the connection, by the number of the try
+  let tries = 0;
   const link = {socket: null, startedAt: 0, openedAt: -Infinity, heardAt: -Infinity, isHeard: false, hasZones: false, number: 0,
     lostAt: Date.now()};
 
@@ -149,14 +153,19 @@
     if (link.socket === socket) {
       link.socket = null;
       socket.close();
+      asked.forEach((take) => take());
       setTimeout(() => link.socket || !page.isPaired || connect(), RECONNECT_MS * (1 + Math.random()));
       watch();
     }
   }
 
   function receive(message) {
-    const sent = (message.documents || message.numbers)["page.stop"];
     link.heardAt = performance.now();
+    if (message.type === "answer") {
+      const take = asked.get(message.number);
+      return take && take(message);
+    }
+    const sent = (message.documents || message.numbers)["page.stop"];
     if (message.documents) {
       link.number = sent.number;
       // A gateway that was just started knows nothing yet: the zones are as they were last known, so STOP stays possible.
@@ -260,22 +269,43 @@
     draw();
   }
 
+  // On the connection that is open, and if it does not answer at once, also by a request: it may be dead.
   async function ask(stop) {
+    stop.asking += 1;
+    await Promise.race([askHere(stop), passed(ALSO_MS)]) || stop.isAnswered || await request(stop);
+    stop.asking -= 1;
+  }
+
+  const textOf = (stop, more) => JSON.stringify(
+    {language: document.documentElement.lang, zone: stop.zone, identity: stop.identity, ...more});
+
+  // Whether there was an answer; false: the connection is lost, or there is none.
+  function askHere(stop) {
+    const number = tries += 1, text = textOf(stop, {number});
+    if (!link.socket || link.socket.readyState !== WebSocket.OPEN || text.length > MOST_SIGNS) {
+      return false;
+    }
+    link.socket.send(text);
+    return new Promise((done) => asked.set(number, (answer) => {
+      asked.delete(number);
+      answer && answered(stop, answer.status, answer);
+      done(Boolean(answer));
+    }));
+  }
+
+  async function request(stop) {
     const timeout = new AbortController();
     const timer = setTimeout(() => timeout.abort(), ANSWER_MS);
-    stop.asking += 1;
     try {
       const answer = await fetch("/api/v1/commands/stop", {
         method: "POST", credentials: "same-origin", cache: "no-store", signal: timeout.signal, keepalive: true,
-        headers: {"Content-Type": "application/json"},
-        body: JSON.stringify({language: document.documentElement.lang, zone: stop.zone, identity: stop.identity}),
+        headers: {"Content-Type": "application/json"}, body: textOf(stop),
       });
       const body = answer.status === 200 ? null : await answer.json().catch(() => null);
       answered(stop, answer.status, body);
     } catch (error) {
       // No answer.
     } finally {
-      stop.asking -= 1;
       clearTimeout(timer);
     }
   }
@@ -428,6 +458,8 @@
   }, LOOK_MS);
   document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && wake());
   window.addEventListener("offline", renew);
+  // Only a request outlives the page.
+  window.addEventListener("pagehide", () => stops.forEach((stop) => stop.isAnswered || request(stop)));
 
   function failed(part, error) {
     console.error(part, error);

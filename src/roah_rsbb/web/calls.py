@@ -63,6 +63,6 @@ def call_of(command: Command) -> Tuple[str, Dict[str, Any]]:
         return "judges", {**run, "judge": session.person}
     if command.name in (STOP, SHEET):
         return command.name, run
-    # Who marks with several devices is one person; of all else the device is a part of the name.
+    # A mark has the device in a field of its own; of all else it is a part of the name.
     by = session.person if "device" in fields["given"] else session.who
     return "act", {**run, "by": by, "action": command.name, "event": fields["event_id"], "given": fields["given"]}

@@ -102,7 +102,7 @@ def may(command: Command) -> bool:
 def _of_session(action: Action, session: DeviceSession) -> Dict[str, str]:
     """Return the values of fields that a device cannot choose: what a judge does is done under the name that was typed
     when the device was paired."""
-    own = {"device": session.device, "role": session.grant.role}
+    own = {"device": session.device_id, "role": session.grant.role}
     if action.roles == JUDGES:
         own["judge"] = session.person
     return {field.name: own[field.name] for field in action.fields if field.name in own}

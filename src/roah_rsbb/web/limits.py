@@ -131,6 +131,13 @@ class ConnectionPlaces(Generic[T]):
         for places in self._places.values():
             places.remove(connection)
 
+    def take(self) -> Optional[T]:
+        """Free the place of the next one, those of paired devices first, and return it; None: there is none."""
+        connection = next(iter([*self._places[True], *self._places[False]]), None)
+        if connection is not None:
+            self.remove(connection)
+        return connection
+
     def know(self, connection: Optional[T], address: str) -> None:
         """Note that a paired device is at this address, and what it uses at the moment."""
         self._known[address] = None

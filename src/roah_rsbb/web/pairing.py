@@ -7,7 +7,7 @@ clock.
 
 import hashlib
 import secrets
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.web.limits import Rates
 from roah_rsbb.wording import device, sheets
@@ -16,9 +16,9 @@ from roah_rsbb.wording.language import tr
 REFEREE, JUDGE, ORGANISER = ROLES = ("referee", "judge", "organiser")
 
 CODE_VALID_S = 120.0
-# Letters and digits that cannot be mistaken for each other. A code has 39 bits.
+# Letters and digits that cannot be mistaken for each other. A code has 39 bits, the link that begins with it 118.
 SIGNS = "ABCDEFGHJKMNPQRSTUVWXYZ23456789"
-CODE_LENGTH = 8
+CODE_LENGTH, LINK_LENGTH = 8, 24
 MAX_CODES = 20
 
 # Guesses of an address. All addresses together have no limit: with one, some computers could keep all referees from
@@ -62,11 +62,17 @@ class DeviceSession(NamedTuple):
     device: str
     paired_utc: float
     seen_utc: float = 0.0  # 0: never
+    is_encrypted: bool = False  # whether it is valid on encrypted pages, and on no others
+
+    @property
+    def device_id(self) -> str:
+        """The device in the records: no other one has the same."""
+        return f"{self.device} {self.id}"
 
     @property
     def who(self) -> str:
         """Who acts, for the records: person, role and device."""
-        return sheets.author(self.person, self.grant.role, self.device)
+        return sheets.author(self.person, self.grant.role, self.device_id)
 
 
 class Guesses:
@@ -87,37 +93,56 @@ class Guesses:
         self._of_address.give_back(address)
 
 
+class NewCode(NamedTuple):
+    """A code for one device, to type, and in the link of the QR code."""
+
+    typed: str
+    link: str  # the code, and more that nobody guesses
+
+
 class Codes:
-    """The codes that can be used now. They are kept in memory only."""
+    """The codes that can be used now. They are kept in memory only.
+
+    Guesses of typed codes are limited. The link is not: a whole hall may share the address of somebody who guesses.
+    """
 
     def __init__(self) -> None:
-        self._codes: Dict[str, tuple[Grant, float]] = {}  # by hash: what it gives, and until when; oldest first
+        self._codes: Dict[Tuple[str, str], Tuple[Grant, float]] = {}  # by hashes of code and link, oldest first
         self._guesses = Guesses(device.TOO_MANY_GUESSES)
 
-    def make(self, mono: float, grant: Grant) -> str:
+    def make(self, mono: float, grant: Grant) -> NewCode:
         """Return a new code. If there are too many, the oldest one becomes invalid."""
         self._forget_old(mono)
         while len(self._codes) >= MAX_CODES:
             del self._codes[next(iter(self._codes))]
-        code = "".join(secrets.choice(SIGNS) for _ in range(CODE_LENGTH))
-        self._codes[_hash(code)] = (grant, mono + CODE_VALID_S)
-        return f"{code[:4]}-{code[4:]}"
+        signs = "".join(secrets.choice(SIGNS) for _ in range(LINK_LENGTH))
+        self._codes[_hash(signs[:CODE_LENGTH]), _hash(signs)] = (grant, mono + CODE_VALID_S)
+        typed = f"{signs[:4]}-{signs[4:CODE_LENGTH]}"
+        return NewCode(typed, f"{typed}-{signs[CODE_LENGTH:]}")
 
-    def check_guess(self, mono: float, address: str) -> None:
-        """Count a guess; raises `TooManyGuesses`."""
-        self._guesses.check(mono, address)
-
-    def was_right(self, address: str) -> None:
-        """Do not count the last guess."""
-        self._guesses.was_right(address)
-
-    def take(self, mono: float, typed: str) -> Grant:
-        """Use a code up, and return what it gives; raises `NotPaired`. Call `check_guess` first."""
+    def granted(self, mono: float, given: str, address: str) -> Grant:
+        """Return what a code or a link gives, and do not use it up. Raises `NotPaired`, and `TooManyGuesses` of typed
+        codes."""
         self._forget_old(mono)
-        found = self._codes.pop(_hash(signs_of(typed)), None)
+        is_typed = len(signs_of(given)) <= CODE_LENGTH
+        if is_typed:
+            self._guesses.check(mono, address)
+        found = self._find(given)
         if found is None:
             raise NotPaired(tr(device.WRONG_CODE))
-        return found[0]
+        if is_typed:
+            self._guesses.was_right(address)
+        return self._codes[found][0]
+
+    def use_up(self, given: str) -> None:
+        """The code, and its link, are for one device."""
+        found = self._find(given)
+        if found is not None:
+            del self._codes[found]
+
+    def _find(self, given: str) -> Optional[Tuple[str, str]]:
+        hashed = _hash(signs_of(given))
+        return next((hashes for hashes in self._codes if hashed in hashes), None)
 
     def _forget_old(self, mono: float) -> None:
         self._codes = {code: (grant, until) for code, (grant, until) in self._codes.items() if mono < until}
@@ -139,21 +164,26 @@ class Sessions:
         self._forget_old(utc)
         return list(self._sessions.values())
 
-    def check(self, utc: float, person: str) -> None:
-        """Raise `NotPaired` if a device of this person cannot be paired."""
+    def add(self, utc: float, grant: Grant, person: str, name: str, is_encrypted: bool = False,
+            before: Optional[DeviceSession] = None) -> str:
+        """Pair a device of that name; returns its token. `before`: its session until now. Raises `NotPaired`.
+
+        The sheet of a judge is that of a name, so a name is for one device.
+        """
         self._forget_old(utc)
+        person = plain(person)
         if len(self._sessions) >= MAX_SESSIONS:
             raise NotPaired(tr(device.TOO_MANY_DEVICES))
-        if not plain(person):
+        if not person:
             raise NotPaired(tr(device.NO_NAME))
-
-    def add(self, utc: float, grant: Grant, person: str, name: str, is_encrypted: bool = False) -> str:
-        """Pair a device of that name; returns its token. Raises `NotPaired`."""
-        self.check(utc, person)
+        for other in self._sessions.values():
+            if (other.person.casefold() == person.casefold() and other.is_encrypted == is_encrypted
+                    and (before is None or other.id != before.id)):
+                raise NotPaired(tr(device.NAME_IN_USE, name=person, device=other.device_id))
         token = secrets.token_urlsafe(TOKEN_BYTES)
         hashed = _hash_of(token, is_encrypted)
         self._sessions[hashed] = DeviceSession(
-            secrets.token_hex(4), grant, plain(person), plain(name) or "browser", utc)
+            secrets.token_hex(4), grant, person, plain(name) or "browser", utc, is_encrypted=is_encrypted)
         try:
             self._write()
         except OSError as error:
@@ -191,7 +221,8 @@ class Sessions:
     def _write(self) -> None:
         self._save([
             {"token_sha256": hashed, "id": one.id, "role": one.grant.role, "zone": one.grant.zone,
-             "person": one.person, "device": one.device, "paired_utc": one.paired_utc, "seen_utc": one.seen_utc}
+             "person": one.person, "device": one.device, "paired_utc": one.paired_utc, "seen_utc": one.seen_utc,
+             "is_encrypted": one.is_encrypted}
             for hashed, one in self._sessions.items()
         ])
 
@@ -225,4 +256,4 @@ def _session_of(record: Dict[str, Any]) -> "tuple[str, DeviceSession]":
         raise ValueError(record)
     return record["token_sha256"], DeviceSession(
         str(record["id"]), Grant(role, zone), str(record["person"]), str(record["device"]),
-        float(record["paired_utc"]), float(record["seen_utc"]))
+        float(record["paired_utc"]), float(record["seen_utc"]), record.get("is_encrypted") is True)

@@ -53,7 +53,7 @@ class PairingCalls:
         if problem or not url:
             raise Refused([problem or "the web pages are not served yet: their log names the remedy"])
         code = self._server.codes.make(self._server.now(), grant)
-        return {"code": code, "url": f"{url}pair#{code}", "valid": CODE_VALID_S}
+        return {"code": code.typed, "url": f"{url}pair#{code.link}", "valid": CODE_VALID_S}
 
     def _paired(self, found: Mapping[str, Any], caller: Caller) -> Any:
         connected = self._server.connected()

@@ -4,13 +4,14 @@ The gateway and the tablet's page use it.
 """
 
 import asyncio
+import copy
 import errno
 import functools
 import os
 import socket
 import struct
 import zlib
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from tornado import httpserver, iostream, netutil, web, websocket
 
@@ -22,6 +23,12 @@ MAX_MESSAGE_BYTES = 1024
 _MAX_BODY_BYTES = 4 * 1024
 _MAX_HEADER_BYTES = 16 * 1024
 IDLE_S = 30.0
+# A connection that a paired device has used is closed later: its STOP should not wait for a new one.
+DEVICE_IDLE_S = 3600.0
+# Connections that the system accepts for us before we do. Others are tried again by their clients after 1, 3, 7 s.
+BACKLOG = 4096
+# Accepted connections of which so many are served in a turn of the loop. Those that wait too long are closed.
+SERVED_AT_ONCE = 8
 # Messages of which the frame is kept: as many as readers in several languages get at the same time.
 FRAMES = 16
 # Longer messages are compressed for readers that understand it.
@@ -53,8 +60,46 @@ class BoundedServer(httpserver.HTTPServer):
                            idle_connection_timeout=IDLE_S, body_timeout=IDLE_S, **options)
         self._waiting: ConnectionPlaces[iostream.IOStream] = ConnectionPlaces(lambda stream: stream.close())
 
+        self._patient = copy.copy(self.conn_params)
+        self._patient.header_timeout = DEVICE_IDLE_S
+        self._accepted: ConnectionPlaces[Tuple[socket.socket, Any]] = ConnectionPlaces(lambda one: one[0].close())
+        self._is_serving = False
+
+    def stop(self) -> None:
+        """Stop listening, and close the connections that are not served yet."""
+        super().stop()
+        for one in self._accepted:
+            self._accepted.remove(one)
+            one[0].close()
+
+    def _handle_connection(self, connection: socket.socket, address: Any) -> None:
+        """Take a connection that Tornado has accepted. To serve it takes much longer than to accept it: under a flood
+        the backlog would be full, and paired devices could not connect."""
+        self._accepted.add((connection, address), address[0])
+        if not self._is_serving:
+            self._is_serving = True
+            asyncio.get_event_loop().call_soon(self._serve_some)
+
+    def _serve_some(self) -> None:
+        for _ in range(SERVED_AT_ONCE):
+            one = self._accepted.take()
+            if one is None:
+                self._is_serving = False
+                return
+            self._serve(*one)
+        asyncio.get_event_loop().call_soon(self._serve_some)
+
+    def _serve(self, connection: socket.socket, address: Any) -> None:
+        super()._handle_connection(connection, address)
+
+    def start_request(self, server_conn: Any, request_conn: Any) -> Any:
+        """Wait for the next request of a connection."""
+        if getattr(request_conn.stream, "is_of_device", False):
+            request_conn.params = self._patient
+        return super().start_request(server_conn, request_conn)
+
     def handle_stream(self, stream: iostream.IOStream, address: Any) -> Any:
-        """Accept a connection."""
+        """Serve a connection."""
         # Tornado sets its own callback for connections that it serves.
         for waiting in self._waiting:
             if waiting.closed():
@@ -68,7 +113,10 @@ class BoundedServer(httpserver.HTTPServer):
 
     def know(self, stream: Optional[iostream.IOStream], address: str) -> None:
         """Note that a connection is that of a paired device. Connections from its address have reserved places."""
+        self._accepted.know(None, address)
         self._waiting.know(stream, address)
+        if stream is not None:
+            stream.is_of_device = True
 
 
 class _BoundedProtocol(websocket.WebSocketProtocol13):
@@ -166,7 +214,7 @@ def bind(host: str, port: int, what: str, name: str) -> List[socket.socket]:
     Raises `ServeError`. `what` is served; `name` is the beginning of the parameters NAME_host and NAME_port.
     """
     try:
-        return netutil.bind_sockets(port, None if host == ANY_HOST else host, socket.AF_INET)
+        return netutil.bind_sockets(port, None if host == ANY_HOST else host, socket.AF_INET, BACKLOG)
     except OSError as error:
         raise ServeError(
             error.errno, f"cannot serve {what} on {host}:{port}: {_remedy(error, port, name)}") from error

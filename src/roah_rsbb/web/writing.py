@@ -5,8 +5,10 @@ Reading handlers are open to all sites. These are not: a request must come from 
 its device must be paired.
 """
 
+import asyncio
+import functools
 import json
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional, Set, Tuple
 from urllib.parse import urlsplit
 
 from tornado import web
@@ -18,7 +20,9 @@ from roah_rsbb.web.commands import STOP as STOP_COMMAND
 from roah_rsbb.web.desk import NO_STOP, STOP
 from roah_rsbb.web.events import Reader
 from roah_rsbb.web.guarded import TOO_MANY_REQUESTS, Guarded
-from roah_rsbb.web.pairing import JUDGE, ORGANISER, SESSION_VALID_S, DeviceSession, NotPaired, TooManyGuesses, plain
+from roah_rsbb.web.numbered import Made
+from roah_rsbb.web.pairing import JUDGE, ORGANISER, SESSION_VALID_S, DeviceSession, NotPaired, TooManyGuesses
+from roah_rsbb.web.serving import frame
 from roah_rsbb.web.viewer import Viewer
 from roah_rsbb.web.zone_documents import own_sheet, side_by_side
 from roah_rsbb.wording import device
@@ -28,6 +32,8 @@ from roah_rsbb.wording.said import tr_said
 
 # Browsers take a cookie with this prefix from encrypted pages only.
 COOKIE, ENCRYPTED_COOKIE = "roah_rsbb_session", "__Host-roah_rsbb_session"
+# STOPs of a connection without an answer. A page has at most two for each zone.
+MOST_STOPS = 200
 
 
 def is_own_origin(origin: str, protocol: str, host: str) -> bool:
@@ -147,22 +153,19 @@ class PairHandler(FromOwnPage):
     def post(self) -> None:
         """Take the code, and answer with the session's cookie."""
         server = self._server
-        person, kind, now = plain(self.text("person")), self.text("device"), server.now()
-        address = self.request.remote_ip or ""
-        before = self.session()
+        code, before = self.text("code"), self.session()
         with server.store.speaking(self.language()):
             try:
-                server.codes.check_guess(now, address)
-                server.sessions.check(server.utc(), person)
-                grant = server.codes.take(now, self.text("code"))
-                server.codes.was_right(address)
-                token = server.sessions.add(server.utc(), grant, person, kind, self.is_encrypted)
+                grant = server.codes.granted(server.now(), code, self.request.remote_ip or "")
+                token = server.sessions.add(server.utc(), grant, self.text("person"), self.text("device"),
+                                            self.is_encrypted, before)
             except TooManyGuesses as refused:
                 self.refuse(TOO_MANY_REQUESTS, str(refused))
                 return
             except NotPaired as refused:
                 self.refuse(403, str(refused))
                 return
+        server.codes.use_up(code)
         if before is not None:
             server.revoke(before.id)
         self.set_cookie(self.cookie, token, path="/", max_age=int(SESSION_VALID_S), httponly=True, samesite="Strict",
@@ -202,27 +205,32 @@ class CommandHandler(FromOwnPage):
         200: it was carried out. 202: so it was, but it is not on all disks yet, and why. 409: it was refused, and why.
         504: there was no answer, so it may have been.
         """
-        session = self.needed_session()
-        try:
-            command = command_of(name, self.body, session)
-        except BadCommand as bad:
-            with self._server.store.speaking(self.language()):
-                self.refuse(400, tr_said(bad.args[0]))
-            return
-        store, language = self._server.store, self.language()
-        if not may(command):
-            with store.speaking(language):
-                self.refuse(403, tr(device.NOT_ALLOWED, role=role_text(*session.grant)))
-            return
-        outcome = await self._server.command(command)
-        with store.speaking(language):
-            reasons = [tr_said(reason) for reason in outcome.reasons]
-            if not outcome.is_known:
-                self.refuse(504, *reasons or [tr(device.NO_ANSWER)])
-            elif reasons:
-                self.refuse(409 if outcome.is_confirmed else 202, *reasons)
-            else:
-                self.finish(_shown(command, outcome.result, self._server.desk.box.now().utc))
+        status, answer = await carried_out(self._server, self.needed_session(), name, self.body, self.language())
+        self.set_status(status)
+        self.finish(answer)
+
+
+async def carried_out(
+    server: Any, session: DeviceSession, name: str, body: Dict[str, Any], language: str,
+) -> Tuple[int, Dict[str, Any]]:
+    """Carry out a command of a device. Returns the status and the answer, see `CommandHandler.post`."""
+    speaking = functools.partial(server.store.speaking, language)
+    try:
+        command = command_of(name, body, session)
+    except BadCommand as bad:
+        with speaking():
+            return 400, {"reasons": [tr_said(bad.args[0])]}
+    if not may(command):
+        with speaking():
+            return 403, {"reasons": [tr(device.NOT_ALLOWED, role=role_text(*session.grant))]}
+    outcome = await server.command(command)
+    with speaking():
+        reasons = [tr_said(reason) for reason in outcome.reasons]
+        if not outcome.is_known:
+            return 504, {"reasons": reasons or [tr(device.NO_ANSWER)]}
+        if reasons:
+            return 409 if outcome.is_confirmed else 202, {"reasons": reasons}
+        return 200, _shown(command, outcome.result, server.desk.box.now().utc)
 
 
 def _shown(command: Command, result: Any, now_s: float) -> Dict[str, Any]:
@@ -275,7 +283,45 @@ class DeviceEventsHandler(OfDevice, Reader):
 
 
 class StopEventsHandler(DeviceEventsHandler):
-    """A second connection of a paired device, for what its STOP needs: no other document can disturb it."""
+    """A second connection of a paired device, for what its STOP needs, and for STOP itself: no other document can
+    disturb it, and STOP waits for no new connection."""
+
+    def initialize(self, server: Any) -> None:
+        super().initialize(server)
+        self._answers: List[str] = []
+        self._stops: Set[asyncio.Future[None]] = set()  # that are carried out
+
+    def on_message(self, message: Any) -> None:
+        """Take a STOP, and answer with its number. Others do not wait for its answer, as a coroutine would let them."""
+        try:
+            body = json.loads(message)
+            number = body["number"]
+        except (ValueError, RecursionError, TypeError, KeyError):
+            number = None
+        if type(number) is not int or not isinstance(body.get("language", ""), str):
+            self.close(1003, "this address takes STOP only")
+            return
+        if len(self._stops) + len(self._answers) >= MOST_STOPS:
+            self.close(1008, "too many STOPs without an answer")
+            return
+        stop = asyncio.ensure_future(self._stop(number, body))
+        self._stops.add(stop)
+        stop.add_done_callback(self._stops.discard)
+
+    async def _stop(self, number: int, body: Dict[str, Any]) -> None:
+        status, answer, session = 401, {}, self.session()
+        if session is not None:
+            language = self._server.store.language(body.pop("language", ""))
+            status, answer = await carried_out(self._server, session, STOP_COMMAND, body, language)
+        self._answers.append(json.dumps({**answer, "type": "answer", "number": number, "status": status}))
+        self.on_sent()
+
+    def send_next(self, now: float, made: Optional[Made] = None) -> None:
+        """Send answers first."""
+        while self._answers and self.busy_since is None:
+            if not self.write_frames(frame(self._answers.pop(0)), now):
+                return
+        super().send_next(now, made)
 
     def open(self, *_args: str, **_kwargs: str) -> None:
         """Send the snapshot."""

@@ -12,10 +12,12 @@ ROLES = {"referee": tr_later("Referee"), "judge": tr_later("Judge"), "organiser"
 
 # Why a device is not paired.
 NO_WEB = tr_later("the web pages' node roah_rsbb_web does not run: the launch files start it unless web is false")
-TOO_MANY_GUESSES = tr_later("Too many wrong codes: wait a minute, then ask for a new code")
+TOO_MANY_GUESSES = tr_later("Too many wrong codes from this network: wait a minute, or scan the QR code of a new code")
 WRONG_CODE = tr_later("This code is wrong, was used, or is older than two minutes: ask for a new one")
 TOO_MANY_DEVICES = tr_later("Too many devices are paired: end some pairings first")
 NO_NAME = tr_later("Type your name: it is recorded with everything that you enter")
+NAME_IN_USE = tr_later("The name {name} is in use on another device ({device}): type another one. If that is your own "
+                       "earlier pairing, ask an organiser to end it first (Pairing)")
 NOT_SAVED = tr_later("The pairing cannot be saved ({error}): free or repair the disk of log_dir")
 # What it means that the pages are not encrypted.
 NOT_ENCRYPTED = tr_later(

@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import uuid
 
 import pytest
 from tornado import httpclient, websocket
@@ -262,7 +263,7 @@ def session(grant):
 def test_only_an_organiser_commands_the_whole_box(name, fields):
     commands = [command_of(name, {**fields, "zone": "Home"}, session(grant)) for grant in (ORGANISER, REFEREE, JUDGE)]
     assert [may(one) for one in commands] == [True, False, False]
-    assert call_of(commands[0]) == (name, {**fields, "by": "Olga, organiser, laptop"})
+    assert call_of(commands[0]) == (name, {**fields, "by": "Olga, organiser, laptop 1"})
     for field in fields:
         with pytest.raises(BadCommand):
             command_of(name, {field: None}, session(ORGANISER))
@@ -309,7 +310,7 @@ class Served(HttpClients):
         return answer
 
     def headers(self, grant):
-        token = self.server.sessions.add(self.server.utc(), grant, "Olga", "laptop") if grant else ""
+        token = self.server.sessions.add(self.server.utc(), grant, uuid.uuid4().hex, "laptop") if grant else ""
         return {"Origin": f"http://{HOST}:{self.port}", "Content-Type": "application/json",
                 "Cookie": f"{COOKIE}={token}"}
 

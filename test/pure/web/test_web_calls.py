@@ -15,7 +15,7 @@ from roah_rsbb.web.calls import PageCalls, call_of
 from roah_rsbb.web.commands import Outcome, command_of
 from roah_rsbb.web.pairing import REFEREE, DeviceSession, Grant
 
-WHO = {"by": "Anna, Linux", "node": "/web"}
+WHO = {"by": "Anna, Linux id", "node": "/web"}
 RUN = {"zone": "Home", "run": "run 1"}
 REFUSED = say("{robot} is not active")(robot="R")
 
@@ -61,7 +61,7 @@ def test_an_action_says_what_is_seen_and_who_it_is():
     assert name == "act" and arguments == {
         **RUN, **WHO, "action": "start", "event": "kx2", "given": command("start").fields["given"]}
     mark = call_of(command("mark", group="g", desc="d", id="1", added="1"))[1]
-    assert (mark["by"], mark["given"]["device"]) == ("Anna", "Linux"), "a person with several devices is one person"
+    assert (mark["by"], mark["given"]["device"]) == ("Anna", "Linux id"), "each device has its own id in sheets"
 
 
 @pytest.mark.parametrize("answer, expected", [

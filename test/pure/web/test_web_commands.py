@@ -17,7 +17,7 @@ from roah_rsbb.web.limits import Rates
 from roah_rsbb.web.pairing import SESSION_VALID_S, DeviceSession, Grant, Sessions
 from roah_rsbb.web.server import NOT_PAIRED, WebServer
 from roah_rsbb.web.store import Store
-from roah_rsbb.web.writing import COOKIE, DeviceEventsHandler
+from roah_rsbb.web.writing import COOKIE, MOST_STOPS, DeviceEventsHandler
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 MARK = {"zone": "Home", "identity": "run", "id": "1", "group": "g", "desc": "d", "added": "1"}
@@ -107,7 +107,8 @@ class Served(HttpClients):
         self.running = running
         self.commands = []
         self.outcome = Outcome(result={"number": 3})
-        self.sessions = Sessions(lambda records: None)
+        self.saved = []
+        self.sessions = Sessions(self.saved.append)
         store = Store(PublicBox(), GERMAN)
         self.server = WebServer(running.loop, store, FOLDER, frozenset(), self.sessions, self.carry_out)
         self.port = self.server.open(HOST, 0)
@@ -118,15 +119,15 @@ class Served(HttpClients):
         return self.outcome
 
     def token(self, role="referee", zone="Home"):
-        return self.sessions.add(self.server.utc(), Grant(role, zone), "Anna", "iPhone")
+        return self.sessions.add(self.server.utc(), Grant(role, zone), f"Anna {len(self.saved)}", "iPhone")
 
     def send(self, name, body, token="", **headers):
         headers = {"Origin": self.origin, "Content-Type": "application/json", "Cookie": f"{COOKIE}={token}", **headers}
         return self.get(f"/api/v1/commands/{name}", method="POST", headers=headers, body=json.dumps(body))
 
-    def device(self, token, query="", **headers):
+    def device(self, token, query="", path="device", **headers):
         headers = {"Origin": self.origin, "Cookie": f"{COOKIE}={token}", **headers}
-        request = httpclient.HTTPRequest(f"ws://{HOST}:{self.port}/api/v1/device{query}", headers=headers)
+        request = httpclient.HTTPRequest(f"ws://{HOST}:{self.port}/api/v1/{path}{query}", headers=headers)
         return self.running.do(websocket.websocket_connect(request))
 
 
@@ -187,9 +188,10 @@ def test_a_sheet_of_a_run_that_is_over_is_shown_to_referees(served):
 
 def test_the_session_says_who_it_was_and_not_the_request(served):
     served.send("mark", {**MARK, "device": "Eve's", "role": "organiser"}, served.token())
-    assert served.commands[0].session.who == "Anna, iPhone"
+    session = served.commands[0].session
+    assert session.who == f"Anna 0, iPhone {session.id}"
     given = served.commands[0].fields["given"]
-    assert (given["device"], given["role"]) == ("iPhone", "referee")
+    assert (given["device"], given["role"]) == (f"iPhone {session.id}", "referee")
 
 
 def test_a_crowd_behind_the_same_address_does_not_keep_a_referee_out(served):
@@ -206,6 +208,82 @@ def test_a_device_has_a_limit_of_its_own(served):
     assert [served.send("connect", {"zone": "Home"}, first).code for _ in range(4)] == [200, 200, 200, 429]
     assert served.send("connect", {"zone": "Home"}, second).code == 200
     assert served.send("stop", {"zone": "Home"}, first).code == 200, "a STOP is never one too many"
+
+
+# -- STOP on the connection that a page has ---------------------------------------------------------
+
+
+def stopped(served, device, number, **body):
+    """Send a STOP; returns the answer to it."""
+    device.write_message(json.dumps({"number": number, "zone": "Home", "identity": "run", **body}))
+    while True:
+        answer = json.loads(served.running.do(device.read_message()))
+        if answer["type"] == "answer" and answer["number"] == number:
+            return answer
+
+
+@pytest.mark.parametrize("outcome, code", [
+    (Outcome(), 200), (Outcome(("No run",)), 409), (Outcome(is_known=False), 504)])
+def test_stop_needs_no_new_connection(served, outcome, code):
+    served.outcome = outcome
+    answer = stopped(served, served.device(served.token(), path="stop"), 7)
+    assert answer["status"] == code and bool(answer.get("reasons")) == (code != 200)
+    assert [(one.name, one.zone, one.fields) for one in served.commands] == [("stop", "Home", {"identity": "run"})]
+
+
+def test_a_stop_waits_for_no_other_stop(served):
+    waits, late = served.running.loop.create_future(), []
+
+    async def carry_out(command):
+        late.append(command.zone)
+        return await waits if len(late) == 1 else Outcome()
+
+    served.server.command = carry_out
+    device = served.device(served.token("organiser", ""), path="stop")
+    device.write_message(json.dumps({"number": 1, "zone": "Home"}))
+    assert stopped(served, device, 2, zone="Hall")["status"] == 200 and late == ["Home", "Hall"]
+    waits.set_result(Outcome())
+    assert json.loads(served.running.do(device.read_message()))["number"] == 1
+
+
+def test_a_stop_that_the_role_does_not_allow_is_refused_there_too(served):
+    for token, body, code in ((served.token(), {"zone": "Hall"}, 403), (served.token("judge"), {}, 403),
+                              (served.token(), {"identity": 5}, 400)):
+        answer = stopped(served, served.device(token, path="stop"), 1, language="de", **body)
+        assert answer["status"] == code and answer["reasons"][0].startswith("auf Deutsch: ")
+    token = served.token()
+    device = served.device(token, path="stop")
+    served.sessions.revoke("")  # and before its connection is closed
+    assert stopped(served, device, 1)["status"] == 401
+    assert served.commands == []
+
+
+@pytest.mark.parametrize("message", ["hello", "[1]", "7", '{"number": true}', '{"zone": "Home"}', "[" * 1000,
+                                     '{"number": 1, "language": {}}', "x" * 5000])
+def test_nothing_but_stop_is_taken_there(served, message):
+    device = served.device(served.token(), path="stop")
+    device.write_message(message)
+    while served.running.do(device.read_message()) is not None:
+        pass
+    assert served.commands == []
+
+
+def test_stops_without_answers_do_not_pile_up(served):
+    waits, begun = served.running.loop.create_future(), []
+
+    async def carry_out(command):
+        begun.append(command)
+        return await waits
+
+    served.server.command = carry_out
+    device = served.device(served.token(), path="stop")
+    for number in range(MOST_STOPS + 1):
+        device.write_message(json.dumps({"number": number, "zone": "Home"}))
+    while served.running.do(device.read_message()) is not None:
+        pass
+    assert len(begun) == MOST_STOPS and device.close_code == 1008
+    waits.set_result(Outcome())
+    served.running.turn()
 
 
 # -- what devices are shown -------------------------------------------------------------------------

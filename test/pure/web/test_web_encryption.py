@@ -86,7 +86,7 @@ def test_others_get_nothing(served):
 
 
 def test_a_paired_device_has_a_cookie_that_is_sent_encrypted_only(served):
-    code = served.server.codes.make(served.server.now(), Grant("referee", "Home"))
+    code = served.server.codes.make(served.server.now(), Grant("referee", "Home")).typed
     answer = served.post("/api/v1/pair", {"code": code, "person": "Anna"})
     cookie = answer.headers["Set-Cookie"]
     assert cookie.startswith(f"{ENCRYPTED_COOKIE}=") and "__Host-" in cookie
@@ -111,7 +111,7 @@ def test_requests_without_encryption_are_sent_to_the_encrypted_page(served):
     answer = served.ask("/display?zone=Home", "http")
     assert (answer.code, answer.headers["Location"]) == (302, f"https://{HOST}:{served.port}/display?zone=Home")
     assert served.ask("/", "http", headers={"Host": "evil.example"}).code == 421
-    code = served.server.codes.make(served.server.now(), Grant("referee", "Home"))
+    code = served.server.codes.make(served.server.now(), Grant("referee", "Home")).typed
     refused = served.post("/api/v1/pair", {"code": code, "person": "Anna"}, "http")
     assert refused.code == 403 and b"begin the address with https" in refused.body
     assert served.post("/api/v1/pair", {"code": code, "person": "Anna"}).code == 200, "it used no code up"

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import stat
 
 import pytest
@@ -10,38 +11,47 @@ from roah_rsbb.web import pairing
 from roah_rsbb.web.kept_file import open_kept
 from roah_rsbb.web.pairing import CODE_VALID_S, FILE, SESSION_VALID_S, Codes, Grant, NotPaired, Sessions, TooManyGuesses
 
-GRANT = Grant("referee", "Home")
+GRANT, JUDGE = Grant("referee", "Home"), Grant("judge", "Home")
+ADDRESS = "192.0.2.1"
 UTC = 1_700_000_000.0
 
 
 # -- codes ------------------------------------------------------------------------------------------
 
 
-def test_a_code_is_for_one_device():
+def taken(codes, mono, given):
+    """Pair a device."""
+    grant = codes.granted(mono, given, ADDRESS)
+    codes.use_up(given)
+    return grant
+
+
+@pytest.mark.parametrize("used, later", ["typed link".split(), "link typed".split(), ["typed"] * 2, ["link"] * 2])
+def test_a_code_is_for_one_device(used, later):
     codes = Codes()
-    code = codes.make(0.0, GRANT)
-    assert codes.take(1.0, code) == GRANT
+    code = codes.make(0.0, GRANT)._asdict()
+    assert taken(codes, 1.0, code[used]) == GRANT
     with pytest.raises(NotPaired, match="was used"):
-        codes.take(1.0, code)
+        taken(codes, 1.0, code[later])
 
 
 @pytest.mark.parametrize("typed", [str.lower, lambda code: code.replace("-", ""), lambda code: f" {code} "])
 def test_a_code_may_be_typed_in_other_ways(typed):
     codes = Codes()
-    assert codes.take(0.0, typed(codes.make(0.0, GRANT))) == GRANT
+    assert taken(codes, 0.0, typed(codes.make(0.0, GRANT).typed)) == GRANT
 
 
 def test_a_code_becomes_too_old():
     codes = Codes()
     early, late = codes.make(0.0, GRANT), codes.make(1.0, GRANT)
     with pytest.raises(NotPaired):
-        codes.take(CODE_VALID_S, early)
-    assert codes.take(CODE_VALID_S, late) == GRANT
+        taken(codes, CODE_VALID_S, early.typed)
+    assert taken(codes, CODE_VALID_S, late.typed) == GRANT
 
 
 def test_codes_cannot_be_mistaken_and_differ():
     codes = Codes()
-    made = {codes.make(0.0, GRANT) for _ in range(200)}
+    made = {codes.make(0.0, GRANT).typed for _ in range(200)}
     assert len(made) == 200
     assert not set("".join(made)) & set("01OIL")
 
@@ -50,43 +60,52 @@ def test_too_many_codes_push_out_the_oldest():
     codes = Codes()
     made = [codes.make(0.0, GRANT) for _ in range(pairing.MAX_CODES + 1)]
     with pytest.raises(NotPaired):
-        codes.take(0.0, made[0])
-    assert codes.take(0.0, made[1]) == GRANT
+        taken(codes, 0.0, made[0].typed)
+    assert taken(codes, 0.0, made[1].typed) == GRANT
 
 
-def guesses(codes, mono, addresses):
-    done = 0
-    for address in addresses:
-        try:
-            codes.check_guess(mono, address)
-        except TooManyGuesses:
+def guesses(codes, mono, address):
+    for done in range(100):
+        with pytest.raises(NotPaired) as refused:
+            codes.granted(mono, "AAAA-AAAA", address)
+        if refused.type is TooManyGuesses:
             return done
-        done += 1
-    return done
+    return 100
 
 
 def test_guesses_of_an_address_are_limited():
     codes = Codes()
-    assert guesses(codes, 0.0, ["192.0.2.1"] * 100) == pairing.GUESSES_AT_ONCE
-    codes.check_guess(0.0, "192.0.2.2")  # another one is not kept out
-    codes.check_guess(1.0 / pairing.GUESSES_A_SECOND, "192.0.2.1")
+    assert guesses(codes, 0.0, ADDRESS) == pairing.GUESSES_AT_ONCE
+    assert guesses(codes, 0.0, "192.0.2.2") == pairing.GUESSES_AT_ONCE, "another one is not kept out"
+    assert guesses(codes, 1.0 / pairing.GUESSES_A_SECOND, ADDRESS) == 1
+
+
+def test_the_link_is_not_limited_by_guesses_and_is_never_guessed():
+    codes = Codes()
+    code = codes.make(0.0, GRANT)
+    assert guesses(codes, 0.0, ADDRESS) == pairing.GUESSES_AT_ONCE
+    with pytest.raises(TooManyGuesses):
+        codes.granted(0.0, code.typed, ADDRESS)
+    for _ in range(100):
+        with pytest.raises(NotPaired, match="wrong"):
+            codes.granted(0.0, f"{code.typed}-{'A' * 16}", ADDRESS)
+    assert taken(codes, 0.0, code.link) == GRANT
 
 
 def test_right_codes_are_no_guesses():
     codes = Codes()
+    code = codes.make(0.0, GRANT)
     for _ in range(100):
-        codes.check_guess(0.0, "192.0.2.1")
-        codes.was_right("192.0.2.1")
-    assert guesses(codes, 0.0, ["192.0.2.1"] * 100) == pairing.GUESSES_AT_ONCE
+        codes.granted(0.0, code.typed, ADDRESS)
+    assert guesses(codes, 0.0, ADDRESS) == pairing.GUESSES_AT_ONCE
 
 
 def test_a_code_is_taken_while_a_hundred_addresses_guess():
     codes = Codes()
     code = codes.make(0.0, GRANT)
     for number in range(100):
-        assert guesses(codes, 0.0, [f"192.0.2.{number}"] * 100) == pairing.GUESSES_AT_ONCE
-    codes.check_guess(0.0, "192.0.2.101")
-    assert codes.take(0.0, code) == GRANT
+        assert guesses(codes, 0.0, f"192.0.3.{number}") == pairing.GUESSES_AT_ONCE
+    assert taken(codes, 0.0, code.typed) == GRANT
 
 
 # -- sessions ---------------------------------------------------------------------------------------
@@ -109,15 +128,15 @@ def test_a_token_gives_its_session_and_no_other_does():
     sessions = Sessions(Kept().save)
     first = sessions.add(UTC, GRANT, "Anna", "iPhone")
     second = sessions.add(UTC, Grant("organiser", ""), "Olga", "")
-    assert sessions.of(UTC, first).who == "Anna, iPhone"
-    assert sessions.of(UTC, second).who == "Olga, organiser, browser"
+    assert re.fullmatch("Anna, iPhone [0-9a-f]{8}", sessions.of(UTC, first).who)
+    assert re.fullmatch("Olga, organiser, browser [0-9a-f]{8}", sessions.of(UTC, second).who)
     assert sessions.of(UTC, first + "x") is None and sessions.of(UTC, "") is None
 
 
 def test_the_token_is_random_and_only_its_hash_is_kept():
     kept = Kept()
     sessions = Sessions(kept.save)
-    tokens = {sessions.add(UTC, GRANT, "Anna", "iPhone") for _ in range(50)}
+    tokens = {sessions.add(UTC, GRANT, f"Anna {n}", "iPhone") for n in range(50)}
     assert len(tokens) == 50 and all(len(token) >= 43 for token in tokens), "256 bits"
     saved = json.dumps(kept.records)
     assert not any(token in saved for token in tokens)
@@ -142,7 +161,7 @@ def test_a_session_ends_by_itself():
 
 def test_all_pairings_can_be_ended_at_once():
     sessions = Sessions(Kept().save)
-    tokens = [sessions.add(UTC, GRANT, "Anna", "iPhone") for _ in range(3)]
+    tokens = [sessions.add(UTC, GRANT, f"Anna {n}", "iPhone") for n in range(3)]
     assert len(sessions.revoke("unknown")) == 0
     assert len(sessions.revoke("")) == 3
     assert [sessions.of(UTC, token) for token in tokens] == [None] * 3
@@ -182,6 +201,28 @@ def test_there_is_a_limit_of_devices(monkeypatch):
     with pytest.raises(NotPaired, match="Too many devices"):
         sessions.add(UTC, GRANT, "Cora", "")
     sessions.add(UTC + SESSION_VALID_S + 1.0, GRANT, "Cora", "")  # the others have ended
+
+
+@pytest.mark.parametrize("name", ["Anna", "anna", " ANNA "])
+@pytest.mark.parametrize("other", [GRANT, JUDGE])
+def test_a_name_is_for_one_device(name, other):
+    sessions = Sessions(Kept().save)
+    anna = sessions.of(UTC, sessions.add(UTC, JUDGE, "Anna", "iPhone"))
+    with pytest.raises(NotPaired, match=rf"in use on another device \({anna.device_id}\).*ask an organiser to end"):
+        sessions.add(UTC, other, name, "iPad")
+    assert sessions.listed(UTC) == [anna]
+    sessions.add(UTC, other, name, "iPhone", before=anna)  # the same device pairs again
+    sessions.revoke("")
+    sessions.add(UTC, other, name, "iPad")
+
+
+def test_a_pairing_that_is_not_valid_any_more_holds_no_name():
+    sessions = Sessions(Kept().save)
+    sessions.add(UTC, JUDGE, "Anna", "iPhone")
+    sessions.add(UTC, JUDGE, "Anna", "iPhone", is_encrypted=True)  # all are paired again with the first certificate
+    with pytest.raises(NotPaired, match="in use"):
+        sessions.add(UTC + SESSION_VALID_S, JUDGE, "Anna", "iPad", is_encrypted=True)
+    sessions.add(UTC + SESSION_VALID_S + 1.0, JUDGE, "Anna", "iPad", is_encrypted=True)
 
 
 # -- the file ---------------------------------------------------------------------------------------

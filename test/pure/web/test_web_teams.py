@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import uuid
 from urllib.parse import quote
 
 import pytest
@@ -146,7 +147,7 @@ class Served(HttpClients):
         return json.loads(self.team(name, cookie=cookie).body)
 
     def paired(self, role, zone=""):
-        return f"{COOKIE}={self.server.sessions.add(self.server.utc(), Grant(role, zone), 'Olga', 'phone')}"
+        return f"{COOKIE}={self.server.sessions.add(self.server.utc(), Grant(role, zone), uuid.uuid4().hex, 'phone')}"
 
 
 def test_the_code_of_the_team_shows_its_robot_and_no_other(served):

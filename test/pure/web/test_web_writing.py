@@ -1,5 +1,6 @@
 """What devices may send: only from our own pages, only small, and only after pairing. On real loopback sockets."""
 
+import contextlib
 import json
 import pathlib
 import socket
@@ -8,8 +9,8 @@ import pytest
 
 from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox, event, run
-from roah_rsbb.web import limits
-from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant, Sessions, TooManyGuesses
+from roah_rsbb.web import limits, serving
+from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant, NotPaired, Sessions
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.writing import COOKIE, is_own_origin
@@ -39,13 +40,33 @@ class Served(HttpClients):
         return self.get(path, method=method, headers=headers, body=data if method == "POST" else None)
 
     def code(self, role="referee", zone="Home"):
-        return self.server.codes.make(self.server.now(), Grant(role, zone))
+        return self.server.codes.make(self.server.now(), Grant(role, zone)).typed
 
-    def pair(self, **how):
-        return self.send("/api/v1/pair", {"code": self.code(), "person": "Anna", "device": "iPhone"}, **how)
+    def pair(self, person="Anna", **how):
+        return self.send("/api/v1/pair", {"code": self.code(), "person": person, "device": "iPhone"}, **how)
 
-    def token(self):
-        return self.pair().headers["Set-Cookie"].partition("=")[2].partition(";")[0]
+    def token(self, person="Anna"):
+        return self.pair(person).headers["Set-Cookie"].partition("=")[2].partition(";")[0]
+
+    def asking(self, token):
+        """A function that asks on a connection of the device, and returns whether there was an answer."""
+        ask = (f"GET /api/v1/session HTTP/1.1\r\nHost: {HOST}\r\nCookie: {COOKIE}={token}\r\n\r\n").encode()
+
+        def asked(sock):
+            sock.sendall(ask)
+            sock.setblocking(False)
+            received = []
+
+            def is_answered():
+                try:
+                    received.append(sock.recv(65536))
+                except BlockingIOError:
+                    return False
+                return True
+
+            self.running.until(is_answered)
+            return b" 200 OK" in received[0]
+        return asked
 
 
 def session(served, token):
@@ -70,7 +91,7 @@ def test_the_cookie_is_the_session(served):
 
 
 def test_a_pairing_that_is_ended_counts_no_more(served):
-    first, second = served.token(), served.token()
+    first, second = served.token(), served.token("Bert")
     served.server.revoke(json.loads(session(served, first).body)["id"])
     assert (session(served, first).code, session(served, second).code) == (401, 200)
     assert served.send("/api/v1/session", method="DELETE", cookie=second).code == 204
@@ -96,20 +117,19 @@ def test_without_a_name_the_code_is_not_used_up(served):
     assert served.send("/api/v1/pair", {"code": code, "person": "Anna"}).code == 200
 
 
-def test_guesses_are_limited_also_of_a_right_code(served):
-    code = served.code()
+@pytest.mark.parametrize("given, status", [("typed", 429), ("link", 200)])
+def test_guesses_keep_out_a_typed_code_and_no_link(served, given, status):
+    code = served.server.codes.make(served.server.now(), Grant("referee", "Home"))._asdict()[given]
     codes = [served.send("/api/v1/pair", {"code": "x", "person": "Eve"}).code for _ in range(int(GUESSES_AT_ONCE))]
     assert set(codes) == {403}
-    assert served.send("/api/v1/pair", {"code": code, "person": "Eve"}).code == 429
+    assert served.send("/api/v1/pair", {"code": code, "person": "Eve"}).code == status
 
 
 def test_a_phone_can_be_paired_while_a_hundred_addresses_guess(served):
     for n in range(100):
         for _ in range(int(GUESSES_AT_ONCE) + 1):
-            try:
-                served.server.codes.check_guess(served.server.now(), f"10.0.0.{n}")
-            except TooManyGuesses:
-                break
+            with contextlib.suppress(NotPaired):
+                served.server.codes.granted(served.server.now(), "AAAA-AAAA", f"10.0.0.{n}")
     assert served.pair().code == 200
 
 
@@ -120,25 +140,7 @@ def few_connections(monkeypatch):
 
 
 def test_a_paired_phone_stays_connected_and_connects_beside_many_hostile_addresses(few_connections, served):
-    token = served.token()
-    ask = (f"GET /api/v1/session HTTP/1.1\r\nHost: {HOST}\r\nCookie: {COOKIE}={token}\r\n\r\n").encode()
-    hostile = []
-
-    def asked(sock):
-        sock.sendall(ask)
-        sock.setblocking(False)
-        received = []
-
-        def is_answered():
-            try:
-                received.append(sock.recv(65536))
-            except BlockingIOError:
-                return False
-            return True
-
-        served.running.until(is_answered)
-        return b" 200 OK" in received[0]
-
+    asked, hostile = served.asking(served.token()), []
     phone = socket.create_connection((HOST, served.port))
     assert asked(phone)
     for n in range(20):
@@ -158,8 +160,49 @@ def test_a_paired_phone_stays_connected_and_connects_beside_many_hostile_address
         sock.close()
 
 
+def test_a_paired_phone_that_needs_a_new_connection_is_served_before_those_who_wait(served, monkeypatch):
+    token = served.token()
+    session(served, token)
+    order, handle = [], serving.BoundedServer.handle_stream
+
+    def handled(server, stream, address):
+        order.append(address[0])
+        return handle(server, stream, address)
+
+    monkeypatch.setattr(serving.BoundedServer, "handle_stream", handled)
+    # Nothing is accepted meanwhile, as on a busy computer.
+    sockets = [socket.create_connection((HOST, served.port), 30.0, (f"127.0.9.{1 + n % 50}", 0)) for n in range(300)]
+    sockets.append(socket.create_connection((HOST, served.port), 30.0))
+    served.running.until(lambda: HOST in order)
+    assert order.index(HOST) <= 2 * serving.SERVED_AT_ONCE * (1 + 300 // 128), "the loop accepts 128 at once"
+    for sock in sockets:
+        sock.close()
+    served.running.turn()
+
+
+def test_the_connection_of_a_paired_phone_stays_open_when_it_is_idle(running, monkeypatch):
+    monkeypatch.setattr(serving, "IDLE_S", 0.3)
+    served = Served(running)
+    asked, phone = served.asking(served.token()), socket.create_connection((HOST, served.port))
+    assert asked(phone)
+    assert served.raw(b"") == b"", "one that came later is closed"
+    assert asked(phone)
+    phone.close()
+    served.server.close()
+    running.turn()
+
+
 def test_many_phones_behind_one_address_are_paired_at_once(served):
-    assert {served.pair().code for _ in range(int(GUESSES_AT_ONCE) + 5)} == {200}
+    assert {served.pair(f"Anna {n}").code for n in range(int(GUESSES_AT_ONCE) + 5)} == {200}
+
+
+def test_two_judges_cannot_have_one_name(served):
+    """The second would read, change and submit the sheet of the first."""
+    code = served.code("judge")
+    assert served.pair().code == 200
+    refused = served.send("/api/v1/pair", {"code": code, "person": "anna", "device": "iPad"})
+    assert refused.code == 403 and "The name anna is in use" in json.loads(refused.body)["reasons"][0]
+    assert served.send("/api/v1/pair", {"code": code, "person": "Anne"}).code == 200, "it used no code up"
 
 
 @pytest.mark.parametrize("headers", [

@@ -28,13 +28,23 @@ def devices() -> Any:
 
 def typed_code(code: str) -> int:
     """The status with which the gateway answers a code that is typed on a team's page."""
-    request = urllib.request.Request(f"{URL}/api/v1/teams/Delta", json.dumps({"code": code}).encode(), {
+    return answered("teams/Delta", {"code": code})
+
+
+def answered(path: str, body: Any) -> int:
+    """The status with which the gateway answers what a page sends."""
+    request = urllib.request.Request(f"{URL}/api/v1/{path}", json.dumps(body).encode(), {
         "Content-Type": "application/json", "Origin": URL})
     try:
         with urllib.request.urlopen(request, timeout=30) as opened:
             return opened.status
     except urllib.error.HTTPError as refused:
         return refused.code
+
+
+def pair_with(code: str) -> int:
+    """The status with which the gateway answers a code that is typed on the page for pairing."""
+    return answered("pair", {"code": code, "person": "Eve", "device": "phone"})
 
 
 class TestPairing(NeedsBrowser, BoxCase):
@@ -69,7 +79,9 @@ class TestPairing(NeedsBrowser, BoxCase):
 
     def test_a_phone_is_paired_and_revoked(self) -> None:
         made = json.loads(called("pair", ZONE, "--json").stdout)
-        self.assertEqual(made["url"], f"{URL}/pair#{made['code']}")
+        self.assertRegex(made["url"], f"^{URL}/pair#{made['code']}-[A-Z2-9]{{16}}$")
+        self.assertEqual({pair_with("AAAA-AAAA") for _ in range(12)}, {403, 429}, "somebody at this address guesses")
+        self.assertEqual(pair_with(made["code"]), 429)
         page = self.pair(made["url"], "Anna")
         page.wait_address("/referee")
         page.wait(f"{TEXT}.includes('Anna · Referee in Room')", "the phone is paired")
@@ -77,7 +89,7 @@ class TestPairing(NeedsBrowser, BoxCase):
         self.assertNotIn(made["code"], page.get("location.href"))
         (listed,) = devices()
         self.assertEqual((listed["person"], listed["role"], listed["zone"]), ("Anna", "referee", ZONE))
-        typed = json.dumps({"code": made["code"], "person": "Eve", "device": "phone", "language": ""})
+        typed = json.dumps({"code": made["url"].partition("#")[2], "person": "Eve", "device": "phone", "language": ""})
         wrong = self._leaving(self.browser.page(f"{URL}/pair?language=en#AAAA-AAAA", *PHONE))
         wrong.wait("document.querySelector('#person') !== null", "the form is shown")
         wrong.get("['person', 'device'].forEach(name => { const field = document.getElementById(name); "
@@ -85,7 +97,7 @@ class TestPairing(NeedsBrowser, BoxCase):
         wrong.wait(f"{TEXT}.includes('Paired: Referee in')", "it is complete")
         wrong.get("document.querySelector('form button').scrollIntoView()")
         self.assertTrue(wrong.tap("form button"))
-        wrong.wait(f"{TEXT}.includes('This code is wrong')", "the page says so")
+        wrong.wait(f"{TEXT}.includes('Too many wrong codes')", "the page says so")
         self.assertEqual(wrong.get("['code', 'person', 'device'].map(name => document.getElementById(name).value)"),
                          ["AAAA-AAAA", "my person", "my device"], "nothing needs to be typed again")
         self.assertIn("was used", page.get(

@@ -296,9 +296,10 @@ class TestFaults(PhoneCase):
 class TestWays(PhoneCase):
     """How far a STOP came, with answers that are late, lost or old."""
 
-    NO_NETWORK = "window.realFetch = window.realFetch || fetch, " \
+    NO_CONNECTION = "window.realSend = window.realSend || WebSocket.prototype.send, WebSocket.prototype.send = () => {}"
+    NO_NETWORK = f"{NO_CONNECTION}, window.realFetch = window.realFetch || fetch, " \
                  "window.fetch = () => Promise.reject(new TypeError('no network')), 0"
-    NETWORK = "window.fetch = realFetch, 0"
+    NETWORK = "window.fetch = realFetch, WebSocket.prototype.send = realSend, 0"
     LATER = "Date.now = (now => () => now() + 60e3)(Date.now), 0"
 
     def silent(self, gateway: FakeGateway, page: Page, is_silent: bool = True) -> None:
@@ -306,11 +307,35 @@ class TestWays(PhoneCase):
         gateway.do(lambda: setattr(gateway, "is_silent", is_silent))
         page.wait(f"document.body.matches('.old') === {json.dumps(is_silent)}", "the page has noticed")
 
+    def test_a_stop_needs_no_new_connection_and_no_connection_that_is_open(self) -> None:
+        """A flood may keep a phone from new ones, and one that is open may be dead."""
+        gateway = self.gateway()
+        for way in ("window.fetch = () => new Promise(() => {}), 0", f"{self.NO_CONNECTION}, 0"):
+            gateway.set(phase="running", run=gateway.zones[0].run + 1)
+            page = self.phone(gateway)
+            page.wait(f"{IS_ON}", "STOP is on")
+            page.get(way)
+            self.stops(gateway, page)
+            page.wait(f"{SAID}.includes('the robot has stopped')", "its way")
+            page.close()
+
+    def test_a_stop_outlives_its_page(self) -> None:
+        gateway = self.gateway()
+        gateway.set(phase="running")
+        page = self.phone(gateway)
+        page.wait(f"{IS_ON}", "STOP is on")
+        page.get(f"{self.NO_CONNECTION}, 0")
+        gateway.given.clear()
+        page.touch_at(STOP)
+        page.close()
+        gateway.wait_given("stop", "Home A")
+
     def test_a_late_answer_counts_more_than_a_refusal(self) -> None:
         gateway = self.gateway()
         gateway.set(phase="running")
         page = self.phone(gateway)
         page.wait(f"{IS_ON}", "STOP is on")
+        page.get(f"{self.NO_CONNECTION}, 0")
         page.get("""window.asked = [], window.realFetch = fetch,
             window.fetch = (path, ...how) => path.endsWith("/stop") ? new Promise(done => asked.push(done))
               : realFetch(path, ...how),
@@ -376,7 +401,7 @@ class TestWays(PhoneCase):
                 else:
                     page.get(self.LATER)
                 page.wait(f"{SAID}.includes('Home A: STOP WAS NOT DELIVERED')", "it has ended, and the page says so")
-                page.get("window.realFetch ? (window.fetch = realFetch, 0) : 0")
+                page.get(f"window.realFetch ? ({self.NETWORK}) : 0")
                 gateway.set(phase="running")
                 self.silent(gateway, page, False)
                 page.wait(f"{IS_ON} && !{SAID}.includes('NOT DELIVERED')", "the later run is shown")
@@ -406,7 +431,7 @@ class TestWays(PhoneCase):
         gateway = self.gateway()
         page = self.phone(gateway)
         self.silent(gateway, page)
-        page.get("window.realFetch = fetch, window.fetch = async () => new Response("
+        page.get(f"{self.NO_CONNECTION}, window.realFetch = fetch, window.fetch = async () => new Response("
                  "'{\"reasons\": [\"there is nothing to stop\"]}', {status: 409}), 0")
         page.touch_at(STOP)
         page.wait(f"{SAID}.includes('refused: there is nothing to stop')", "it is refused")

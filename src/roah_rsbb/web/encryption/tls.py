@@ -32,8 +32,8 @@ class EncryptedServer(BoundedServer):
         for connection in list(self._silent):
             self._drop(connection)
 
-    def _handle_connection(self, connection: socket.socket, address: Any) -> None:
-        """Wait for the first byte of a connection. Tornado calls this for each connection that it accepts."""
+    def _serve(self, connection: socket.socket, address: Any) -> None:
+        """Wait for the first byte of a connection."""
         loop = asyncio.get_event_loop()
         self._silent[connection] = loop.call_later(IDLE_S, self._drop, connection)
         loop.add_reader(connection, self._on_first_byte, connection, address)

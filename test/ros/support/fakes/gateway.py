@@ -4,6 +4,7 @@ So a test can show a phone any state of any number of zones at once.
 """
 
 import asyncio
+import itertools
 import pathlib
 import threading
 from typing import Any, Callable, Dict, List, Optional, Tuple
@@ -124,6 +125,7 @@ class FakeGateway:
 
     def __init__(self, zones: int = 1, title: str = "") -> None:
         self.title = title
+        self._people = itertools.count()
         self.sections: Dict[str, Any] = {}  # of the document, besides the zones
         self.zones = [PlayedZone(name) for name in NAMES[:zones]]
         self.given: List[Tuple[str, str, Dict[str, Any]]] = []  # commands: name, zone, fields
@@ -240,7 +242,8 @@ class FakeGateway:
 
     def paired(self, browser: Browser, address: str, size: Tuple[int, int], grant: Grant) -> Page:
         """A page of a paired device."""
-        token = self.do(lambda: self.server.sessions.add(self.server.utc(), grant, "Anna", "Linux"))
+        person = f"Anna {next(self._people)}"
+        token = self.do(lambda: self.server.sessions.add(self.server.utc(), grant, person, "Linux"))
         page = browser.page("about:blank", *size, is_alone=True)
         page.command("Network.setCookie", name=COOKIE, value=token, url=URL)
         page.open(URL + address)
