@@ -1,10 +1,14 @@
 """Signs of life of the core, and who misses them."""
 
 import os
+import pathlib
+import shutil
 import signal
 import socket
 import subprocess
 import sys
+import tempfile
+import threading
 
 import pytest
 
@@ -144,6 +148,75 @@ def test_a_core_that_is_gone(watched):
     assert watched.watch.is_gone and not watched.watch.is_hung and watched.watch.is_starting
     watched.pass_time(HUNG_S + LOOK_S)
     assert not watched.watch.is_starting and watched.watch.silence.pid == watched.core.pid
+
+
+def test_the_next_core_has_what_the_one_before_kept(watched):
+    def next_core():
+        asked = []
+        signs = Signs(watched.folder)
+        thread = threading.Thread(target=lambda: asked.append(signs.ask()))
+        thread.start()
+        while thread.is_alive():
+            watched.watch.look()
+        return signs, asked[0]
+
+    first, failures = next_core()
+    assert (failures, first.kept) == (0, {})
+    assert first.keep("stop/1", "by Ann") and first.keep("channel/7", "x")
+    first.drop("channel/7")
+    first.send()
+    watched.watch.failed()
+    second, failures = next_core()
+    assert (failures, second.kept) == (1, {"stop/1": "by Ann"})
+    second.send()  # it still keeps what it was given: it may be killed now
+    watched.watch.failed()
+    third, failures = next_core()
+    assert (failures, third.kept) == (2, {"stop/1": "by Ann"})
+    third.drop("stop/1")
+    for _ in range(round(signs_of_life.STEADY_S) + 2):
+        third.send()
+        watched.pass_time(1.0)
+    assert next_core()[1] == 0, "it lived for long enough"
+
+
+def test_what_is_kept_has_a_limit(tmp_path):
+    signs = Signs(str(tmp_path))
+    assert signs.keep("a", "x" * 1000)
+    assert not signs.keep("b", "x" * signs_of_life.MOST_KEPT)
+    assert signs.keeps("") == ["a"]
+
+
+def test_nobody_waits_for_a_supervisor_that_is_not_there(tmp_path, monkeypatch):
+    monkeypatch.setattr(signs_of_life, "ANSWER_S", 1e6)
+    signs = Signs(str(tmp_path))
+    assert (signs.ask(), signs.kept) == (0, {})
+
+
+def test_the_supervisor_waits_longer_each_time(watched):
+    found = []
+    for _ in range(8):
+        found.append(watched.watch.patience_s)
+        watched.watch.failed()
+    assert found[:3] == [HUNG_S, 2 * HUNG_S, 4 * HUNG_S] and found[-1] == found[-2] == 16 * HUNG_S
+
+
+def test_nobody_else_can_write_where_signs_are_heard(tmp_path, monkeypatch):
+    """Another user could get the core killed, or take the place of who watches."""
+    folder = pathlib.Path(tempfile.mkdtemp())  # addresses of sockets are short
+    open_to_all, own = folder / "all", folder / "own"
+    open_to_all.mkdir()
+    open_to_all.chmod(0o777)
+    monkeypatch.setattr(signs_of_life, "_folders", lambda: iter([str(open_to_all), str(own)]))
+    watch = Watch(str(tmp_path), SUPERVISOR, lambda: 0.0)
+    watch.look()
+    assert list(open_to_all.iterdir()) == []
+    (address,) = own.iterdir()
+    assert (own.stat().st_mode & 0o777, address.stat().st_mode & 0o777) == (0o700, 0o600)
+    Signs(str(tmp_path)).send()
+    watch.look()
+    assert watch.silence.pid == os.getpid()
+    watch.close()
+    shutil.rmtree(str(folder))
 
 
 def test_signs_of_another_user_do_not_count(watched, monkeypatch):

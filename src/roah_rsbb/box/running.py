@@ -17,6 +17,7 @@ import uuid
 from typing import Callable, List, NamedTuple, Optional, Sequence
 
 from roah_rsbb.box.assembly import BoxPlace, CoreAssembly, Machine
+from roah_rsbb.box.barest import keep_channels
 from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.box.calls import BoxCalls, Disks
 from roah_rsbb.box.configuration import Configuration, Content
@@ -64,10 +65,10 @@ class RunningBox:
 
     def __init__(
         self, loop: asyncio.AbstractEventLoop, params: BoxParameters, launch: str, lock: Optional[Lock],
-        peripherals: Peripherals,
+        peripherals: Peripherals, signs: Optional[Signs] = None,
     ) -> None:
-        """`launch` identifies the launch; empty: none. `lock`: of the journal (see `wait_for_journal`). Raises
-        `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError."""
+        """`launch` identifies the launch; empty: none. `lock`: of the journal (see `wait_for_journal`). `signs`: with
+        what the core before kept; None: nothing. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError."""
         self._loop, self._params = loop, params
         self._configuration = _configuration(params, launch)
         self.uuid = str(uuid.uuid4())
@@ -80,6 +81,7 @@ class RunningBox:
         outputs = Outputs(
             peripherals.ring_timeout, peripherals.publish_module_runs, peripherals.set_device,
             lambda level, text: _log.log(_LEVELS[level], "%s", text), self._report_bug, self._on_changed)
+        self._signs = Signs(params.log_dir) if signs is None else signs
         self.core = CoreAssembly(
             loop, Machine(boot_id(), os.getpid(), self.uuid, time.monotonic, time.time),
             BoxPlace(params.log_dir, params.network, params.standby_port), self._configuration.content.config,
@@ -88,7 +90,7 @@ class RunningBox:
                 params.log_dir, session, events, params.resume, on_trouble, lock),
             PortRecord(params.log_dir), functools.partial(RunLogWriter, params.log_dir), outputs,
             lambda ticket: self._copies.ask(ticket), peripherals.make_peer,
-            inform_standby=lambda stops: self._copies.pass_stops(stops))
+            memory=self._signs, inform_standby=lambda stops: self._copies.pass_stops(stops))
         self.box, self.event = self.core.box, self.core.event
         core = self.core
         self.calls = BoxCalls(self.box, self._call, Disks(core.journal.ticket, core.store.why_not_saved,
@@ -100,7 +102,6 @@ class RunningBox:
             {**self.calls.named(), "reload": reload.call}, core.fence.check, params.publicity)
         self._copies = CopyCalls(self.uuid, core, self.door)
         self.door.add_calls(self._copies.named())
-        self._signs = Signs(params.log_dir)
         for warning in self._configuration.notices:
             self.event(self.box.on_notice, warning)
         self._check_log_dir()
@@ -180,8 +181,12 @@ class RunningBox:
         todo: List[Callable[[], object]] = [*self._look()]
         if now_mono > self._journal_due_mono - period_s / 2:
             self._journal_due_mono = now_mono + SECOND_S
-            todo.append(self.core.each_second)
+            todo.append(self._each_second)
         self._do_in_turn(todo)
+
+    def _each_second(self) -> None:
+        self.core.each_second()
+        keep_channels(self._signs, self.core.radio)
 
     def _do_in_turn(self, todo: List[Callable[[], object]]) -> None:
         """Do one thing, and the others in later turns of the loop, so that no datagram waits for all of them."""

@@ -25,7 +25,7 @@ from roah_rsbb.log_lines import LogLines
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.params import NodeParams
-from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, Signs, Watch, state_of
+from roah_rsbb.signs_of_life import LOOK_S, STARTING, SUPERVISOR, Signs, Watch, state_of
 
 # Delay of the shutdown, so that the caller gets its answer.
 ANSWER_S = 0.2
@@ -55,7 +55,11 @@ class Supervisor:
             why, self._ended = state_of(pid), pid
             self._watch.kill()
             rospy.logerr("The core (process %d) has not answered for %g s: %s. It is ended, and the next one continues "
-                         "its runs", pid, HUNG_S, why)
+                         "its runs", pid, self._watch.patience_s, why)
+
+    def wait(self) -> None:
+        """Wait for the next look."""
+        self._watch.wait(LOOK_S)
 
 
 def main() -> None:
@@ -78,7 +82,9 @@ def main() -> None:
     while not rospy.is_shutdown():
         if os.getppid() != launch:
             rospy.signal_shutdown("the process that started this node is gone")
-        if supervisor is not None:
+        if supervisor is None:
+            rospy.rostime.wallsleep(LOOK_S)
+        else:
             supervisor.look()
-        rospy.rostime.wallsleep(LOOK_S)
+            supervisor.wait()
     log_lines.close()

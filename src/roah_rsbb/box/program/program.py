@@ -9,9 +9,11 @@ import contextlib
 import logging
 import os
 import pathlib
+import sys
 from typing import Any, BinaryIO, Callable, Coroutine, List, Optional
 
 from roah_rsbb import platform
+from roah_rsbb.box.barest import AFTER_FAILURES, serve
 from roah_rsbb.box.calls import exit_call
 from roah_rsbb.box.parameters import parameters_of
 from roah_rsbb.box.program.parts import LOOPBACK, ControlledDevices, DrivenModules, Sounds, WebParts
@@ -49,7 +51,8 @@ class BoxProgram:
     def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, launch: str,
                  make_peer: MakePeer = Peer, is_dummy: bool = False) -> None:
         """`launch`: identifies the supervisor (`resume:=launch`). `is_dummy`: a demonstration, see
-        `DrivenModules`. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError: their text is the remedy."""
+        `DrivenModules`. Only the barest core may be left: then it is served until the process ends. Raises `BadParams`,
+        `ConfigErrors`, `DamagedJournal` or OSError: their text is the remedy."""
         platform.allow_many_files()
         params = parameters_of(settings)
         self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
@@ -63,12 +66,17 @@ class BoxProgram:
             return bool(launch) and os.getppid() != self._parent
 
         wait_for_takeover(params.log_dir, is_left)
+        failures = self._signs.ask() if launch else 0
+        if failures >= AFTER_FAILURES and not params.standby_port:
+            serve(self._signs, params.network, failures, lambda: os.getppid() != self._parent)
+            sys.exit(0)
         self._port_lock = _lock_port(params.network) if make_peer is Peer else None
         self._devices = ControlledDevices(loop, settings, params.log_dir, self._sounds.ring_bell)
         settings.done()
         self.running = RunningBox(
             loop, params, launch, wait_for_journal(params.log_dir, is_left),
-            Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
+            Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer),
+            self._signs)
         self._web = WebParts(loop, settings, self.running, make_peer)
         self._copying = CopyingProcess(copy_settings(settings))
         self._door_files: List[str] = []

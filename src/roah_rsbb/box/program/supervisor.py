@@ -17,12 +17,14 @@ from roah_rsbb.arguments import without_ros
 from roah_rsbb.copies.settings import CopySettings
 from roah_rsbb.params import BadParams
 from roah_rsbb.platform import ending_signals, ignore_stops
-from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, Signs, Watch, state_of
+from roah_rsbb.signs_of_life import LOOK_S, STARTING, SUPERVISOR, Signs, Watch, state_of
 
 # Of the environment of the box: identifies the supervisor, so that `resume:=launch` continues after a crash only.
 LAUNCH = "ROAH_RSBB_LAUNCH"
 # An error that a restart does not repair, or wrong arguments.
 FAILED = (1, 2)
+# It ends by a fault of its own: nobody killed it, and it could not say what to repair.
+CRASHED = (-signal.SIGSEGV, -signal.SIGABRT, -7, -signal.SIGFPE, -signal.SIGILL)  # 7: SIGBUS, unknown to Windows
 # A signal ended the box in good order. Nobody wished it unless the supervisor got one, too.
 BY_SIGNAL = 128 + signal.SIGTERM
 # Seconds, so that a box that crashes at once does not fill the log.
@@ -79,14 +81,17 @@ def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], C
     except BadParams:
         return box.wait()
     was_heard, pause_s = False, PAUSE_S
-    copying, signs = CopyingProcess(found), Signs(found.log_dir)
+    copying, signs, watch = CopyingProcess(found), Signs(found.log_dir), Watch(
+        found.log_dir, SUPERVISOR, time.monotonic)
     try:
         while True:
-            is_heard = _watch(box, wishes, Watch(found.log_dir, SUPERVISOR, time.monotonic), signs, copying)
+            is_heard = _watch(box, wishes, watch, signs, copying)
             status, was_heard = box.returncode, was_heard or is_heard
             # A box that ran before is started until it runs again: its files may be changed just now.
             if wishes or status == 0 or (status in FAILED and not was_heard):
                 return 0 if wishes else status
+            if status in CRASHED:
+                watch.failed()
             pause_s = PAUSE_S if is_heard else min(2.0 * pause_s, MOST_PAUSE_S)
             _log.error("The box has ended unexpectedly (%s): the next one continues its runs%s", status,
                        "" if is_heard else f", in {pause_s:g} s. Repair what it says is wrong")
@@ -94,6 +99,7 @@ def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], C
             box = subprocess.Popen(again, env=environment)
     finally:
         copying.end()
+        watch.close()
 
 
 def _wait(seconds: float, wishes: list) -> None:
@@ -106,12 +112,11 @@ def _watch(box: subprocess.Popen, wishes: list, watch: Watch, signs: Signs, copy
     """Wait for the end of one process of the box; returns whether it ever gave a sign of life."""
     killed, is_heard, until_mono, heard_by_mono = 0, False, float("inf"), time.monotonic() + START_S
     while True:
-        time.sleep(LOOK_S)  # Popen.wait with a time looks twenty times as often
+        watch.wait(LOOK_S)  # Popen.wait with a time looks twenty times as often
         box.poll()
         watch.look()
         is_heard = is_heard or watch.silence.pid == box.pid
         if box.returncode is not None:
-            watch.close()
             return is_heard
         if is_heard or not watch.can_hear:
             copying.look()
@@ -122,6 +127,7 @@ def _watch(box: subprocess.Popen, wishes: list, watch: Watch, signs: Signs, copy
             if time.monotonic() > heard_by_mono:
                 _log.error("The box (process %d) has not started within %g s: %s. It is ended, and the next one "
                            "starts", box.pid, START_S, state_of(box.pid))
+                watch.failed()
                 box.kill()
         if wishes and until_mono == float("inf"):
             until_mono = time.monotonic() + END_S
@@ -131,5 +137,5 @@ def _watch(box: subprocess.Popen, wishes: list, watch: Watch, signs: Signs, copy
         if watch.is_hung and watch.silence.pid == box.pid != killed:
             killed = box.pid
             _log.error("The box (process %d) has not answered for %g s: %s. It is ended, and the next one continues "
-                       "its runs", killed, HUNG_S, state_of(killed))
+                       "its runs", killed, watch.patience_s, state_of(killed))
             watch.kill()

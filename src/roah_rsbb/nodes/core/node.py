@@ -17,6 +17,7 @@ from typing import Callable, List
 import rospy
 from std_srvs.srv import Empty as EmptySrv
 
+from roah_rsbb.box.barest import AFTER_FAILURES, serve
 from roah_rsbb.box.calls import exit_call
 from roah_rsbb.box.parameters import read_parameters
 from roah_rsbb.box.running import PERIOD_S, Peripherals, RunningBox
@@ -37,6 +38,7 @@ from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.rulebook import config
+from roah_rsbb.signs_of_life import Signs
 from roah_rsbb.wording.whole_box.ending import NOT_LAUNCHED
 
 # Seconds between the messages for panels of the original, and for its public display.
@@ -54,6 +56,11 @@ class CoreNode:
     def __init__(self) -> None:
         params = read_parameters(NodeParams())
         wait_for_takeover(params.log_dir, rospy.is_shutdown)
+        signs = Signs(params.log_dir)
+        failures = signs.ask()
+        if failures >= AFTER_FAILURES and not params.standby_port:
+            serve(signs, params.network, failures, rospy.is_shutdown)
+            sys.exit(0)
         lock = wait_for_journal(params.log_dir, rospy.is_shutdown)
         self._ros = ros = RosLoop()
         self._public_due = 0.0  # monotonic (s)
@@ -61,7 +68,7 @@ class CoreNode:
         self._others = OtherNodes(ros)
         self._running = running = RunningBox(
             ros.loop, params, rospy.get_param("/run_id", ""), lock,
-            Peripherals(self._bell.ring, self._others.publish_module_runs, self._others.set_device))
+            Peripherals(self._bell.ring, self._others.publish_module_runs, self._others.set_device), signs)
         self._services = LoopServices(ros.loop, running.core.fence.check)
         CoreServices(running.box, self._services, running.calls)
         running.door.add_calls({EXIT: exit_call(running.door.publish, lambda: InThread(_exit))})

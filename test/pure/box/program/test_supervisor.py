@@ -58,7 +58,7 @@ def starts(tmp_path):
 
 def until_it_listens(tmp_path):
     """The supervisor listens on this address once it has started the box."""
-    address = signs_of_life._address(str(tmp_path), signs_of_life.SUPERVISOR)[1:].decode()
+    address, *_ = signs_of_life._addresses(str(tmp_path), signs_of_life.SUPERVISOR)
     while address not in pathlib.Path("/proc/net/unix").read_text("utf-8"):
         os.sched_yield()
     (tmp_path / "heard").touch()
