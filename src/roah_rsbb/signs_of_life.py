@@ -1,177 +1,125 @@
 """Signs of life of the core: its loop sends five a second or more, and nothing else of it does.
 
-They are datagrams as systemd expects them (sd_notify), so that one message serves systemd and the nodes that watch the
-core on its computer. The kernel says which process sent one. A process that only exists sends none: one that is
-stopped, that waits for a disk, or whose loop does not end. The sockets are in a folder of the user into which nobody
-else can write.
+They go to systemd (sd_notify), to the supervisor that started the core, and to the program that copies the journal. The
+supervisor's way is a pair of sockets that the core inherits, the other one a socket in a folder of this user: nobody
+else can write to either. A process that only exists sends no sign: one that is stopped, that waits for a disk, or whose
+loop does not end.
 
-With its signs, the core gives the supervisor what the next core must know although this one could not record it
-(`Signs.keep`). A core that starts asks the supervisor for that, and how many cores failed in succession.
+Over the same pair the supervisor keeps a few texts for the next core, such as which channels are open: its *memory*.
 
-Only Linux has such datagrams. On other systems nothing is sent, and nobody who watches ever sees a core.
+Only Linux has such sockets. On other systems nothing is sent, and nobody who watches ever sees a core.
 """
 
 import contextlib
+import errno
 import hashlib
 import json
 import os
-import select
 import signal
 import socket
 import stat
 import struct
-import tempfile
-import time
-from typing import Callable, Dict, Iterator, List, Mapping, Optional
+import subprocess
+from typing import Callable, Dict, Iterator, Mapping, Optional, Sequence
 
 from roah_rsbb import platform
 
-# The core has not answered for so long: it hangs. Twice as long after each core that failed.
+# The core has not answered for so long: it hangs.
 HUNG_S = 2.0
 # How often those who watch look.
 LOOK_S = 0.1
-# A core that has answered for so long lives.
-STEADY_S = 10.0
-# Those who watch.
-SUPERVISOR, BACKUP = "supervisor", "backup"
 # READY counts once, and WATCHDOG always.
 SIGN = b"READY=1\nWATCHDOG=1"
 # Not for systemd, for which the service does not end. A core that ends by itself says so.
 END = b"end"
 # Of a box that waits for another one to end, or for a takeover: it is no core yet.
 WAITING = b"waiting"
-# Of the supervisor: the core is gone, and roslaunch starts the next one.
+# Of the supervisor: the core is gone, or slow, and the next one is started.
 STARTING = b"starting"
-# Of a core that starts, to the supervisor; and how long it waits for the answer, s.
-ASK, ANSWER_S = b"ask", 0.5
+# Of the barest core, which a standby replaces.
+BAREST = b"barest"
+# Names in the memory: before the port of a channel; the folder of the journal; the files that say where the door is; the
+# TCP port of the pages.
+CHANNEL, LOG_DIR, DOORS, WEB_PORT = "channel/", "log_dir", "doors", "web_port"
+# In the environment of the core: its end of the pair.
+LIFELINE = "ROAH_RSBB_LIFELINE"
+# Before a text for the memory.
+_KEEP = b"keep "
+# Of the memory, with its names.
+MOST_BYTES = 60_000
 _CREDENTIALS = struct.Struct("3i")  # process, user and group of the sender
-# Of what is kept; and of a datagram.
-MOST_KEPT, _MAX_BYTES = 60_000, 65_536
-_LONGEST_PATH = 107  # of a socket
+_READ_BYTES = 2 * MOST_BYTES
 
 
-def _folders() -> Iterator[str]:
-    """The folders in which those who watch listen; the first one that they can use. A disk that is full or hangs is
-    only in the way where the system has no folder in memory for the user."""
-    user = os.geteuid()
-    yield f"/run/user/{user}"
-    yield os.path.join(os.path.expanduser("~"), ".roah_rsbb")
-    yield os.path.join(tempfile.gettempdir(), f"roah_rsbb-{user}")
+def _folder() -> str:
+    """Return a folder to which only this user may write. Raises OSError if there is none.
+
+    It is not in log_dir, whose disk may hang, nor in /run/user, which goes when the user logs out.
+    """
+    path = os.path.join(os.path.expanduser("~"), ".roah_rsbb", "watch")
+    os.makedirs(path, mode=0o700, exist_ok=True)
+    found = os.stat(path)
+    if found.st_uid != os.geteuid() or stat.S_IMODE(found.st_mode) != 0o700:
+        raise PermissionError(errno.EPERM, "others may write there", path)
+    return path
 
 
-def _is_ours(folder: str) -> bool:
-    """Whether only this user can write into a folder."""
+@contextlib.contextmanager
+def _address(log_dir: str) -> Iterator[str]:
+    """The address of the program that copies the journal of this log_dir. A short one, however long the folder's is.
+    Raises OSError."""
+    name = hashlib.sha256(os.fsencode(os.path.realpath(log_dir))).hexdigest()[:32]
+    folder = os.open(_folder(), os.O_RDONLY)
     try:
-        found = os.lstat(folder)
-    except OSError:
-        return False
-    return stat.S_ISDIR(found.st_mode) and found.st_uid == os.geteuid() and not found.st_mode & 0o022
+        yield f"/proc/self/fd/{folder}/{name}"
+    finally:
+        os.close(folder)
 
 
-def _addresses(log_dir: str, name: str) -> List[str]:
-    """Where one of this name may listen who has to do with the core of this log_dir."""
-    if not platform.names_senders():
-        return []
-    core = hashlib.sha256(os.fsencode(os.path.realpath(log_dir))).hexdigest()[:16]
-    found = [os.path.join(folder, f"roah_rsbb_{core}_{name}") for folder in _folders()]
-    return [path for path in found if len(os.fsencode(path)) <= _LONGEST_PATH]
+class Lifeline:
+    """The core's end. Without a supervisor, it has no memory. Nothing here raises or waits: nobody may watch."""
 
-
-def _bound(addresses: List[str]) -> Optional[socket.socket]:
-    """Return a socket that listens at the first of these addresses that can be used; None: at none."""
-    opened = platform.local_socket()
-    if opened is None:
-        return None
-    opened.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
-    for address in addresses:
-        with contextlib.suppress(OSError):
-            os.makedirs(os.path.dirname(address), 0o700, exist_ok=True)
-            if _is_ours(os.path.dirname(address)):
-                with contextlib.suppress(FileNotFoundError):
-                    os.unlink(address)  # of one that is just ending, or was killed
-                opened.bind(address)
-                os.chmod(address, 0o600)
-                return opened
-    opened.close()
-    return None
-
-
-class Signs:
-    """The core's end."""
-
-    def __init__(self, log_dir: str) -> None:
-        self._log_dir = log_dir
-        self._socket = platform.local_socket()
-        self._supervisor, self._backup = _addresses(log_dir, SUPERVISOR), _addresses(log_dir, BACKUP)
+    def __init__(self, log_dir: str = "") -> None:
+        """`log_dir`: default: that of the core before."""
+        self.kept: Dict[str, str] = {}
+        """What the core before had kept when it ended."""
+        self._copier = platform.local_socket()
         systemd = os.environ.get("NOTIFY_SOCKET", "")
-        self._systemd = f"\0{systemd[1:]}" if systemd.startswith("@") else systemd
-        self.kept: Mapping[str, str] = {}
-        """What the core before had kept when it ended; see `ask`."""
-        self._keeps: Dict[str, str] = {}
-        self._sign = SIGN
+        self._systemd = (f"\0{systemd[1:]}" if systemd.startswith("@") else systemd).encode()
+        self._unsent: Dict[str, Optional[str]] = {}  # by name; None: it is to be forgotten
+        self._supervisor: Optional[socket.socket] = None
+        fd = os.environ.pop(LIFELINE, "")
+        if fd:
+            with contextlib.suppress(OSError, ValueError):
+                self._supervisor = socket.socket(fileno=int(fd))
+                self._supervisor.set_inheritable(False)
+                self._supervisor.setblocking(False)
+                self.kept = json.loads(self._supervisor.recv(_READ_BYTES))
+        self._sizes = {name: _size(name, value) for name, value in self.kept.items()}
+        self.use(log_dir or self.kept.get(LOG_DIR, ""))
 
-    def ask(self) -> int:
-        """Ask the supervisor what the core before kept. Returns how many cores failed in succession: they hung or
-        crashed before they had answered for `STEADY_S`; 0: no supervisor answers. Call it once, before the first
-        sign."""
-        own, failures = _bound(_addresses(self._log_dir, f"core{os.getpid()}")), 0
-        if own is None:
-            return 0
-        usual, self._socket, own_name = self._socket, own, own.getsockname()
-        with own, contextlib.suppress(OSError, ValueError):
-            asked = [path for path in self._supervisor if self._send_to(path, ASK)]
-            if asked and select.select([own], [], [], ANSWER_S)[0]:
-                failures, self.kept = json.loads(own.recv(_MAX_BYTES))
-        with contextlib.suppress(OSError):
-            os.unlink(own_name)
-        self._socket, self._keeps = usual, dict(self.kept)
-        self._made()
-        return failures
-
-    def keep(self, name: str, value: str) -> bool:
-        """Have the supervisor keep a text for the next core. Never waits; returns False if that is too much."""
-        if self._keeps.get(name) == value:
-            return True
-        before = self._keeps.get(name)
-        self._keeps[name] = value
-        if len(self._made()) > MOST_KEPT:
-            del self._keeps[name]
-            if before is not None:
-                self._keeps[name] = before
-            self._made()
-            return False
-        self.send()
-        return True
-
-    def drop(self, name: str) -> None:
-        """Have it keep that no longer."""
-        if self._keeps.pop(name, None) is not None:
-            self._made()
-
-    def keeps(self, beginning: str) -> List[str]:
-        """The names of what is kept that begin so."""
-        return [name for name in self._keeps if name.startswith(beginning)]
-
-    def _made(self) -> bytes:
-        self._sign = SIGN + b"\n" + json.dumps(self._keeps).encode() if self._keeps else SIGN
-        return self._sign
+    def use(self, log_dir: str) -> None:
+        """Be the core of this log_dir; empty: it is not known yet."""
+        self._log_dir = log_dir
+        if log_dir:
+            self.keep(LOG_DIR, log_dir)
 
     def send(self, sign: bytes = SIGN) -> None:
-        """Send a sign. Send that of the core in its loop, and nowhere else. Never raises or waits: nobody may watch."""
-        for path in self._supervisor:
-            self._send_to(path, self._sign if sign is SIGN else sign)
-        for path in self._backup:
-            self._send_to(path, sign)
+        """Send a sign. Send that of the core in its loop, and nowhere else."""
+        if self._supervisor is not None:
+            self._send_unsent()
+            with contextlib.suppress(OSError):
+                self._supervisor.send(sign)
+        if self._copier is None or not self._log_dir:
+            return
+        try:
+            self._copier.send(sign)
+        except OSError as error:
+            if error.errno not in (errno.EAGAIN, errno.ENOBUFS):
+                self._find_copier(sign)
         if self._systemd and sign in (SIGN, WAITING):
-            self._send_to(self._systemd, SIGN, is_ours=True)
-
-    def _send_to(self, address: str, content: bytes, is_ours: bool = False) -> bool:
-        if self._socket is None or not (is_ours or _is_ours(os.path.dirname(address))):
-            return False
-        with contextlib.suppress(OSError):
-            self._socket.sendto(content, address.encode("utf-8", "surrogateescape"))
-            return True
-        return False
+            with contextlib.suppress(OSError), contextlib.closing(platform.local_socket()) as opened:
+                opened.sendto(SIGN, self._systemd)
 
     def wait(self) -> None:
         """Say that this process waits."""
@@ -180,6 +128,40 @@ class Signs:
     def end(self) -> None:
         """Say that the core ends by itself."""
         self.send(END)
+
+    def keep(self, name: str, value: str) -> bool:
+        """Keep a text under this name for the next core. Returns whether the supervisor has it: otherwise it gets it
+        before the next sign, unless there is none, or the memory is full."""
+        if self._supervisor is None or sum(
+                size for other, size in self._sizes.items() if other != name) + _size(name, value) > MOST_BYTES:
+            return False
+        self._sizes[name] = _size(name, value)
+        self._unsent[name] = value
+        return self._send_unsent()
+
+    def drop(self, name: str) -> bool:
+        """Keep it no longer. Returns as `keep`."""
+        if self._supervisor is None or self._sizes.pop(name, None) is None:
+            return False
+        self._unsent[name] = None
+        return self._send_unsent()
+
+    def _send_unsent(self) -> bool:
+        with contextlib.suppress(OSError):
+            while self._unsent:
+                name = next(iter(self._unsent))
+                self._supervisor.send(_KEEP + json.dumps([name, self._unsent[name]]).encode())
+                del self._unsent[name]
+        return not self._unsent
+
+    def _find_copier(self, sign: bytes) -> None:
+        with contextlib.suppress(OSError), _address(self._log_dir) as address:
+            self._copier.connect(address)
+            self._copier.send(sign)
+
+
+def _size(name: str, value: str) -> int:
+    return len(json.dumps([name, value]))
 
 
 class CoreSilence:
@@ -190,15 +172,14 @@ class CoreSilence:
         self.seconds = 0.0
         self._looked: Optional[float] = None
 
-    def look(self, now: float, pid: Optional[int]) -> float:
+    def look(self, now: float, pid: Optional[int]) -> None:
         """Note that a sign of this process came since the last look; None: none came, 0: the core ended by itself.
 
-        `now`: monotonic seconds. Returns how many of them count since the last look.
+        `now`: monotonic seconds.
         """
         passed = 0.0 if self._looked is None else min(now - self._looked, 2 * LOOK_S)
         self._looked = now
         self.pid, self.seconds = (self.pid, self.seconds + passed) if pid is None else (pid, 0.0)
-        return passed
 
     def forget(self) -> None:
         """Wait for the next core."""
@@ -210,51 +191,84 @@ class CoreSilence:
         return bool(self.pid) and self.seconds < HUNG_S
 
 
-class Watch:
-    """Watches the core of a log_dir. Call `look` every `LOOK_S`, in one thread."""
+class Supervision:
+    """The supervisor's end of its cores' lifelines. Call `look` every `LOOK_S`, in one thread."""
 
-    def __init__(self, log_dir: str, watcher: str, now: Callable[[], float]) -> None:
+    def __init__(self, now: Callable[[], float]) -> None:
         """`now`: monotonic seconds."""
-        self._addresses, self._now = _addresses(log_dir, watcher), now
+        self.memory: Dict[str, str] = {}
+        self.silence = CoreSilence()  # of the present core
+        self.is_waiting = False  # it said so since the last look
+        self._now = now
+        self._socket: Optional[socket.socket] = None
+
+    def start(self, command: Sequence[str], environment: Mapping[str, str]) -> "subprocess.Popen[bytes]":
+        """Start the next core. It has the memory before it does anything."""
+        self.close()
+        self.silence = CoreSilence()
+        if not platform.names_senders():
+            return subprocess.Popen(command, env=environment)
+        self._socket, inherited = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._socket.setblocking(False)
+        self._socket.send(json.dumps(self.memory).encode())
+        with inherited:
+            return subprocess.Popen(command, env={**environment, LIFELINE: str(inherited.fileno())},
+                                    pass_fds=[inherited.fileno()])
+
+    def look(self, pid: int) -> None:
+        """Take what the core said; `pid`: its process."""
+        found: Optional[int] = None
+        self.is_waiting = False
+        while self._socket is not None:
+            try:
+                data = self._socket.recv(_READ_BYTES)
+            except OSError:
+                break
+            if not data:
+                break  # it is gone
+            if data.startswith(_KEEP):
+                self._remember(*json.loads(data[len(_KEEP):]))
+            elif data in (SIGN, BAREST, END):
+                found = 0 if data == END else pid
+            elif data == WAITING:
+                self.is_waiting = True
+        self.silence.look(self._now(), found)
+
+    def close(self) -> None:
+        """Take no more."""
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+
+    @property
+    def can_hear(self) -> bool:
+        """Whether signs of life can be heard on this system."""
+        return self._socket is not None
+
+    def _remember(self, name: str, value: Optional[str]) -> None:
+        self.memory.pop(name, None)
+        if value is not None:
+            self.memory[name] = value
+
+
+class Watch:
+    """Watches the core of a log_dir for the program that copies. Call `look` every `LOOK_S`, in one thread."""
+
+    def __init__(self, log_dir: str, now: Callable[[], float]) -> None:
+        """`now`: monotonic seconds."""
+        self._log_dir, self._now = log_dir, now
         self._socket: Optional[socket.socket] = None
         self._began = ""  # when the core's process began
-        self._kept = b"{}"  # what the core gave last for the next one
-        self._failures = 0  # of cores in succession, since one answered for `STEADY_S`
-        self._steady_s = 0.0  # for so long the core has answered
         self._starting_mono = float("-inf")
-        self.waiting = 0  # the process that said last that it waits; 0: none
+        self._barest, self._barest_began = 0, ""  # the barest core that was heard last; 0: none
         self.silence = CoreSilence()
 
     def look(self) -> None:
         """Take the signs that came."""
         pid = self._newest()
         if pid and pid != self.silence.pid:
-            self._began, self._steady_s = began(pid), 0.0
-        passed = self.silence.look(self._now(), pid)
-        self._steady_s = self._steady_s + passed if self.silence.is_alive else 0.0
-        if self._steady_s >= STEADY_S or pid == 0:
-            self._failures = 0
-
-    def wait(self, seconds: float) -> None:
-        """Wait for the next sign, or for so long."""
-        if self._socket is None:
-            time.sleep(seconds)
-        else:
-            select.select([self._socket], [], [], seconds)
-
-    @property
-    def patience_s(self) -> float:
-        """How long the core may be silent: longer each time, so that a slow one is not ended again and again."""
-        return HUNG_S * 2 ** min(self._failures, 4)
-
-    def failed(self) -> None:
-        """A core did not live: see `Signs.ask`."""
-        self._failures += 1
-
-    @property
-    def can_hear(self) -> bool:
-        """Whether signs of life can be heard on this system."""
-        return self._socket is not None
+            self._began = began(pid)
+        self.silence.look(self._now(), pid)
 
     @property
     def is_gone(self) -> bool:
@@ -269,20 +283,23 @@ class Watch:
     @property
     def is_hung(self) -> bool:
         """Whether the core's process exists, but does not answer."""
-        return self.silence.pid > 0 and self.silence.seconds >= self.patience_s and not self.is_gone
+        return self.silence.pid > 0 and self.silence.seconds >= HUNG_S and not self.is_gone
 
     def kill(self) -> None:
         """End the core's process: it does nothing any more from now on, whatever it waits for."""
         if self.is_hung:
-            self.failed()
             with contextlib.suppress(ProcessLookupError):
                 os.kill(self.silence.pid, signal.SIGKILL)
+
+    def end_barest(self) -> None:
+        """Ask the barest core to end, if there is one."""
+        if self._barest and self._barest_began == began(self._barest):
+            os.kill(self._barest, signal.SIGTERM)
 
     def close(self) -> None:
         """Stop watching."""
         if self._socket is not None:
             self._socket.close()
-            self._socket = None
 
     def _newest(self) -> Optional[int]:
         """The process that sent the newest sign since the last call; None: none came, 0: the core ended by itself."""
@@ -291,31 +308,48 @@ class Watch:
         found: Optional[int] = None
         while True:
             try:
-                data, parts, _, sender = self._socket.recvmsg(_MAX_BYTES, socket.CMSG_SPACE(_CREDENTIALS.size))
+                data, parts, _, _ = self._socket.recvmsg(_READ_BYTES, socket.CMSG_SPACE(_CREDENTIALS.size))
             except OSError:
                 return found
             for _level, kind, content in parts:
                 if kind != socket.SCM_CREDENTIALS:
                     continue
                 pid, user, _group = _CREDENTIALS.unpack(content)
-                if user != os.geteuid():
-                    continue
-                if data.startswith(SIGN):
-                    found, self._kept = pid, data[len(SIGN) + 1:] or b"{}"
-                elif data == END:
-                    found = 0
-                elif data == STARTING:
+                if user == os.geteuid() and data in (SIGN, END):
+                    found = pid if data == SIGN else 0
+                elif user == os.geteuid() and data == STARTING:
                     self._starting_mono = self._now()
-                elif data == WAITING:
-                    self.waiting = pid
-                elif data == ASK and sender:
-                    with contextlib.suppress(OSError):
-                        self._socket.sendto(b"[%d, %s]" % (self._failures, self._kept), sender)
+                elif user == os.geteuid() and data == BAREST:
+                    self._barest, self._barest_began = pid, began(pid)
 
     def _open(self) -> bool:
-        """Open the socket."""
-        self._socket = _bound(self._addresses)
-        return self._socket is not None
+        """Open the socket. Another process may have it for a moment, such as a node that is just ending."""
+        opened = platform.local_socket()
+        if opened is None:
+            return False
+        opened.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
+        try:
+            with _address(self._log_dir) as address:
+                if _is_left(address):
+                    os.unlink(address)
+                opened.bind(address)
+        except OSError:
+            opened.close()
+            return False
+        self._socket = opened
+        return True
+
+
+def _is_left(address: str) -> bool:
+    """Whether there is a socket that nobody reads any more."""
+    with contextlib.closing(platform.local_socket()) as trial:
+        try:
+            trial.connect(address)
+        except ConnectionRefusedError:
+            return True
+        except OSError:
+            pass
+    return False
 
 
 def state_of(pid: int) -> str:

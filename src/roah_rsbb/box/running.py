@@ -17,7 +17,6 @@ import uuid
 from typing import Callable, List, NamedTuple, Optional, Sequence
 
 from roah_rsbb.box.assembly import BoxPlace, CoreAssembly, Machine
-from roah_rsbb.box.barest import keep_channels
 from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.box.calls import BoxCalls, Disks
 from roah_rsbb.box.configuration import Configuration, Content
@@ -39,7 +38,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.params import BadParams
 from roah_rsbb.rulebook.benchmarks import Config, Durable
 from roah_rsbb.run_logs.writer import RunLogWriter
-from roah_rsbb.signs_of_life import Signs
+from roah_rsbb.signs_of_life import Lifeline
 
 # Seconds between signs of life, and between looks at what only time changes.
 PERIOD_S = 0.2
@@ -65,10 +64,10 @@ class RunningBox:
 
     def __init__(
         self, loop: asyncio.AbstractEventLoop, params: BoxParameters, launch: str, lock: Optional[Lock],
-        peripherals: Peripherals, signs: Optional[Signs] = None,
+        peripherals: Peripherals, lifeline: Lifeline,
     ) -> None:
-        """`launch` identifies the launch; empty: none. `lock`: of the journal (see `wait_for_journal`). `signs`: with
-        what the core before kept; None: nothing. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError."""
+        """`launch` identifies the launch; empty: none. `lock`: of the journal (see `wait_for_journal`). `lifeline`:
+        to the supervisor. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError."""
         self._loop, self._params = loop, params
         self._configuration = _configuration(params, launch)
         self.uuid = str(uuid.uuid4())
@@ -81,7 +80,7 @@ class RunningBox:
         outputs = Outputs(
             peripherals.ring_timeout, peripherals.publish_module_runs, peripherals.set_device,
             lambda level, text: _log.log(_LEVELS[level], "%s", text), self._report_bug, self._on_changed)
-        self._signs = Signs(params.log_dir) if signs is None else signs
+        self.lifeline = lifeline
         self.core = CoreAssembly(
             loop, Machine(boot_id(), os.getpid(), self.uuid, time.monotonic, time.time),
             BoxPlace(params.log_dir, params.network, params.standby_port), self._configuration.content.config,
@@ -90,7 +89,7 @@ class RunningBox:
                 params.log_dir, session, events, params.resume, on_trouble, lock),
             PortRecord(params.log_dir), functools.partial(RunLogWriter, params.log_dir), outputs,
             lambda ticket: self._copies.ask(ticket), peripherals.make_peer,
-            memory=self._signs, inform_standby=lambda stops: self._copies.pass_stops(stops))
+            memory=lifeline, inform_standby=lambda stops: self._copies.pass_stops(stops))
         self.box, self.event = self.core.box, self.core.event
         core = self.core
         self.calls = BoxCalls(self.box, self._call, Disks(core.journal.ticket, core.store.why_not_saved,
@@ -138,7 +137,7 @@ class RunningBox:
 
     def close(self) -> None:
         """End without informing robots. The door is closed before, with whatever says where it is."""
-        self._signs.end()
+        self.lifeline.end()
         self.core.close()
 
     def now(self) -> Now:
@@ -177,16 +176,12 @@ class RunningBox:
         now_mono, period_s = on_grid(self._loop.time()), self._period_s()
         self._loop.call_at(now_mono + period_s, self._tick)
         self.event(self.box.tick_if_due)
-        self._signs.send()
+        self.lifeline.send()
         todo: List[Callable[[], object]] = [*self._look()]
         if now_mono > self._journal_due_mono - period_s / 2:
             self._journal_due_mono = now_mono + SECOND_S
-            todo.append(self._each_second)
+            todo.append(self.core.each_second)
         self._do_in_turn(todo)
-
-    def _each_second(self) -> None:
-        self.core.each_second()
-        keep_channels(self._signs, self.core.radio)
 
     def _do_in_turn(self, todo: List[Callable[[], object]]) -> None:
         """Do one thing, and the others in later turns of the loop, so that no datagram waits for all of them."""

@@ -143,13 +143,16 @@ class CoreRadio:
         """The number of unreadable datagrams so far by private port."""
         return {port: sum(private.channel.complaints.totals().values()) for port, private in self._privates.items()}
 
-    def open_channels(self) -> Dict[int, Tuple[str, str, str, str]]:
-        """What a core needs to stop the robots in runs: robot, password, address and benchmark by private port."""
-        found = {}
+    def open_channels(self) -> Dict[int, Tuple[object, ...]]:
+        """What is needed to stop the robots in runs, by private port: see `StoppedRobot`."""
+        found: Dict[int, Tuple[object, ...]] = {}
+        network = self._network
         for port, private in self._privates.items():
             run = self._box.zones.run_at(port)
             if run is not None:
-                found[port] = (str(run.robot), private.password, private.channel.remote or "", run.message.benchmark)
+                found[port] = (str(run.robot), private.password, private.channel.remote or "", run.message.benchmark,
+                               network.rsbb_host, network.bind_host, int(network.cipher), network.broadcast,
+                               network.max_datagram)
         return found
 
     # -- sending -------------------------------------------------------------------------------------

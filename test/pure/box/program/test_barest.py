@@ -1,116 +1,178 @@
 """The barest core: what is left when the core cannot start any more stops all robots, and does nothing else."""
 
 import asyncio
-import threading
-import time
+import json
+import os
+import socket
+import subprocess
+import sys
+import urllib.error
+import urllib.request
 
 import pytest
 
-from box.program.test_box_program import Demonstration
-from helpers.waiting import LIMIT_S
-from roah_rsbb.box import barest
-from roah_rsbb.box.barest import AFTER_FAILURES, KeptChannel, kept_channels
-from roah_rsbb.box.parameters import parameters_of
-from roah_rsbb.box.program.demo import settings
-from roah_rsbb.comm.memory import MemoryAir
+import roah_rsbb
+from helpers.waiting import LIMIT_S, wait_until
+from roah_rsbb.client.places import OWN_VARIABLE
+from roah_rsbb.comm.channels import PrivateChannel
+from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
+from roah_rsbb.document.place import OnlyStops, read_place
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.platform import run
-from roah_rsbb.protocol import RobotState
-from roah_rsbb.robot.dummy import DummyOptions, dummy_client
-from roah_rsbb.signs_of_life import LOOK_S, SUPERVISOR, Signs, Watch
+from roah_rsbb.protocol import BoxState, RobotState
+
+ROBOT, BOX = "127.0.0.31", "127.0.0.30"
+
+
+def free_port(host, kind):
+    with socket.socket(socket.AF_INET, kind) as trial:
+        trial.bind((host, 0))
+        return trial.getsockname()[1]
+
+
+def kept(port, password="secret"):
+    return json.dumps(["R1 of Alpha", password, ROBOT, "HGTKMH", LOOPBACK_BROADCAST, BOX, int(Cipher.AES_128_CBC), False,
+                       1024])
+
+
+# The programs of a box, as the tests have the package.
+TEAM = f"""
+import roah_rsbb
+roah_rsbb.__path__ = {list(roah_rsbb.__path__)!r}
+from roah_rsbb.tools.team import main
+main()
+"""
+# A supervisor whose cores only keep the channels of `kept.json`, and then hang or crash; and its barest core.
+SUPERVISOR = """
+import sys
+from roah_rsbb.box.program import supervisor
+from roah_rsbb.copies.settings import NOTHING
+supervisor.PAUSE_S, supervisor.STEADY_S, supervisor.HUNG_S, supervisor.RESTART_S = 0.0, 1e6, 0.2, 0.2
+supervisor.without_ros = lambda *words: [sys.executable, "-c", sys.argv[1], *words]
+command = [sys.executable, "-c", open("box.py").read()]
+sys.exit(supervisor.supervise(command, command, lambda: NOTHING))
+"""
+BOX_PROGRAM = """
+import json, os, signal, sys, time
+from roah_rsbb.signs_of_life import Lifeline
+open("starts", "a").write("x")
+starts = len(open("starts").read())
+lifeline = Lifeline(os.getcwd())
+for name, value in json.load(open("kept.json")).items():
+    lifeline.keep(name, value)
+if starts == 1 or os.path.exists("answers"):
+    lifeline.send()
+"""
+
+
+class Robot:
+    """A robot that executes until it is sent STOP. It notes which states it is sent."""
+
+    def __init__(self, loop, port):
+        self.loop, self.states, self.acknowledged = loop, [], []
+        self.state = RobotState.EXECUTING
+        self.stopped = loop.create_future()
+        self.channel = PrivateChannel(loop, LOOPBACK_BROADCAST, port, Key("secret"), self.hear, print, bind_host=ROBOT)
+        self.channel.remote = BOX
+        self.channel.open()
+
+    def say(self, second):
+        self.channel.send(pb.RobotState(
+            time=pb.Time(sec=second, nsec=0), messages_saved=1, robot_state=int(self.state)))
+
+    def hear(self, message, address):
+        self.states.append(message.benchmark_state)
+        if message.acknowledgement.sec == 7 and not self.stopped.done():
+            self.stopped.set_result(None)
+        self.state = RobotState.STOP
+        self.say(7)
 
 
 @pytest.fixture
-def supervisor(tmp_path):
-    """One who watches the core of this folder, in a thread."""
-    watch, ended = Watch(str(tmp_path), SUPERVISOR, time.monotonic), threading.Event()
-    watch.look()
+def box(tmp_path):
+    """Start the supervisor of a box that fails in this way, with an open channel; returns it and the port."""
+    started = []
 
-    def work():
-        while not ended.is_set():
-            watch.look()
-            watch.wait(LOOK_S)
+    def start(fault, **more):
+        port = free_port(ROBOT, socket.SOCK_DGRAM)
+        (tmp_path / "kept.json").write_text(json.dumps({
+            "channel/1": kept(1, ""), f"channel/{port}": kept(port), **more}), "utf-8")
+        (tmp_path / "box.py").write_text(BOX_PROGRAM + fault, "utf-8")
+        process = subprocess.Popen([sys.executable, "-c", SUPERVISOR, TEAM], cwd=str(tmp_path), stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT, text=True)
+        started.append(process)
+        return process, port
 
-    thread = threading.Thread(target=work)
-    thread.start()
-    yield watch
-    ended.set()
-    thread.join()
-    watch.close()
-
-
-class MovingRobot(Demonstration):
-    """A demonstration whose robot outlives the box, and executes without end."""
-
-    async def __aenter__(self):
-        self.client.start()
-        await self.program.start(self.door_file)
-        self.robot = dummy_client("TestingTeam", "PASSWORD", options=DummyOptions(
-            prepare_duration=0.05, execute_duration=1e6, seed=1), rsbb_host=LOOPBACK_BROADCAST,
-            bind_host="127.0.0.2", make_peer=self.air.peer)
-        self.robot_task = asyncio.get_event_loop().create_task(self.robot.run())
-        return self
+    yield start
+    for process in started:
+        process.terminate()
+        process.communicate(timeout=LIMIT_S)
 
 
-async def until(condition):
-    async def wait():
-        while not condition():
-            await asyncio.sleep(0.01)
-    await asyncio.wait_for(wait(), LIMIT_S)
+@pytest.mark.parametrize("answers", [False, True])
+@pytest.mark.parametrize("fault", [
+    "time.sleep(1000)", "os.kill(os.getpid(), signal.SIGKILL)", "sys.exit(1)",
+])
+def test_a_box_that_fails_again_and_again_stops_its_robots(box, tmp_path, fault, answers):
+    """It is not restarted without end, while the robots execute and nobody can stop them."""
+    if answers:
+        (tmp_path / "answers").touch()
+    process, port = box(fault)
 
-
-def test_it_stops_the_robot_of_a_core_that_cannot_start_any_more(tmp_path, supervisor):
     async def play():
-        demo = MovingRobot(tmp_path)
-        async with demo:
-            await demo.begin()
-            await until(lambda: demo.robot.state is RobotState.EXECUTING)
-            await until(lambda: b"channel/" in supervisor._kept)
-            killed = supervisor._kept
-        # A core that is killed says nothing, so the supervisor still has what that one kept.
-        supervisor._kept = killed
-        loop = asyncio.get_event_loop()
-        signs = Signs(str(tmp_path))
-        await loop.run_in_executor(None, signs.ask)
-        (kept,) = kept_channels(signs)
-        assert (kept.password, kept.host, kept.benchmark) == ("PASSWORD", "127.0.0.2", "HGTKMH")
-        network = parameters_of(settings(str(tmp_path))).network
-        robots = [barest._Stopping(loop, network, kept, demo.air.peer)]
-        await barest._work(signs, robots, 3, lambda: robots[0].is_stopped)
-        assert demo.robot.state is RobotState.STOP
-        demo.robot_task.cancel()
-    run(play())
+        robot = Robot(asyncio.get_event_loop(), port)
+        await asyncio.wait_for(robot.stopped, LIMIT_S)
+        robot.channel.close()
+        return robot.states
+    assert set(run(play())) == {BoxState.STOP}
+    assert len((tmp_path / "starts").read_text("utf-8")) == 4, "the first one, and three in vain"
+    process.terminate()
+    out, _ = process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0
+    assert "it failed too often, and only sends STOP from now on" in out and "This box only sends STOP" in out
+    assert "The robot on port 1 cannot be stopped" in out
 
 
-def test_after_cores_that_failed_the_next_one_is_the_barest(tmp_path, supervisor, monkeypatch):
-    """It reads neither the journal nor the configuration."""
-    from roah_rsbb.box.program import program
+def test_faces_say_why(box, tmp_path):
+    """The program `referee`, and a browser on the pages' port."""
+    door, web_port = str(tmp_path / "door.json"), free_port("127.0.0.1", socket.SOCK_STREAM)
+    process, _ = box("sys.exit(1)", doors=json.dumps([door]), web_port=str(web_port))
 
-    served = []
-    monkeypatch.setattr(program, "serve", lambda signs, network, failures, is_ended: served.append(failures))
-    monkeypatch.setattr(program, "RunningBox", lambda *given: pytest.fail("not the barest one"))
-    for failures in range(AFTER_FAILURES):
-        assert Signs(str(tmp_path)).ask() == failures
-        supervisor.failed()
+    def page():
+        try:
+            urllib.request.urlopen(f"http://127.0.0.1:{web_port}/", timeout=LIMIT_S)
+        except urllib.error.HTTPError as error:
+            return error.read().decode()
+        except OSError:
+            return ""
+    wait_until(page)
+    assert "It only sends STOP now" in page()
+    wait_until(lambda: os.path.exists(door))
+    with pytest.raises(OnlyStops, match="It only sends STOP now"):
+        read_place(door)
+    for what in (["status"], ["stop", "all"]):
+        with subprocess.Popen([sys.executable, "-m", "roah_rsbb.tools.team", "referee", *what], text=True,
+                              env={**os.environ, OWN_VARIABLE: door}, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT) as referee:
+            assert any("It only sends STOP now" in line for line in referee.stdout)
+            referee.kill()  # STOP is tried again
+    process.terminate()
+    process.communicate(timeout=LIMIT_S)
+    assert not os.path.exists(door)
 
-    async def start():
-        program.BoxProgram(asyncio.get_event_loop(), settings(str(tmp_path), web="false", tablet="false"), "launch",
-                           MemoryAir().peer)
-    with pytest.raises(SystemExit):
-        run(start())
-    assert served == [AFTER_FAILURES]
 
-
-def test_channels_that_cannot_be_opened_do_not_keep_the_others_from_stop(tmp_path, caplog):
-    signs, air, ended = Signs(str(tmp_path)), MemoryAir(), []
-    signs.kept = {
-        f"channel/{port}": f'["A/{port}", "{password}", "127.0.0.2", "HGTKMH"]'
-        for port, password in ((7001, ""), (7002, "secret"))}
-    network = parameters_of(settings(str(tmp_path))).network
-    heard = []
-    air.peers.append(air.peer(None, LOOPBACK_BROADCAST, 7002, None, None, "127.0.0.2"))
-    air.deliver = lambda source, datagram, host: (heard.append((source.port, host)), ended.append(1))
-    barest.serve(signs, network, 3, lambda: len(ended) > 1, air.peer)
-    assert set(heard) == {(7002, "127.0.0.2")}
-    assert "A/7001 cannot be stopped" in caplog.text and "It only sends STOP now" in caplog.text
-    assert KeptChannel(7001, "A/7001", "", "127.0.0.2", "HGTKMH") in kept_channels(signs)
+def test_the_full_core_follows_a_barest_one_that_was_asked_to_end(box, tmp_path):
+    """By the program that copies, when a standby has taken over."""
+    process, _ = box("""
+if starts > 4:
+    sys.exit(0)
+os.kill(os.getpid(), signal.SIGKILL)
+""")
+    for line in process.stdout:
+        if "This box only sends STOP" in line:
+            break
+    (child,) = open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii").read().split()
+    os.kill(int(child), 15)
+    process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0 and len((tmp_path / "starts").read_text("utf-8")) == 5
