@@ -34,7 +34,7 @@ class Core(Program):
     """A core; `inside`: see `SmallDisk`."""
 
     def __init__(self, params: Dict[str, Any], inside: Tuple[str, ...] = ()) -> None:
-        super().__init__(*inside, own("roah_rsbb_core"),
+        super().__init__(*inside, own("roah_rsbb_core"), "--unsupervised",
                          *(f"_{name}:={value}" for name, value in {**PARAMS, **params}.items()))
 
     def kill(self) -> None:
