@@ -42,11 +42,6 @@ class Core(Program):
         super().kill()
         self.wait_ended()
 
-    @property
-    def pid(self) -> int:
-        """The number of its process."""
-        return self._process.pid
-
     def stop(self) -> None:
         """Make it hang: the process exists, but does nothing."""
         self._process.send_signal(signal.SIGSTOP)
