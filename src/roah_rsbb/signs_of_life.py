@@ -36,11 +36,9 @@ END = b"end"
 WAITING = b"waiting"
 # Of the supervisor: the core is gone, or slow, and the next one is started.
 STARTING = b"starting"
-# Of the barest core, which a standby replaces.
-BAREST = b"barest"
 # Names in the memory: before the port of a channel; the folder of the journal; the files that say where the door is; the
-# TCP port of the pages.
-CHANNEL, LOG_DIR, DOORS, WEB_PORT = "channel/", "log_dir", "doors", "web_port"
+# TCP port of the pages; that of the standby (0: none).
+CHANNEL, LOG_DIR, DOORS, WEB_PORT, STANDBY = "channel/", "log_dir", "doors", "web_port", "standby_port"
 # In the environment of the core: its end of the pair.
 LIFELINE = "ROAH_RSBB_LIFELINE"
 # Before a text for the memory.
@@ -228,7 +226,7 @@ class Supervision:
                 break  # it is gone
             if data.startswith(_KEEP):
                 self._remember(*json.loads(data[len(_KEEP):]))
-            elif data in (SIGN, BAREST, END):
+            elif data in (SIGN, END):
                 found = 0 if data == END else pid
             elif data == WAITING:
                 self.is_waiting = True
@@ -260,7 +258,6 @@ class Watch:
         self._socket: Optional[socket.socket] = None
         self._began = ""  # when the core's process began
         self._starting_mono = float("-inf")
-        self._barest, self._barest_began = 0, ""  # the barest core that was heard last; 0: none
         self.silence = CoreSilence()
 
     def look(self) -> None:
@@ -291,11 +288,6 @@ class Watch:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(self.silence.pid, signal.SIGKILL)
 
-    def end_barest(self) -> None:
-        """Ask the barest core to end, if there is one."""
-        if self._barest and self._barest_began == began(self._barest):
-            os.kill(self._barest, signal.SIGTERM)
-
     def close(self) -> None:
         """Stop watching."""
         if self._socket is not None:
@@ -319,8 +311,6 @@ class Watch:
                     found = pid if data == SIGN else 0
                 elif user == os.geteuid() and data == STARTING:
                     self._starting_mono = self._now()
-                elif user == os.geteuid() and data == BAREST:
-                    self._barest, self._barest_began = pid, began(pid)
 
     def _open(self) -> bool:
         """Open the socket. Another process may have it for a moment, such as a node that is just ending."""

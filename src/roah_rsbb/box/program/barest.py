@@ -3,7 +3,7 @@
 The supervisor starts it after cores that failed in succession: one that is started again and again would leave the
 robots executing, and no STOP would reach them. It reads neither journal nor configuration nor parameters, which may be
 the reason, but has the open channels from the memory of the supervisor (`signs_of_life.py`). It ends when a person ends
-the box, or a standby has taken over.
+the box. Where there is a standby, it is never started: that one takes over.
 """
 
 import asyncio
@@ -23,7 +23,7 @@ from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.document.place import OnlyStops, read_place, write_place
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.signs_of_life import BAREST, CHANNEL, DOORS, WEB_PORT, Lifeline
+from roah_rsbb.signs_of_life import CHANNEL, DOORS, WEB_PORT, Lifeline
 
 LOOK_S = 0.05
 # Between two lines on the terminal.
@@ -94,7 +94,7 @@ async def work(lifeline: Lifeline, robots: List[StoppedRobot]) -> None:
     while True:
         for robot in robots:
             robot.look()
-        lifeline.send(BAREST)
+        lifeline.send()
         if loop.time() >= say_mono + SAY_S:
             say_mono = loop.time()
             _log.critical("This box only sends STOP: %s. Robots: %s", WHY, ", ".join(

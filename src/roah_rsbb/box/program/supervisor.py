@@ -2,7 +2,8 @@
 
 The box is a process of its own. One that was killed, that crashed or that hangs is replaced by the next one within a
 second, which continues its runs. One that fails again and again gets more time each time, because it may only be slow.
-After `MOST_FAILURES` that were started in vain, the barest core is what is left (`barest.py`).
+After `MOST_FAILURES` that were started in vain, the barest core is what is left (`barest.py`), unless a standby can take
+over.
 
 Beside the box without ROS runs the program that copies the journal, if it is to be copied: when the box does not
 answer, that one hands over to the standby.
@@ -21,7 +22,7 @@ from roah_rsbb.arguments import without_ros
 from roah_rsbb.copies.settings import CopySettings
 from roah_rsbb.params import BadParams
 from roah_rsbb.platform import ending_signals, ignore_stops
-from roah_rsbb.signs_of_life import HUNG_S, LOG_DIR, LOOK_S, STARTING, Lifeline, Supervision, state_of
+from roah_rsbb.signs_of_life import HUNG_S, LOG_DIR, LOOK_S, STANDBY, STARTING, Lifeline, Supervision, state_of
 
 # Of the environment of the box: identifies the supervisor, so that `resume:=launch` continues after a crash only.
 LAUNCH = "ROAH_RSBB_LAUNCH"
@@ -29,13 +30,15 @@ LAUNCH = "ROAH_RSBB_LAUNCH"
 FAILED = (1, 2)
 # A signal ended the box in good order. Nobody wished it unless the supervisor got one, too.
 BY_SIGNAL = 128 + signal.SIGTERM
+# Somebody ended it, or too little memory: the box is not to blame.
+KILLED = (BY_SIGNAL, *(-number for number in (signal.SIGTERM, getattr(signal, "SIGKILL", 9))))
 # Seconds, so that a box that crashes at once does not fill the log.
-PAUSE_S, MOST_PAUSE_S = 0.5, 8.0
+PAUSE_S = 0.5
 # Until a box gives its first sign of life, on a slow or busy computer; until the next one does.
 START_S, RESTART_S = 60.0, 15.0
 # A box that failed counts less, the longer it had answered: after so long it is forgotten.
 STEADY_S = 5.0
-# So many may fail in succession after the first one.
+# So many may fail in succession after the first one. One that answered until somebody killed it has not failed.
 MOST_FAILURES = 3
 # A box that was asked to end.
 END_S = 10.0
@@ -91,9 +94,9 @@ class _Course:
         self._heard_mono = min(self._heard_mono, now_mono)
         self.answered_s = max(self.answered_s, now_mono - self._heard_mono - silent_s)
 
-    def failed(self) -> None:
+    def ended(self, has_failed: bool) -> None:
         """The present one ended unexpectedly."""
-        self.failures = self._left() + 1.0
+        self.failures = self._left() + has_failed
 
     @property
     def is_heard(self) -> bool:
@@ -108,18 +111,18 @@ class _Course:
     @property
     def start_s(self) -> float:
         """How long its start may take."""
-        return RESTART_S * self._factor() if self.failures and not self.is_barest else self._start_s
+        return RESTART_S * self._factor() if self.failures or self.was_heard else self._start_s
 
     @property
     def pause_s(self) -> float:
         """How long to wait before the next one."""
-        return min(PAUSE_S * self._factor(), MOST_PAUSE_S)
+        return PAUSE_S * self._factor()
 
     def _left(self) -> float:
         return max(0.0, self.failures - self.answered_s / STEADY_S)
 
     def _factor(self) -> float:
-        return 2.0 ** min(max(0, math.ceil(self._left()) - 1), 10)
+        return 2.0 ** max(0, min(math.ceil(self._left()), MOST_FAILURES) - 1)
 
 
 def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], CopySettings],
@@ -142,16 +145,14 @@ def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], C
         return box.wait()
     try:
         while True:
-            _watch(box, wishes, core, course, copying)
+            is_ended = _watch(box, wishes, core, course, copying)
             status = box.returncode
             # A box that ran before is started until it runs again: its files may be changed just now.
             if wishes or (status == 0 and not course.is_barest) or (status in FAILED and not course.was_heard):
                 return 0 if wishes else status
-            if status == 0:  # the barest one, after a takeover
-                course = _Course(start_s)
-            else:
-                course.failed()
-            course.is_barest = course.failures > MOST_FAILURES and core.can_hear
+            course.ended(is_ended or not course.is_heard or status not in KILLED)
+            course.is_barest |= (
+                course.failures > MOST_FAILURES and core.can_hear and core.memory.get(STANDBY, "0") == "0")
             _log.error("The box has ended unexpectedly (%s): %s%s", status,
                        "it failed too often, and only sends STOP from now on" if course.is_barest
                        else "the next one continues its runs",
@@ -170,8 +171,8 @@ def _wait(seconds: float, wishes: list) -> None:
         time.sleep(LOOK_S)
 
 
-def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Course, copying: CopyingProcess) -> None:
-    """Wait for the end of one process of the box."""
+def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Course, copying: CopyingProcess) -> bool:
+    """Wait for the end of one process of the box; returns whether it was ended here, because it did not answer."""
     is_killed, until_mono, heard_by_mono = False, float("inf"), time.monotonic() + course.start_s
     signs: Optional[Lifeline] = None
     while True:
@@ -182,7 +183,7 @@ def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Cour
         if silence.pid == box.pid:
             course.heard(silence.seconds)
         if box.returncode is not None:
-            return
+            return is_killed
         if signs is None and LOG_DIR in core.memory:
             signs = Lifeline(core.memory[LOG_DIR])
         if course.is_heard or not core.can_hear:

@@ -133,7 +133,6 @@ class Handover:
             return
         _log.error("The standby has taken over")
         self._watch.silence.forget()
-        self._watch.end_barest()
         if lock is not None:  # otherwise the next core asks the standby before it begins
             try:
                 epochs.hand_over(lock.path, time.time(), self._by())

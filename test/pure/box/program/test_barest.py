@@ -3,6 +3,7 @@
 import asyncio
 import json
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -112,7 +113,7 @@ def box(tmp_path):
 
 @pytest.mark.parametrize("answers", [False, True])
 @pytest.mark.parametrize("fault", [
-    "time.sleep(1000)", "os.kill(os.getpid(), signal.SIGKILL)", "sys.exit(1)",
+    "time.sleep(1000)", "os.abort()", "sys.exit(1)",
 ])
 def test_a_box_that_fails_again_and_again_stops_its_robots(box, tmp_path, fault, answers):
     """It is not restarted without end, while the robots execute and nobody can stop them."""
@@ -162,17 +163,31 @@ def test_faces_say_why(box, tmp_path):
     assert not os.path.exists(door)
 
 
-def test_the_full_core_follows_a_barest_one_that_was_asked_to_end(box, tmp_path):
-    """By the program that copies, when a standby has taken over."""
-    process, _ = box("""
-if starts > 4:
+def test_the_barest_core_follows_one_that_is_ended(box):
+    """By somebody who does not end the program: its robots are still to be stopped."""
+    process, _ = box("sys.exit(1)")
+    for number in (signal.SIGTERM, signal.SIGKILL):
+        wait_for(process, "This box only sends STOP")
+        (child,) = open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii").read().split()
+        os.kill(int(child), number)
+    wait_for(process, "This box only sends STOP")
+
+
+def wait_for(process, text):
+    assert any(text in line for line in process.stdout)
+
+
+@pytest.mark.parametrize("fault, more", [
+    ("os.kill(os.getpid(), signal.SIGKILL)", {}),  # from outside: all that anybody sees is the signal
+    ("os.abort()", {"standby_port": "7000"}),
+])
+def test_there_is_no_barest_core_for_a_box_that_is_only_killed_or_has_a_standby(box, tmp_path, fault, more):
+    (tmp_path / "answers").touch()
+    process, _ = box(f"""
+if starts > 8:
     sys.exit(0)
-os.kill(os.getpid(), signal.SIGKILL)
-""")
-    for line in process.stdout:
-        if "This box only sends STOP" in line:
-            break
-    (child,) = open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii").read().split()
-    os.kill(int(child), 15)
-    process.communicate(timeout=LIMIT_S)
-    assert process.returncode == 0 and len((tmp_path / "starts").read_text("utf-8")) == 5
+{fault}
+""", **more)
+    out, _ = process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0 and "STOP" not in out
+    assert len((tmp_path / "starts").read_text("utf-8")) == 9
