@@ -136,6 +136,7 @@ def main(_arguments: object = None) -> None:
     logging.basicConfig(format="%(asctime)s %(levelname)s %(message)s", datefmt="%H:%M:%S")
     logging.raiseExceptions = False
     platform.ignore_stops()
+    platform.end_with_parent()  # the program that follows it may start a full core
     loop, lifeline = platform.new_loop(), Lifeline()
     asyncio.set_event_loop(loop)
     robots = open_robots(loop, lifeline.kept)

@@ -164,13 +164,16 @@ def test_faces_say_why(box, tmp_path):
 
 
 def test_the_barest_core_follows_one_that_is_ended(box):
-    """By somebody who does not end the program: its robots are still to be stopped."""
+    """By somebody who does not end the program: its robots are still to be stopped. With the program, it ends, too."""
     process, _ = box("sys.exit(1)")
     for number in (signal.SIGTERM, signal.SIGKILL):
         wait_for(process, "This box only sends STOP")
         (child,) = open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii").read().split()
         os.kill(int(child), number)
     wait_for(process, "This box only sends STOP")
+    (child,) = open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii").read().split()
+    process.kill()
+    wait_until(lambda: not os.path.exists(f"/proc/{child}"))
 
 
 def wait_for(process, text):
