@@ -4,7 +4,6 @@ Files are only for programs of the same user. A box without ROS has one in the u
 box with ROS has one for its master, and the parameter, which is for all computers of a ROS network.
 """
 
-import contextlib
 import os
 import socket
 import urllib.parse

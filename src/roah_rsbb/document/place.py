@@ -32,8 +32,9 @@ def new_token() -> str:
 
 
 def write_place(path: str, url: str, token: str, why: str = "") -> None:
-    """Write the file of a door; `why`: why there is none. Raises OSError. On a full disk, the file of the door before is written over, which
-    has as many bytes."""
+    """Write the file of a door; `why`: why there is none. Raises OSError.
+
+    On a full disk, the file of the door before is written over, which has as many bytes."""
     os.makedirs(os.path.dirname(path), exist_ok=True)
     content = json.dumps({"url": url, "token": token, **({"why": why} if why else {})}).encode()
     try:

@@ -12,7 +12,6 @@ import contextlib
 import os
 import signal
 import threading
-import time
 
 import rospy
 from std_srvs.srv import Empty, EmptyResponse

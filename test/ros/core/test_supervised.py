@@ -41,7 +41,7 @@ class TestSupervisedCore(OwnCoreCase):
             rospy.wait_for_service("/other/core/stop")
             self.assertEqual(rosservice.get_service_node("/other/core/stop"), NODE)
             wait_until(lambda: rospy.has_param("/other/roah_rsbb_door"), "the door is published")
-        self.assertEqual(program.wait_ended(), 0, "in good order, as without a supervisor: roslaunch starts the next one")
+        self.assertEqual(program.wait_ended(), 0, "as without a supervisor: roslaunch starts the next one")
         self.assertIn("The box has ended unexpectedly (-9)", program.text)
 
     def test_nothing_is_left_of_a_program_that_is_killed_or_interrupted(self) -> None:
@@ -50,7 +50,7 @@ class TestSupervisedCore(OwnCoreCase):
                 program = self._leaving(Program(own("roah_rsbb_core"), *OTHER_CORE, *(
                     f"_{name}:={value}" for name, value in {**PARAMS, "log_dir": folder}.items())))
                 core = wait_until(lambda: process_of("/other_core"), "the node runs")
-                wait_until(lambda: holder_of(folder), "it has the journal")  # noqa: B023
+                wait_until(lambda: holder_of(folder), "it has the journal")
                 program.signal(number)
                 self.assertEqual(program.wait_ended(), -number if number == signal.SIGKILL else 0)
                 wait_until(lambda: not os.path.exists(f"/proc/{core}"), "the node has ended")  # noqa: B023

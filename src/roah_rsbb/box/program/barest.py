@@ -82,7 +82,7 @@ def open_robots(loop: asyncio.AbstractEventLoop, kept: Mapping[str, str],
         if name.startswith(CHANNEL):
             try:
                 robots.append(StoppedRobot(loop, name[len(CHANNEL):], kept[name], make_peer))
-            except Exception as error:  # noqa: BLE001 - whatever is wrong with one, the others get STOP
+            except Exception as error:  # whatever is wrong with one, the others get STOP
                 _log.critical("The robot on port %s cannot be stopped: %s. Stop it by hand", name[len(CHANNEL):], error)
     return robots
 
@@ -103,7 +103,7 @@ async def work(lifeline: Lifeline, robots: List[StoppedRobot]) -> None:
         await asyncio.sleep(LOOK_S)
 
 
-def _tell_clients(paths: List[str]) -> None:
+def _warn_clients(paths: List[str]) -> None:
     """Say where clients look for the door why there is none. In a thread: the disk may be the reason."""
     for path in paths:
         with contextlib.suppress(OSError):
@@ -141,8 +141,8 @@ def main(_arguments: object = None) -> None:
     asyncio.set_event_loop(loop)
     robots = open_robots(loop, lifeline.kept)
     doors: List[str] = json.loads(lifeline.kept.get(DOORS, "[]"))
-    telling = threading.Thread(target=_tell_clients, args=(doors,), daemon=True)
-    telling.start()
+    warning = threading.Thread(target=_warn_clients, args=(doors,), daemon=True)
+    warning.start()
     working = loop.create_task(work(lifeline, robots))
     platform.on_end(loop, working.cancel)
     with contextlib.suppress(asyncio.CancelledError):
@@ -150,6 +150,6 @@ def main(_arguments: object = None) -> None:
             loop.run_until_complete(asyncio.start_server(
                 _answer_browser, ANY_HOST, int(lifeline.kept[WEB_PORT])))
         loop.run_until_complete(working)
-    if not telling.is_alive():
+    if not warning.is_alive():
         _forget_clients(doors)
     lifeline.end()

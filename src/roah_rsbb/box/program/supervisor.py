@@ -2,8 +2,8 @@
 
 The box is a process of its own. One that was killed, that crashed or that hangs is replaced by the next one within a
 second, which continues its runs. One that fails again and again gets more time each time, because it may only be slow.
-After `MOST_FAILURES` that were started in vain, the barest core is what is left (`barest.py`), unless a standby can take
-over.
+After `MOST_FAILURES` that were started in vain, the barest core is what is left (`barest.py`), unless there is a
+standby, which takes over.
 
 Beside the box without ROS runs the program that copies the journal, if it is to be copied: when the box does not
 answer, that one hands over to the standby.

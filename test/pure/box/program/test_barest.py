@@ -33,8 +33,8 @@ def free_port(host, kind):
 
 
 def kept(port, password="secret"):
-    return json.dumps(["R1 of Alpha", password, ROBOT, "HGTKMH", LOOPBACK_BROADCAST, BOX, int(Cipher.AES_128_CBC), False,
-                       1024])
+    return json.dumps([
+        "R1 of Alpha", password, ROBOT, "HGTKMH", LOOPBACK_BROADCAST, BOX, int(Cipher.AES_128_CBC), False, 1024])
 
 
 # The programs of a box, as the tests have the package.
@@ -168,12 +168,16 @@ def test_the_barest_core_follows_one_that_is_ended(box):
     process, _ = box("sys.exit(1)")
     for number in (signal.SIGTERM, signal.SIGKILL):
         wait_for(process, "This box only sends STOP")
-        (child,) = open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii").read().split()
-        os.kill(int(child), number)
+        os.kill(child_of(process.pid), number)
     wait_for(process, "This box only sends STOP")
-    (child,) = open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii").read().split()
+    child = child_of(process.pid)
     process.kill()
     wait_until(lambda: not os.path.exists(f"/proc/{child}"))
+
+
+def child_of(pid):
+    with open(f"/proc/{pid}/task/{pid}/children", encoding="ascii") as file:
+        return int(file.read())
 
 
 def wait_for(process, text):

@@ -1,6 +1,5 @@
 """The supervisor of a box without ROS."""
 
-import os
 import signal
 import subprocess
 import sys
@@ -25,7 +24,6 @@ from roah_rsbb.copies.settings import CopySettings
 command, copies = ([sys.executable, "-c", open(name).read()] for name in ("box.py", "copies.py"))
 supervisor.without_ros = lambda *words: copies if words[0] == "copies" else [*command, *words]
 supervisor.COPYING_PAUSE_S = supervisor.PAUSE_S = 0.0
-exec(sys.argv[1])
 settings = CopySettings(".", "stick", 0, "0.0.0.0", "none", "127.255.255.255", 6666, "")
 sys.exit(supervisor.supervise(command, [*command, "again"], lambda: settings))
 """
@@ -36,12 +34,12 @@ def supervised(tmp_path):
     """Start a supervisor over a box with this code; returns the process."""
     found = []
 
-    def start(code, copies="sys.exit(1)", changed=""):
+    def start(code, copies="sys.exit(1)"):
         (tmp_path / "copies.py").write_text("import os, signal, sys, time\n" + textwrap.dedent(copies), "utf-8")
         (tmp_path / "box.py").write_text(BOX + textwrap.dedent(code), "utf-8")
         found.append(subprocess.Popen(
-            [sys.executable, "-c", SUPERVISOR, changed], cwd=str(tmp_path), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-            universal_newlines=True))
+            [sys.executable, "-c", SUPERVISOR], cwd=str(tmp_path), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            text=True))
         return found[0]
 
     yield start
