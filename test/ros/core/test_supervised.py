@@ -41,6 +41,7 @@ class TestSupervisedCore(OwnCoreCase):
             rospy.wait_for_service("/other/core/stop")
             self.assertEqual(rosservice.get_service_node("/other/core/stop"), NODE)
             wait_until(lambda: rospy.has_param("/other/roah_rsbb_door"), "the door is published")
+            rospy.delete_param("/other/roah_rsbb_door")  # the next node publishes it again, when it handles signals
         self.assertEqual(program.wait_ended(), 0, "as without a supervisor: roslaunch starts the next one")
         self.assertIn("The box has ended unexpectedly (-9)", program.text)
 
