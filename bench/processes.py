@@ -116,7 +116,8 @@ class Box:
     def _started(self, profile: str, settings: Dict[str, object]) -> Measured:
         launcher = [sys.executable] if not profile else [sys.executable, "-m", "cProfile", "-o", profile]
         return Measured(
-            *launcher, str(ROOT / "scripts" / "roah_rsbb_core"), *(f"_{k}:={v}" for k, v in settings.items()))
+            *launcher, str(ROOT / "scripts" / "roah_rsbb_core"), "--unsupervised",
+            *(f"_{k}:={v}" for k, v in settings.items()))
 
     def _configure(self) -> None:
         # The benchmarks of competitions, with timeouts so long that no run of the bench ends by itself.

@@ -1,19 +1,26 @@
 """Signs of life of the core: its loop sends five a second or more, and nothing else of it does.
 
-They are datagrams as systemd expects them (sd_notify), so that one message serves systemd and the nodes that watch the
-core on its computer. The kernel says which process sent one. A process that only exists sends none: one that is
-stopped, that waits for a disk, or whose loop does not end.
+They go to systemd (sd_notify), to the supervisor that started the core, and to the program that copies the journal. The
+supervisor's way is a pair of sockets that the core inherits, the other one a socket in a folder of this user: nobody
+else can write to either. A process that only exists sends no sign: one that is stopped, that waits for a disk, or whose
+loop does not end.
 
-Only Linux has such datagrams. On other systems nothing is sent, and nobody who watches ever sees a core.
+Over the same pair the supervisor keeps a few texts for the next core, such as which channels are open: its *memory*.
+
+Only Linux has such sockets. On other systems nothing is sent, and nobody who watches ever sees a core.
 """
 
 import contextlib
+import errno
 import hashlib
+import json
 import os
 import signal
 import socket
+import stat
 import struct
-from typing import Callable, Optional
+import subprocess
+from typing import Callable, Dict, Iterator, Mapping, Optional, Sequence
 
 from roah_rsbb import platform
 
@@ -21,41 +28,96 @@ from roah_rsbb import platform
 HUNG_S = 2.0
 # How often those who watch look.
 LOOK_S = 0.1
-# Those who watch.
-SUPERVISOR, BACKUP = "supervisor", "backup"
 # READY counts once, and WATCHDOG always.
 SIGN = b"READY=1\nWATCHDOG=1"
 # Not for systemd, for which the service does not end. A core that ends by itself says so.
 END = b"end"
 # Of a box that waits for another one to end, or for a takeover: it is no core yet.
 WAITING = b"waiting"
-# Of the supervisor: the core is gone, and roslaunch starts the next one.
+# Of the supervisor: the core is gone, or slow, and the next one is started.
 STARTING = b"starting"
+# Names in the memory: before the port of a channel; the folder of the journal; the files that say where the door is;
+# the TCP port of the pages; that of the standby (0: none).
+CHANNEL, LOG_DIR, DOORS, WEB_PORT, STANDBY = "channel/", "log_dir", "doors", "web_port", "standby_port"
+# In the environment of the core: its end of the pair.
+LIFELINE = "ROAH_RSBB_LIFELINE"
+# Before a text for the memory.
+_KEEP = b"keep "
+# Of the memory, with its names.
+MOST_BYTES = 60_000
 _CREDENTIALS = struct.Struct("3i")  # process, user and group of the sender
-_MAX_BYTES = 256
+_READ_BYTES = 2 * MOST_BYTES
 
 
-def _address(log_dir: str, watcher: str) -> bytes:
-    """The address of one who watches the core of this log_dir. It is in no folder, so no disk takes part in it."""
-    return b"\0roah_rsbb/" + f"{hashlib.sha256(os.fsencode(os.path.realpath(log_dir))).hexdigest()}/{watcher}".encode()
+def _folder() -> str:
+    """Return a folder to which only this user may write. Raises OSError if there is none.
+
+    It is not in log_dir, whose disk may hang, nor in /run/user, which goes when the user logs out.
+    """
+    path = os.path.join(os.path.expanduser("~"), ".roah_rsbb", "watch")
+    os.makedirs(path, mode=0o700, exist_ok=True)
+    found = os.stat(path)
+    if found.st_uid != os.geteuid() or stat.S_IMODE(found.st_mode) != 0o700:
+        raise PermissionError(errno.EPERM, "others may write there", path)
+    return path
 
 
-class Signs:
-    """The core's end."""
+@contextlib.contextmanager
+def _address(log_dir: str) -> Iterator[str]:
+    """The address of the program that copies the journal of this log_dir. A short one, however long the folder's is.
+    Raises OSError."""
+    name = hashlib.sha256(os.fsencode(os.path.realpath(log_dir))).hexdigest()[:32]
+    folder = os.open(_folder(), os.O_RDONLY)
+    try:
+        yield f"/proc/self/fd/{folder}/{name}"
+    finally:
+        os.close(folder)
 
-    def __init__(self, log_dir: str) -> None:
-        self._socket = platform.local_socket()
-        self._addresses = [_address(log_dir, watcher) for watcher in (SUPERVISOR, BACKUP)]
+
+class Lifeline:
+    """The core's end. Without a supervisor, it has no memory. Nothing here raises or waits: nobody may watch."""
+
+    def __init__(self, log_dir: str = "") -> None:
+        """`log_dir`: default: that of the core before."""
+        self.kept: Dict[str, str] = {}
+        """What the core before had kept when it ended."""
+        self._copier = platform.local_socket()
         systemd = os.environ.get("NOTIFY_SOCKET", "")
         self._systemd = (f"\0{systemd[1:]}" if systemd.startswith("@") else systemd).encode()
+        self._unsent: Dict[str, Optional[str]] = {}  # by name; None: it is to be forgotten
+        self._supervisor: Optional[socket.socket] = None
+        fd = os.environ.pop(LIFELINE, "")
+        if fd:
+            with contextlib.suppress(OSError, ValueError):
+                self._supervisor = socket.socket(fileno=int(fd))
+                self._supervisor.set_inheritable(False)
+                self._supervisor.setblocking(False)
+                self.kept = json.loads(self._supervisor.recv(_READ_BYTES))
+        self._sizes = {name: _size(name, value) for name, value in self.kept.items()}
+        self.use(log_dir or self.kept.get(LOG_DIR, ""))
+
+    def use(self, log_dir: str) -> None:
+        """Be the core of this log_dir; empty: it is not known yet."""
+        self._log_dir = log_dir
+        if log_dir:
+            self.keep(LOG_DIR, log_dir)
 
     def send(self, sign: bytes = SIGN) -> None:
-        """Send a sign. Send that of the core in its loop, and nowhere else. Never raises or waits: nobody may watch."""
-        if self._socket is None:
-            return
-        for address in (*self._addresses, *([self._systemd] if self._systemd and sign in (SIGN, WAITING) else [])):
+        """Send a sign. Send that of the core in its loop, and nowhere else."""
+        if self._supervisor is not None:
+            self._send_unsent()
             with contextlib.suppress(OSError):
-                self._socket.sendto(SIGN if address == self._systemd else sign, address)
+                self._supervisor.send(sign)
+        if self._copier is None or not self._log_dir:
+            return
+        try:
+            self._copier.send(sign)
+        except OSError as error:
+            if error.errno not in (errno.EAGAIN, errno.ENOBUFS):
+                self._find_copier(sign)
+        if self._systemd and sign in (SIGN, WAITING):
+            with contextlib.suppress(OSError), contextlib.closing(platform.local_socket()) as opened:
+                opened.sendto(SIGN, self._systemd)
 
     def wait(self) -> None:
         """Say that this process waits."""
@@ -64,6 +126,40 @@ class Signs:
     def end(self) -> None:
         """Say that the core ends by itself."""
         self.send(END)
+
+    def keep(self, name: str, value: str) -> bool:
+        """Keep a text under this name for the next core. Returns whether the supervisor has it: otherwise it gets it
+        before the next sign, unless there is none, or the memory is full."""
+        if self._supervisor is None or sum(
+                size for other, size in self._sizes.items() if other != name) + _size(name, value) > MOST_BYTES:
+            return False
+        self._sizes[name] = _size(name, value)
+        self._unsent[name] = value
+        return self._send_unsent()
+
+    def drop(self, name: str) -> bool:
+        """Keep it no longer. Returns as `keep`."""
+        if self._supervisor is None or self._sizes.pop(name, None) is None:
+            return False
+        self._unsent[name] = None
+        return self._send_unsent()
+
+    def _send_unsent(self) -> bool:
+        with contextlib.suppress(OSError):
+            while self._unsent:
+                name = next(iter(self._unsent))
+                self._supervisor.send(_KEEP + json.dumps([name, self._unsent[name]]).encode())
+                del self._unsent[name]
+        return not self._unsent
+
+    def _find_copier(self, sign: bytes) -> None:
+        with contextlib.suppress(OSError), _address(self._log_dir) as address:
+            self._copier.connect(address)
+            self._copier.send(sign)
+
+
+def _size(name: str, value: str) -> int:
+    return len(json.dumps([name, value]))
 
 
 class CoreSilence:
@@ -93,16 +189,75 @@ class CoreSilence:
         return bool(self.pid) and self.seconds < HUNG_S
 
 
-class Watch:
-    """Watches the core of a log_dir. Call `look` every `LOOK_S`, in one thread."""
+class Supervision:
+    """The supervisor's end of its cores' lifelines. Call `look` every `LOOK_S`, in one thread."""
 
-    def __init__(self, log_dir: str, watcher: str, now: Callable[[], float]) -> None:
+    def __init__(self, now: Callable[[], float]) -> None:
         """`now`: monotonic seconds."""
-        self._address, self._now = _address(log_dir, watcher), now
+        self.memory: Dict[str, str] = {}
+        self.silence = CoreSilence()  # of the present core
+        self.is_waiting = False  # it said so since the last look
+        self._now = now
+        self._socket: Optional[socket.socket] = None
+
+    def start(self, command: Sequence[str], environment: Mapping[str, str]) -> "subprocess.Popen[bytes]":
+        """Start the next core. It has the memory before it does anything."""
+        self.close()
+        self.silence = CoreSilence()
+        if not platform.names_senders():
+            return subprocess.Popen(command, env=environment)
+        self._socket, inherited = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._socket.setblocking(False)
+        self._socket.send(json.dumps(self.memory).encode())
+        with inherited:
+            return subprocess.Popen(command, env={**environment, LIFELINE: str(inherited.fileno())},
+                                    pass_fds=[inherited.fileno()])
+
+    def look(self, pid: int) -> None:
+        """Take what the core said; `pid`: its process."""
+        found: Optional[int] = None
+        self.is_waiting = False
+        while self._socket is not None:
+            try:
+                data = self._socket.recv(_READ_BYTES)
+            except OSError:
+                break
+            if not data:
+                break  # it is gone
+            if data.startswith(_KEEP):
+                self._remember(*json.loads(data[len(_KEEP):]))
+            elif data in (SIGN, END):
+                found = 0 if data == END else pid
+            elif data == WAITING:
+                self.is_waiting = True
+        self.silence.look(self._now(), found)
+
+    def close(self) -> None:
+        """Take no more."""
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+
+    @property
+    def can_hear(self) -> bool:
+        """Whether signs of life can be heard on this system."""
+        return self._socket is not None
+
+    def _remember(self, name: str, value: Optional[str]) -> None:
+        self.memory.pop(name, None)
+        if value is not None:
+            self.memory[name] = value
+
+
+class Watch:
+    """Watches the core of a log_dir for the program that copies. Call `look` every `LOOK_S`, in one thread."""
+
+    def __init__(self, log_dir: str, now: Callable[[], float]) -> None:
+        """`now`: monotonic seconds."""
+        self._log_dir, self._now = log_dir, now
         self._socket: Optional[socket.socket] = None
         self._began = ""  # when the core's process began
         self._starting_mono = float("-inf")
-        self.waiting = 0  # the process that said last that it waits; 0: none
         self.silence = CoreSilence()
 
     def look(self) -> None:
@@ -111,11 +266,6 @@ class Watch:
         if pid and pid != self.silence.pid:
             self._began = began(pid)
         self.silence.look(self._now(), pid)
-
-    @property
-    def can_hear(self) -> bool:
-        """Whether signs of life can be heard on this system."""
-        return self._socket is not None
 
     @property
     def is_gone(self) -> bool:
@@ -150,7 +300,7 @@ class Watch:
         found: Optional[int] = None
         while True:
             try:
-                data, parts, _, _ = self._socket.recvmsg(_MAX_BYTES, socket.CMSG_SPACE(_CREDENTIALS.size))
+                data, parts, _, _ = self._socket.recvmsg(_READ_BYTES, socket.CMSG_SPACE(_CREDENTIALS.size))
             except OSError:
                 return found
             for _level, kind, content in parts:
@@ -161,8 +311,6 @@ class Watch:
                     found = pid if data == SIGN else 0
                 elif user == os.geteuid() and data == STARTING:
                     self._starting_mono = self._now()
-                elif user == os.geteuid() and data == WAITING:
-                    self.waiting = pid
 
     def _open(self) -> bool:
         """Open the socket. Another process may have it for a moment, such as a node that is just ending."""
@@ -171,12 +319,27 @@ class Watch:
             return False
         opened.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
         try:
-            opened.bind(self._address)
+            with _address(self._log_dir) as address:
+                if _is_left(address):
+                    os.unlink(address)
+                opened.bind(address)
         except OSError:
             opened.close()
             return False
         self._socket = opened
         return True
+
+
+def _is_left(address: str) -> bool:
+    """Whether there is a socket that nobody reads any more."""
+    with contextlib.closing(platform.local_socket()) as trial:
+        try:
+            trial.connect(address)
+        except ConnectionRefusedError:
+            return True
+        except OSError:
+            pass
+    return False
 
 
 def state_of(pid: int) -> str:

@@ -21,7 +21,7 @@ import pytest
 import roah_rsbb
 from helpers.as_on_windows import NAMES, WindowsFiles
 from roah_rsbb import durable, platform
-from roah_rsbb.signs_of_life import SUPERVISOR, Signs, Watch
+from roah_rsbb.signs_of_life import Lifeline, Watch
 
 PACKAGE = pathlib.Path(platform.__file__).parent
 TIMEOUT_S = 60.0
@@ -461,9 +461,9 @@ def test_where_broadcasts_are_received(each):
 
 
 def test_signs_of_life_are_seen_where_there_are_such_sockets(each, tmp_path):
-    watch = Watch(str(tmp_path), SUPERVISOR, time.monotonic)
+    watch = Watch(str(tmp_path), time.monotonic)
     watch.look()
-    Signs(str(tmp_path)).send()
+    Lifeline(str(tmp_path)).send()
     watch.look()
     watch.close()
     assert watch.silence.pid == (0 if each else os.getpid())
@@ -585,7 +585,7 @@ def test_what_is_missing_on_windows_is_noticed(tmp_path):
 # Names that Windows lacks, in code that does not run there.
 KNOWN = {
     "journal.processes": {"os.fork", "signal.SIGKILL"},  # `platform.processors` is 1
-    "signs_of_life": {"os.geteuid", "signal.SIGKILL", "socket.CMSG_SPACE", "socket.SCM_CREDENTIALS",
+    "signs_of_life": {"os.geteuid", "signal.SIGKILL", "socket.AF_UNIX", "socket.CMSG_SPACE", "socket.SCM_CREDENTIALS",
                       "socket.SO_PASSCRED"},  # `platform.local_socket` is None
 }
 

@@ -1,22 +1,24 @@
 """Signs of life of the core, and who misses them."""
 
+import functools
 import os
 import signal
 import socket
 import subprocess
 import sys
+from unittest import mock
 
 import pytest
 
 from roah_rsbb import signs_of_life
 from roah_rsbb.client.client import OLD_S
-from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, CoreSilence, Signs, Watch
+from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, CoreSilence, Lifeline, Supervision, Watch
 from roah_rsbb.web import server
 
 CORE = """
 import sys
-from roah_rsbb.signs_of_life import Signs
-signs = Signs(sys.argv[1])
+from roah_rsbb.signs_of_life import Lifeline
+signs = Lifeline(sys.argv[1])
 for line in sys.stdin:
     {"end": signs.end, "wait": signs.wait, "sign": signs.send}[line.strip()]()
     print(flush=True)
@@ -45,7 +47,7 @@ class Watched:
 
     def __init__(self, folder):
         self.now, self.folder = 0.0, str(folder)
-        self.watch = Watch(str(folder), SUPERVISOR, lambda: self.now)
+        self.watch = Watch(str(folder), lambda: self.now)
         self.watch.look()
         self.core = Core(folder)
 
@@ -138,7 +140,7 @@ def test_a_core_that_is_gone(watched):
     watched.core.send()
     watched.pass_time(1.0)
     assert not watched.watch.is_gone and not watched.watch.is_starting
-    Signs(watched.folder).send(STARTING)
+    Lifeline(watched.folder).send(STARTING)
     watched.core.close()
     watched.pass_time(LOOK_S)
     assert watched.watch.is_gone and not watched.watch.is_hung and watched.watch.is_starting
@@ -162,7 +164,7 @@ def test_signs_of_another_box_do_not_count(watched, tmp_path):
 
 
 def test_a_watcher_takes_the_place_of_one_that_ends(watched, tmp_path):
-    second = Watch(str(tmp_path), SUPERVISOR, lambda: watched.now)
+    second = Watch(str(tmp_path), lambda: watched.now)
     second.look()
     watched.watch.close()
     second.look()
@@ -179,7 +181,7 @@ def test_systemd_gets_each_sign(tmp_path, monkeypatch, is_abstract):
         systemd.bind(f"\0{name[1:]}" if is_abstract else name)
         systemd.settimeout(60.0)
         monkeypatch.setenv("NOTIFY_SOCKET", name)
-        signs = Signs(str(tmp_path))
+        signs = Lifeline(str(tmp_path))
         signs.send()
         assert systemd.recv(256).splitlines() == [b"READY=1", b"WATCHDOG=1"]
         signs.end()
@@ -190,16 +192,16 @@ def test_systemd_gets_each_sign(tmp_path, monkeypatch, is_abstract):
 
 def test_nobody_watches(tmp_path, monkeypatch):
     monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "missing"))
-    signs = Signs(str(tmp_path))
+    signs = Lifeline(str(tmp_path))
     for _ in range(1000):
         signs.send()
 
 
 def test_a_watcher_that_does_not_read_stops_nobody(tmp_path):
     """It may hang itself."""
-    watch = Watch(str(tmp_path), SUPERVISOR, lambda: 0.0)
+    watch = Watch(str(tmp_path), lambda: 0.0)
     watch.look()
-    signs = Signs(str(tmp_path))
+    signs = Lifeline(str(tmp_path))
     for _ in range(10_000):
         signs.send()
     watch.close()
@@ -224,6 +226,169 @@ def test_a_process_that_waits_is_not_taken_for_the_core(watched):
             other.send("wait")
             watched.pass_time(LOOK_S)
         assert watched.watch.is_hung and watched.watch.silence.pid == watched.core.pid
-        assert watched.watch.waiting == other.pid
     finally:
         other.close()
+
+
+STRANGER = """
+import os, socket, sys
+os.setuid(65534)
+opened = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+for path in sys.argv[1:]:
+    for what in (opened.connect, opened.bind):
+        try:
+            what(path)
+            print("could", what.__name__, path)
+        except OSError:
+            pass
+"""
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="needs a second user")
+def test_no_other_user_can_write_where_signs_are_heard(watched):
+    """Or take that place: one could get a healthy core killed, or switch off who notices a hung one."""
+    with signs_of_life._address(watched.folder) as address:
+        place = os.path.realpath(address)
+    assert os.path.exists(place), "the watch listens there"
+    folder = os.path.dirname(place)
+    done = subprocess.run([sys.executable, "-c", STRANGER, place, os.path.join(folder, "other")], text=True,
+                          stdout=subprocess.PIPE, check=True)
+    assert done.stdout == ""
+    with open("/proc/net/unix", encoding="utf-8") as file:
+        assert not [line for line in file if "@" in line and os.path.basename(place) in line], "anybody can"
+
+
+def test_a_folder_that_others_can_write_is_not_used(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / ".roah_rsbb" / "watch").mkdir(parents=True)
+    (tmp_path / ".roah_rsbb" / "watch").chmod(0o777)
+    watch = Watch(str(tmp_path), lambda: 0.0)
+    watch.look()
+    Lifeline(str(tmp_path)).send()
+    assert watch.silence.pid == 0 and not list((tmp_path / ".roah_rsbb" / "watch").iterdir())
+
+
+def test_the_socket_of_a_watcher_that_was_killed_is_replaced(tmp_path):
+    subprocess.run([sys.executable, "-c", "import sys; from roah_rsbb.signs_of_life import Watch; "
+                    "Watch(sys.argv[1], lambda: 0.0).look()", str(tmp_path)], check=True)
+    watch = Watch(str(tmp_path), lambda: 0.0)
+    watch.look()
+    Lifeline(str(tmp_path)).send()
+    watch.look()
+    watch.close()
+    assert watch.silence.pid == os.getpid()
+
+
+# -- the supervisor's end ------------------------------------------------------------------------------
+
+REMEMBERING = """
+import json, sys
+from roah_rsbb.signs_of_life import Lifeline
+lifeline = Lifeline("folder")
+print(json.dumps(lifeline.kept, sort_keys=True), flush=True)
+for line in sys.stdin:
+    print(eval(line), flush=True)
+"""
+
+
+class Supervised:
+    """A supervisor and its core, which evaluates what the test says."""
+
+    def __init__(self):
+        self.now = 0.0
+        self.core = Supervision(lambda: self.now)
+        self.process = None
+
+    def start(self):
+        """Start the next core; returns what it finds."""
+        self.close()
+        with mock.patch.object(subprocess, "Popen", functools.partial(
+                subprocess.Popen, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)):
+            self.process = self.core.start([sys.executable, "-c", REMEMBERING], os.environ)
+        return self.process.stdout.readline().strip()
+
+    def do(self, code):
+        print(code, file=self.process.stdin, flush=True)
+        return self.process.stdout.readline().strip()
+
+    def look(self):
+        self.now += LOOK_S
+        self.core.look(self.process.pid)
+
+    def close(self):
+        if self.process is not None:
+            self.process.kill()
+            self.process.communicate()
+            self.process = None
+
+
+@pytest.fixture
+def supervised():
+    made = Supervised()
+    yield made
+    made.close()
+    made.core.close()
+
+
+def test_the_next_core_has_what_the_one_before_kept(supervised):
+    assert supervised.start() == "{}"
+    assert supervised.do("lifeline.keep('stop/1', 'by Ann')") == "True"
+    assert supervised.do("lifeline.keep('channel/7', 'x'), lifeline.drop('channel/7')") == "(True, True)"
+    supervised.close()  # killed before anybody looked
+    supervised.core.look(1)
+    for _ in range(2):  # also of one that was killed before it did anything
+        assert supervised.start() == '{"log_dir": "folder", "stop/1": "by Ann"}'
+        supervised.look()
+    assert supervised.do("lifeline.drop('stop/1')") == "True"
+    supervised.look()
+    assert supervised.start() == '{"log_dir": "folder"}'
+
+
+def test_signs_over_the_lifeline(supervised):
+    supervised.start()
+    supervised.look()
+    assert supervised.core.can_hear and not supervised.core.silence.is_alive
+    supervised.do("lifeline.wait()")
+    supervised.look()
+    assert supervised.core.is_waiting and not supervised.core.silence.is_alive
+    supervised.do("lifeline.send()")
+    supervised.look()
+    assert supervised.core.silence.pid == supervised.process.pid and not supervised.core.is_waiting
+    supervised.do("lifeline.end()")
+    supervised.look()
+    assert supervised.core.silence.pid == 0
+
+
+def test_a_supervisor_that_does_not_read_stops_nobody_and_gets_all_later(supervised):
+    supervised.start()
+    supervised.do("[lifeline.send() for _ in range(10_000)] and None")
+    assert supervised.do("lifeline.keep('a', '1')") == "False"
+    assert supervised.do("lifeline.keep('b', '2')") == "False"
+    supervised.look()
+    supervised.do("lifeline.send()")
+    supervised.look()
+    assert supervised.core.memory == {"log_dir": "folder", "a": "1", "b": "2"}
+
+
+def test_the_memory_has_a_limit(supervised):
+    supervised.start()
+    assert supervised.do(f"lifeline.keep('a', 'x' * {signs_of_life.MOST_BYTES - 100})") == "True"
+    assert supervised.do("lifeline.keep('b', 'y' * 100)") == "False"
+    assert supervised.do("lifeline.keep('a', 'x')") == "True"
+    supervised.look()
+    assert supervised.start() == '{"a": "x", "log_dir": "folder"}'
+    assert supervised.do(f"lifeline.keep('b', 'y' * {signs_of_life.MOST_BYTES - 100})") == "True"
+    supervised.look()
+    supervised.start()
+
+
+def test_what_a_core_starts_does_not_hold_the_lifeline(supervised):
+    supervised.start()
+    assert supervised.do(
+        "__import__('subprocess').check_output(['sh', '-c', 'echo $ROAH_RSBB_LIFELINE; ls /proc/self/fd | wc -l'], "
+        "close_fds=False).split()") == "[b'4']"
+
+
+def test_without_a_supervisor_there_is_no_memory(tmp_path):
+    lifeline = Lifeline(str(tmp_path))
+    assert (lifeline.kept, lifeline.keep("a", "b"), lifeline.drop("a")) == ({}, False, False)

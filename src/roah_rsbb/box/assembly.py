@@ -13,7 +13,7 @@ from roah_rsbb.box.driver import CoreDriver, Outputs, RunLogs
 from roah_rsbb.box.fence import Fence, end_superseded, running_s
 from roah_rsbb.box.journal import CoreJournal, competition, saved_state
 from roah_rsbb.box.standby_answers import StandbyAnswers
-from roah_rsbb.box.stops import Memory, NoMemory, StopNotes
+from roah_rsbb.box.stops import ChannelNotes, Memory, NoMemory, StopNotes
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.seen import Seen
@@ -102,7 +102,8 @@ class CoreAssembly:
             self.fence.check, machine.random_bytes, machine.seen)
         self.radio.use_passwords(version, config.passwords)
         self.journal = CoreJournal(box, self.store)
-        self._stops = StopNotes(NoMemory() if memory is None else memory, inform_standby)
+        memory = NoMemory() if memory is None else memory
+        self._stops, self._channels = StopNotes(memory, inform_standby), ChannelNotes(memory)
         self.run_logs = make_run_logs(machine.uuid, self._on_log_trouble, self._on_log_repaired)
         self.driver = CoreDriver(loop, box, self.radio, self.run_logs, ports, self.journal, outputs, self.now,
                                  self.fence.check, self._stops.sent)
@@ -165,6 +166,7 @@ class CoreAssembly:
         self.journal.each_second(self.now(), self.radio.unreadable())
         self._warn_of_journal()
         self._stops.look(self.store.saved)
+        self._channels.look(self.radio.open_channels())
 
     def check_earlier(self) -> None:
         """In another thread: warn of damage in the part of the journal that a start does not read."""

@@ -38,7 +38,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.params import BadParams
 from roah_rsbb.rulebook.benchmarks import Config, Durable
 from roah_rsbb.run_logs.writer import RunLogWriter
-from roah_rsbb.signs_of_life import Signs
+from roah_rsbb.signs_of_life import STANDBY, Lifeline
 
 # Seconds between signs of life, and between looks at what only time changes.
 PERIOD_S = 0.2
@@ -64,10 +64,10 @@ class RunningBox:
 
     def __init__(
         self, loop: asyncio.AbstractEventLoop, params: BoxParameters, launch: str, lock: Optional[Lock],
-        peripherals: Peripherals,
+        peripherals: Peripherals, lifeline: Lifeline,
     ) -> None:
-        """`launch` identifies the launch; empty: none. `lock`: of the journal (see `wait_for_journal`). Raises
-        `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError."""
+        """`launch` identifies the launch; empty: none. `lock`: of the journal (see `wait_for_journal`). `lifeline`:
+        to the supervisor. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError."""
         self._loop, self._params = loop, params
         self._configuration = _configuration(params, launch)
         self.uuid = str(uuid.uuid4())
@@ -80,6 +80,8 @@ class RunningBox:
         outputs = Outputs(
             peripherals.ring_timeout, peripherals.publish_module_runs, peripherals.set_device,
             lambda level, text: _log.log(_LEVELS[level], "%s", text), self._report_bug, self._on_changed)
+        self.lifeline = lifeline
+        lifeline.keep(STANDBY, str(params.standby_port))
         self.core = CoreAssembly(
             loop, Machine(boot_id(), os.getpid(), self.uuid, time.monotonic, time.time),
             BoxPlace(params.log_dir, params.network, params.standby_port), self._configuration.content.config,
@@ -88,7 +90,7 @@ class RunningBox:
                 params.log_dir, session, events, params.resume, on_trouble, lock),
             PortRecord(params.log_dir), functools.partial(RunLogWriter, params.log_dir), outputs,
             lambda ticket: self._copies.ask(ticket), peripherals.make_peer,
-            inform_standby=lambda stops: self._copies.pass_stops(stops))
+            memory=lifeline, inform_standby=lambda stops: self._copies.pass_stops(stops))
         self.box, self.event = self.core.box, self.core.event
         core = self.core
         self.calls = BoxCalls(self.box, self._call, Disks(core.journal.ticket, core.store.why_not_saved,
@@ -100,7 +102,6 @@ class RunningBox:
             {**self.calls.named(), "reload": reload.call}, core.fence.check, params.publicity)
         self._copies = CopyCalls(self.uuid, core, self.door)
         self.door.add_calls(self._copies.named())
-        self._signs = Signs(params.log_dir)
         for warning in self._configuration.notices:
             self.event(self.box.on_notice, warning)
         self._check_log_dir()
@@ -137,7 +138,7 @@ class RunningBox:
 
     def close(self) -> None:
         """End without informing robots. The door is closed before, with whatever says where it is."""
-        self._signs.end()
+        self.lifeline.end()
         self.core.close()
 
     def now(self) -> Now:
@@ -176,7 +177,7 @@ class RunningBox:
         now_mono, period_s = on_grid(self._loop.time()), self._period_s()
         self._loop.call_at(now_mono + period_s, self._tick)
         self.event(self.box.tick_if_due)
-        self._signs.send()
+        self.lifeline.send()
         todo: List[Callable[[], object]] = [*self._look()]
         if now_mono > self._journal_due_mono - period_s / 2:
             self._journal_due_mono = now_mono + SECOND_S

@@ -7,11 +7,12 @@ prepare again.
 """
 
 import json
-from typing import Callable, Dict, List, Mapping, NamedTuple, Protocol
+from typing import Callable, Dict, List, Mapping, NamedTuple, Protocol, Sequence
 
 from roah_rsbb.core.runs.run import UnrecordedStop
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import By, EndReason, RunRecord
+from roah_rsbb.signs_of_life import CHANNEL
 
 # Before the identity of the run, in the names of the notes.
 PREFIX = "stop/"
@@ -39,6 +40,24 @@ class NoMemory:
 
     def drop(self, name: str) -> None:
         """There is nothing."""
+
+
+class ChannelNotes:
+    """The open private channels, for a core that only sends STOP (`program/barest.py`)."""
+
+    def __init__(self, memory: Memory) -> None:
+        self._memory = memory
+        self._noted = {name: memory.kept[name] for name in memory.kept if name.startswith(CHANNEL)}
+
+    def look(self, channels: Mapping[int, Sequence[object]]) -> None:
+        """Note what the channels are now, by port."""
+        found = {f"{CHANNEL}{port}": json.dumps(channel) for port, channel in channels.items()}
+        for name, value in found.items():
+            if self._noted.get(name) != value:
+                self._memory.keep(name, value)
+        for name in self._noted.keys() - found.keys():
+            self._memory.drop(name)
+        self._noted = found
 
 
 class _Note(NamedTuple):

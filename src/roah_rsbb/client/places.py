@@ -4,7 +4,6 @@ Files are only for programs of the same user. A box without ROS has one in the u
 box with ROS has one for its master, and the parameter, which is for all computers of a ROS network.
 """
 
-import contextlib
 import os
 import socket
 import urllib.parse
@@ -13,7 +12,7 @@ from http.client import HTTPException
 from typing import Any, Callable, Optional
 from xml.parsers.expat import ExpatError
 
-from roah_rsbb.document.place import DoorPlace, NotFound, read_place
+from roah_rsbb.document.place import DoorPlace, NotFound, OnlyStops, read_place
 
 PARAM = "/roah_rsbb_door"
 # ROS's default, for a shell in which no setup file is sourced.
@@ -113,8 +112,12 @@ class DoorPlaces:
             raise NotFound(f"ROS_MASTER_URI is {self.master_uri!r} ({error}): set it to http://ADDRESS:11311 of the "
                            "box's computer, or unset it") from None
         if path:
-            with contextlib.suppress(NotFound):
+            try:
                 of_file = read_place(path)
+            except OnlyStops:
+                raise
+            except NotFound:
+                pass
         if of_file is not None and of_file != self._tried:
             self._tried = of_file
             return of_file

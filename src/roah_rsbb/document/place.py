@@ -15,6 +15,10 @@ class NotFound(Exception):
     """Nobody knows where the door is. The text names the remedy."""
 
 
+class OnlyStops(NotFound):
+    """The box has no door, because it only sends STOP. The text says why."""
+
+
 class DoorPlace(NamedTuple):
     """The address of a door (ws://…), and its token."""
 
@@ -27,11 +31,12 @@ def new_token() -> str:
     return secrets.token_urlsafe(32)
 
 
-def write_place(path: str, url: str, token: str) -> None:
-    """Write the file of a door. Raises OSError. On a full disk, the file of the door before is written over, which
-    has as many bytes."""
+def write_place(path: str, url: str, token: str, why: str = "") -> None:
+    """Write the file of a door; `why`: why there is none. Raises OSError.
+
+    On a full disk, the file of the door before is written over, which has as many bytes."""
     os.makedirs(os.path.dirname(path), exist_ok=True)
-    content = json.dumps({"url": url, "token": token}).encode()
+    content = json.dumps({"url": url, "token": token, **({"why": why} if why else {})}).encode()
     try:
         write_file(path, content)
     except OSError as error:
@@ -47,6 +52,8 @@ def read_place(path: str) -> DoorPlace:
     try:
         with open(path, encoding="utf-8") as file:
             found = json.load(file)
+        if "why" in found:
+            raise OnlyStops(str(found["why"]))
         return DoorPlace(str(found["url"]), str(found["token"]))
     except OSError as error:
         raise NotFound(f"{path}: {error.strerror}: start the box on this computer as the same user") from None

@@ -6,29 +6,23 @@ started again, and ends nothing.
 
 The node ends when roslaunch was killed. A killed roslaunch leaves its nodes running, and the service could no longer
 end them.
-
-The core's one also ends a core that hangs, so that roslaunch starts the next one, which continues its runs.
-
-Parameter (private): log_dir: of the core that it watches (none: it watches no core).
 """
 
 import contextlib
 import os
 import signal
 import threading
-import time
 
 import rospy
 from std_srvs.srv import Empty, EmptyResponse
 
-from roah_rsbb.log_lines import LogLines
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
-from roah_rsbb.ros.params import NodeParams
-from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, Signs, Watch, state_of
 
 # Delay of the shutdown, so that the caller gets its answer.
 ANSWER_S = 0.2
+# How often it looks whether roslaunch is there.
+LOOK_S = 0.1
 
 
 def _end(launch: int) -> None:
@@ -36,26 +30,6 @@ def _end(launch: int) -> None:
     if os.getppid() == launch:
         with contextlib.suppress(ProcessLookupError):
             os.kill(launch, signal.SIGINT)
-
-
-class Supervisor:
-    """Ends a core that hangs. Call `look` every `LOOK_S`."""
-
-    def __init__(self, log_dir: str) -> None:
-        self._watch, self._signs = Watch(log_dir, SUPERVISOR, time.monotonic), Signs(log_dir)
-        self._ended = 0  # the process that was ended last
-
-    def look(self) -> None:
-        """End the core if it has not answered for `HUNG_S`."""
-        self._watch.look()
-        if self._watch.is_gone:
-            self._signs.send(STARTING)  # the standby is to wait for it
-        pid = self._watch.silence.pid
-        if self._watch.is_hung and pid != self._ended:
-            why, self._ended = state_of(pid), pid
-            self._watch.kill()
-            rospy.logerr("The core (process %d) has not answered for %g s: %s. It is ended, and the next one continues "
-                         "its runs", pid, HUNG_S, why)
 
 
 def main() -> None:
@@ -69,16 +43,8 @@ def main() -> None:
         return EmptyResponse()
 
     connections.init_node("roah_rsbb_shutdown")
-    params = NodeParams()
-    log_lines = LogLines()  # the supervisor must not wait for the terminal
-    log_dir = params.path_or_none("log_dir")
-    supervisor = Supervisor(log_dir) if log_dir else None
-    params.done()
     rospy.Service("roah_rsbb_shutdown", Empty, on_call)
     while not rospy.is_shutdown():
         if os.getppid() != launch:
             rospy.signal_shutdown("the process that started this node is gone")
-        if supervisor is not None:
-            supervisor.look()
         rospy.rostime.wallsleep(LOOK_S)
-    log_lines.close()

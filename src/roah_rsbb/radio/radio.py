@@ -55,8 +55,8 @@ def beacon_size(beacon: Beacon) -> int:
 class _Private:
     """A private channel and the message that it repeats."""
 
-    def __init__(self, channel: PrivateChannel, short_way: ShortWay) -> None:
-        self.channel = channel
+    def __init__(self, channel: PrivateChannel, short_way: ShortWay, password: str) -> None:
+        self.channel, self.password = channel, password
         self.short_way = short_way
         self.sender = StateSender(is_on_grid=True)
         self.message: Optional[BoxMessage] = None
@@ -95,6 +95,7 @@ class CoreRadio:
         self._random_bytes = random_bytes
         self._network = network
         self._keys: Dict[int, Dict[str, Key]] = {}  # by version of the configuration, then by team
+        self._passwords: Dict[int, Mapping[str, str]] = {}  # in the same way
         self._box = box
         self._listening = True
         self._is_closed = False
@@ -116,6 +117,7 @@ class CoreRadio:
 
     def use_passwords(self, version: int, passwords: Mapping[str, str]) -> None:
         """Set the teams' passwords of a version of the configuration."""
+        self._passwords[version] = passwords
         self._keys[version] = {team: Key(password, self._random_bytes) for team, password in passwords.items()}
 
     def open(self, listen_duration: float) -> None:
@@ -140,6 +142,18 @@ class CoreRadio:
     def unreadable(self) -> Dict[int, int]:
         """The number of unreadable datagrams so far by private port."""
         return {port: sum(private.channel.complaints.totals().values()) for port, private in self._privates.items()}
+
+    def open_channels(self) -> Dict[int, Tuple[object, ...]]:
+        """What is needed to stop the robots in runs, by private port: see `StoppedRobot`."""
+        found: Dict[int, Tuple[object, ...]] = {}
+        network = self._network
+        for port, private in self._privates.items():
+            run = self._box.zones.run_at(port)
+            if run is not None:
+                found[port] = (str(run.robot), private.password, private.channel.remote or "", run.message.benchmark,
+                               network.rsbb_host, network.bind_host, int(network.cipher), network.broadcast,
+                               network.max_datagram)
+        return found
 
     # -- sending -------------------------------------------------------------------------------------
 
@@ -186,7 +200,7 @@ class CoreRadio:
         short_way.begin(channel)
         channel.open()
         channel.remote = host
-        self._privates[port] = _Private(channel, short_way)
+        self._privates[port] = _Private(channel, short_way, self._passwords[version][team])
 
     def aim(self, port: int, host: str) -> None:
         """Send to this host from now on."""

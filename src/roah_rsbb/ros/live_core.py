@@ -30,12 +30,14 @@ def live_core(name: str, answer_s: float, if_silent: bool, topic: str = GUI_TOPI
     return next((node for node in others if _publishes(master, node, answer_s, if_silent, topic)), None)
 
 
-def wait_for_other_core() -> None:
+def wait_for_other_core(on_look: Callable[[], object]) -> None:
     """Return when no other core answers at this master: one that hangs still has the journal, which says how to end
-    it. Call it before the node is registered there. Ends the process if it is interrupted before."""
+    it. Call it before the node is registered there. Ends the process if it is interrupted before. `on_look` is called
+    whenever it looks."""
     topic = rosgraph.names.resolve_name(rosgraph.names.load_mappings(sys.argv).get(GUI_TOPIC, GUI_TOPIC), "/")
 
     def other() -> Optional[str]:
+        on_look()
         try:
             return live_core("/roah_rsbb_core", ANSWER_S, False, topic)
         except (OSError, rosgraph.MasterException):  # the node waits for the master, or reports why not

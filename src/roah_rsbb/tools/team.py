@@ -22,7 +22,7 @@ COMMANDS = {
 }
 # Not for users: processes of a box.
 INTERNAL = {"modules": ("box", "box.program.modules_process", ""), "copies": ("box", "standby.program.copying", ""),
-            "guard": ("box", "standby.program.guard", "")}
+            "barest": ("box", "box.program.barest", ""), "guard": ("box", "standby.program.guard", "")}
 
 
 def _usage() -> str:

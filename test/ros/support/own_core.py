@@ -34,18 +34,13 @@ class Core(Program):
     """A core; `inside`: see `SmallDisk`."""
 
     def __init__(self, params: Dict[str, Any], inside: Tuple[str, ...] = ()) -> None:
-        super().__init__(*inside, own("roah_rsbb_core"),
+        super().__init__(*inside, own("roah_rsbb_core"), "--unsupervised",
                          *(f"_{name}:={value}" for name, value in {**PARAMS, **params}.items()))
 
     def kill(self) -> None:
         """Kill it in the middle of whatever it is doing."""
         super().kill()
         self.wait_ended()
-
-    @property
-    def pid(self) -> int:
-        """The number of its process."""
-        return self._process.pid
 
     def stop(self) -> None:
         """Make it hang: the process exists, but does nothing."""

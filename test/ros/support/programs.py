@@ -104,6 +104,11 @@ class Program:
         self._process.kill()
 
     @property
+    def pid(self) -> int:
+        """The number of its process."""
+        return self._process.pid
+
+    @property
     def text(self) -> str:
         """All that it printed so far."""
         return "\n".join(self.lines)

@@ -6,6 +6,7 @@ of benchmarks have another process, because they are code of others (`modules_pr
 
 import asyncio
 import contextlib
+import json
 import logging
 import os
 import pathlib
@@ -30,7 +31,7 @@ from roah_rsbb.model.zone import RUNNING
 from roah_rsbb.params import BadParams
 from roah_rsbb.platform import open_in_browser
 from roah_rsbb.radio.radio import Network
-from roah_rsbb.signs_of_life import Signs
+from roah_rsbb.signs_of_life import DOORS, WEB_PORT, Lifeline
 from roah_rsbb.web.pairing import CODE_VALID_S
 
 # How often it is checked whether the supervisor is there, and whether the file of the door is.
@@ -55,11 +56,11 @@ class BoxProgram:
         self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
         self._sounds = Sounds(settings)
         _make_folder(params.log_dir)
-        self._signs, self._parent = Signs(params.log_dir), os.getppid()
+        lifeline, self._parent = Lifeline(params.log_dir), os.getppid()
 
         def is_left() -> bool:
             """Say that this process waits; whether its supervisor is gone, so that nobody waits for it."""
-            self._signs.wait()
+            lifeline.wait()
             return bool(launch) and os.getppid() != self._parent
 
         wait_for_takeover(params.log_dir, is_left)
@@ -68,7 +69,10 @@ class BoxProgram:
         settings.done()
         self.running = RunningBox(
             loop, params, launch, wait_for_journal(params.log_dir, is_left),
-            Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer))
+            Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer),
+            lifeline)
+        if settings.flag("web", True) and not settings.given("web_cert"):
+            lifeline.keep(WEB_PORT, str(settings.whole("web_port", 8081, 0, 65535)))
         self._web = WebParts(loop, settings, self.running, make_peer)
         self._copying = CopyingProcess(copy_settings(settings))
         self._door_files: List[str] = []
@@ -91,6 +95,7 @@ class BoxProgram:
         self._url = f"ws://{LOOPBACK}:{port}/door"
         own = door_file_in(self._params.log_dir)
         self._door_files = [*dict.fromkeys((own, door_file))]
+        self.running.lifeline.keep(DOORS, json.dumps(self._door_files))
         for path in self._door_files:
             problem = self._write_door(path)
             if problem:  # the box has other faces
@@ -99,7 +104,7 @@ class BoxProgram:
 
     def close(self) -> None:
         """End everything. Runs continue with the next start."""
-        self._signs.end()  # whatever follows, it is no core that hangs
+        self.running.lifeline.end()  # whatever follows, it is no core that hangs
         running = [zone.zone for zone in self.running.door.document.zones.values() if zone.phase == RUNNING]
         if running and not self.running.box.is_superseded:
             _log.warning("The box ends during a run in %s: its robot is not stopped, and the run continues when the "

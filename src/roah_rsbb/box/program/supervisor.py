@@ -1,11 +1,16 @@
-"""Starts the box again if it ends unexpectedly: what roslaunch does for a box with ROS.
+"""Starts the box again if it ends unexpectedly, with ROS and without.
 
 The box is a process of its own. One that was killed, that crashed or that hangs is replaced by the next one within a
-second, which continues its runs. Beside it runs the program that copies the journal, if it is to be copied: when the
-box does not answer, that one hands over to the standby.
+second, which continues its runs. One that fails again and again gets more time each time, because it may only be slow.
+After `MOST_FAILURES` that were started in vain, the barest core is what is left (`barest.py`), unless there is a
+standby, which takes over.
+
+Beside the box without ROS runs the program that copies the journal, if it is to be copied: when the box does not
+answer, that one hands over to the standby.
 """
 
 import logging
+import math
 import os
 import signal
 import subprocess
@@ -17,7 +22,7 @@ from roah_rsbb.arguments import without_ros
 from roah_rsbb.copies.settings import CopySettings
 from roah_rsbb.params import BadParams
 from roah_rsbb.platform import ending_signals, ignore_stops
-from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, SUPERVISOR, Signs, Watch, state_of
+from roah_rsbb.signs_of_life import HUNG_S, LOG_DIR, LOOK_S, STANDBY, STARTING, Lifeline, Supervision, state_of
 
 # Of the environment of the box: identifies the supervisor, so that `resume:=launch` continues after a crash only.
 LAUNCH = "ROAH_RSBB_LAUNCH"
@@ -25,14 +30,21 @@ LAUNCH = "ROAH_RSBB_LAUNCH"
 FAILED = (1, 2)
 # A signal ended the box in good order. Nobody wished it unless the supervisor got one, too.
 BY_SIGNAL = 128 + signal.SIGTERM
+# Somebody ended it, or too little memory: the box is not to blame.
+KILLED = (BY_SIGNAL, *(-number for number in (signal.SIGTERM, getattr(signal, "SIGKILL", 9))))
 # Seconds, so that a box that crashes at once does not fill the log.
-PAUSE_S, MOST_PAUSE_S = 0.5, 8.0
-# Until a box gives its first sign of life, on a slow or busy computer.
-START_S = 60.0
+PAUSE_S = 0.5
+# Until a box gives its first sign of life, on a slow or busy computer; until the next one does.
+START_S, RESTART_S = 60.0, 15.0
+# A box that failed counts less, the longer it had answered: after so long it is forgotten.
+STEADY_S = 5.0
+# So many may fail in succession after the first one. One that answered until somebody killed it has not failed.
+MOST_FAILURES = 3
 # A box that was asked to end.
 END_S = 10.0
 # The program that copies, of `roah-rsbb`; seconds until it is started again: it says each time why it ended.
 COPIES, COPYING_PAUSE_S = "copies", 5.0
+BAREST_CORE = "barest"
 
 _log = logging.getLogger(__name__)
 
@@ -62,38 +74,95 @@ class CopyingProcess:
                 self._process.kill()  # it cannot end if it waits for a stick that hangs
 
 
-def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], CopySettings]) -> int:
+class _Course:
+    """The boxes until now, and how much time the present one has."""
+
+    def __init__(self, start_s: float) -> None:
+        self.was_heard = False  # any of them
+        self.failures = 0.0  # in succession
+        self.is_barest = False  # the present one
+        self._start_s = start_s
+        self.begin()
+
+    def begin(self) -> None:
+        """The next one starts."""
+        self.answered_s, self._heard_mono = 0.0, float("inf")
+
+    def heard(self, silent_s: float) -> None:
+        """The present one gave its last sign of life so long ago."""
+        self.was_heard, now_mono = True, time.monotonic()
+        self._heard_mono = min(self._heard_mono, now_mono)
+        self.answered_s = max(self.answered_s, now_mono - self._heard_mono - silent_s)
+
+    def ended(self, has_failed: bool) -> None:
+        """The present one ended unexpectedly."""
+        self.failures = self._left() + has_failed
+
+    @property
+    def is_heard(self) -> bool:
+        """Whether the present one gave a sign of life."""
+        return self._heard_mono < float("inf")
+
+    @property
+    def patience_s(self) -> float:
+        """How long the present one may be silent."""
+        return HUNG_S * self._factor()
+
+    @property
+    def start_s(self) -> float:
+        """How long its start may take."""
+        return RESTART_S * self._factor() if self.failures or self.was_heard else self._start_s
+
+    @property
+    def pause_s(self) -> float:
+        """How long to wait before the next one."""
+        return PAUSE_S * self._factor()
+
+    def _left(self) -> float:
+        return max(0.0, self.failures - self.answered_s / STEADY_S)
+
+    def _factor(self) -> float:
+        return 2.0 ** max(0, min(math.ceil(self._left()), MOST_FAILURES) - 1)
+
+
+def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], CopySettings],
+              start_s: float = START_S) -> int:
     """Run a box until somebody ends it through its door or this process is interrupted; returns its exit status.
 
-    `command` starts it for the first time, and `again` continues its runs. `read` reads its settings, or raises
-    `BadParams`: the box then says what is wrong, and ends.
+    `command` starts it for the first time, which may take `start_s` seconds, and `again` continues its runs. `read`
+    reads its settings, or raises `BadParams`: the box then says what is wrong, and ends.
     """
     environment = {**os.environ, LAUNCH: str(uuid.uuid4())}
     wishes: list = []  # signals that this process got
     for number in ending_signals():
         signal.signal(number, lambda wish, _frame: wishes.append(wish))
     ignore_stops()
-    box = subprocess.Popen(command, env=environment)
+    core, course = Supervision(time.monotonic), _Course(start_s)
+    box = core.start(command, environment)
     try:
-        found = read()
+        copying = CopyingProcess(read())
     except BadParams:
         return box.wait()
-    was_heard, pause_s = False, PAUSE_S
-    copying, signs = CopyingProcess(found), Signs(found.log_dir)
     try:
         while True:
-            is_heard = _watch(box, wishes, Watch(found.log_dir, SUPERVISOR, time.monotonic), signs, copying)
-            status, was_heard = box.returncode, was_heard or is_heard
+            is_ended = _watch(box, wishes, core, course, copying)
+            status = box.returncode
             # A box that ran before is started until it runs again: its files may be changed just now.
-            if wishes or status == 0 or (status in FAILED and not was_heard):
+            if wishes or (status == 0 and not course.is_barest) or (status in FAILED and not course.was_heard):
                 return 0 if wishes else status
-            pause_s = PAUSE_S if is_heard else min(2.0 * pause_s, MOST_PAUSE_S)
-            _log.error("The box has ended unexpectedly (%s): the next one continues its runs%s", status,
-                       "" if is_heard else f", in {pause_s:g} s. Repair what it says is wrong")
-            _wait(pause_s, wishes)
-            box = subprocess.Popen(again, env=environment)
+            course.ended(is_ended or not course.is_heard or status not in KILLED)
+            course.is_barest |= (
+                course.failures > MOST_FAILURES and core.can_hear and core.memory.get(STANDBY, "0") == "0")
+            _log.error("The box has ended unexpectedly (%s): %s%s", status,
+                       "it failed too often, and only sends STOP from now on" if course.is_barest
+                       else "the next one continues its runs",
+                       "" if course.is_heard else f", in {course.pause_s:g} s. Repair what it says is wrong")
+            _wait(course.pause_s, wishes)
+            course.begin()
+            box = core.start(without_ros(BAREST_CORE) if course.is_barest else again, environment)
     finally:
         copying.end()
+        core.close()
 
 
 def _wait(seconds: float, wishes: list) -> None:
@@ -102,34 +171,39 @@ def _wait(seconds: float, wishes: list) -> None:
         time.sleep(LOOK_S)
 
 
-def _watch(box: subprocess.Popen, wishes: list, watch: Watch, signs: Signs, copying: CopyingProcess) -> bool:
-    """Wait for the end of one process of the box; returns whether it ever gave a sign of life."""
-    killed, is_heard, until_mono, heard_by_mono = 0, False, float("inf"), time.monotonic() + START_S
+def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Course, copying: CopyingProcess) -> bool:
+    """Wait for the end of one process of the box; returns whether it was ended here, because it did not answer."""
+    is_killed, until_mono, heard_by_mono = False, float("inf"), time.monotonic() + course.start_s
+    signs: Optional[Lifeline] = None
     while True:
         time.sleep(LOOK_S)  # Popen.wait with a time looks twenty times as often
         box.poll()
-        watch.look()
-        is_heard = is_heard or watch.silence.pid == box.pid
+        core.look(box.pid)
+        silence = core.silence
+        if silence.pid == box.pid:
+            course.heard(silence.seconds)
         if box.returncode is not None:
-            watch.close()
-            return is_heard
-        if is_heard or not watch.can_hear:
+            return is_killed
+        if signs is None and LOG_DIR in core.memory:
+            signs = Lifeline(core.memory[LOG_DIR])
+        if course.is_heard or not core.can_hear:
             copying.look()
-        elif watch.waiting == box.pid:
-            watch.waiting, heard_by_mono = 0, time.monotonic() + START_S
-        else:
+        elif core.is_waiting:
+            heard_by_mono = time.monotonic() + course.start_s
+        elif time.monotonic() > heard_by_mono and not is_killed:
+            is_killed = True
+            _log.error("The box (process %d) has not started within %g s: %s. It is ended, and the next one starts",
+                       box.pid, course.start_s, state_of(box.pid))
+            box.kill()
+        if signs is not None and not core.is_waiting and not silence.is_alive and not course.is_barest:
             signs.send(STARTING)  # the standby is to wait for it
-            if time.monotonic() > heard_by_mono:
-                _log.error("The box (process %d) has not started within %g s: %s. It is ended, and the next one "
-                           "starts", box.pid, START_S, state_of(box.pid))
-                box.kill()
         if wishes and until_mono == float("inf"):
             until_mono = time.monotonic() + END_S
             box.terminate()
         if time.monotonic() > until_mono:
             box.kill()
-        if watch.is_hung and watch.silence.pid == box.pid != killed:
-            killed = box.pid
+        if silence.pid == box.pid and silence.seconds >= course.patience_s and not is_killed:
+            is_killed = True
             _log.error("The box (process %d) has not answered for %g s: %s. It is ended, and the next one continues "
-                       "its runs", killed, HUNG_S, state_of(killed))
-            watch.kill()
+                       "its runs", box.pid, course.patience_s, state_of(box.pid))
+            box.kill()

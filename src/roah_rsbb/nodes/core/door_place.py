@@ -22,8 +22,9 @@ RETRY_S = 1.0
 class PublishedDoor:
     """The door of a node's box, and where it is."""
 
-    def __init__(self, door: BoxDoor) -> None:
-        self._door = door
+    def __init__(self, door: BoxDoor, on_path: Callable[[str], object] = lambda path: None) -> None:
+        """`on_path` gets the path of the file, in a thread."""
+        self._door, self._on_path = door, on_path
         self._path = ""  # of the file
 
     def open(self) -> None:
@@ -43,6 +44,7 @@ class PublishedDoor:
         self._path = file_of(rosgraph.get_master_uri())
         if self._path:
             write_place(self._path, url, self._door.token)
+            self._on_path(self._path)
 
     def close(self) -> None:
         """End all connections. The file goes, so that nobody looks for a box that is over."""

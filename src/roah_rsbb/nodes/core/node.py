@@ -9,6 +9,7 @@ check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_
 standby_port, end_launch.
 """
 
+import json
 import signal
 import sys
 import threading
@@ -37,6 +38,7 @@ from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.rulebook import config
+from roah_rsbb.signs_of_life import DOORS, Lifeline
 from roah_rsbb.wording.whole_box.ending import NOT_LAUNCHED
 
 # Seconds between the messages for panels of the original, and for its public display.
@@ -51,21 +53,28 @@ class CoreNode:
     """The node, from its parameters to its end. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError at the
     start."""
 
-    def __init__(self) -> None:
+    def __init__(self, lifeline: Lifeline) -> None:
         params = read_parameters(NodeParams())
-        wait_for_takeover(params.log_dir, rospy.is_shutdown)
-        lock = wait_for_journal(params.log_dir, rospy.is_shutdown)
+        lifeline.use(params.log_dir)
+
+        def is_ended() -> bool:
+            lifeline.wait()
+            return bool(rospy.is_shutdown())
+
+        wait_for_takeover(params.log_dir, is_ended)
+        lock = wait_for_journal(params.log_dir, is_ended)
         self._ros = ros = RosLoop()
         self._public_due = 0.0  # monotonic (s)
         self._bell = TimeoutBell(ros.loop, lambda: self._running.core.fence.check())
         self._others = OtherNodes(ros)
         self._running = running = RunningBox(
             ros.loop, params, rospy.get_param("/run_id", ""), lock,
-            Peripherals(self._bell.ring, self._others.publish_module_runs, self._others.set_device))
+            Peripherals(self._bell.ring, self._others.publish_module_runs, self._others.set_device), lifeline)
         self._services = LoopServices(ros.loop, running.core.fence.check)
         CoreServices(running.box, self._services, running.calls)
         running.door.add_calls({EXIT: exit_call(running.door.publish, lambda: InThread(_exit))})
-        self._published = PublishedDoor(running.door)
+        self._published = PublishedDoor(running.door, lambda path: ros.post(
+            lambda: lifeline.keep(DOORS, json.dumps([path]))))
 
     def run(self) -> None:
         """Run until shut down."""
@@ -125,11 +134,12 @@ def main() -> None:
     """Run the node."""
     explain(__doc__)
     close_to_others()
-    wait_for_other_core()
+    lifeline = Lifeline()
+    wait_for_other_core(lifeline.wait)
     connections.init_node(CORE, disable_signals=True)
     status = 0
     try:
-        CoreNode().run()
+        CoreNode(lifeline).run()
     except (BadParams, config.ConfigErrors, DamagedJournal, OSError) as error:
         for line in str(error).splitlines():
             rospy.logfatal("%s", line)

@@ -18,7 +18,7 @@ from typing import Callable, Optional
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal import file as files
 from roah_rsbb.journal.log import NewerFormat
-from roah_rsbb.signs_of_life import BACKUP, LOOK_S, Watch
+from roah_rsbb.signs_of_life import LOOK_S, Watch
 from roah_rsbb.standby.remote import CoreState
 
 # Seconds without a sign of life of any core, after which the box hands over: if nobody starts another core,
@@ -58,7 +58,7 @@ class Handover:
         standby."""
         self._log_dir = log_dir
         self._is_connected, self._ask, self._by = is_connected, ask, by
-        self._watch = Watch(log_dir, BACKUP, now)
+        self._watch = Watch(log_dir, now)
         self._is_handing_over = False
         self._question: object = None
         self._is_complete, self._is_taken, self._ended = threading.Event(), threading.Event(), threading.Event()

@@ -11,7 +11,7 @@ import pytest
 from helpers.journals import Writer
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME, JournalInUse, lock
-from roah_rsbb.signs_of_life import LOOK_S, STARTING, Signs
+from roah_rsbb.signs_of_life import LOOK_S, STARTING, Lifeline
 from roah_rsbb.standby.program.handover import HUNG_S, NOBODY_S, STARTING_S, Handover, Owner, is_due
 from roah_rsbb.standby.remote import CoreState
 
@@ -19,9 +19,9 @@ STANDBY = "10.1.0.3"
 CORE = """
 import sys
 from roah_rsbb.journal.file import lock
-from roah_rsbb.signs_of_life import Signs
+from roah_rsbb.signs_of_life import Lifeline
 found = lock(sys.argv[1])
-Signs(sys.argv[1]).send()
+Lifeline(sys.argv[1]).send()
 print(flush=True)
 sys.stdin.readline()
 """
@@ -140,7 +140,7 @@ def test_a_core_that_roslaunch_starts_is_waited_for(box):
     """It does not have the journal yet."""
     box.start_core().kill()
     box.cores[-1].wait(60.0)
-    supervisor = Signs(box.log_dir)
+    supervisor = Lifeline(box.log_dir)
     for _ in range(round((STARTING_S - 1.0) / LOOK_S)):
         supervisor.send(STARTING)
         box.pass_time(LOOK_S)

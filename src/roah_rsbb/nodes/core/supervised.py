@@ -1,0 +1,37 @@
+"""Program roah_rsbb_core: it starts the node of that name, and starts it again when it hangs or is killed.
+
+The node is a process of its own, and gets the same arguments: name, namespace, remappings, parameters. Everything is
+as if it was this one. If this process is killed, the node ends, too, and roslaunch starts both again. With
+--unsupervised, the node is this process, and nothing watches it.
+"""
+
+import os
+import sys
+
+from roah_rsbb.signs_of_life import LIFELINE
+
+
+def main() -> None:
+    """Run the program, or in its child the node. The program imports no rospy."""
+    from roah_rsbb.box.program.main import ALONE, log_to_terminal
+
+    is_alone = ALONE in sys.argv
+    if LIFELINE in os.environ or is_alone:
+        from roah_rsbb.nodes.core.node import main as run_node
+        from roah_rsbb.platform import end_with_parent
+
+        if is_alone:
+            sys.argv.remove(ALONE)
+        else:
+            end_with_parent()
+        run_node()
+        return
+    from roah_rsbb.box.program.supervisor import supervise
+    from roah_rsbb.copies.settings import NOTHING
+    from roah_rsbb.durable import close_to_others
+
+    close_to_others()
+    log_to_terminal()
+    command = [sys.executable, *sys.argv]
+    # The first one may wait for a master as long as it likes. The node roah_rsbb_backup copies.
+    sys.exit(supervise(command, command, lambda: NOTHING, float("inf")))

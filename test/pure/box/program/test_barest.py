@@ -1,0 +1,200 @@
+"""The barest core: what is left when the core cannot start any more stops all robots, and does nothing else."""
+
+import asyncio
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+
+import pytest
+
+import roah_rsbb
+from helpers.waiting import LIMIT_S, wait_until
+from roah_rsbb.client.places import OWN_VARIABLE
+from roah_rsbb.comm.channels import PrivateChannel
+from roah_rsbb.comm.ciphers import Cipher, Key
+from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
+from roah_rsbb.document.place import OnlyStops, read_place
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.platform import run
+from roah_rsbb.protocol import BoxState, RobotState
+
+ROBOT, BOX = "127.0.0.31", "127.0.0.30"
+
+
+def free_port(host, kind):
+    with socket.socket(socket.AF_INET, kind) as trial:
+        trial.bind((host, 0))
+        return trial.getsockname()[1]
+
+
+def kept(port, password="secret"):
+    return json.dumps([
+        "R1 of Alpha", password, ROBOT, "HGTKMH", LOOPBACK_BROADCAST, BOX, int(Cipher.AES_128_CBC), False, 1024])
+
+
+# The programs of a box, as the tests have the package.
+TEAM = f"""
+import roah_rsbb
+roah_rsbb.__path__ = {list(roah_rsbb.__path__)!r}
+from roah_rsbb.tools.team import main
+main()
+"""
+# A supervisor whose cores only keep the channels of `kept.json`, and then hang or crash; and its barest core.
+SUPERVISOR = """
+import sys
+from roah_rsbb.box.program import supervisor
+from roah_rsbb.copies.settings import NOTHING
+supervisor.PAUSE_S, supervisor.STEADY_S, supervisor.HUNG_S, supervisor.RESTART_S = 0.0, 1e6, 0.2, 0.2
+supervisor.without_ros = lambda *words: [sys.executable, "-c", sys.argv[1], *words]
+command = [sys.executable, "-c", open("box.py").read()]
+sys.exit(supervisor.supervise(command, command, lambda: NOTHING))
+"""
+BOX_PROGRAM = """
+import json, os, signal, sys, time
+from roah_rsbb.signs_of_life import Lifeline
+open("starts", "a").write("x")
+starts = len(open("starts").read())
+lifeline = Lifeline(os.getcwd())
+for name, value in json.load(open("kept.json")).items():
+    lifeline.keep(name, value)
+if starts == 1 or os.path.exists("answers"):
+    lifeline.send()
+"""
+
+
+class Robot:
+    """A robot that executes until it is sent STOP. It notes which states it is sent."""
+
+    def __init__(self, loop, port):
+        self.loop, self.states, self.acknowledged = loop, [], []
+        self.state = RobotState.EXECUTING
+        self.stopped = loop.create_future()
+        self.channel = PrivateChannel(loop, LOOPBACK_BROADCAST, port, Key("secret"), self.hear, print, bind_host=ROBOT)
+        self.channel.remote = BOX
+        self.channel.open()
+
+    def say(self, second):
+        self.channel.send(pb.RobotState(
+            time=pb.Time(sec=second, nsec=0), messages_saved=1, robot_state=int(self.state)))
+
+    def hear(self, message, address):
+        self.states.append(message.benchmark_state)
+        if message.acknowledgement.sec == 7 and not self.stopped.done():
+            self.stopped.set_result(None)
+        self.state = RobotState.STOP
+        self.say(7)
+
+
+@pytest.fixture
+def box(tmp_path):
+    """Start the supervisor of a box that fails in this way, with an open channel; returns it and the port."""
+    started = []
+
+    def start(fault, **more):
+        port = free_port(ROBOT, socket.SOCK_DGRAM)
+        (tmp_path / "kept.json").write_text(json.dumps({
+            "channel/1": kept(1, ""), f"channel/{port}": kept(port), **more}), "utf-8")
+        (tmp_path / "box.py").write_text(BOX_PROGRAM + fault, "utf-8")
+        process = subprocess.Popen([sys.executable, "-c", SUPERVISOR, TEAM], cwd=str(tmp_path), stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT, text=True)
+        started.append(process)
+        return process, port
+
+    yield start
+    for process in started:
+        process.terminate()
+        process.communicate(timeout=LIMIT_S)
+
+
+@pytest.mark.parametrize("answers", [False, True])
+@pytest.mark.parametrize("fault", [
+    "time.sleep(1000)", "os.abort()", "sys.exit(1)",
+])
+def test_a_box_that_fails_again_and_again_stops_its_robots(box, tmp_path, fault, answers):
+    """It is not restarted without end, while the robots execute and nobody can stop them."""
+    if answers:
+        (tmp_path / "answers").touch()
+    process, port = box(fault)
+
+    async def play():
+        robot = Robot(asyncio.get_event_loop(), port)
+        await asyncio.wait_for(robot.stopped, LIMIT_S)
+        robot.channel.close()
+        return robot.states
+    assert set(run(play())) == {BoxState.STOP}
+    assert len((tmp_path / "starts").read_text("utf-8")) == 4, "the first one, and three in vain"
+    process.terminate()
+    out, _ = process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0
+    assert "it failed too often, and only sends STOP from now on" in out and "This box only sends STOP" in out
+    assert "The robot on port 1 cannot be stopped" in out
+
+
+def test_faces_say_why(box, tmp_path):
+    """The program `referee`, and a browser on the pages' port."""
+    door, web_port = str(tmp_path / "door.json"), free_port("127.0.0.1", socket.SOCK_STREAM)
+    process, _ = box("sys.exit(1)", doors=json.dumps([door]), web_port=str(web_port))
+
+    def page():
+        try:
+            urllib.request.urlopen(f"http://127.0.0.1:{web_port}/", timeout=LIMIT_S)
+        except urllib.error.HTTPError as error:
+            return error.read().decode()
+        except OSError:
+            return ""
+    wait_until(page)
+    assert "It only sends STOP now" in page()
+    wait_until(lambda: os.path.exists(door))
+    with pytest.raises(OnlyStops, match="It only sends STOP now"):
+        read_place(door)
+    for what in (["status"], ["stop", "all"]):
+        with subprocess.Popen([sys.executable, "-m", "roah_rsbb.tools.team", "referee", *what], text=True,
+                              env={**os.environ, OWN_VARIABLE: door}, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT) as referee:
+            assert any("It only sends STOP now" in line for line in referee.stdout)
+            referee.kill()  # STOP is tried again
+    process.terminate()
+    process.communicate(timeout=LIMIT_S)
+    assert not os.path.exists(door)
+
+
+def test_the_barest_core_follows_one_that_is_ended(box):
+    """By somebody who does not end the program: its robots are still to be stopped. With the program, it ends, too."""
+    process, _ = box("sys.exit(1)")
+    for number in (signal.SIGTERM, signal.SIGKILL):
+        wait_for(process, "This box only sends STOP")
+        os.kill(child_of(process.pid), number)
+    wait_for(process, "This box only sends STOP")
+    child = child_of(process.pid)
+    process.kill()
+    wait_until(lambda: not os.path.exists(f"/proc/{child}"))
+
+
+def child_of(pid):
+    with open(f"/proc/{pid}/task/{pid}/children", encoding="ascii") as file:
+        return int(file.read())
+
+
+def wait_for(process, text):
+    assert any(text in line for line in process.stdout)
+
+
+@pytest.mark.parametrize("fault, more", [
+    ("os.kill(os.getpid(), signal.SIGKILL)", {}),  # from outside: all that anybody sees is the signal
+    ("os.abort()", {"standby_port": "7000"}),
+])
+def test_there_is_no_barest_core_for_a_box_that_is_only_killed_or_has_a_standby(box, tmp_path, fault, more):
+    (tmp_path / "answers").touch()
+    process, _ = box(f"""
+if starts > 8:
+    sys.exit(0)
+{fault}
+""", **more)
+    out, _ = process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0 and "STOP" not in out
+    assert len((tmp_path / "starts").read_text("utf-8")) == 9
