@@ -735,7 +735,7 @@ class TestTouches(PhoneCase):
             if chance.random() < 0.3:  # just before a touch, or while it is on its way
                 phase = {"running": "ended", "ended": "running"}[phase]
                 operation = OPERATION["operation"] if phase == "running" and chance.random() < 0.5 else ""
-                gateway.set(phase=phase, operation=operation, choices=["done"])
+                gateway.set(phase=phase, operation=operation, choices=["done"], run=1)
             page.touch(left + width / 2, top + height / 2)
             if number % 20 == 0:  # the gateway takes 20 a second
                 page.wait("marks.waiting.length < 10", "most are answered")

@@ -84,7 +84,7 @@ class PlayedZone:
             self.phase, self.not_stopped = "connected", []
         elif name == "start":
             self.phase, self.not_stopped = "running", ["R2D2"]
-        elif name == "stop" and self.phase == "running":
+        elif name == "stop" and self.phase == "running" and fields.get("identity") in (None, "", self.identity):
             self.phase, self.operation, self.end_reason = "ended", "", "stopped"
             self.not_stopped = [] if self.stops else ["R2D2"]
         elif name == "disconnect":
@@ -183,6 +183,8 @@ class FakeGateway:
         """Set this of all zones."""
         def change() -> None:
             for zone in self.zones:
+                # Another run: the STOP of one that is over may arrive once more.
+                zone.run += zone.phase == "ended" and of_zones.get("phase") == "running"
                 for name, value in of_zones.items():
                     setattr(zone, name, value)
                 if zone.phase != "idle" and not zone.run:
