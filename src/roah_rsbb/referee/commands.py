@@ -14,6 +14,7 @@ from roah_rsbb.model.zone import CONNECTED, IDLE, RUNNING, SheetItem, ZoneSeen
 from roah_rsbb.referee import judges, sheets, view
 from roah_rsbb.referee.answers import Keyboard, Operations
 from roah_rsbb.referee.args import ALWAYS, given_in
+from roah_rsbb.referee.at_once import ALL_OPTION
 from roah_rsbb.referee.changes import BoxFollower, Change
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.link import Link, NotConfirmed
@@ -34,7 +35,6 @@ from roah_rsbb.referee.state import (
 )
 from roah_rsbb.referee.stopping import Stopping, TypedStops
 from roah_rsbb.referee.words import (
-    ALL_OPTION,
     NOT_ATTEMPTED,
     BadWord,
     EventWanted,
@@ -113,7 +113,8 @@ def _stop(link: Link, options: Any, output: Output) -> Exit:
     """Stop. The link need not be open."""
     if (options.zone is None) != options.all:
         raise BadWord("give the name of a zone, or 'all'")
-    stopping = Stopping(link, ALL_OPTION if options.all else options.zone, output.stop)
+    stopping = Stopping(link, ALL_OPTION if options.all else options.zone, output.stop,
+                        sent=options.sent)
     with contextlib.suppress(KeyboardInterrupt):
         stopping.run()
     status, found = stopping.status(), stopping.result()
