@@ -4320,6 +4320,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>{text}: Der Lauf geht auf der Box auf {address} weiter</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/core/robots.py"/>
+        <source>The box cannot reach {robot} at {host}: it has no route to this network. Give the robot an address in the box&apos;s network</source>
+        <translation>Die Box erreicht {robot} auf {host} nicht: Sie hat keine Route in dieses Netz. Dem Roboter eine Adresse im Netz der Box geben</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
         <source>{robot}: {text}</source>
         <translation>{robot}: {text}</translation>
