@@ -6,6 +6,7 @@ import sys
 import time
 from typing import Any, Callable, ContextManager, Dict, List, Optional, Tuple
 
+from roah_rsbb.core.actions.events import UNSIGNED
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.results import RunLine
@@ -49,6 +50,8 @@ from roah_rsbb.wording.texts import escaped
 
 WATCH_STEP_S = 1.0
 STOP_HINT = "type 'stop' to stop the run, 'stop all' to stop the runs of all zones"
+# How the terminal confirms what `choose` asks for.
+GIVE_UNSIGNED = "Give --unsigned to leave it, or sign it off first ('sign-off')"
 # A command that takes longer reads STOP from the keyboard while it waits.
 SLOW_S = 1.0
 STOP_HINT_ALL = "type 'stop ZONE' to stop a run, 'stop all' to stop the runs of all zones"
@@ -382,8 +385,13 @@ def _choose(link: Link, options: Any, output: Any) -> Exit:
         raise BadWord(f"zone '{name}' has no event {options.event}: there are 1 to {len(own)} ('schedule' lists them)")
     _check_stopped(link, options)
     event = own[options.event - 1]
-    link.act("choose_event", name, {"event": event.id, "team": event.team, "unsigned": options.unsigned},
-             referee=options.referee)
+    try:
+        link.act("choose_event", name, {"event": event.id, "team": event.team, "unsigned": options.unsigned},
+                 referee=options.referee)
+    except Refused as refused:
+        templates = [getattr(reason, "template", "") for reason in refused.reasons]
+        how = [GIVE_UNSIGNED] if UNSIGNED.template in templates else []
+        raise Refused([*refused.reasons, *how]) from None
     return _say_done(link, name, output, "choose")
 
 
