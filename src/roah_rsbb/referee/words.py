@@ -1,7 +1,7 @@
 """Words that a referee types: names of zones, scoring items, values, events of the schedule."""
 
 import shlex
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from roah_rsbb.core.scoring.points import number_of, text_of
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
@@ -11,8 +11,6 @@ from roah_rsbb.model.scoring import MAX_VALUE, Entered, ScoreKind, ScoringItem
 from roah_rsbb.model.zone import Event, SheetItem
 from roah_rsbb.referee.at_once import STOP, meant
 from roah_rsbb.wording.suggestions import did_you_mean
-
-T = TypeVar("T")
 
 # Actions that have a command of their own in the terminal, with other words.
 PLACED = {"stop": "stop", "choose_event": "choose", "operation": "done"}

@@ -34,7 +34,8 @@ def test_a_refused_choose_names_its_option():
     def act(*_arguments, **_more):
         raise Refused([unsigned])
 
-    found = box(zone(zone="Home"))._replace(schedule={"e1": EventSeen("e1", 1, "Home", "HNF", "", "Alpha", 1, 1, 0.0, 0.0, "done", False)})
+    event = EventSeen("e1", 1, "Home", "HNF", "", "Alpha", 1, 1, 0.0, 0.0, "done", False)
+    found = box(zone(zone="Home"))._replace(schedule={"e1": event})
     link = types.SimpleNamespace(box=found, act=act)
     options = types.SimpleNamespace(zone="Home", event=1, yes=True, unsigned=False, referee="")
     with pytest.raises(Refused) as refused:
