@@ -1,7 +1,7 @@
 """Words that a referee types: names of zones, scoring items, values, events of the schedule."""
 
 import shlex
-from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.scoring.points import number_of, text_of
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
