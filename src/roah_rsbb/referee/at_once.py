@@ -32,7 +32,7 @@ _TEXT_AND_FINAL, _MASKED = 0x81, 0x80
 _TROUBLE = (NotFound, OSError, ValueError, LookupError, TypeError, struct.error)
 
 
-class SentStop(NamedTuple):
+class EarlyStop(NamedTuple):
     """A STOP that was sent."""
 
     sent_s: float  # monotonic
@@ -62,7 +62,7 @@ def is_all(word: str, names: Sequence[str] = ()) -> bool:
     return low == ALL_OPTION or (low in ALL and low not in [name.casefold() for name in names])
 
 
-def send_stop(words: Sequence[str], without_ros: bool) -> Optional[SentStop]:
+def send_stop(words: Sequence[str], without_ros: bool) -> Optional[EarlyStop]:
     """Send the STOP of a command line, and return the answers. None: nothing is known of it, or these words are no
     plain STOP of a zone that there is. `without_ros`: see `DoorPlaces`."""
     plain = [word for word in words if word not in ("--json", "--utc") and ":=" not in word]
@@ -75,7 +75,7 @@ def send_stop(words: Sequence[str], without_ros: bool) -> Optional[SentStop]:
         return None
 
 
-def _sent(word: str, place: DoorPlace) -> Optional[SentStop]:
+def _sent(word: str, place: DoorPlace) -> Optional[EarlyStop]:
     deadline_s = time.monotonic() + LIMIT_S
     url = urllib.parse.urlsplit(place.url)
     with socket.create_connection((url.hostname or "", url.port or 0), LIMIT_S) as door, door.makefile("rb") as stream:
@@ -103,7 +103,7 @@ def _sent(word: str, place: DoorPlace) -> Optional[SentStop]:
                 message = next(messages)
                 if "id" in message:
                     answers[zones[message["id"]]] = message
-        return SentStop(sent_s, first, answers)
+        return EarlyStop(sent_s, first, answers)
 
 
 def _messages(stream: BinaryIO, deadline_s: float) -> Iterator[Dict[str, Any]]:

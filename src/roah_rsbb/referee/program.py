@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, List, Optional
 
 # All else is imported later: before, a STOP leaves, and help or a wrong option need little of it.
 from roah_rsbb.arguments import is_without_ros
-from roah_rsbb.referee.at_once import SentStop, send_stop
+from roah_rsbb.referee.at_once import EarlyStop, send_stop
 from roah_rsbb.referee.exits import Exit
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def _hang_up(number: int, _frame: object) -> None:
     raise SystemExit(128 + number)
 
 
-def options_of(words: List[str], sent: Optional[SentStop] = None) -> "argparse.Namespace":
+def options_of(words: List[str], sent: Optional[EarlyStop] = None) -> "argparse.Namespace":
     """Read a command line, of which a STOP may be `sent`. Raises SystemExit after help and for wrong options."""
     from roah_rsbb.referee.args import parser
 

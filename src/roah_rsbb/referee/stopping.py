@@ -15,7 +15,7 @@ from roah_rsbb.document.written import BadDocument
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import decode
 from roah_rsbb.model.zone import ENDED, RUNNING, ZoneSeen
-from roah_rsbb.referee.at_once import SentStop, is_all
+from roah_rsbb.referee.at_once import EarlyStop, is_all
 from roah_rsbb.referee.exits import Exit
 from roah_rsbb.referee.words import BadWord, pick_zone, stop_wanted
 from roah_rsbb.wording.stop import DONE, LOST, NOT_DELIVERED_S, Way, way, way_text
@@ -134,7 +134,7 @@ class Stopping:
 
     def __init__(
         self, link: Any, word: str, report: Callable[[StopLine], None], own_zone: str = "",
-        before: Optional[Document] = None, sent: Optional[SentStop] = None,
+        before: Optional[Document] = None, sent: Optional[EarlyStop] = None,
     ) -> None:
         """`link`: a `link.Link` that was started; it need not be open. `word` names the zone, or all; empty:
         `own_zone`, or else the only run in progress. `report` takes each new line. `before`: the box as it is, if that

@@ -1,4 +1,4 @@
-"""A box that heard another one at first sends nothing until a referee connects a robot. It tells the core which robots
+"""A box that heard another one at first sends nothing until a referee connects a robot. It reports to the core which robots
 it cannot reach."""
 
 import asyncio

@@ -110,7 +110,7 @@ def test_the_stop_is_sent(stop_box, words, zones):
     [], ["stop"], ["stop", "Home"], ["stop", "Attic"], ["stop", "--help"], ["stop", "Home A", "--all"],
     ["start", "Home A"], ["stop", ""],
 ])
-def test_what_is_no_plain_stop_of_a_zone_is_left_to_the_rest(stop_box, words):
+def test_other_words_than_a_plain_stop_are_left_to_the_rest(stop_box, words):
     assert stop_box.send(*words) is None
     assert stop_box.stopped == []
 
