@@ -1,5 +1,5 @@
-"""A box that heard another one at first sends nothing until a referee connects a robot. It reports to the core which robots
-it cannot reach."""
+"""A box that heard another one at first sends nothing until a referee connects a robot. A robot that it cannot reach is
+reported."""
 
 import asyncio
 
