@@ -197,8 +197,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>the web pages&apos; node roah_rsbb_web does not run: the launch files start it unless web is false</source>
-        <translation>der Knoten roah_rsbb_web der Webseiten läuft nicht: Die Launch-Dateien starten ihn, wenn web nicht false ist</translation>
+        <source>the box serves no web pages: start it with web:=true. With ROS, the node roah_rsbb_web must run, too</source>
+        <translation>die Box zeigt keine Webseiten: Sie mit web:=true starten. Mit ROS muss auch der Knoten roah_rsbb_web laufen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -4291,8 +4291,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
-        <source>The run of {benchmark}, team {team}, that was connected before the restart cannot continue: {why}. Its scores are in the journal: see &apos;rosrun roah_rsbb results&apos;</source>
-        <translation>Der Lauf von {benchmark}, Team {team}, der vor dem Neustart verbunden war, kann nicht weitergehen: {why}. Seine Wertungen sind im Journal: siehe &apos;rosrun roah_rsbb results&apos;</translation>
+        <source>The run of {benchmark}, team {team}, that was connected before the restart cannot continue: {why}. Its scores are in the journal: the program &apos;results&apos; shows them</source>
+        <translation>Der Lauf von {benchmark}, Team {team}, der vor dem Neustart verbunden war, kann nicht weitergehen: {why}. Seine Wertungen sind im Journal: Das Programm &apos;results&apos; zeigt sie</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
@@ -4318,6 +4318,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
         <source>{text}: the run continues on the box at {address}</source>
         <translation>{text}: Der Lauf geht auf der Box auf {address} weiter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/robots.py"/>
+        <source>The box cannot reach {robot} at {host}: it has no route to this network. Give the robot an address in the box&apos;s network</source>
+        <translation>Die Box erreicht {robot} auf {host} nicht: Sie hat keine Route in dieses Netz. Dem Roboter eine Adresse im Netz der Box geben</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
@@ -4616,8 +4621,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/book.py"/>
-        <source>&apos;{run}&apos; is not one of the newest {most} runs that are over: see &apos;rosrun roah_rsbb results&apos;</source>
-        <translation>„{run}“ ist keiner der neuesten {most} Läufe, die vorbei sind: siehe &apos;rosrun roah_rsbb results&apos;</translation>
+        <source>&apos;{run}&apos; is not one of the newest {most} runs that are over: the program &apos;results&apos; shows it</source>
+        <translation>„{run}“ ist keiner der neuesten {most} Läufe, die vorbei sind: Das Programm &apos;results&apos; zeigt ihn</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>

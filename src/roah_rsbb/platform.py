@@ -260,13 +260,36 @@ def has_display() -> bool:
     return WINDOWS or MACOS or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
+LEADS_S = 60.0  # so long a browser may take to start
+
+
 def open_in_browser(url: str) -> bool:
-    """Open a page in the user's browser; returns whether there is one. A browser in the terminal does not count."""
+    """Open a page in the user's browser; returns whether there is one. A browser in the terminal does not count.
+
+    All users of a computer see the arguments of programs, and the address may contain a code. So the browser is given a
+    file that only this user may read. It leads to the page, and is removed after `LEADS_S`.
+    """
     if not has_display():
         return False
-    import webbrowser  # only the start of a box needs it
+    import atexit  # only the start of a box needs these
+    import html
+    import pathlib
+    import tempfile
+    import webbrowser
 
-    return webbrowser.open(url)
+    try:
+        # Browsers of snap packages read neither hidden folders nor /tmp.
+        folder = pathlib.Path(tempfile.mkdtemp(prefix="roah_rsbb_", dir=os.path.expanduser("~")))
+        with open(os.open(folder / "page.html", os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+            file.write('<!DOCTYPE html><meta name="referrer" content="no-referrer">'
+                       f'<meta http-equiv="refresh" content="0;url={html.escape(url)}">')
+    except OSError:
+        return False
+    atexit.register(shutil.rmtree, folder, True)
+    timer = threading.Timer(LEADS_S, shutil.rmtree, (folder, True))
+    timer.daemon = True
+    timer.start()
+    return webbrowser.open((folder / "page.html").as_uri())
 
 
 # -- the loop ---------------------------------------------------------------------------------------

@@ -614,3 +614,20 @@ def test_names_that_windows_lacks_are_in_one_file():
         if names and module != "roah_rsbb.platform":
             found[module[len("roah_rsbb."):]] = names
     assert found == KNOWN
+
+
+def test_other_users_do_not_see_the_address_that_a_browser_is_given(tmp_path):
+    """All users see the arguments of programs, and the address of the organiser's page has a code."""
+    browser, seen = tmp_path / "browser", tmp_path / "seen"
+    browser.write_text(f'#!/bin/sh\necho "$1" > {seen}\ncd "$(dirname "${{1#file://}}")" && stat -c %a . page.html >> '
+                       f'{seen} && cat page.html >> {seen}\n')
+    browser.chmod(0o700)
+    subprocess.run(
+        [sys.executable, "-c", "from roah_rsbb.platform import open_in_browser\n"
+         "assert open_in_browser('http://127.0.0.1:1/?a=b&token=SECRET')"], check=True,
+        env={**os.environ, "HOME": str(tmp_path), "DISPLAY": ":0", "BROWSER": f"{browser} %s"})
+    given, folder, file, page = seen.read_text().splitlines()
+    assert "SECRET" not in given and given.startswith(f"file://{tmp_path}/roah_rsbb_")
+    assert (folder, file) == ("700", "600")
+    assert "0;url=http://127.0.0.1:1/?a=b&amp;token=SECRET" in page
+    assert not list(tmp_path.glob("roah_rsbb_*")), "it is removed"

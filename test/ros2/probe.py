@@ -27,6 +27,7 @@ class Probe:
 
     def __init__(self, name: str = "probe", namespace: str = "") -> None:
         self.prefix = f"{namespace}/roah_rsbb/"
+        self._state = f"{self.prefix}benchmark/state"
         self.node = rclpy.create_node(name)
         self.heard: Dict[str, List[Any]] = {topic: [] for topic in (*EVENTS, *TOPICS)}
         for topics, qos in ((EVENTS, QoSProfile(depth=20)), (TOPICS, LATCHED)):
@@ -45,7 +46,10 @@ class Probe:
 
     def call(self, name: str, kind: type, **fields: Any) -> Any:
         """Call a service and return its answer."""
-        client = self._clients.setdefault(name, self.node.create_client(kind, self.prefix + name))
+        client = self._clients.get(name)
+        if client is None:
+            client = self._clients[name] = self.node.create_client(kind, self.prefix + name)
+            self._wait_known()
         assert client.wait_for_service(60.0), f"{name} is missing"
         asked = client.call_async(kind.Request(**fields))
         asked.add_done_callback(lambda _: happened())
@@ -58,6 +62,14 @@ class Probe:
             heard = self.heard[topic]
             return heard[-1] if heard and condition(heard[-1]) else None
         return wait_until(newest, lambda: f"{topic} {what}; heard {self.heard[topic][-3:]}")
+
+    def _wait_known(self) -> None:
+        """Wait until the comm node knows the clients so far. On a busy computer it may be asked before, and ROS 2 then
+        loses its answer after 0.1 s (rmw_fastrtps, issue 842)."""
+        heard: List[Any] = []
+        self.node.create_subscription(
+            BenchmarkState, self._state, lambda message: (heard.append(message), happened()), LATCHED)
+        wait_until(lambda: heard, "the comm node knows the probe")
 
     def wait_heard_by(self) -> None:
         """Wait until the comm node knows all subscriptions: from here on the probe misses nothing."""

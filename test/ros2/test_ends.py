@@ -64,6 +64,34 @@ def test_a_failure_in_either_thread_ends_a_node_with_a_message(running, fails):
     assert "division by zero" in node.text
 
 
+BUSY = """
+import threading, time
+from roah_rsbb_comm import node_loop
+node_loop.ANSWER_S = 0.1  # of earlier versions
+
+class Part:
+    def __init__(self, node):
+        self.ros = node_loop.NodeLoop(node, node_loop.rclpy.executors.SingleThreadedExecutor())
+        node.create_timer(0.01, self.ask)
+
+    def ask(self):
+        asked = threading.Event()
+        self.ros.post(lambda: asked.set() or time.sleep(0.5))
+        asked.wait()
+        print("answered", self.ros.call(lambda: 42), flush=True)
+
+    def run(self):
+        return self.ros.run()
+
+node_loop.run_node("busy", Part)
+"""
+
+
+def test_a_busy_computer_ends_no_node(running):
+    node = running(Program(sys.executable, "-c", BUSY))
+    node.wait_printed("answered 42", times=2)
+
+
 def test_an_impossible_address_ends_the_node_with_the_remedy(running):
     node = running(comm(free_port(), number=300))
     assert node.wait_ended() == 1

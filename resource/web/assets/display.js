@@ -6,6 +6,8 @@ import {
 } from "/assets/parts.js";
 
 const PAGE_MS = 8000;
+// A longer title of the competition has two lines of smaller letters.
+const LONG_TITLE = 28;
 const CARDS_ON_A_PAGE = 6;
 const CARDS_IN_A_COLUMN = 3;
 const DOCUMENTS = ["page.words", "page.runs", "page.next", "page.results", "page.standings", EXPLAINED];
@@ -50,7 +52,7 @@ function Head({live, words, mark}) {
     <header class="head">
       ${words.logos.includes(LOGO) && html`<img class="logo" src="/logos/${LOGO}" alt="" />`}
       <div class="titles">
-        ${words.title && html`<h1 class="title">${words.title}</h1>`}
+        ${words.title && html`<h1 class=${words.title.length > LONG_TITLE ? "title long" : "title"}>${words.title}</h1>`}
         ${!words.title && html`<h1 class="unseen">${words.display}</h1>`}
         <div class="date">${words.date}</div>
       </div>

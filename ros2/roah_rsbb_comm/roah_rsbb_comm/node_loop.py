@@ -21,9 +21,6 @@ from rclpy.signals import SignalHandlerOptions
 
 T = TypeVar("T")
 
-# A call takes milliseconds. A longer wait would only hide that the loop is stuck.
-ANSWER_S = 5.0
-
 
 class CannotStart(Exception):
     """The node cannot start. The text names the remedy."""
@@ -44,7 +41,7 @@ class NodeLoop:
     def call(self, function: Callable[[], T]) -> T:
         """From another thread: run a function in the loop, and return its result or raise its exception.
 
-        Raises TimeoutError if the loop does not answer within `ANSWER_S`.
+        It takes milliseconds. On a computer that is very busy it waits: to give up would end the node during a run.
         """
         done: concurrent.futures.Future[T] = concurrent.futures.Future()
 
@@ -55,7 +52,7 @@ class NodeLoop:
                 done.set_exception(error)
 
         self.post(run)
-        return done.result(ANSWER_S)
+        return done.result()
 
     def post(self, function: Callable[[], object]) -> None:
         """From any thread: run a function in the loop soon. Without effect after its end."""

@@ -104,11 +104,12 @@ class WatchedBox(Box):
 
     def on_robot_beacon(
         self, now: Now, host: str, team: str, robot: str, time: WireTime, received_utc: Optional[float] = None,
+        has_route: bool = True,
     ) -> None:
         """See `Box.on_robot_beacon`."""
         skew = wire_seconds(time) - self.arrival(now, received_utc).utc
         self._log.beacons.append(HeardBeacon(now.mono, team, robot, skew))
-        super().on_robot_beacon(now, host, team, robot, time, received_utc)
+        super().on_robot_beacon(now, host, team, robot, time, received_utc, has_route)
         self._news()
 
     def on_robot_report(

@@ -7,10 +7,7 @@ box with ROS has one for its master, and the parameter, which is for all compute
 import os
 import socket
 import urllib.parse
-import xmlrpc.client
-from http.client import HTTPException
 from typing import Any, Callable, Optional
-from xml.parsers.expat import ExpatError
 
 from roah_rsbb.document.place import DoorPlace, NotFound, OnlyStops, read_place
 
@@ -95,29 +92,40 @@ class DoorPlaces:
 
     def find(self) -> DoorPlace:
         """Return where to try next; a place that was tried last only if there is no other. Raises `NotFound`."""
+        found = self._own()
+        if found is None:
+            found, self._is_own = self._of_box_with_ros(), False
+        return found
+
+    def near(self) -> Optional[DoorPlace]:
+        """Return what a file says, without asking anybody; None: nothing. Raises `NotFound`."""
+        host = urllib.parse.urlsplit(self.master_uri).hostname or ""
+        is_plain = host in ("localhost", socket.gethostname()) or host.replace(".", "").isdigit()
+        return self._own() or (self._of_file() if is_plain else None)
+
+    def _own(self) -> Optional[DoorPlace]:
         if self._is_own or (self._is_own is None and self._has_own(local_door_file())):
             self._is_own = True
             if not os.path.exists(local_door_file()):
                 raise NotFound(f"no box of this user runs on this computer: {START_HERE}")
             return read_place(local_door_file())
-        found = self._of_box_with_ros()
-        self._is_own = False
-        return found
+        return None
 
-    def _of_box_with_ros(self) -> DoorPlace:
-        of_file: Optional[DoorPlace] = None
+    def _of_file(self) -> Optional[DoorPlace]:
         try:
             path = file_of(self.master_uri)
         except ValueError as error:
             raise NotFound(f"ROS_MASTER_URI is {self.master_uri!r} ({error}): set it to http://ADDRESS:11311 of the "
                            "box's computer, or unset it") from None
-        if path:
-            try:
-                of_file = read_place(path)
-            except OnlyStops:
-                raise
-            except NotFound:
-                pass
+        try:
+            return read_place(path) if path else None
+        except OnlyStops:
+            raise
+        except NotFound:
+            return None
+
+    def _of_box_with_ros(self) -> DoorPlace:
+        of_file = self._of_file()
         if of_file is not None and of_file != self._tried:
             self._tried = of_file
             return of_file
@@ -130,8 +138,21 @@ class DoorPlaces:
 
     def _ask(self) -> str:
         """Ask the master; returns why nothing was found."""
+        # Late: a STOP at its start needs none of it.
+        import xmlrpc.client
+        from http.client import HTTPException
+        from xml.parsers.expat import ExpatError
+
+        class Impatient(xmlrpc.client.Transport):
+            """Calls time out."""
+
+            def make_connection(self, host: Any) -> Any:
+                connection = super().make_connection(host)
+                connection.timeout = ANSWER_S
+                return connection
+
         try:
-            answer: Any = xmlrpc.client.ServerProxy(self.master_uri, _Impatient()).getParam("/roah_rsbb", PARAM)
+            answer: Any = xmlrpc.client.ServerProxy(self.master_uri, Impatient()).getParam("/roah_rsbb", PARAM)
             code, _, value = answer
         except (OSError, HTTPException, xmlrpc.client.Error, ExpatError, ValueError, TypeError) as error:
             why = "does not answer" if isinstance(error, socket.timeout) else f"cannot be reached ({error})"
@@ -142,12 +163,3 @@ class DoorPlaces:
             self._of_master = None
         return (f"no core at the ROS master {self.master_uri}: {START}; or, if a box runs, start the launch again "
                 "after its runs, because the master has forgotten it")
-
-
-class _Impatient(xmlrpc.client.Transport):
-    """Calls time out."""
-
-    def make_connection(self, host: Any) -> Any:
-        connection = super().make_connection(host)
-        connection.timeout = ANSWER_S
-        return connection

@@ -79,6 +79,7 @@ class Peer:
         self._apart = apart
         self._source_port = port
         self._sockets: List[socket.socket] = []  # the first one is used for sending
+        self._has_sent = False
         self._own_host: Optional[str] = None
         self._own_host_until_mono = float("-inf")
         self._send_errors = OnceASecond()
@@ -143,6 +144,7 @@ class Peer:
             return self._not_sent(
                 host, f"it has {len(datagram)} bytes, but receivers may only read {self._max_datagram}. "
                       "Remedy: send less, or raise max_datagram if all receivers read more")
+        self._has_sent = True
         try:
             self._sockets[0].sendto(datagram, (host, self.port))
         except OSError as error:
@@ -172,8 +174,9 @@ class Peer:
             except OSError as error:
                 self._not_read(error)
                 return
-            # A peer's own broadcasts come from its own port.
-            if sender[1] != self._source_port or sender[0] != self._source_host():
+            # A peer's own broadcasts come from its own port. Before it sends, they are those of another program at the
+            # same address, such as a second box on this computer.
+            if not self._has_sent or sender[1] != self._source_port or sender[0] != self._source_host():
                 try:
                     self._on_datagram(datagram, sender)
                 except Exception:

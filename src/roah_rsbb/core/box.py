@@ -355,12 +355,14 @@ class Box:
 
     def on_robot_beacon(
         self, now: Now, host: str, team: str, robot: str, time: WireTime, received_utc: Optional[float] = None,
+        has_route: bool = True,
     ) -> None:
-        """A RobotBeacon arrived from `host`. `received_utc`: see `arrival`."""
+        """A RobotBeacon arrived from `host`. `received_utc`: see `arrival`. `has_route`: whether the box can reach it.
+        """
         arrival, now = self._take_arrival(now, received_utc)
         robot_id = RobotId(team, robot)
         known = self.robots.find(robot_id)
-        heard = self.robots.hear(arrival, robot_id, host, time)
+        heard = self.robots.hear(arrival, robot_id, host, time, has_route=has_route)
         texts: List[Optional[str]] = []
         if heard is None:
             texts.append(self.watches.not_listed(now, host))

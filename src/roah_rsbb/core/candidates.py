@@ -143,7 +143,7 @@ class Candidates:
             if not busy:
                 return [NO_ROBOT(team=team, port=self._settings.rsbb_port)]
             return [IN_A_RUN(robot=str(r.id), zone=run.zone) for r, run in busy if run is not None]
-        return robots[0].skew_off(NAMED(robot=str(robots[0].id)))
+        return robots[0].off(NAMED(robot=str(robots[0].id)))
 
     def _nobody_off(self, now: Now, zone: Zone) -> List[str]:
         """Return why a run of all robots would have no robots; empty: it would have some."""
@@ -176,4 +176,4 @@ class Candidates:
             reasons.append(NO_PASSWORD)
         if robot.is_late(now):
             reasons.append(NOT_HEARD(time=times.in_sentence(now.mono - robot.last_heard.mono)))
-        return reasons + robot.skew_off(THE_ROBOT)
+        return reasons + robot.off(THE_ROBOT)

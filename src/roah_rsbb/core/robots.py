@@ -17,6 +17,7 @@ from typing import Callable, Container, Dict, List, NamedTuple, Optional, Tuple
 from roah_rsbb.core.link.skew import WINDOW_S, SkewEstimate, skew_off, within
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import NEVER
+from roah_rsbb.model.reason import say
 from roah_rsbb.protocol import WireTime, wire_seconds
 
 # A robot sends every second. After this many seconds without a message, it is late.
@@ -40,6 +41,9 @@ DROP_OF_HOST_S = 0.1
 DROP_OF_TEAM_S = 0.02
 # Maximum number of addresses and teams that are remembered as above their quota.
 MAX_PAUSES = 500
+
+NO_ROUTE = say("The box cannot reach {robot} at {host}: it has no route to this network. Give the robot an address in "
+               "the box's network")
 
 
 class RobotId(NamedTuple):
@@ -79,6 +83,7 @@ class ActiveRobot:
         self._confirmed_mono = -math.inf  # when it used the password last
         self._beacon_mono = -math.inf  # of the last beacon of any address, and of the last one with a good clock
         self._good_clock_mono = -math.inf
+        self._reached_mono = -math.inf  # when it was heard from an address that the box can reach
         self._back: List[float] = []  # when times of its beacons went back
 
     def is_late(self, now: Now) -> bool:
@@ -102,17 +107,26 @@ class ActiveRobot:
         is_good = self._good_clock_mono >= self._beacon_mono - WINDOW_S
         return [] if is_good else skew_off(whose, self.skew.seconds, self._allowed_skew)
 
+    def off(self, whose: str) -> List[str]:
+        """Return every reason against *connect*, as `skew_off` does. Here, too, a forged address takes no other away.
+        """
+        is_reached = self._reached_mono >= self.last_heard.mono - LATE_S
+        return ([] if is_reached else [NO_ROUTE(robot=whose, host=self.host)]) + self.skew_off(whose)
+
     def restart_skew(self) -> None:
         """Drop all samples of its clock, because the box's clock was set."""
         self.skew.restart()
         self._good_clock_mono = -math.inf
 
-    def hear(self, now: Now, host: str, time: WireTime, certain: bool) -> None:
+    def hear(self, now: Now, host: str, time: WireTime, certain: bool, has_route: bool = True) -> None:
         """Take a message from `host` that arrived `now`. It is `certain` if it was decrypted with the team's password.
+        `has_route`: whether the box can reach the host.
 
         A beacon from another host than before is a rival's, and changes nothing while the first host is heard. The
         exception: the first host never used the password, and the other did.
         """
+        if has_route:
+            self._reached_mono = now.mono
         skew = wire_seconds(time) - now.utc
         if not certain and now.mono - self._confirmed_mono <= LATE_S:
             if host == self.host:  # it is there; but its clock is that of its messages
@@ -193,10 +207,10 @@ class ActiveRobots:
         """Rises with each robot that is added or removed."""
 
     def hear(
-        self, now: Now, robot_id: RobotId, host: str, time: WireTime, certain: bool = False
+        self, now: Now, robot_id: RobotId, host: str, time: WireTime, certain: bool = False, has_route: bool = True,
     ) -> Optional[ActiveRobot]:
         """Take a robot's message (`certain`: it came on its private channel). Return None if the list is full, or the
-        robot's name is unusable."""
+        robot's name is unusable. `has_route`: see `ActiveRobot.hear`."""
         robot = self._robots.get(robot_id)
         if robot is None:
             name_fits = 0 < len(robot_id.team) <= MAX_NAME and 0 < len(robot_id.robot) <= MAX_NAME
@@ -205,7 +219,7 @@ class ActiveRobots:
             robot = self._robots[robot_id] = ActiveRobot(robot_id, host, now, self._allowed_skew)
             self._by_team.setdefault(robot_id.team, []).append(robot)
             self.changes += 1
-        robot.hear(now, host, time, certain)
+        robot.hear(now, host, time, certain, has_route)
         return robot
 
     def take_squatter(self) -> Optional[Squatter]:

@@ -3,10 +3,7 @@
 import errno
 import json
 import os
-import secrets
 from typing import NamedTuple
-
-from roah_rsbb.durable import write_file
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 
@@ -28,6 +25,8 @@ class DoorPlace(NamedTuple):
 
 def new_token() -> str:
     """Return a random token."""
+    import secrets  # late, as below: a STOP that begins only reads a place
+
     return secrets.token_urlsafe(32)
 
 
@@ -35,6 +34,8 @@ def write_place(path: str, url: str, token: str, why: str = "") -> None:
     """Write the file of a door; `why`: why there is none. Raises OSError.
 
     On a full disk, the file of the door before is written over, which has as many bytes."""
+    from roah_rsbb.durable import write_file
+
     os.makedirs(os.path.dirname(path), exist_ok=True)
     content = json.dumps({"url": url, "token": token, **({"why": why} if why else {})}).encode()
     try:

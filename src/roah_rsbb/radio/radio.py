@@ -9,6 +9,7 @@ import functools
 import os
 from typing import Callable, Dict, Mapping, NamedTuple, Optional, Set, Tuple
 
+from roah_rsbb.comm import sockets
 from roah_rsbb.comm.channels import MakePeer, PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encoded_size
@@ -30,6 +31,8 @@ BEACON_PERIOD_S = 1.0
 BEACON_GAP_S = 0.05
 # Limit of events per second for copies of datagrams; a real network causes fewer.
 COPY_EVENTS = 100
+# For so long a route to a robot, or that there is none, is taken for granted (s); and of so many hosts.
+ROUTE_S, MAX_HOSTS = 2.0, 250
 
 
 OnEvent = Callable[..., None]
@@ -102,6 +105,7 @@ class CoreRadio:
         self._privates: Dict[int, _Private] = {}
         self.awaited: Set[int] = set()
         """Ports of channels that are not open yet, because a record waits for the disk. No beacon names them."""
+        self._routes: Dict[str, Tuple[float, bool]] = {}  # by host: until when it holds, and whether there is one
         self._seen = Seen() if seen is None else seen  # of all channels, for as long as the box runs
         self._beacon_timer: Optional[asyncio.TimerHandle] = None
         self._beacon_soon: Optional[asyncio.TimerHandle] = None
@@ -272,11 +276,23 @@ class CoreRadio:
         if isinstance(message, pb.RobotBeacon):
             time = wire_convert.time_of(message.time)
             self._event(self._box.on_robot_beacon, host, message.team_name, message.robot_name, time,
-                        self.public.received_utc)
+                        self.public.received_utc, self._has_route(host))
         elif isinstance(message, pb.TabletBeacon):
             self._event(self._box.on_tablet, host, wire_convert.tablet_of(message))
         elif isinstance(message, pb.RoahRsbbBeacon):
             self._event(self._box.on_foreign_box, host)
+
+    def _has_route(self, host: str) -> bool:
+        """Whether this computer can send to a robot. What was found holds for a while."""
+        now = self._loop.time()
+        until, found = self._routes.get(host, (now, True))
+        if now < until or self._network.broadcast or self._make_peer is not None:
+            return found
+        if len(self._routes) >= MAX_HOSTS:
+            self._routes.clear()
+        found = sockets.source_host(host) is not None
+        self._routes[host] = now + ROUTE_S, found
+        return found
 
     def _on_private(self, port: int, message: object, address: Address) -> None:
         if isinstance(message, RobotReport):

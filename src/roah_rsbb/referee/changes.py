@@ -61,8 +61,9 @@ def _of_zone(old: ZoneSeen, new: ZoneSeen, utc_s: float) -> Iterator[Change]:
     def change(kind: str, **facts: Any) -> Change:
         return Change(utc_s, kind, new.zone, facts)
 
+    warned = tuple(_NUMBER.sub("#", text) for text in news(old.warnings, new.warnings))  # each is reported for itself
     for text in _lines(old.log, new.log):
-        if not _is_score_change(text, new.items):
+        if not _is_score_change(text, new.items) and not _NUMBER.sub("#", text).endswith(warned):
             yield change("log", text=text)
     was, now = state_json(old), state_json(new)
     if was != now:

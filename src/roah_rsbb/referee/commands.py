@@ -6,6 +6,7 @@ import sys
 import time
 from typing import Any, Callable, ContextManager, Dict, List, Optional, Tuple
 
+from roah_rsbb.core.actions.events import UNSIGNED
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.results import RunLine
@@ -14,6 +15,7 @@ from roah_rsbb.model.zone import CONNECTED, IDLE, RUNNING, SheetItem, ZoneSeen
 from roah_rsbb.referee import judges, sheets, view
 from roah_rsbb.referee.answers import Keyboard, Operations
 from roah_rsbb.referee.args import ALWAYS, given_in
+from roah_rsbb.referee.at_once import ALL_OPTION
 from roah_rsbb.referee.changes import BoxFollower, Change
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.link import Link, NotConfirmed
@@ -34,7 +36,6 @@ from roah_rsbb.referee.state import (
 )
 from roah_rsbb.referee.stopping import Stopping, TypedStops
 from roah_rsbb.referee.words import (
-    ALL_OPTION,
     NOT_ATTEMPTED,
     BadWord,
     EventWanted,
@@ -49,6 +50,8 @@ from roah_rsbb.wording.texts import escaped
 
 WATCH_STEP_S = 1.0
 STOP_HINT = "type 'stop' to stop the run, 'stop all' to stop the runs of all zones"
+# How the terminal confirms what `choose` asks for.
+GIVE_UNSIGNED = "Give --unsigned to leave it, or sign it off first ('sign-off')"
 # A command that takes longer reads STOP from the keyboard while it waits.
 SLOW_S = 1.0
 STOP_HINT_ALL = "type 'stop ZONE' to stop a run, 'stop all' to stop the runs of all zones"
@@ -113,7 +116,8 @@ def _stop(link: Link, options: Any, output: Output) -> Exit:
     """Stop. The link need not be open."""
     if (options.zone is None) != options.all:
         raise BadWord("give the name of a zone, or 'all'")
-    stopping = Stopping(link, ALL_OPTION if options.all else options.zone, output.stop)
+    stopping = Stopping(link, ALL_OPTION if options.all else options.zone, output.stop,
+                        sent=options.sent)
     with contextlib.suppress(KeyboardInterrupt):
         stopping.run()
     status, found = stopping.status(), stopping.result()
@@ -381,8 +385,13 @@ def _choose(link: Link, options: Any, output: Any) -> Exit:
         raise BadWord(f"zone '{name}' has no event {options.event}: there are 1 to {len(own)} ('schedule' lists them)")
     _check_stopped(link, options)
     event = own[options.event - 1]
-    link.act("choose_event", name, {"event": event.id, "team": event.team, "unsigned": options.unsigned},
-             referee=options.referee)
+    try:
+        link.act("choose_event", name, {"event": event.id, "team": event.team, "unsigned": options.unsigned},
+                 referee=options.referee)
+    except Refused as refused:
+        templates = [getattr(reason, "template", "") for reason in refused.reasons]
+        how = [GIVE_UNSIGNED] if UNSIGNED.template in templates else []
+        raise Refused([*refused.reasons, *how]) from None
     return _say_done(link, name, output, "choose")
 
 

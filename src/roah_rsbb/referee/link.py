@@ -3,8 +3,6 @@
 A box or a master that does not answer must not stop the referee: all has a time limit, and errors name the remedy.
 """
 
-import os
-import socket
 import time
 import uuid
 from concurrent.futures import Future
@@ -21,13 +19,13 @@ from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.results import RunSheet
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
+from roah_rsbb.referee.at_once import ROLE, caller_name
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.wording.times import use_zone
 
 # Time limits: for the document, for the answer to a call. A busy computer may take seconds.
 CORE_S, ANSWER_S = 6.0, 6.0
 AGAIN_S = 0.2  # how often an attempt to connect is looked at
-ROLE = "referee"  # of the person at the terminal; also the face of the connection
 SILENT = "the core is silent: it hangs or has died (restart it), or its computer cannot be reached"
 
 
@@ -127,9 +125,3 @@ class Link(Client[Document]):
         if not answer.is_answered:
             raise NoCore(self.why or f"the box did not answer within {ANSWER_S:.0f} s: the core hangs, restart it")
         return answer.answer
-
-
-def caller_name(program: str) -> str:
-    """Return a name for the records that no other process has."""
-    name = f"{program}_{socket.gethostname()}_{os.getpid()}_{int(time.time() * 1000)}"
-    return "/" + "".join(letter if letter.isalnum() and letter.isascii() else "_" for letter in name)

@@ -4,17 +4,20 @@ Like the panels, it shows what the core publishes and sends commands to the core
 exit status shows the result.
 """
 
-import argparse
 import contextlib
 import os
 import signal
 import sys
 import time
-from typing import List, Optional
+from typing import TYPE_CHECKING, List, Optional
 
-from roah_rsbb import platform
-from roah_rsbb.referee.args import parser
+# All else is imported later: before, a STOP leaves, and help or a wrong option need little of it.
+from roah_rsbb.arguments import is_without_ros
+from roah_rsbb.referee.at_once import EarlyStop, send_stop
 from roah_rsbb.referee.exits import Exit
+
+if TYPE_CHECKING:
+    import argparse
 
 ONE_WISH_S = 0.5  # between two signals
 
@@ -38,20 +41,22 @@ def _hang_up(number: int, _frame: object) -> None:
     raise SystemExit(128 + number)
 
 
-def options_of(words: List[str]) -> argparse.Namespace:
-    """Read a command line. Raises SystemExit after help and for wrong options."""
+def options_of(words: List[str], sent: Optional[EarlyStop] = None) -> "argparse.Namespace":
+    """Read a command line, of which a STOP may be `sent`. Raises SystemExit after help and for wrong options."""
+    from roah_rsbb.referee.args import parser
+
     top = parser()
     options = top.parse_args([word for word in words if ":=" not in word])  # ROS adds words such as __name:=x
     if options.command is None:
         top.print_help(sys.stderr)
         sys.exit(int(Exit.USAGE))
+    options.sent = sent
     return options
 
 
-def carry_out(options: argparse.Namespace) -> int:
+def carry_out(options: "argparse.Namespace") -> int:
     """Carry out the command and return the exit status."""
     try:
-        # Imported late: help or a wrong option need none of it.
         from roah_rsbb.referee import commands
         from roah_rsbb.referee.output import Output
 
@@ -72,7 +77,15 @@ def _open_streams() -> None:
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
     _open_streams()
-    options = options_of(sys.argv[1:] if arguments is None else arguments)
+    words = sys.argv[1:] if arguments is None else arguments
+    try:
+        sent = send_stop(words, is_without_ros())
+    except KeyboardInterrupt:
+        sys.exit(int(Exit.NO_CORE))
+
+    from roah_rsbb import platform
+
+    options = options_of(words, sent)
     interrupt = Interrupts()
     for number in (signal.SIGINT, signal.SIGTERM):
         if signal.getsignal(number) is not signal.SIG_IGN:

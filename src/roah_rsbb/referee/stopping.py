@@ -4,16 +4,20 @@ A STOP waits for no other call, and no other zone: the client has a connection a
 core answers. Then it is followed until the robots report STOP.
 """
 
+import contextlib
 import threading
 import time
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.client.client import Answer
+from roah_rsbb.client.client import Answer, answer_of
+from roah_rsbb.document.document import Followed
+from roah_rsbb.document.written import BadDocument
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import decode
 from roah_rsbb.model.zone import ENDED, RUNNING, ZoneSeen
+from roah_rsbb.referee.at_once import EarlyStop, is_all
 from roah_rsbb.referee.exits import Exit
-from roah_rsbb.referee.words import BadWord, is_all, pick_zone, stop_wanted
+from roah_rsbb.referee.words import BadWord, pick_zone, stop_wanted
 from roah_rsbb.wording.stop import DONE, LOST, NOT_DELIVERED_S, Way, way, way_text
 
 # How often the way is looked at while nothing happens.
@@ -57,14 +61,19 @@ class ZoneStop:
     def send(self, link: Any) -> None:
         """Send it until the core answers."""
         def take(answer: Answer) -> None:
-            self.refused, self.number = tuple(answer.reasons), answer.number
-            if answer.is_answered and not answer.reasons:
-                self.answered_s = time.monotonic()
-                self.unsaved = decode(answer.answer.get("unsaved", "")) if isinstance(answer.answer, dict) else ""
+            self.take(answer)
             link.wake()
 
         self.is_sent = True
         link.stop(self.zone, "", take, FOREVER_S, node=link.node, by=link.referee)
+
+    def take(self, answer: Answer) -> None:
+        """Take the core's answer."""
+        self.is_sent = True
+        self.refused, self.number = tuple(answer.reasons), answer.number
+        if answer.is_answered and not answer.reasons:
+            self.answered_s = time.monotonic()
+            self.unsaved = decode(answer.answer.get("unsaved", "")) if isinstance(answer.answer, dict) else ""
 
     def look(self, link: Any) -> None:
         """Look at the document, if it shows the effect of the STOP."""
@@ -125,24 +134,30 @@ class Stopping:
 
     def __init__(
         self, link: Any, word: str, report: Callable[[StopLine], None], own_zone: str = "",
-        before: Optional[Document] = None,
+        before: Optional[Document] = None, sent: Optional[EarlyStop] = None,
     ) -> None:
         """`link`: a `link.Link` that was started; it need not be open. `word` names the zone, or all; empty:
         `own_zone`, or else the only run in progress. `report` takes each new line. `before`: the box as it is, if that
-        is known."""
+        is known. `sent`: what was sent of it already."""
         self._link = link
         self._word = word
         self.is_all = is_all(word)  # as far as is known
         self._report = report
         self._own_zone = own_zone
         self._before = before
-        self._begun_s = time.monotonic()
+        self._begun_s = time.monotonic() if sent is None else sent.sent_s
+        self._answers = {} if sent is None else {zone: answer_of(one) for zone, one in sent.answers.items()}
         self._zones: Optional[List[ZoneStop]] = None  # None: not known yet
         # In case a zone has exactly this name, it is sent before the zones are known.
         name = "" if self.is_all else word or own_zone
         self._shown: Dict[str, StopLine] = {}
         self._named = ZoneStop(name or (ALL_ZONES if self.is_all else THE_RUN), self._begun_s)
-        if name:
+        if sent is not None:
+            followed = Followed(Document)
+            with contextlib.suppress(BadDocument):  # the link says the remedy
+                followed.take(sent.first)
+                self._before = followed.document
+        if name and not self._answers:
             self._named.send(link)
 
     def run(self) -> None:
@@ -150,8 +165,9 @@ class Stopping:
         KeyboardInterrupt ends it."""
         news = self._link.news
         while True:
-            if self._zones is None and self._link.document is not None:
-                self._zones = self._begun(self._link.document)
+            box = self._link.document or (self._before if self._answers else None)
+            if self._zones is None and box is not None:
+                self._zones = self._begun(box)
             for one in self._zones if self._zones is not None else [self._named]:
                 one.look(self._link)
             self._show()
@@ -166,7 +182,9 @@ class Stopping:
         for name in self._names(box):
             one = self._named if self._named.is_sent and name == self._named.zone else ZoneStop(name, self._begun_s)
             one.before = before.zones.get(name)
-            if not one.is_sent:
+            if name in self._answers:
+                one.take(self._answers[name])
+            elif not one.is_sent:
                 one.send(self._link)
             found.append(one)
         return found

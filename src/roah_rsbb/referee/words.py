@@ -1,7 +1,7 @@
 """Words that a referee types: names of zones, scoring items, values, events of the schedule."""
 
 import shlex
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.scoring.points import number_of, text_of
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
@@ -9,17 +9,16 @@ from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Toggle, TypedPose, TypedText
 from roah_rsbb.model.scoring import MAX_VALUE, Entered, ScoreKind, ScoringItem
 from roah_rsbb.model.zone import Event, SheetItem
+from roah_rsbb.referee.at_once import STOP, meant
 from roah_rsbb.wording.suggestions import did_you_mean
-
-T = TypeVar("T")
 
 # Actions that have a command of their own in the terminal, with other words.
 PLACED = {"stop": "stop", "choose_event": "choose", "operation": "done"}
 
 # Words instead of a value.
 NOT_ATTEMPTED = ("not-attempted", "n/a")
-# The words of STOP at a prompt, and those for all zones: a person under stress types them in their own language.
-STOP, ALL, ALL_OPTION = ("stop", "stopp"), ("all", "alle"), "--all"
+# The words of STOP at a prompt.
+STOPS = (STOP, "stopp")
 # Words for the value of a yes-or-no item.
 WORDS = {"yes": 1, "true": 1, "no": 0, "false": 0}
 
@@ -49,7 +48,7 @@ class EventWanted(NamedTuple):
 
 def pick_zone(word: str, names: Sequence[str]) -> str:
     """Return the zone meant by `word`: its name, or the beginning of one name only. Case does not matter."""
-    found = _found(word, names, str, str.startswith)
+    found = meant(word, names, str, str.startswith)
     if len(found) == 1:
         return found[0]
     there_are = "the zones are " + _quoted(names)
@@ -59,17 +58,11 @@ def pick_zone(word: str, names: Sequence[str]) -> str:
     raise BadWord(f"'{word}' is the beginning of {len(found)} zones: {_quoted(found)}")
 
 
-def is_all(word: str, names: Sequence[str] = ()) -> bool:
-    """Whether a word means all zones. A zone that is really named "all" comes first; '--all' always means all."""
-    low = word.casefold()
-    return low == ALL_OPTION or (low in ALL and low not in [name.casefold() for name in names])
-
-
 def stop_wanted(line: str) -> Optional[str]:
     """Return which zone a line that was typed at a prompt wants to stop (empty: that of the prompt), or a word for all.
     None: the line is no STOP."""
     first, _, rest = line.strip().rstrip("!. ").partition(" ")
-    return rest.strip() if first.casefold().rstrip(",:!.") in STOP else None
+    return rest.strip() if first.casefold().rstrip(",:!.") in STOPS else None
 
 
 def pick_item(word: str, items: Sequence[SheetItem]) -> int:
@@ -79,7 +72,7 @@ def pick_item(word: str, items: Sequence[SheetItem]) -> int:
     if word.isdecimal() and 1 <= int(word) <= len(items):
         return int(word)
     numbered = list(enumerate(items, 1))
-    found = _found(word, numbered, lambda one: one[1].desc, str.__contains__)
+    found = meant(word, numbered, lambda one: one[1].desc, str.__contains__)
     if len(found) == 1:
         return found[0][0]
     listed = "\n".join(f"  {number:2}  {item.group}: {item.desc}" for number, item in found or numbered)
@@ -117,7 +110,7 @@ def value_of(text: str, item: SheetItem) -> Entered:
 
 
 def _choice(text: str, item: SheetItem) -> str:
-    found = _found(text, item.choices, str, str.startswith)
+    found = meant(text, item.choices, str, str.startswith)
     if len(found) == 1:
         return found[0]
     raise BadWord(f"'{text}' is not a choice of '{item.desc}': choose one of {_quoted(item.choices)}")
@@ -125,7 +118,7 @@ def _choice(text: str, item: SheetItem) -> str:
 
 def _rating(text: str, item: SheetItem) -> Entered:
     judge, colon, number = text.rpartition(":")
-    found = _found(judge.strip(), item.judges, str, str.startswith)
+    found = meant(judge.strip(), item.judges, str, str.startswith)
     if not colon or len(found) != 1:
         raise BadWord(f"'{text}' is not a rating of '{item.desc}': give the judge and a number, such as "
                       f"'{item.judges[0]}:5'; the judges are {_quoted(item.judges)}")
@@ -156,7 +149,7 @@ def given_of(words: Sequence[str], fields: Sequence[Field]) -> Dict[str, Any]:
         if field.name in given:
             raise BadWord(f"'{field.name}' is given twice")
         text = (value if named else word).strip()
-        found = _found(text, field.choices, str, str.startswith) if text and isinstance(field, Choice) else []
+        found = meant(text, field.choices, str, str.startswith) if text and isinstance(field, Choice) else []
         if len(found) > 1:
             raise BadWord(f"'{text}' is the beginning of several choices: {_quoted(found)}")
         if text and not found and other is not None and not named:
@@ -227,16 +220,6 @@ def score_wanted(text: str) -> Tuple[str, str]:
     if not equals or not item.strip() or not value.strip():
         raise ValueError(text)
     return item.strip(), value.strip()
-
-
-def _found(word: str, things: Sequence[T], name: Callable[[T], str], fits: Callable[[str, str], bool]) -> List[T]:
-    """Return the things whose name is `word`, or else those whose name fits it. Case does not matter."""
-    exact = [thing for thing in things if name(thing) == word]
-    if exact:
-        return exact
-    low = word.casefold()
-    same = [thing for thing in things if name(thing).casefold() == low]
-    return same or [thing for thing in things if low and fits(name(thing).casefold(), low)]
 
 
 def _quoted(names: Sequence[str]) -> str:

@@ -27,7 +27,9 @@ _TEXT_ONLY = frozenset(("title", "text"))
 # No word is broken, except a longer one, which would be wider than its column. Names have signs where they may break.
 LONGEST_WORD = 22
 _LONG_WORD = re.compile(rf"[^\s]{{{LONGEST_WORD + 1},}}")
-_PIECE = re.compile(rf"[^\W_]{{1,{LONGEST_WORD}}}[\W_]{{0,3}}|[\W_]{{1,{LONGEST_WORD}}}")
+_PIECE, _PIECE_OF_WIDE = (re.compile(rf"[^\W_]{{1,{most}}}[\W_]{{0,3}}|[\W_]{{1,{most}}}") for most in (
+    LONGEST_WORD, LONGEST_WORD * 3 // 5))
+_WIDE = re.compile("[A-ZmwÄÖÜ]")
 
 _STYLE = """
 @page { size: A4; margin: 14mm 13mm; }
@@ -113,10 +115,16 @@ def breakable(text: str) -> Markup:
     if len(text) <= LONGEST_WORD and text.isprintable():
         return Markup(html.escape(text))
     return Markup("".join(
-        "<wbr>".join(html.escape(piece) for piece in _PIECE.findall(part)) if _LONG_WORD.fullmatch(part)
+        "<wbr>".join(map(html.escape, _pieces(part))) if _LONG_WORD.fullmatch(part)
         else html.escape(part)
         for part in re.split(r"(\s+)", visible(text))
     ))
+
+
+def _pieces(word: str) -> Sequence[str]:
+    """Return the pieces of a long word, none wider than its column."""
+    is_wide = 4 * len(_WIDE.findall(word)) > len(word)
+    return (_PIECE_OF_WIDE if is_wide else _PIECE).findall(word)
 
 
 def joined(children: Iterable[Child], escape: Callable[[str], Markup] = breakable) -> Markup:

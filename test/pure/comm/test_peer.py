@@ -122,6 +122,14 @@ def test_own_broadcasts_are_ignored(peer, raw, port, bind_host):
     assert sender.datagrams.wait() == [(b"after", raw.getsockname())]
 
 
+@pytest.mark.parametrize("bind_host", [BOX, "0.0.0.0"])
+def test_one_that_only_listens_hears_another_program_at_its_address(peer, port, bind_host):
+    """A check of a robot must hear the box of the same computer before it disturbs it."""
+    box, check = peer(bind_host), peer(bind_host)
+    assert box.send(b"beacon", BROADCAST)
+    assert check.datagrams.wait() == [(b"beacon", (BOX, port))]
+
+
 def test_broadcasts_are_received_where_nothing_can_be_bound_to_their_address(peer, port, monkeypatch):
     """As on Windows."""
     listen = sockets.listen

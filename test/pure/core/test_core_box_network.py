@@ -116,6 +116,23 @@ def test_a_host_with_too_many_robots_is_reported_and_another_teams_robot_is_conn
     assert driver.off("connect") == []
 
 
+def test_a_robot_that_the_box_cannot_reach_is_not_connected():
+    driver = BoxDriver()
+    robot = driver.robot()
+
+    def beacon(host, has_route):
+        driver.event(driver.box.on_robot_beacon, host, robot.team, robot.name, robot.time(), None, has_route)
+
+    beacon("10.2.0.7", False)
+    (why,) = driver.off("connect")
+    assert why.startswith("The box cannot reach robot r1 of team Alpha at 10.2.0.7: it has no route to this network")
+    beacon(robot.host, True)
+    assert driver.off("connect") == [], "a beacon may have a forged address: that takes no other address away"
+    driver.run(1)
+    beacon("10.2.0.7", False)
+    assert driver.off("connect") == []
+
+
 def test_the_status_says_that_the_box_listens():
     driver = BoxDriver(listening=True)
     assert views.box_status(driver.box, driver.now) == "Listening for another box before transmitting: 5 s"

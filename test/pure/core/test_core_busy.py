@@ -87,6 +87,22 @@ def test_a_robot_is_not_silent_because_the_box_was_busy():
     assert driver.view().warnings == ()
 
 
+def test_a_box_that_was_stopped_reports_one_silence():
+    """It looks first, and reads then what arrived meanwhile."""
+    driver, robot, late = _connected()
+    driver.command("start")
+    driver.taken()
+    for _ in range(130):
+        driver.jump(0.03)
+        late.says(robot)
+    driver.event(driver.box.tick)
+    late.read()
+    assert sum("No message" in text for text in driver.notices()) == 1
+    assert driver.view().warnings == ()
+    driver.run(6.0)
+    assert sum("No message" in text for text in driver.notices()) == 1, "the next silence is another one"
+
+
 def test_the_silence_of_a_robot_counts_from_its_last_message_not_from_the_moment_of_reading():
     driver, robot, late = _connected()
     late.says(robot)

@@ -56,6 +56,12 @@ def test_the_next_runs_log_starts_empty():
     assert found == [("log", "Home A", {"text": "new"})]
 
 
+def test_a_warning_is_reported_once_although_the_core_logs_it_too():
+    new = running_zone(log="12:00:00Z WARNING: No message for 4 s\nother\n", warnings=("No message for 3 s",))
+    assert [(kind, facts["text"]) for kind, _, facts in _facts(box(running_zone()), box(new))] == [
+        ("log", "other"), ("warning", "No message for 3 s")]
+
+
 def test_a_score_is_reported_once_although_the_core_logs_it_too():
     old, new = running_zone(), running_zone(
         items=(ITEMS[0]._replace(value=1), *ITEMS[1:]), log="Score: Achievements: Detects the door 0 -> 1\nother\n")

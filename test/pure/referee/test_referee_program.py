@@ -1,10 +1,15 @@
-"""The referee's program: its signals."""
+"""The referee's program: its signals, and a command."""
 
 import signal
+import types
 
 import pytest
 
-from roah_rsbb.referee import program
+from helpers.referee_box import box, zone
+from roah_rsbb.core.actions.events import UNSIGNED
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.referee import commands, program
 
 
 def test_signals_that_come_together_are_one_wish(monkeypatch):
@@ -21,3 +26,18 @@ def test_signals_that_come_together_are_one_wish(monkeypatch):
     mono[0] += 0.6
     with pytest.raises(KeyboardInterrupt):
         interrupts(signal.SIGINT, None)
+
+
+def test_a_refused_choose_names_its_option():
+    unsigned = UNSIGNED(code="HNF", team="Alpha", round=1, run=1)
+
+    def act(*_arguments, **_more):
+        raise Refused([unsigned])
+
+    event = EventSeen("e1", 1, "Home", "HNF", "", "Alpha", 1, 1, 0.0, 0.0, "done", False)
+    found = box(zone(zone="Home"))._replace(schedule={"e1": event})
+    link = types.SimpleNamespace(box=found, act=act)
+    options = types.SimpleNamespace(zone="Home", event=1, yes=True, unsigned=False, referee="")
+    with pytest.raises(Refused) as refused:
+        commands.COMMANDS["choose"](link, options, None)
+    assert refused.value.reasons == [unsigned, "Give --unsigned to leave it, or sign it off first ('sign-off')"]

@@ -6,9 +6,10 @@ import pytest
 
 from helpers.referee_box import box, running_zone, zone
 from roah_rsbb.client.client import Answer
+from roah_rsbb.referee.at_once import is_all
 from roah_rsbb.referee.exits import Exit
 from roah_rsbb.referee.stopping import Stopping, TypedStops, ZoneStop
-from roah_rsbb.referee.words import BadWord, is_all, stop_wanted
+from roah_rsbb.referee.words import BadWord, stop_wanted
 
 ENDED = {"phase": "ended", "end_reason": "stopped"}
 LIMIT_S = 30.0  # for what comes, however busy the machine is

@@ -183,6 +183,7 @@ def test_lines_break_between_words(text, lines):
     ("Disqualifying internationalisation", "Disqualifying internationalisation"),
     ("x" * LONGEST_WORD, "x" * LONGEST_WORD),
     ("x" * (LONGEST_WORD + 1), "x" * LONGEST_WORD + "<wbr>x"),
+    ("W" * (LONGEST_WORD + 1), "W" * 13 + "<wbr>" + "W" * 10),
     ("/roah_rsbb_window_4711_1763722800", "/<wbr>roah_<wbr>rsbb_<wbr>window_<wbr>4711_<wbr>1763722800"),
     ("a < b  c\n" + "&" * 30, "a &lt; b  c\n" + "&amp;" * 22 + "<wbr>" + "&amp;" * 8),
 ])

@@ -299,6 +299,12 @@ def test_only_paired_devices_of_our_pages_see_the_zone(served, query, headers, c
     assert len(served.server.devices) == 0
 
 
+def test_a_page_of_another_scheme_sees_no_zone(served):
+    with pytest.raises(httpclient.HTTPError) as raised:
+        served.device(served.token(), Origin=f"https://127.0.0.1:{served.port}")
+    assert raised.value.code == 403
+
+
 def test_a_device_is_shown_its_zone_until_its_pairing_ends(served):
     token = served.token()
     device = served.device(token)

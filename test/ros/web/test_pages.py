@@ -227,6 +227,10 @@ class TestPages(NeedsBrowser, BoxCase):
             "[...document.querySelectorAll('#page > *, .card > *, .row > *')].filter(one => !one.closest('.copy'))"
             ".map(one => one.getBoundingClientRect()).filter(b => b.right > innerWidth || b.bottom > innerHeight)"
             ".length"), 0)
+        # The title is long.
+        self.assertEqual(page.get(
+            "[...document.querySelectorAll('.titles > *')].filter(one => one.getBoundingClientRect().top < 0"
+            " || one.scrollHeight > one.clientHeight + 1).length"), 0)
 
     def a_silent_box_is_reported(self, *pages: Page) -> None:
         """The core hangs."""

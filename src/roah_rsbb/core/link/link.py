@@ -116,6 +116,7 @@ class RobotLink:
         self._old = 0  # messages since the last fresh one that were not newer than it
         self._old_mono = float("-inf")  # when the last of them arrived
         self._looks = 0  # at this silence; see `deadline`
+        self._looked_mono = float("-inf")  # when the last of them was
         self._reported: Optional[Silent] = None  # at the last of them
         self._step: Optional[str] = None
         self._step_mono = 0.0
@@ -195,7 +196,8 @@ class RobotLink:
             notices.extend(self._note_host(now, state.host, host))
         state.host, state.last, state.last_heard = host, report, now
         self._old = 0
-        self._looks, self._reported = 0, None
+        if now.mono + SILENT_S > self._looked_mono:  # a box that reads late has reported the silence after older ones
+            self._looks, self._reported = 0, None
         self._bad = None
         state_changed = before is None or report.state != before.state
         if not (new_host or state_changed or notices):
@@ -243,6 +245,7 @@ class RobotLink:
                 notices.append(self._silence_text(now, silence))
             self._reported = silence
             self._looks += 1
+            self._looked_mono = now.mono
             due = self.deadline()
         return notices
 

@@ -31,7 +31,7 @@ RESTARTED = say("The core was restarted at {time}, {down} s after its last recor
 CONTINUES, CONTINUES_AT = say("{text}: the run continues if its robot does"), say(
     "{text}: the run continues on the box at {address}")
 LOST = say("The run of {benchmark}, team {team}, that was connected before the restart cannot continue: {why}. Its "
-           "scores are in the journal: see 'rosrun roah_rsbb results'")
+           "scores are in the journal: the program 'results' shows them")
 ZONE_GONE = say("zone '{zone}' is no longer in the schedule")
 EVENT_GONE = say("its event is no longer in the schedule of zone '{zone}'")
 INVALID = say("its saved state is invalid ({error})")

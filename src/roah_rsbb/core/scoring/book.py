@@ -274,7 +274,8 @@ class FinishedRun:
             raise Refused([
                 say("the score sheet of run {run} was signed off by {who} at {time}: it is final. Take an objection "
                     "to the technical committee")(
-                    run=self.record.identity, who=signed.who or "somebody", time=times.at_venue(signed.utc))
+                    run=self.record.identity, who=sheets.person(signed.who) or "somebody",
+                    time=times.at_venue(signed.utc))
             ])
 
     def _changed(self, text: str) -> str:
@@ -344,8 +345,8 @@ class FinishedRuns:
         run = self._runs.get(identity)
         if run is None:
             raise Refused([
-                say("'{run}' is not one of the newest {most} runs that are over: see 'rosrun "
-                    "roah_rsbb results'")(run=identity, most=MAX_KEPT)
+                say("'{run}' is not one of the newest {most} runs that are over: the program 'results' shows it")(
+                    run=identity, most=MAX_KEPT)
             ])
         return run
 

@@ -64,6 +64,8 @@ KEPT_IN = "kept_in.txt"
 # Arguments of roah_rsbb.launch, in the order of the files in configuration.json.
 FILE_ARGUMENTS = ("benchmarks_file", "schedule_file", "passwords_file", "standings_file")
 CONFIGURATION = "configuration"
+# A box that has just been started makes its part for a standby last: for so long it is waited for (s).
+STARTS_S, LOOK_S = 10.0, 0.2
 # Instead of a code: ask for it.
 ASK = "?"
 # Locked by the program that keeps the copy.
@@ -148,7 +150,10 @@ def _sub_parser(prog: str, **options: Any) -> Parser:
 
 def _code(_options: argparse.Namespace, folder: str) -> int:
     own = os.path.join(folder, FOLDER)
-    if not os.path.isdir(own) or not platform.is_locked(os.path.join(folder, f"{FILE_NAME}.lock")):
+    deadline = time.monotonic() + STARTS_S
+    while not os.path.isdir(own) and _runs_in(folder) and time.monotonic() < deadline:
+        time.sleep(LOOK_S)
+    if not os.path.isdir(own) or not _runs_in(folder):
         raise Denied(f"no box with a standby_port runs with the log_dir {folder}. Start it with standby_port:="
                      f"{DEFAULT_PORT}, or give its log_dir: --log-dir")
     standing = _standing(folder)
@@ -163,6 +168,11 @@ def _code(_options: argparse.Namespace, folder: str) -> int:
     if standby is not None:
         print(f"That computer replaces the present standby, which is {standby.described}", flush=True)
     return 0
+
+
+def _runs_in(folder: str) -> bool:
+    """Whether a box runs with this log_dir."""
+    return platform.is_locked(os.path.join(folder, f"{FILE_NAME}.lock"))
 
 
 def _check_owner(folder: str) -> None:

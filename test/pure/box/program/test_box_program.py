@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.waiting import LIMIT_S, News
+from roah_rsbb import durable
 from roah_rsbb.box.in_process_client import InProcessClient
 from roah_rsbb.box.program import program
 from roah_rsbb.box.program.demo import settings
@@ -19,7 +20,6 @@ from roah_rsbb.box.program.program import BoxProgram, door_file
 from roah_rsbb.client.places import OWN_VARIABLE
 from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
-from roah_rsbb.document import place as door_place
 from roah_rsbb.document.place import read_place, write_place
 from roah_rsbb.model.zone import ENDED, IDLE, RUNNING
 from roah_rsbb.params import BadParams
@@ -295,7 +295,7 @@ def test_on_a_full_disk_the_door_takes_the_place_of_the_one_before(tmp_path, mon
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     path = str(tmp_path / "door.json")
     write_place(path, "ws://127.0.0.1:12345/door", "of before")
-    monkeypatch.setattr(door_place, "write_file", full)
+    monkeypatch.setattr(durable, "write_file", full)
     write_place(path, "ws://127.0.0.1:999/door", "of now")
     assert read_place(path) == ("ws://127.0.0.1:999/door", "of now")
     for other, token in ((path, "longer" * 9), (str(tmp_path / "none"), "")):

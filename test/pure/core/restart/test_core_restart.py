@@ -44,7 +44,8 @@ RULES = EventRules(
 # What a restart may lose, by class. Everything else must be the same after it.
 LOST = {
     # Robots and modules say it again within a second.
-    "RobotLink": {"_listens_since", "_old", "_old_mono", "_looks", "_reported", "_last_beacon", "record", "_skew"},
+    "RobotLink": {"_listens_since", "_old", "_old_mono", "_looks", "_looked_mono", "_reported", "_last_beacon",
+                  "record", "_skew"},
     "Timeline": {"_candidate", "_rising"},
     # The saved times are later: see `core/link/heard.py`.
     "RobotPast": {"near", "ahead"},

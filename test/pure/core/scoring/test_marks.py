@@ -479,11 +479,11 @@ def test_a_mark_that_arrives_again_after_the_sign_off_is_no_error(driver):
     name = _running(driver)
     _mark(driver, name, _plus(1))
     driver.command("disconnect")
-    driver.enter("sign_off", name, "Cleo")
+    driver.enter("sign_off", name, "Cleo (/roah_rsbb_window_1)")
     driver.taken()
     assert _mark(driver, name, _plus(1)).item.value == 1
     assert {type(effect) for effect in driver.taken()} == {effects.Recorded}
-    assert "was signed off by Cleo" in _refused(driver, name, _plus(2))
+    assert "was signed off by Cleo at" in _refused(driver, name, _plus(2))
 
 
 def test_long_names_of_devices_are_cut(driver):

@@ -277,7 +277,13 @@ def test_no_box_runs_for_which_a_code_could_be(box, copied):
     assert not (box / "standby" / "code.json").exists()
 
 
-def test_a_box_without_a_port_for_a_standby_has_no_code(copied):
+def test_a_box_that_has_just_been_started_is_waited_for(copied, capsys, monkeypatch):
+    monkeypatch.setattr(standby.time, "sleep", lambda _: (copied.log_dir / "standby").mkdir())
+    assert shown_code(copied.log_dir, capsys)[0]
+
+
+def test_a_box_without_a_port_for_a_standby_has_no_code(copied, monkeypatch):
+    monkeypatch.setattr(standby, "STARTS_S", 0.0)
     with pytest.raises(standby.Denied, match="no box with a standby_port runs with the log_dir"):
         entered(copied.log_dir, "code")
 
