@@ -214,6 +214,14 @@ class Toggle(Field):
 
 
 @dataclass(frozen=True)
+class Confirmed(Toggle):
+    """Whether the question of the action in this zone (`Shown.question`) was confirmed. A face asks it, and gives this.
+    """
+
+    kind: ClassVar[str] = "confirmed"
+
+
+@dataclass(frozen=True)
 class Robot(Field):
     """The name of a robot of the event's team. The core says which ones there are (`Choice` in the action's form)."""
 
@@ -236,7 +244,7 @@ class EventId(Field):
 
 # What a module may ask for.
 ASKED = (Toggle, Number, Decimal, Choice, TypedText, TypedPose)
-_KINDS: Dict[str, Type[Field]] = {kind.kind: kind for kind in (Field, Fixed, Robot, Team, EventId, *ASKED)}
+_KINDS: Dict[str, Type[Field]] = {kind.kind: kind for kind in (Field, Fixed, Confirmed, Robot, Team, EventId, *ASKED)}
 
 
 def field_of(form: Mapping[str, Any]) -> Field:
@@ -277,7 +285,7 @@ def form_of(text: str) -> Tuple[Field, ...]:
 
 def entered(fields: Iterable[Field]) -> Tuple[Field, ...]:
     """Return the fields that somebody must enter. A face gives the others itself."""
-    return tuple(field for field in fields if not isinstance(field, (Team, Fixed)))
+    return tuple(field for field in fields if not isinstance(field, (Team, Fixed, Confirmed)))
 
 
 def fixed(fields: Iterable[Field]) -> Dict[str, Any]:

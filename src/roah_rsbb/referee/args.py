@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, Optional, Sequence, TypeVar
 
 from roah_rsbb.arguments import Parser, called, number, read_by
 from roah_rsbb.core.judges.publication import MAX_OBJECTION_TIME_S
-from roah_rsbb.model.actions import ACTIONS, Action
+from roah_rsbb.model.actions import ACTIONS, AGAIN, Action
 from roah_rsbb.model.fields import Field, Number, Team, Toggle
 from roah_rsbb.referee.answers import Operations
 from roah_rsbb.referee.words import PLACED, event_wanted, expected, score_wanted
@@ -354,6 +354,7 @@ def _run(commands) -> None:
         help="set a scoring item after the start; may be repeated",
     )
     _by(one)
+    one.add_argument("--again", action="store_true", help=str(AGAIN.label))
     one.add_argument("--keep", action="store_true", help="stay connected at the end")
     one.add_argument(
         "--operations", choices=[who.value for who in Operations], default=Operations.OTHERS.value,

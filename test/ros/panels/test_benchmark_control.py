@@ -96,15 +96,19 @@ class TestBenchmarkControl(PanelCase):
         self.assertIn("Not done: Home A", self.panel._answer.text())
         self.assertEqual(self.core.calls, [])
 
-    def test_connect_asks_at_an_event_that_is_signed_off(self) -> None:
+    def test_whatever_begins_a_run_asks_at_an_event_that_is_signed_off(self) -> None:
         for command in ("connect", "start", "stop", "disconnect"):
             self.zone.command(command)
         record = next(iter(self.core.box.finished.records()))
         self.core.event(self.core.box.scores.sign_off, RunName("Home A", record.identity), "Cleo")
         wait_until(lambda: not self.buttons["connect"].styleSheet(), "it does not stand out")
-        click(self.buttons["connect"])
-        self.assertTrue(question().text().startswith("This event is signed off"))
-        answer(question(), QMessageBox.RejectRole)
+        menu = self.panel.more
+        presses = (lambda: click(self.buttons["connect"]), menu.robots[1].trigger, menu.actions_of["open_sheet"].trigger,
+                   menu.actions_of["no_show"].trigger)
+        for press in presses:
+            press()
+            self.assertTrue(question().informativeText().startswith("This event is signed off"))
+            answer(question(), QMessageBox.RejectRole)
         click(self.buttons["connect"])
         answer(question(), QMessageBox.AcceptRole)
         self.wait_phase("● CONNECTED")
