@@ -400,7 +400,7 @@ function Input({field, value, set}) {
       ${["", ...field.choices].map((choice) => html`<option key=${choice} value=${choice}>${choice}</option>`)}</select>`;
   }
   if (field.kind === "number") {
-    return html`<input type="number" inputmode="numeric" min=${field.low} max=${field.high} value=${value === undefined ? "" : value}
+    return html`<input type="number" inputmode=${field.low < 0 ? "text" : "numeric"} min=${field.low} max=${field.high} value=${value === undefined ? "" : value}
       onInput=${(event) => set(event.target.value === "" ? undefined : Math.trunc(Number(event.target.value)))} />`;
   }
   return html`<input placeholder=${HINTS[field.kind]} maxlength=${field.characters || 200} value=${value || ""} onInput=${(event) => set(event.target.value)} />`;

@@ -119,7 +119,7 @@ class Number(Field):
     def parse(self, word: str) -> Any:
         """See `Field`."""
         try:
-            return self.read(int(word))
+            return self.read(int(typed_number(word)))
         except ValueError:
             raise BadValue(NO_NUMBER(field=self.label, low=self.low, high=self.high)) from None
 
@@ -170,10 +170,19 @@ class TypedPose(Field):
         return [float(part) for part in value]
 
 
+# What keyboards of many regions and phones have instead of a point and a sign.
+_AS_TYPED = str.maketrans(",−–", ".--")
+
+
+def typed_number(word: str) -> str:
+    """Return a word with the decimal comma and the typographic minus as the numbers of programs have them."""
+    return word.translate(_AS_TYPED)
+
+
 def _number(word: str) -> Any:
-    """Return the number of a typed word, also with a comma; None: it is no number."""
+    """Return the number of a typed word; None: it is no number."""
     try:
-        return float(word.replace(",", ".").replace("_", "?"))  # Python takes 1_0 for 10
+        return float(typed_number(word).replace("_", "?"))  # Python takes 1_0 for 10
     except ValueError:
         return None
 

@@ -27,7 +27,6 @@ from roah_rsbb.rqt.qt import (
     QLabel,
     QLineEdit,
     QMenu,
-    QSpinBox,
     Qt,
     QToolButton,
     QWidget,
@@ -127,7 +126,7 @@ def _editor(field: Field) -> QWidget:
         box.addItems([*([] if field.required else [""]), *field.choices])
         return box
     if isinstance(field, Number):
-        number = QSpinBox()
+        number = basic.WholeField()
         number.setRange(field.low, field.high)
         number.setSuffix(f" {field.unit}" if field.unit else "")
         number.setValue(field.default)
@@ -141,7 +140,7 @@ def _entry(editor: QWidget) -> Any:
         return editor.isChecked()
     if isinstance(editor, QComboBox):
         return editor.currentText()
-    return editor.value() if isinstance(editor, QSpinBox) else editor.text().strip()
+    return editor.value() if isinstance(editor, basic.WholeField) else editor.text().strip()
 
 
 class RuleButtons(QWidget):
