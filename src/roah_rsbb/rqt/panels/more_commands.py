@@ -75,8 +75,10 @@ class FieldEditors(QWidget):
         self.editors: Dict[str, QWidget] = {}
         for field in entered(fields):
             self.editors[field.name] = _editor(field)
-            form.addRow(tr(field.label), self.editors[field.name])
-        self.problem = QLabel(wordWrap=True)
+            label = QLabel(tr(field.label), textFormat=Qt.PlainText)
+            label.setBuddy(self.editors[field.name])
+            form.addRow(label, self.editors[field.name])
+        self.problem = QLabel(wordWrap=True, textFormat=Qt.PlainText)
         self.problem.hide()
         form.addRow(self.problem)
 
