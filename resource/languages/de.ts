@@ -1822,11 +1822,6 @@
         <translation>{zone} ist bereits bei diesem Termin.</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/schedule.py"/>
-        <source>This event is signed off: go to the next one. Connect is for another attempt</source>
-        <translation>Dieser Termin ist abgeschlossen: Gehen Sie zum nächsten. Verbinden ist für einen weiteren Versuch</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>not attempted</source>
         <translation>nicht versucht</translation>
@@ -3710,6 +3705,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>Der Lauf wurde gestartet, das Team ist also erschienen</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
+        <source>This event is signed off: go to the next one, unless another attempt is due</source>
+        <translation>Dieser Termin ist abgeschlossen: Gehen Sie zum nächsten, außer wenn ein weiterer Versuch ansteht</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/core/actions/entries.py"/>
         <source>The item gets no value: give its value, or say that it was not attempted</source>
         <translation>Der Punkt bekommt keinen Wert: Geben Sie seinen Wert an, oder dass er nicht versucht wurde</translation>
@@ -3863,6 +3863,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/actions/table.py"/>
         <source>Zone &apos;{zone}&apos; is at another event of team {team} now: choose the event first</source>
         <translation>Zone „{zone}“ ist jetzt bei einem anderen Termin von Team {team}: Wählen Sie zuerst den Termin</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/table.py"/>
+        <source>{question}. To begin another attempt, confirm it: in a terminal with --again, in ROS with the service /core/connect_again</source>
+        <translation>{question}. Bestätigen Sie einen weiteren Versuch: im Terminal mit --again, in ROS mit dem Service /core/connect_again</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/actions/table.py"/>
@@ -4923,6 +4928,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/devices/devices.py"/>
         <source>there is no device {name}, or its value is not a whole number: give one of {names}</source>
         <translation>Es gibt kein Gerät {name}, oder sein Wert ist keine ganze Zahl: Geben Sie eines von {names} an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Another attempt at an event that is signed off</source>
+        <translation>Ein weiterer Versuch bei einem Termin, der abgeschlossen ist</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

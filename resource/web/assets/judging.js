@@ -3,7 +3,7 @@
 import {html, useEffect, useRef, useState} from "/assets/parts.js";
 import {Twice} from "/assets/buttons.js";
 import {send} from "/assets/commands.js";
-import {Sheet} from "/assets/sheet.js";
+import {Sheet, keypad} from "/assets/sheet.js";
 
 const AGAIN_MS = 2000;
 
@@ -105,7 +105,8 @@ function Value({one, value, set, texts}) {
   const chosenBy = (each) => each.not_attempted ? {not_attempted: true} : isWhole ? {value: each.value} : {text: each.text};
   const type = (text) => {
     setTyped(text);
-    set(isWhole ? (/^-?[0-9]+$/.test(text) ? {value: Number(text)} : null) : text === "" ? null : {text});
+    const whole = text.replace(/^[−–]/, "-");
+    set(isWhole ? (/^-?[0-9]+$/.test(whole) ? {value: Number(whole)} : null) : text === "" ? null : {text});
   };
   const chosen = value === null ? typed : value.not_attempted ? "" : isWhole ? value.value : value.text;
   return html`
@@ -115,7 +116,7 @@ function Value({one, value, set, texts}) {
           <span>${each.judge}</span> <strong>${each.shown}</strong></button>`)}
     </div>
     ${isTyped && html`<label>${texts.value.replace("{item}", () => item.desc)}
-      <input class="value" inputmode="decimal" autocomplete="off" value=${chosen}
+      <input class="value" inputmode=${keypad(item)} autocomplete="off" value=${chosen}
         onInput=${(event) => type(event.target.value.trim())} /></label>`}
     <div class="controls">
       ${item.type === "bool" && [["yes", 1], ["no", 0]].map(([word, number]) => button(texts[word], {value: number}))}

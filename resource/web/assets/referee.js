@@ -188,8 +188,8 @@ async function give(name, texts, label, more = {}) {
 }
 
 // What goes with an action: what is shown, and the values of its fields. A team is the one that is shown.
-function shownOf(zone, action, given = {}) {
-  const shown = {team: () => zone.team, fixed: (field) => field.default};
+function shownOf(zone, name, action, given = {}) {
+  const shown = {team: () => zone.team, fixed: (field) => field.default, confirmed: () => Boolean(zone.questions[name])};
   const filled = action.fields.filter(({kind}) => FILLED.includes(kind)).map((field) => [field.name, shown[field.kind](field)]);
   return {identity: zone.identity, event_id: action.aims ? zone.event_id : "", given: {...Object.fromEntries(filled), ...given}};
 }
@@ -259,8 +259,8 @@ function Now({zone, texts, judge}) {
           <${Form} command=${oneOf(zone, texts, name, {isMain: true})} action=${action} zone=${zone} texts=${texts} />
         </div>`)}
       ${!judge && zone.robots.length > 0 && html`<div class="controls">${zone.robots.map((robot) => html`
-        <${Command} key=${robot} label=${texts.connect_robot.replace("{robot}", () => robot)}
-          act=${() => give("connect", texts, robot, shownOf(zone, texts.actions.connect, {robot}))} />`)}</div>`}
+        <${zone.questions.connect ? Twice : Command} key=${robot} label=${texts.connect_robot.replace("{robot}", () => robot)}
+          question=${texts.really} act=${() => give("connect", texts, robot, shownOf(zone, "connect", texts.actions.connect, {robot}))} />`)}</div>`}
       ${marks.refused.map((mark) => html`<${RefusedMark} key=${mark.id} mark=${mark} marks=${marks} texts=${texts} />`)}
       <div role="status" key=${JSON.stringify([late, asked, mayContinue, zone.todo, zone.warnings, zone.state])}>
         ${late.map((mark) => html`<p class="alarm">${lateText(mark, texts)}</p>`)}
@@ -304,7 +304,7 @@ function Switches({zone, texts}) {
 // table of actions names, with a form if somebody must enter something.
 const PLACED = ["connect", "start", "disconnect", "stop", "switch", "damaged", "confirm_switches"];
 const ENTERED = ["name", "text", "number", "decimal", "pose", "choice", "toggle"];
-const FILLED = ["team", "fixed"];
+const FILLED = ["team", "fixed", "confirmed"];
 // How what is measured is typed.
 const HINTS = {pose: "x y ° (1.25 0.40 90)", decimal: "0.5"};
 
@@ -321,21 +321,21 @@ function oneOf(zone, texts, name, more = {}) {
   const action = texts.actions[name];
   return {
     name, label: action.label, question: texts.really, reasons: zone.off[name] || [],
-    isTwice: action.careful, of: `${zone.event} ${zone.identity}`,
+    isTwice: action.careful || Boolean(zone.questions[name]), of: `${zone.event} ${zone.identity}`,
     warning: action.leaves && isMoving(zone) ? zone.leaving : "",
-    act: () => give(name, texts, action.label, shownOf(zone, action)), ...more,
+    act: () => give(name, texts, action.label, shownOf(zone, name, action)), ...more,
   };
 }
 
 function Commands({zone, texts}) {
-  const next = zone.leaving || zone.again ? "" : {idle: "connect", connected: "start", ended: "disconnect"}[zone.phase];
+  const next = zone.leaving || zone.questions.connect ? "" : {idle: "connect", connected: "start", ended: "disconnect"}[zone.phase];
   const one = (name, more = {}) => oneOf(zone, texts, name, {isMain: name === next, ...more});
   const others = offered(zone, texts).filter(([, {row}]) => row !== "module");
   const cells = (row) => others.filter((other) => other[1].row === row && !isForm(other)).map(([name]) => one(name));
   return html`
     <section class="commands">
       <${Cells} commands=${[
-        one("connect", {isTwice: zone.again}),
+        one("connect"),
         zone.phase === "ended" ? one("start", {isTwice: true, of: "again", label: texts.continue}) : one("start"),
         one("disconnect"),
         ...cells("clock"),
@@ -365,7 +365,7 @@ function Form({command, action, zone, texts}) {
   const isMissing = fields.some(({name, required, kind}) => required && kind !== "toggle" && !String(given[name] === undefined ? "" : given[name]).trim());
   const toggles = fields.filter(({kind}) => kind === "toggle").map(({name}) => [name, false]);
   const act = async (more) => {
-    if (await give(command.name, texts, action.label, shownOf(zone, action, {...Object.fromEntries(toggles), ...given, ...more}))) {
+    if (await give(command.name, texts, action.label, shownOf(zone, command.name, action, {...Object.fromEntries(toggles), ...given, ...more}))) {
       setGiven({});
     }
   };
@@ -400,7 +400,7 @@ function Input({field, value, set}) {
       ${["", ...field.choices].map((choice) => html`<option key=${choice} value=${choice}>${choice}</option>`)}</select>`;
   }
   if (field.kind === "number") {
-    return html`<input type="number" inputmode="numeric" min=${field.low} max=${field.high} value=${value === undefined ? "" : value}
+    return html`<input type="number" inputmode=${field.low < 0 ? "text" : "numeric"} min=${field.low} max=${field.high} value=${value === undefined ? "" : value}
       onInput=${(event) => set(event.target.value === "" ? undefined : Math.trunc(Number(event.target.value)))} />`;
   }
   return html`<input placeholder=${HINTS[field.kind]} maxlength=${field.characters || 200} value=${value || ""} onInput=${(event) => set(event.target.value)} />`;

@@ -7,6 +7,9 @@ function number(text) {
   return text === "" ? null : Number(text);
 }
 
+// Which keys a phone shows for the values of an item: its keypad for decimals may have no minus.
+export const keypad = ({type, min}) => type !== "uint" && (min === "" || Number(min) < 0) ? "text" : "decimal";
+
 // A mark that the box has refused, until the referee has read why.
 export function RefusedMark({mark, marks, texts}) {
   return html`
@@ -51,10 +54,10 @@ function Item({item, zone, waiting, refused, mark, texts, judge}) {
         ${item.type === "choice" && !judge && item.choices.map((choice) => html`
           <button type="button" aria-pressed=${!item.not_attempted && item.text === choice}
               onClick=${() => enter({text: choice}, choice)}>${choice}</button>`)}
-        ${item.type === "decimal" && !judge && html`<${Entry} label=${texts.value.replace("{item}", () => name)} texts=${texts}
+        ${item.type === "decimal" && !judge && html`<${Entry} item=${item} label=${texts.value.replace("{item}", () => name)} texts=${texts}
           value=${item.text} enter=${(text) => enter({text}, text)} />`}
         ${item.type === "rating" && item.judges.map((one, i) => (!judge || one === judge) && html`
-          <${Entry} label=${texts.ratings_of.replace("{judge}", () => one)} isLabelShown texts=${texts}
+          <${Entry} item=${item} label=${texts.ratings_of.replace("{judge}", () => one)} isLabelShown texts=${texts}
             value=${item.ratings[i]} enter=${(text) => enter({text, judge: one}, `${one}: ${text}`)} />`)}
         ${!judge && html`<button type="button" class="more" aria-expanded=${isOpen} onClick=${() => setOpen(!isOpen)}
             aria-label=${texts.options.replace("{item}", () => name)}>⋯</button>`}
@@ -72,7 +75,7 @@ function Item({item, zone, waiting, refused, mark, texts, judge}) {
     </li>`;
 }
 
-function Entry({label, isLabelShown = false, value, enter, texts}) {
+function Entry({item, label, isLabelShown = false, value, enter, texts}) {
   const [typed, setTyped] = useState(null);
   const submit = (event) => {
     event.preventDefault();
@@ -84,7 +87,7 @@ function Entry({label, isLabelShown = false, value, enter, texts}) {
   return html`
     <form class="entry" onSubmit=${submit}>
       <label><span class=${isLabelShown ? "" : "unseen"}>${label}</span>
-        <input inputmode="decimal" autocomplete="off" value=${typed === null ? value : typed}
+        <input inputmode=${keypad(item)} autocomplete="off" value=${typed === null ? value : typed}
           onInput=${(event) => setTyped(event.target.value)} />
       </label>
       <button class=${typed === null ? "" : "main"} aria-label="${label}: ${texts.set}">${texts.set}</button>

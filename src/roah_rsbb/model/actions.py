@@ -9,7 +9,7 @@ import enum
 from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
-from roah_rsbb.model.fields import EventId, Field, Fixed, Number, Robot, Team, Toggle, TypedText
+from roah_rsbb.model.fields import Confirmed, EventId, Field, Fixed, Number, Robot, Team, Toggle, TypedText
 from roah_rsbb.model.reason import Template, say
 
 # Roles of paired devices.
@@ -60,6 +60,8 @@ class Action:
 
 _TEAM = say("Team")
 _JUDGE, _NOTE, _REASON, _TEXT = say("Judge"), say("Note"), say("Reason"), say("Text")
+# An event that is signed off has its result: whoever begins there again says so.
+AGAIN = Confirmed("again", say("Another attempt at an event that is signed off"), required=False)
 _NUMBER, _DEVICE, _ID = say("Number"), say("Device"), say("Id of the mark")
 # `uint8` on the ROS interface.
 MAX_DAMAGED = 255
@@ -68,7 +70,7 @@ BY_THE_FILE_S = -1
 
 _ALL = (
     Action("connect", say("Connect"), say("Open the private channel to the team's robot"),
-           (Robot("robot", say("Robot"), required=False),), is_original=True, what=say("Connect in {zone}")),
+           (Robot("robot", say("Robot"), required=False), AGAIN), is_original=True, what=say("Connect in {zone}")),
     Action("disconnect", say("Disconnect"), say("Leave the run and close the channel"),
            (Toggle("running", say("Also a run in progress"), required=False),),
            careful=True, leaves=True, is_original=True, what=say("Disconnect in {zone}")),
@@ -94,11 +96,13 @@ _ALL = (
            what=say("Resume in {zone}")),
     Action("open_sheet", say("Score without a robot"),
            say("Start and stop the clock yourself. Nothing is sent to a robot"),
-           (Team("team", _TEAM, required=False),), careful=True, aims=True, what=say("Score sheet in {zone}")),
-    Action("no_show", say("No-show"), say("The team did not appear. Leave this event"), (Team("team", _TEAM),),
+           (Team("team", _TEAM, required=False), AGAIN), careful=True, aims=True, what=say("Score sheet in {zone}")),
+    Action("no_show", say("No-show"), say("The team did not appear. Leave this event"),
+           (Team("team", _TEAM), AGAIN),
            question=say("Did team {team} not appear? The zone leaves this event."), careful=True, aims=True,
            what=say("No-show in {zone}")),
-    Action("withdrawn", say("Team withdrew"), say("The team withdrew. Leave this event"), (Team("team", _TEAM),),
+    Action("withdrawn", say("Team withdrew"), say("The team withdrew. Leave this event"),
+           (Team("team", _TEAM), AGAIN),
            question=say("Did team {team} withdraw? The zone leaves this event."), careful=True, leaves=True, aims=True,
            what=say("Withdrawal in {zone}")),
     Action("choose_event", say("Choose the event"), say("Go to this event of the zone's schedule"),

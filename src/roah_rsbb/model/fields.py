@@ -119,7 +119,7 @@ class Number(Field):
     def parse(self, word: str) -> Any:
         """See `Field`."""
         try:
-            return self.read(int(word))
+            return self.read(int(typed_number(word)))
         except ValueError:
             raise BadValue(NO_NUMBER(field=self.label, low=self.low, high=self.high)) from None
 
@@ -170,10 +170,19 @@ class TypedPose(Field):
         return [float(part) for part in value]
 
 
+# What keyboards of many regions and phones have instead of a point and a sign.
+_AS_TYPED = str.maketrans(",−–", ".--")
+
+
+def typed_number(word: str) -> str:
+    """Return a word with the decimal comma and the typographic minus as the numbers of programs have them."""
+    return word.translate(_AS_TYPED)
+
+
 def _number(word: str) -> Any:
-    """Return the number of a typed word, also with a comma; None: it is no number."""
+    """Return the number of a typed word; None: it is no number."""
     try:
-        return float(word.replace(",", ".").replace("_", "?"))  # Python takes 1_0 for 10
+        return float(typed_number(word).replace("_", "?"))  # Python takes 1_0 for 10
     except ValueError:
         return None
 
@@ -214,6 +223,14 @@ class Toggle(Field):
 
 
 @dataclass(frozen=True)
+class Confirmed(Toggle):
+    """Whether the question of the action in this zone (`Shown.question`) was confirmed. A face asks it, and gives this.
+    """
+
+    kind: ClassVar[str] = "confirmed"
+
+
+@dataclass(frozen=True)
 class Robot(Field):
     """The name of a robot of the event's team. The core says which ones there are (`Choice` in the action's form)."""
 
@@ -236,7 +253,7 @@ class EventId(Field):
 
 # What a module may ask for.
 ASKED = (Toggle, Number, Decimal, Choice, TypedText, TypedPose)
-_KINDS: Dict[str, Type[Field]] = {kind.kind: kind for kind in (Field, Fixed, Robot, Team, EventId, *ASKED)}
+_KINDS: Dict[str, Type[Field]] = {kind.kind: kind for kind in (Field, Fixed, Confirmed, Robot, Team, EventId, *ASKED)}
 
 
 def field_of(form: Mapping[str, Any]) -> Field:
@@ -277,7 +294,7 @@ def form_of(text: str) -> Tuple[Field, ...]:
 
 def entered(fields: Iterable[Field]) -> Tuple[Field, ...]:
     """Return the fields that somebody must enter. A face gives the others itself."""
-    return tuple(field for field in fields if not isinstance(field, (Team, Fixed)))
+    return tuple(field for field in fields if not isinstance(field, (Team, Fixed, Confirmed)))
 
 
 def fixed(fields: Iterable[Field]) -> Dict[str, Any]:

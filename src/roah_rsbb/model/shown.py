@@ -13,3 +13,4 @@ class Shown(NamedTuple):
     shown: bool = True  # whether faces show it beside what they lay out themselves
     fields: Optional[Tuple[Field, ...]] = None  # as they are now; None: as in `ACTIONS`
     text: str = ""  # what the referee should do, in the words of a module; empty: the action's explanation says it
+    question: Said = ""  # asked before it is done, which then gives `Confirmed`; empty: nothing but the action's own

@@ -2,11 +2,12 @@
 
 import argparse
 import math
+import re
 from typing import Any, Callable, Dict, Optional, Sequence, TypeVar
 
 from roah_rsbb.arguments import Parser, called, number, read_by
 from roah_rsbb.core.judges.publication import MAX_OBJECTION_TIME_S
-from roah_rsbb.model.actions import ACTIONS, Action
+from roah_rsbb.model.actions import ACTIONS, AGAIN, Action
 from roah_rsbb.model.fields import Field, Number, Team, Toggle
 from roah_rsbb.referee.answers import Operations
 from roah_rsbb.referee.words import PLACED, event_wanted, expected, score_wanted
@@ -33,6 +34,10 @@ _EXITS = """exit status:
 _ZONE = "name of the zone, or the beginning of one name only; case does not matter"
 
 _RUN = "a run that is over: 'last', or a part of its name ('runs' lists them)"
+
+# A word that is a value, and no option: argparse knows no decimal comma.
+NEGATIVE = re.compile(r"-[0-9.,]+$")
+
 
 def _formatter(prog: str) -> argparse.HelpFormatter:
     return argparse.RawDescriptionHelpFormatter(prog, max_help_position=20, width=100)
@@ -173,7 +178,9 @@ def _score(commands) -> None:
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
     one.add_argument("item", metavar="ITEM", nargs="?", help="an item's number, or a part of one item's text only")
     one.add_argument("value", metavar="VALUE", nargs="?",
-                     help="a number, yes or no, +N or -N to count, a choice, JUDGE:NUMBER, or not-attempted")
+                     help="a number, yes or no, +N or -N to count, '=N' to set also below 0, a choice, JUDGE:NUMBER, or "
+                          "not-attempted")
+    one._negative_number_matcher = NEGATIVE
     _say(one, "beside the value")
     _of_run(one)
 
@@ -247,6 +254,7 @@ def _judges(commands) -> None:
     one.add_argument("item", metavar="ITEM", help="an item's number, or a part of one item's text only")
     one.add_argument("value", metavar="VALUE",
                      help="a number, yes or no, a choice, or not-attempted; a rating is one number")
+    one._negative_number_matcher = NEGATIVE
     _reasoned(one)
     for name, text in (("hand-back", "hand a sheet back: the judge looks again, and submits again"),
                        ("withdraw", "withdraw a sheet: it no longer counts, and another judge can take the place")):
@@ -354,6 +362,7 @@ def _run(commands) -> None:
         help="set a scoring item after the start; may be repeated",
     )
     _by(one)
+    one.add_argument("--again", action="store_true", help=str(AGAIN.label))
     one.add_argument("--keep", action="store_true", help="stay connected at the end")
     one.add_argument(
         "--operations", choices=[who.value for who in Operations], default=Operations.OTHERS.value,

@@ -226,7 +226,7 @@ def _run(link: Link, options, output: Output) -> Exit:
     link.referee = options.referee
     plan = ScriptPlan(
         _zone_name(link, options.zone), options.wait, event, tuple(options.score), options.keep,
-        Operations(options.operations), options.robot,
+        Operations(options.operations), options.robot, options.again,
     )
     is_typed = plan.operations is Operations.TYPED
     end = "end of input: other referees must complete manual operations" if is_typed else ""

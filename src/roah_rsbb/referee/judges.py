@@ -88,10 +88,8 @@ def settled_value(word: str, item: SheetItem) -> Entered:
 
     Raises `BadWord`, or `Refused` as the core itself does.
     """
-    value = value_of(word, item._replace(type="decimal") if item.type == "rating" else item)
-    if not value.added:
-        return value
-    return Entered(text=value.added) if item.type in ("decimal", "rating") else Entered(int(value.added))
+    sign = "" if item.type == "choice" or word.startswith("=") else "="
+    return value_of(f"{sign}{word}", item._replace(type="decimal") if item.type == "rating" else item)
 
 
 def _act(link: Link, which: JudgedRun, options: Any, output: Output, action: str, **given: Any) -> Exit:

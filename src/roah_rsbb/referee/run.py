@@ -43,6 +43,7 @@ class ScriptPlan(NamedTuple):
     keep: bool = False
     operations: Operations = Operations.OTHERS
     robot: str = ""  # name of the team's robot to connect; empty: the core chooses one
+    again: bool = False  # another attempt at an event that is signed off
 
 
 class ScriptOutcome(NamedTuple):
@@ -177,6 +178,9 @@ class RunScript:
         deadline = self._link.here_s() + self._plan.wait_s
         known: Tuple[str, ...] = ()
         while self._zone().phase == phase:
+            question = "" if self._plan.again else self._zone().action(command).question
+            if question:
+                raise Refused([f"{question}. Give --again for another attempt"])
             if self._is_stopped():
                 raise _Failed(Exit.NOT_COMPLETED, "stopped before the run began")
             gone: Optional[NoCore] = None
@@ -215,10 +219,10 @@ class RunScript:
         self._go_to(EventWanted(self._event.code, self._event.round, self._event.run, self._event.team))
 
     def _give(self, command: str) -> None:
-        robot = {"robot": self._plan.robot} if command == "connect" and self._plan.robot else {}
+        given = {"robot": self._plan.robot, "again": self._plan.again} if command == "connect" else {}
         self._may_start = command == "start"
         try:
-            self._link.act(command, self._plan.zone, robot)
+            self._link.act(command, self._plan.zone, {name: value for name, value in given.items() if value})
         except Refused:
             self._may_start = False
             raise

@@ -6,7 +6,7 @@ from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 from roah_rsbb.core.scoring.points import number_of, text_of
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.model.actions import ACTIONS
-from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Toggle, TypedPose, TypedText
+from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Toggle, TypedPose, TypedText, typed_number
 from roah_rsbb.model.scoring import MAX_VALUE, Entered, ScoreKind, ScoringItem
 from roah_rsbb.model.zone import Event, SheetItem
 from roah_rsbb.referee.at_once import STOP, meant
@@ -84,29 +84,40 @@ def pick_item(word: str, items: Sequence[SheetItem]) -> int:
 def value_of(text: str, item: SheetItem) -> Entered:
     """Return the value that `text` gives an item.
 
-    It is a number, yes or no, a choice, or `JUDGE:NUMBER`; +N and -N add to an item. Raises `BadWord`, or `Refused` as
-    the core itself does.
+    It is a number, yes or no, a choice, or `JUDGE:NUMBER`; +N and -N add to an item, and =N sets it, also below 0.
+    Raises `BadWord`, or `Refused` as the core itself does.
     """
     if item.type == "choice":
         return Entered(text=_choice(text, item))
     if item.type == "rating":
         return _rating(text, item)
+    is_set, word = text.startswith("="), typed_number(text.strip().lstrip("="))
+    if not is_set and item.type != "bool":
+        if word.startswith("-") and number_of(word) is not None and _may_be_negative(item):
+            raise BadWord(f"'{text}' for '{item.desc}' can be a value or a step: give '={word}' to set the item to it, "
+                          f"'+{word}' to count down by {word[1:]}")
+        word = word[1:] if word.startswith("+-") else word
+    is_added = not is_set and word.startswith(("+", "-"))
     if item.type == "decimal":
-        return _decimal(text, item)
-    value = WORDS.get(text.lower()) if item.type == "bool" else None
+        return _decimal(word, item, is_added)
+    value = WORDS.get(word.lower()) if item.type == "bool" else None
     if value is None:
         try:
-            value = int(text)
+            value = int(word)
         except ValueError:
             kind = "0, 1, yes or no" if item.type == "bool" else "a whole number such as 2, +1 or -1"
             raise BadWord(f"'{text}' is not a value for '{item.desc}': give {kind}") from None
-        if text.startswith(("+", "-")) and item.type != "bool":
+        if is_added and item.type != "bool":
             return Entered(added=str(value))
     if abs(value) > MAX_VALUE:
         raise BadWord(f"'{text}' is too large for '{item.desc}': the maximum is {MAX_VALUE}")
     sheet = ScoreSheet((ScoringItem(item.group, item.desc, ScoreKind[item.type.upper()]),))
     sheet.check(Mark(item.group, item.desc, value))
     return Entered(value)
+
+
+def _may_be_negative(item: SheetItem) -> bool:
+    return item.type != "uint" and (not item.min or item.min.startswith("-"))
 
 
 def _choice(text: str, item: SheetItem) -> str:
@@ -122,14 +133,13 @@ def _rating(text: str, item: SheetItem) -> Entered:
     if not colon or len(found) != 1:
         raise BadWord(f"'{text}' is not a rating of '{item.desc}': give the judge and a number, such as "
                       f"'{item.judges[0]}:5'; the judges are {_quoted(item.judges)}")
-    return Entered(text=number.strip(), judge=found[0])
+    return Entered(text=typed_number(number.strip()), judge=found[0])
 
 
-def _decimal(text: str, item: SheetItem) -> Entered:
+def _decimal(text: str, item: SheetItem, is_added: bool) -> Entered:
     number = number_of(text)
     if number is None:
         raise BadWord(f"'{text}' is not a value for '{item.desc}': give a number such as 2.5, +0.5 or -1")
-    is_added = text.startswith(("+", "-"))
     return Entered(added=text_of(number)) if is_added else Entered(text=text_of(number))
 
 
@@ -215,8 +225,10 @@ def event_wanted(text: str) -> EventWanted:
 
 
 def score_wanted(text: str) -> Tuple[str, str]:
-    """Split `ITEM=VALUE`; raises ValueError if one of them is missing."""
+    """Split `ITEM=VALUE`, also `ITEM==VALUE`; raises ValueError if one of them is missing."""
     item, equals, value = text.rpartition("=")
+    if item.endswith("="):
+        item, value = item[:-1], f"={value}"
     if not equals or not item.strip() or not value.strip():
         raise ValueError(text)
     return item.strip(), value.strip()

@@ -8,9 +8,9 @@ from typing import List, Sequence, Tuple
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.judging import JudgedRun, Judging
 from roah_rsbb.model.results import RunLine, RunSheet
-from roah_rsbb.model.zone import IDLE, RUNNING, Count, RunClock, SheetItem, ZoneSeen
+from roah_rsbb.model.zone import RUNNING, Count, RunClock, SheetItem, ZoneSeen
 from roah_rsbb.web.documents import Data
-from roah_rsbb.wording import judging, schedule, sheets, stop, todo
+from roah_rsbb.wording import judging, sheets, stop, todo
 from roah_rsbb.wording.clock import Figure, clock_of
 from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.language import tr
@@ -25,9 +25,6 @@ MAX_UNSIGNED = 5
 def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
     """Return everything about a zone but its running times. `utc_s`: the box's clock, see `moment`."""
     event, actions, moments, task = zone.event, zone.actions, Moments(False), todo.todo(zone)
-    again = zone.phase == IDLE and schedule.is_signed_off(document.schedule.values(), zone.zone)
-    if again and task.urgency <= todo.Urgency.POSSIBLE:
-        task = todo.Todo(todo.Urgency.NONE, tr(schedule.AGAIN))
     runs = [run for run in document.runs() if run.zone == zone.zone]
     unsigned = _unsigned(runs, document)
     judgings = {one.identity: one for one in judging.judgings_of(document, zone.zone)}
@@ -49,11 +46,11 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
         "todo": task.text,
         "is_urgent": is_urgent(task),
         "leaving": stop.leaving(zone),
-        "again": again,
         "warnings": [text for text in warnings if text != task.text],
-        "state": [tr_said(line) for line in zone.state if line not in reasons],
+        "state": [said for line in zone.state if line not in reasons for said in [tr_said(line)] if said != task.text],
         "off": {name: [tr_said(reason) for reason in action.off] for name, action in actions.items()},
         "shown": {name: action.shown for name, action in actions.items()},
+        "questions": {name: tr_said(action.question) for name, action in actions.items() if action.question},
         "robots": list(zone.robots_to_choose),
         "texts": {name: action.text for name, action in actions.items() if action.text},
         "fields": {name: [{**field.form(), "label": tr(field.label)} for field in action.fields]

@@ -134,12 +134,3 @@ def why_not(events: Iterable[EventSeen], chosen: EventSeen) -> str:
     if chosen.current and chosen.state not in _IN_ZONE:
         return tr("{zone} is at this event already.", zone=chosen.zone)
     return ""
-
-
-# Before a referee connects.
-AGAIN = tr_later("This event is signed off: go to the next one. Connect is for another attempt")
-
-
-def is_signed_off(events: Iterable[EventSeen], zone: str) -> bool:
-    """Return whether the current event of a zone has a result that another attempt may replace."""
-    return any(event.zone == zone and event.current and event.signed_utc_s is not None for event in events)

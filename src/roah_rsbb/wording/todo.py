@@ -51,6 +51,9 @@ def _step(zone: ZoneSeen) -> Todo:
         return _when(tr("Start is possible"), zone.off("start"))
     if zone.phase == ENDED:
         return Todo(Urgency.POSSIBLE, tr("Score the run, then disconnect"))
+    question = zone.action("connect").question
+    if question:
+        return Todo(Urgency.NONE, tr_said(question))
     return _when(tr("Connect is possible"), zone.off("connect"))
 
 

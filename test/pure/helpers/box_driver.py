@@ -122,10 +122,10 @@ class BoxDriver:
                     self._carry_out(effect)
                 todo = self._take_effects()
 
-    def command(self, command, zone="tbm"):
+    def command(self, command, zone="tbm", **given):
         """The referee presses a button; raises `Refused`. Those that hit a team name the one that is shown."""
         team = self.box.zones[zone].event.team if zone in self.box.zones else ""
-        self.event(self.box.act, Target(zone), command, "", given_with(command, team))
+        self.event(self.box.act, Target(zone), command, "", {**given_with(command, team), **given})
 
     def enter(self, entry, run, who="", /, **given):
         """Somebody enters something for a run, as all faces do; raises `Refused`."""

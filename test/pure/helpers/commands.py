@@ -18,10 +18,11 @@ def mark_with(mark):
     return {"value": mark.value, **{name: value for name, value in mark._asdict().items() if value}}
 
 
-def actions_shown(off=None, hidden=(), fields=None, asked=None):
+def actions_shown(off=None, hidden=(), fields=None, asked=None, questions=None):
     """The actions of a zone. `off`: by name, the reasons why each is off. `asked`: what a benchmarking module asks for,
-    see `forms.shown_form`."""
+    see `forms.shown_form`. `questions`: by name."""
     known = {name: shown.Shown(
         tuple((off or {}).get(name, ())), name not in hidden and action.row is not Row.MODULE, (fields or {}).get(name),
+        question=(questions or {}).get(name, ""),
     ) for name, action in ACTIONS.items()}
     return {**known, **({"operation": asked} if asked else {})}

@@ -96,6 +96,7 @@ class FakeLink:
         self.silent = False
         self.dead = False  # silent, and no call is answered
         self.extra_off: Dict[str, List[str]] = {}
+        self.signed_off = False  # what begins a run is refused, unless it is `again`
         self.true_box = box(self._with_off(zone()))
         self.box = self.true_box
         self.commands: List[str] = []
@@ -215,6 +216,8 @@ class FakeLink:
             raise Refused([f"run {run} is running: stop it first"])
         if self.zone.off(action):
             raise Refused([*self.zone.off(action)])
+        if self.zone.action(action).question and not (given or {}).get("again"):
+            raise Refused([str(self.zone.action(action).question)])
         {
             "connect": self.connect,
             "start": lambda: self.change(phase=RUNNING),
@@ -223,7 +226,7 @@ class FakeLink:
             "next": lambda: self._move(1),
             "previous": lambda: self._move(-1),
         }[action]()
-        if given:
+        if given and "robot" in given:
             self.change(robot=ROBOT._replace(robot=given["robot"]))
 
     def stop_run(self, name: str, identity: str) -> None:
@@ -284,4 +287,6 @@ class FakeLink:
             "next": [] if idle and index < len(EVENTS) - 1 else ["last event"],
         }
         off = off_as({name: [*own.get(name, ["Not in this test"]), *self.extra_off.get(name, [])] for name in ACTIONS})
+        if idle and self.signed_off:
+            off["connect"] = off["connect"]._replace(question="Signed off")
         return fresh._replace(actions={**off, "operation": fresh.actions["operation"]})

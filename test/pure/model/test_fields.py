@@ -60,7 +60,11 @@ def test_what_fits_is_read(field, value, found):
 
 
 def test_a_pose_is_typed_with_degrees():
-    assert POSE.parse(" 1,5  -2.25 -180 ") == pytest.approx([1.5, -2.25, -math.pi])
+    assert POSE.parse(" 1,5  −2.25 -180 ") == pytest.approx([1.5, -2.25, -math.pi])
+
+
+def test_a_whole_number_is_typed_with_the_minus_of_any_keyboard():
+    assert Number("n", say("N"), low=-9).parse("−3") == -3
 
 
 def test_what_is_left_out_of_a_modules_form():

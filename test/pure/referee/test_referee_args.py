@@ -57,7 +57,7 @@ def test_text_is_the_default():
     assert _parse(["status"]).json is False
 
 
-@pytest.mark.parametrize("value", ["+1", "-1", "3", "yes"])
+@pytest.mark.parametrize("value", ["+1", "-1", "-1,5", "-.5", "=-17", "3", "yes"])
 def test_values_with_a_sign_are_values(value):
     options = _parse(["score", "Home A", "2", value])
     assert (options.zone, options.item, options.value) == ("Home A", "2", value)

@@ -57,6 +57,19 @@ def test_a_connect_that_stays_impossible_is_refused_with_every_reason(link):
     assert 3.0 <= link.time < 4.0
 
 
+def test_an_event_that_is_signed_off_is_run_again_only_by_who_says_so(link):
+    link.signed_off = True
+    link.change()
+    link.block("connect", "No robot")
+    outcome, _ = _run(link)
+    assert (outcome.status, outcome.text, link.commands, link.time) == (
+        Exit.REFUSED, "refused: Signed off. Give --again for another attempt", [], 0.0)
+    link.block("connect")
+    link.at(5, lambda: link.end("completed"))
+    outcome, _ = _run(link, again=True)
+    assert (outcome.status, link.commands) == (Exit.OK, ["connect", "start", "disconnect"])
+
+
 def test_a_start_that_stays_impossible_leaves_no_run_behind(link):
     link.block("start", "Skew")
     outcome, _ = _run(link, wait_s=3.0)

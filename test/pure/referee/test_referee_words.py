@@ -130,6 +130,7 @@ def test_other_forms_of_an_event_are_errors(text):
 
 def test_a_score_is_split_at_its_last_equals_sign():
     assert score_wanted("a = b item = 3") == ("a = b item", "3")
+    assert score_wanted("6==-17") == ("6", "=-17")
 
 
 @pytest.mark.parametrize("text", ["", "door", "door=", "=1", " = 1"])
@@ -140,6 +141,7 @@ def test_half_a_score_is_an_error(text):
 
 HELP = SheetItem("G", "help", "choice", 0, choices=("with help", "alone", "without"))
 POSTER = SheetItem("G", "poster", "rating", 0, judges=("Anna", "Ben"), ratings=("", ""))
+STEPS = SheetItem("G", "steps", "int", 1)
 WATER = SheetItem("G", "water", "decimal", 2, text="2.5")
 
 
@@ -147,8 +149,11 @@ WATER = SheetItem("G", "water", "decimal", 2, text="2.5")
     ("alone", HELP, Entered(text="alone")), ("AL", HELP, Entered(text="alone")),
     ("with help", HELP, Entered(text="with help")), ("Anna:7.5", POSTER, Entered(text="7.5", judge="Anna")),
     ("b: 8", POSTER, Entered(text="8", judge="Ben")), ("1.25", WATER, Entered(text="1.25")),
-    ("+0.50", WATER, Entered(added="0.5")), ("-3", WATER, Entered(added="-3")),
-    ("-3", SheetItem("G", "steps", "int", 1), Entered(added="-3")),
+    ("+0.50", WATER, Entered(added="0.5")), ("+-3", WATER, Entered(added="-3")), ("=-3", WATER, Entered(text="-3")),
+    ("=-17", STEPS, Entered(-17)), ("+-3", STEPS, Entered(added="-3")), ("=+5", STEPS, Entered(5)),
+    ("-3", STEPS._replace(min="0"), Entered(added="-3")), ("1,25", WATER, Entered(text="1.25")),
+    ("+0,5", WATER, Entered(added="0.5")), ("=−1,5", WATER, Entered(text="-1.5")), ("=–17", STEPS, Entered(-17)),
+    ("Anna: 7,5", POSTER, Entered(text="7.5", judge="Anna")), ("−1", ITEMS[1], Entered(added="-1")),
 ])
 def test_values_of_every_type(text, item, entered):
     assert value_of(text, item) == entered
@@ -158,7 +163,9 @@ def test_values_of_every_type(text, item, entered):
     ("with", HELP, "'with' is not a choice of 'help': choose one of 'with help', 'alone', 'without'"),
     ("", HELP, "is not a choice"), ("7", POSTER, "such as 'Anna:5'; the judges are 'Anna', 'Ben'"),
     ("Chris:7", POSTER, "give the judge and a number"), ("much", WATER, "give a number such as 2.5"),
-    ("1.5", SheetItem("G", "steps", "int", 1), "a whole number"),
+    ("1.5", STEPS, "a whole number"), ("1,5", STEPS, "a whole number"), ("1.000,5", WATER, "give a number"),
+    ("-17", STEPS, "give '=-17' to set the item to it, '[+]-17' to count down by 17"),
+    ("−1,5", WATER, "give '=-1.5' to set the item to it, '[+]-1.5' to count down by 1.5"),
 ])
 def test_a_wrong_value_of_every_type_names_the_right_ones(text, item, hint):
     with pytest.raises(BadWord, match=hint):

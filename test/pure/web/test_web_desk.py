@@ -4,12 +4,13 @@ import json
 
 import pytest
 
+from helpers.commands import actions_shown
 from helpers.forms import ODD, ODD_ASKED, shown_form
 from helpers.public_box import PublicBox
 from helpers.shown_box import MONO, NOW, ShownBox, zone_of
+from roah_rsbb.core.actions.connecting import SIGNED_OFF
 from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.results import RunLine
-from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.zone import Count, RunClock
 from roah_rsbb.web import zone_documents
 from roah_rsbb.web.desk import NO_STOP, STOP, Desk
@@ -171,13 +172,14 @@ def test_a_box_is_heard_while_its_document_is_current(desk):
     assert unknown.team_facts("Alpha", "en") is None
 
 
-@pytest.mark.parametrize("phase, signed, again", [
-    ("idle", NOW, True), ("idle", None, False), ("connected", NOW, False)])
-def test_connect_at_an_event_that_is_signed_off_is_another_attempt(desk, phase, signed, again):
-    event = EventSeen("e", 1, "Home", "HWV", "Visitors", "Alpha", 1, 1, NOW, NOW, "done", True, "run 1",
-                      signed_utc_s=signed)
-    desk.put(zone_of(phase=phase, warnings=(), not_stopped=()), schedule={"e": event})
-    assert data(desk)["again"] is again and data(desk)["todo"].startswith("This event is signed off") is again
+def test_what_the_zone_asks_before_an_action_is_what_there_is_to_do(desk):
+    questions = {"connect": SIGNED_OFF, "no_show": SIGNED_OFF}
+    desk.put(zone_of(phase="idle", warnings=(), not_stopped=(), state=(SIGNED_OFF, "Robot ready"),
+                     actions=actions_shown(questions=questions)))
+    found = data(desk)
+    assert (found["questions"], found["todo"], found["state"]) == (questions, SIGNED_OFF, ["Robot ready"])
+    desk.put(zone_of())
+    assert data(desk)["questions"] == {}
 
 
 def test_score_sheets_that_wait_for_a_signature(desk):

@@ -1,5 +1,6 @@
 """What a referee must do now: the most urgent thing first."""
 
+from helpers.commands import actions_shown
 from helpers.shown_box import zone_of
 from roah_rsbb.model.zone import Switches
 from roah_rsbb.wording.todo import Urgency, todo
@@ -24,6 +25,11 @@ def test_warnings_come_before_the_next_step():
 
 def test_a_reason_among_the_lines_is_no_further_warning():
     assert todo(zone("connected", WARNINGS[:1], state=WARNINGS[:1])).urgency is Urgency.POSSIBLE
+
+
+def test_at_an_event_that_is_signed_off_connect_is_not_the_next_step():
+    shown = actions_shown(questions={"connect": "Signed off. Again?"})
+    assert todo(zone_of(phase="idle", warnings=(), actions=shown)) == (Urgency.NONE, "Signed off. Again?", 0)
 
 
 def test_a_module_that_is_gone():

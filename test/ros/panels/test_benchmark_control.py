@@ -12,6 +12,7 @@ from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.model.referee import RunName
 from roah_rsbb.rqt.model import calls
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
+from roah_rsbb.rqt.qt import QLabel
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.with_ros.host import failure_text
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
@@ -96,15 +97,19 @@ class TestBenchmarkControl(PanelCase):
         self.assertIn("Not done: Home A", self.panel._answer.text())
         self.assertEqual(self.core.calls, [])
 
-    def test_connect_asks_at_an_event_that_is_signed_off(self) -> None:
+    def test_whatever_begins_a_run_asks_at_an_event_that_is_signed_off(self) -> None:
         for command in ("connect", "start", "stop", "disconnect"):
             self.zone.command(command)
         record = next(iter(self.core.box.finished.records()))
         self.core.event(self.core.box.scores.sign_off, RunName("Home A", record.identity), "Cleo")
         wait_until(lambda: not self.buttons["connect"].styleSheet(), "it does not stand out")
-        click(self.buttons["connect"])
-        self.assertTrue(question().text().startswith("This event is signed off"))
-        answer(question(), QMessageBox.RejectRole)
+        menu = self.panel.more
+        presses = (lambda: click(self.buttons["connect"]), menu.robots[1].trigger, menu.actions_of["open_sheet"].trigger,
+                   menu.actions_of["no_show"].trigger)
+        for press in presses:
+            press()
+            self.assertTrue(question().informativeText().startswith("This event is signed off"))
+            answer(question(), QMessageBox.RejectRole)
         click(self.buttons["connect"])
         answer(question(), QMessageBox.AcceptRole)
         self.wait_phase("● CONNECTED")
@@ -195,16 +200,17 @@ class TestBenchmarkControl(PanelCase):
         self.assertEqual(self.core.calls, [("disconnect", "Home A")])
 
     def test_disconnect_and_withdrawal_ask_while_the_robot_has_not_stopped(self) -> None:
-        self.zone.not_stopped = ["mbot of team A"]
+        self.zone.not_stopped = ["<b>mbot</b> of team A"]
         self.run_zones()
         self.zone.command("stop")
         self.wait_phase("ENDED")
         self.assertEqual(self.buttons["disconnect"].styleSheet(), "", "it does not stand out")
-        warning = ("mbot of team A did not answer STOP. After the disconnect the box does not repeat it: stop by hand "
-                   "first")
+        warning = ("<b>mbot</b> of team A did not answer STOP. After the disconnect the box does not repeat it: stop by "
+                   "hand first")
         click(self.buttons["disconnect"])
         box = question()
         self.assertEqual((box.text(), box.informativeText()), ("The robot has not stopped. Disconnect?", warning))
+        self.assertEqual({label.textFormat() for label in box.findChildren(QLabel) if label.text()}, {Qt.PlainText})
         answer(box, QMessageBox.RejectRole)
         self.panel.more.actions_of["withdrawn"].trigger()
         self.assertTrue(question().informativeText().startswith(f"{warning}\n\nDid team"))
@@ -221,10 +227,12 @@ class TestBenchmarkControl(PanelCase):
         click(self.buttons["disconnect"])
         box = question()
         accept = next(one for one in box.buttons() if box.buttonRole(one) == QMessageBox.AcceptRole)
+        box.setInformativeText("")  # as of a question without details
         self.assertEqual(box.text(), "The run is in progress. Disconnect?")
         self.zone.not_stopped = ["mbot"]
         self.zone.command("stop")
         wait_until(lambda: box.text() == "The robot has not stopped. Disconnect?", "it says so")
+        self.assertEqual({label.textFormat() for label in box.findChildren(QLabel) if label.text()}, {Qt.PlainText})
         self.assertFalse(accept.isEnabled(), "nobody has read it")
         limit(self, basic, "HOLD_MS", 0)
         self.zone.not_stopped = []

@@ -88,7 +88,9 @@ class TestManualOperation(PanelCase):
     def test_the_form_of_a_module_that_nobody_knows_is_filled_in(self) -> None:
         self.ask(7, ODD_ASKED, (), False, ODD)
         wait_until(self.panel.form.isVisible, "the form is there")
-        labels = [label.text() for label in self.panel.form.findChildren(QLabel)]
+        found = self.panel.form.findChildren(QLabel)
+        self.assertEqual({label.textFormat() for label in found}, {Qt.PlainText})
+        labels = [label.text() for label in found]
         self.assertLessEqual({str(field.label) for field in ODD}, set(labels))
         wait_until(self.panel.buttons[0].isEnabled, "it can be completed")
         click(self.panel.buttons[0])

@@ -8,6 +8,7 @@ import tempfile
 import threading
 import types
 import unittest
+import unittest.mock
 import weakref
 from typing import Any, Dict, List, Mapping
 from xml.etree import ElementTree
@@ -35,7 +36,9 @@ from support.panel_case import CoreCase
 from roah_rsbb.box.reload import Reloaded
 from roah_rsbb.document.calls import Caller
 from roah_rsbb.model.document import REPLAY as PREFIX
+from roah_rsbb.rqt.app import standalone
 from roah_rsbb.rqt.app.panel_list import PANELS, load
+from roah_rsbb.rqt.app.standalone import PanelWindow
 from roah_rsbb.rqt.app.window import Window
 from roah_rsbb.rqt.model import calls
 from roah_rsbb.rqt.model.client import RefereeClient
@@ -443,6 +446,24 @@ class TestWindow(CoreCase):
             self.assertFalse(again.panels["LogDisplayPanel"].follow.isChecked())
             again.shutdown()
             again.close()
+
+    def test_no_window_is_larger_than_the_screen(self) -> None:
+        """Its lower edge is STOP, and without a window manager nobody could move it."""
+        screen = QApplication.primaryScreen().availableGeometry()
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("first", "saved"):
+                settings = QSettings(f"{folder}/{name}.ini", QSettings.IniFormat)
+                if name == "saved":  # on a larger screen
+                    larger = QWidget()
+                    larger.setGeometry(40, 40, 2 * screen.width(), 2 * screen.height())
+                    settings.setValue("geometry", larger.saveGeometry())
+                with unittest.mock.patch.multiple(standalone, WIDE_EMS=1000, HIGH_EMS=1000):
+                    window = PanelWindow(HostWithRos(), "overview", settings)
+                window.show()
+                place = window.geometry()
+                window.shutdown()
+                window.close()
+                self.assertTrue(screen.contains(place), f"{name}: {place}")
 
     def test_closing_the_window_of_a_launch_asks(self) -> None:
         with tempfile.TemporaryDirectory() as folder:

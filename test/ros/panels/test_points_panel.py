@@ -70,13 +70,21 @@ class TestPoints(PanelCase):
         field = self.row(WATER).field
         field.setFocus()
         field.selectAll()
-        QTest.keyClicks(field, "2.5\r")
+        QTest.keyClicks(field, "2,5\r")
         wait_until(lambda: self.record()[WATER.key].text == "2.5", "the core has it")
         wait_until(lambda: self.row(WATER).points.text() == "-6.25", "its points are shown")
         self.assertEqual(field.text(), "2.5")
         self.zone.mark(Mark(*WATER.key, text="1"), "Ben")
         self.row(DROPS).more.setFocus()
         wait_until(lambda: field.text() == "1", "another referee's value is shown")
+
+    def test_a_whole_number_is_typed_with_any_minus(self) -> None:
+        self.row(HEIGHT).with_note.trigger()
+        dialog = opened(ScoreDialog)
+        dialog.number.selectAll()
+        dialog.number.lineEdit().insert("−2")  # QTest has no such key
+        self.assertEqual(dialog.number.value(), -2)
+        dialog.reject()
 
     def test_one_of_several_is_chosen(self) -> None:
         field = self.row(OPENS).field

@@ -5,6 +5,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.candidates import Candidates
 from roah_rsbb.core.connections import Connections
+from roah_rsbb.core.scoring.desk import ScoreDesk
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.clock import Now
@@ -20,6 +21,7 @@ class Parts(NamedTuple):
 
     candidates: Candidates
     connections: Connections
+    scores: ScoreDesk
 
 
 class ZoneAction(abc.ABC):
@@ -34,6 +36,7 @@ class ZoneAction(abc.ABC):
     def __init__(self, parts: Parts) -> None:
         self._candidates = parts.candidates
         self._connections = parts.connections
+        self._scores = parts.scores
         self.action = ACTIONS[self.name]  # what faces know of it
 
     def shown(self, zone: Zone) -> bool:
@@ -46,6 +49,10 @@ class ZoneAction(abc.ABC):
 
     def text(self, zone: Zone) -> str:
         """Return what the referee should do, in the words of a benchmarking module; empty: the explanation says it."""
+        return ""
+
+    def question(self, now: Now, zone: Zone) -> str:
+        """Return what whoever calls it must have confirmed (field `again`); empty: nothing."""
         return ""
 
     def read(self, zone: Zone, given: Given) -> Dict[str, Any]:

@@ -18,17 +18,27 @@ NOT_CONNECTED = say("No run is connected")
 FOR_ALL = say("{code} is for all robots at once: connect without a robot")
 APPEARED = say("The run was started, so its team appeared")
 
+SIGNED_OFF = say("This event is signed off: go to the next one, unless another attempt is due")
 
-class Connect(ZoneAction):
+
+class Begin(ZoneAction):
+    """Whatever begins a run, which may replace the result of the event."""
+
+    def question(self, now: Now, zone: Zone) -> str:
+        """See `ZoneAction`."""
+        return SIGNED_OFF if zone.run is None and self._scores.is_signed_off(now, zone) else ""
+
+
+class Connect(Begin):
     """Connect the robot of the event's team, or all robots. `robot`: which of several."""
 
     name = "connect"
 
     def form(self, now: Now, zone: Zone) -> Tuple[Field, ...]:
         """The robots to choose from, if there are several."""
-        robot, = self.action.fields
+        robot, again = self.action.fields
         robots = self._candidates.to_choose(now, zone)
-        return (Choice(robot.name, robot.label, robot.required, robots),) if robots else self.action.fields
+        return (Choice(robot.name, robot.label, robot.required, robots), again) if robots else self.action.fields
 
     def off(self, now: Now, zone: Zone, given: Given) -> List[str]:
         """See `ZoneAction`."""
@@ -70,7 +80,7 @@ class Disconnect(ZoneAction):
         return {}
 
 
-class OpenSheet(ZoneAction):
+class OpenSheet(Begin):
     """Begin a run without a robot."""
 
     name = "open_sheet"
@@ -86,7 +96,7 @@ class OpenSheet(ZoneAction):
         self._connections.open_sheet(now, zone)
 
 
-class GiveUp(ZoneAction):
+class GiveUp(Begin):
     """End the zone's event without a score, and leave it."""
 
     reason: EndReason

@@ -9,6 +9,7 @@ from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.candidates import Candidates
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.effects import Outbox
+from roah_rsbb.core.scoring.desk import ScoreDesk
 from roah_rsbb.core.zones import Zone, Zones
 from roah_rsbb.model import fields
 from roah_rsbb.model.actions import ACTIONS, EVERY, STOP
@@ -31,6 +32,8 @@ NO_ACTION = say("no action '{action}'{hint}")
 NO_TEAM = say("Name the team: the zone may have gone to the event of another one")
 OTHER_TEAM = say("The current event of zone '{zone}' is of team {team}, not of team {named}: choose the event first")
 OTHER_EVENT = say("Zone '{zone}' is at another event of team {team} now: choose the event first")
+CONFIRM = say("{question}. To begin another attempt, confirm it: in a terminal with --again, in ROS with the service "
+              "/core/connect_again")
 OTHER_RUN = say("run {run} is not connected in zone '{zone}'")
 
 
@@ -49,13 +52,15 @@ class Actions:
     """All actions in a zone."""
 
     def __init__(
-        self, candidates: Candidates, connections: Connections, zones: Zones, record: CommandRecord, outbox: Outbox,
+        self, candidates: Candidates, connections: Connections, scores: ScoreDesk, zones: Zones, record: CommandRecord,
+        outbox: Outbox,
     ) -> None:
         self._zones = zones
         self._record = record
         self._outbox = outbox
         kinds = {kind.name: kind for kind in KINDS}
-        self._all: Dict[str, ZoneAction] = {name: kinds[name](Parts(candidates, connections)) for name in ACTIONS}
+        parts = Parts(candidates, connections, scores)
+        self._all: Dict[str, ZoneAction] = {name: kinds[name](parts) for name in ACTIONS}
         self._without_run = {
             name: Shown((action.off_without_run,), action.shown_without_run)
             for name, action in self._all.items() if action.off_without_run is not None}
@@ -79,7 +84,7 @@ class Actions:
         return {
             name: kept.get(name) or Shown(
                 closed or tuple(action.off(now, zone, self._nothing[name])), action.shown(zone),
-                _if_other(action.form(now, zone), action), action.text(zone))
+                _if_other(action.form(now, zone), action), action.text(zone), action.question(now, zone))
             for name, action in self._all.items()}
 
     def do(self, now: Now, target: Target, name: str, who: str = "", given: Mapping[str, Any] = NOTHING) -> None:
@@ -103,6 +108,9 @@ class Actions:
                 raise Refused(_elsewhere(zone, target, "") or [_name_the_team(name, wrong, given)])
             team = values.get("team", "") if action.action.aims else ""
             reasons = _elsewhere(zone, target, team) or action.refused(now, zone, run, values)
+            question = "" if reasons or values.get("again") else action.question(now, zone)
+            if question:
+                reasons = [CONFIRM(question=question)]
             if reasons:
                 raise Refused(reasons)
             self._outbox.mark_changed(zone.name)

@@ -1,6 +1,6 @@
 """The referee's scores: marks, withdrawals, reasons and sign-offs, in runs in progress and finished runs."""
 
-from typing import Callable, List, NamedTuple, Optional, Set, Tuple, Union
+from typing import Callable, Dict, List, NamedTuple, Optional, Set, Tuple, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.record import CommandRecord
@@ -10,7 +10,7 @@ from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRun, FinishedRuns
 from roah_rsbb.core.scoring.counting import Counted, Counting, EventResult, Ruling, Why
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.core.zones import Zones
+from roah_rsbb.core.zones import Zone, Zones
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import By, ItemRecord, Phase, RunRecord
@@ -53,6 +53,7 @@ class ScoreDesk:
         self._outbox = outbox
         self._counting = Counting()
         self._counted: Tuple[int, Counted] = (-1, Counted([], []))  # for a revision, as the next one
+        self._results: Tuple[int, Dict[Tuple[str, int], EventResult]] = (-1, {})
         self._over: Tuple[int, Set[Tuple[str, int]]] = (-1, set())
 
     # -- looking ------------------------------------------------------------------------------------
@@ -76,6 +77,19 @@ class ScoreDesk:
             counted = self._counting.look(records, self._finished.ranking, self._finished.event_rules())
             self._counted = self._outbox.revision, counted
         return self._counted[1]
+
+    def results(self, now: Now) -> Dict[Tuple[str, int], EventResult]:
+        """Return the results of the events of the schedule, by zone and place in it."""
+        if self._results[0] != self._outbox.revision:
+            self._results = self._outbox.revision, {
+                place: result for result in self.event_results(now)
+                for place in self._zones.places_of(result.shown.record)}
+        return self._results[1]
+
+    def is_signed_off(self, now: Now, zone: Zone) -> bool:
+        """Return whether the current event of a zone has a result, and it is final."""
+        result = self.results(now).get((zone.name, zone.index))
+        return result is not None and result.signed
 
     def events_over(self) -> Set[Tuple[str, int]]:
         """Return the events that need no run any more, see `Zones.over`."""

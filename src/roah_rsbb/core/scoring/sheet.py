@@ -24,6 +24,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.scoring.points import jury_text, text_of, whole_part
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.fields import typed_number
 from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import ItemRecord, Rating, ScoreEntry
 from roah_rsbb.model.referee import Refused
@@ -216,10 +217,11 @@ class ScoreSheet:
         """Return the mark with the value that the item has after it. The caller checks that value."""
         if item.kind not in NUMBERS:
             raise Refused([say("'{item}' cannot be counted: set its value")(item=item.desc)])
-        if not _NUMBER.fullmatch(mark.added) or not Decimal(mark.added):
+        text = typed_number(mark.added)
+        if not _NUMBER.fullmatch(text) or not Decimal(text):
             raise Refused([say("'{item}' cannot be changed by '{added}': give a number such as +1 or -1")(
                 item=item.desc, added=mark.added)])
-        added = Decimal(mark.added)
+        added = Decimal(text)
         if item.kind in WHOLE and added != int(added):
             raise Refused([say("'{item}' is counted in whole numbers, not by '{added}'")(
                 item=item.desc, added=mark.added)])
@@ -548,8 +550,9 @@ def _rating(item: ScoringItem, mark: Mark) -> str:
 def _decimal(item: ScoringItem, text: str) -> str:
     least = Decimal(-MAX_NUMBER) if item.least is None else item.least
     most = Decimal(MAX_NUMBER) if item.most is None else item.most
-    if not _NUMBER.fullmatch(text) or not least <= Decimal(text) <= most:
+    number = typed_number(text)
+    if not _NUMBER.fullmatch(number) or not least <= Decimal(number) <= most:
         raise Refused([say("'{item}' takes a number from {least} to {most} with at most {decimals} decimals, not "
                            "'{text}'")(
             item=item.desc, least=text_of(least), most=text_of(most), decimals=MAX_DECIMALS, text=text)])
-    return text_of(Decimal(text))
+    return text_of(Decimal(number))

@@ -64,7 +64,7 @@ class EventLine(NamedTuple):
 def schedule(box: Box, now: Now) -> List[EventLine]:
     """All events of all zones, in the order of their scheduled times."""
     slots = slot_lengths(ZonePlan(zone.name, zone.events) for zone in box.zones.values())
-    last, results = box.zones.last_runs(box.finished.records()), _results(box, now)
+    last, results = box.zones.last_runs(box.finished.records()), box.scores.results(now)
     lines = [line for zone in box.zones.values() for line in _zone_lines(zone, last, results, slots, now)]
     return sorted(lines, key=lambda line: line.event.scheduled)
 
@@ -112,12 +112,6 @@ def _shown(line: EventLine, number: int) -> EventSeen:
     return found._replace(
         identity=shown.identity, end_reason=shown.end_reason, score=sums_of_record(shown), counts=why.value,
         signed_utc_s=None if signed is None else signed.utc, signed_by="" if signed is None else signed.who)
-
-
-def _results(box: Box, now: Now) -> Dict[Tuple[str, int], EventResult]:
-    """Return the result of each event of which a run is over, by zone and place in its schedule."""
-    results = box.scores.event_results(now)
-    return {place: result for result in results for place in box.zones.places_of(result.shown.record)}
 
 
 def slot_lengths(plans: Iterable[ZonePlan]) -> Dict[str, float]:

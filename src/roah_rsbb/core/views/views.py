@@ -283,7 +283,9 @@ def _with_module(found: ZoneSeen, run: FunctionalityRun) -> ZoneSeen:
 
 def _idle_lines(box: Box, zone: Zone, view: ZoneSeen, now: Now) -> List[str]:
     """Return the lines for the referee of a zone without a run, without warnings."""
-    lines: List[str] = list(view.off("connect")) or [_ready(box.candidates.to_connect(now, zone))]
+    asked = view.action("connect").question
+    lines: List[str] = [asked] if asked else []
+    lines += view.off("connect") or [_ready(box.candidates.to_connect(now, zone))]
     if view.robots_to_choose:
         lines.append(SEVERAL(team=zone.event.team, robots=", ".join(view.robots_to_choose)))
     return lines + _attempt_lines(view)

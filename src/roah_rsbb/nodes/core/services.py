@@ -28,6 +28,8 @@ class CoreServices:
                 self._serve(action.name, Zone, lambda r, action=action: calls.do(
                     False, box.act, Target(r.zone), action.name, who_of(r), ORIGINAL_GIVEN.get(action.name, NOTHING)
                 ), is_urgent=action.name == STOP)
+        self._serve("connect_again", Zone, lambda r: calls.do(
+            False, box.act, Target(r.zone), "connect", who_of(r), {"again": True}))
         for name, action in (("manual_operation_complete", "operation"), ("omf_switches/complete", "confirm_switches")):
             self._serve(name, Zone, lambda r, action=action: calls.do(
                 False, box.act, Target(r.zone), action, who_of(r)))

@@ -60,7 +60,7 @@ def _zone_state(zone: ZoneSeen) -> ZoneState:
         schedule=ros_time(event.scheduled),
         state="\n".join(zone.lines),
         manual_operation=zone.manual_operation,
-        connect_enabled=zone.is_on("connect"),
+        connect_enabled=zone.is_on("connect") and not zone.action("connect").question,
         disconnect_enabled=zone.is_on("disconnect"),
         start_enabled=zone.is_on("start"),
         stop_enabled=zone.is_on("stop"),

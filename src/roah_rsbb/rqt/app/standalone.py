@@ -3,7 +3,7 @@
 It shows the zone of the namespace in which it is started (`__ns:=`), as all panels of a client do.
 """
 
-from roah_rsbb.rqt.app.application import PanelSettings
+from roah_rsbb.rqt.app.application import PanelSettings, open_at
 from roah_rsbb.rqt.app.panel_list import load
 from roah_rsbb.rqt.host import WindowHost
 from roah_rsbb.rqt.model.client import RefereeClient
@@ -28,10 +28,7 @@ class PanelWindow(QMainWindow):
         self.setCentralWidget(self._panel)
         self._panel.client.add_strip(self)
         self.setWindowTitle(f"{tr(kind.TITLE)} – RoAH RSBB")
-        self.resize(round(WIDE_EMS * basic.em()), round(HIGH_EMS * basic.em()))
-        geometry = settings.value("geometry")
-        if geometry is not None:
-            self.restoreGeometry(geometry)
+        open_at(self, WIDE_EMS * basic.em(), HIGH_EMS * basic.em(), settings.value("geometry"))
         self._panel.restore_settings(self._of_panel)
 
     def shutdown(self) -> None:

@@ -1,22 +1,21 @@
 """Our own window with all panels, for machines without rqt or ROS."""
 
+import math
 from typing import Dict
 
-from roah_rsbb.rqt.app.application import PanelSettings
+from roah_rsbb.rqt.app.application import PanelSettings, open_at
 from roah_rsbb.rqt.app.panel_list import PANELS, load
 from roah_rsbb.rqt.host import WindowHost
 from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.panel import Panel
-from roah_rsbb.rqt.qt import QApplication, QDockWidget, QMainWindow, QSettings, Qt
+from roah_rsbb.rqt.qt import QDockWidget, QMainWindow, QSettings, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.marked_title import MarkedTitle
 from roah_rsbb.wording.language import tr
 
 # Increase it when the set of panels changes: an older layout would hide new panels.
 LAYOUT_VERSION = 6
-# At the first start the window takes this share of the screen's width and height.
-MOST_OF_SCREEN = 0.95
 
 
 class Window(QMainWindow):
@@ -88,15 +87,13 @@ class Window(QMainWindow):
         d["ScoringPanel"].raise_()
         d["LogDisplayPanel"].raise_()
         unit = round(basic.em())
-        self.resize(QApplication.primaryScreen().availableSize() * MOST_OF_SCREEN)
+        open_at(self, math.inf, math.inf, self._settings.value("geometry"))
         self.resizeDocks([d["BenchmarkControlPanel"], d["ScoringPanel"]], [34 * unit, 46 * unit], Qt.Horizontal)
         self.resizeDocks([d["OverviewPanel"], d["LogDisplayPanel"]], [25 * unit, 21 * unit], Qt.Horizontal)
         self.resizeDocks([d["ScoringPanel"], d["OverviewPanel"]], [18 * unit, 24 * unit], Qt.Vertical)
 
     def _restore(self) -> None:
-        geometry, layout = self._settings.value("geometry"), self._settings.value("layout")
-        if geometry is not None:
-            self.restoreGeometry(geometry)
+        layout = self._settings.value("layout")
         if layout is not None:
             self.restoreState(layout, LAYOUT_VERSION)
         for name, panel in self.panels.items():

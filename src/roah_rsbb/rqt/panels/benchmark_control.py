@@ -31,7 +31,7 @@ from roah_rsbb.rqt.widgets import basic, phases
 from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
 from roah_rsbb.rqt.widgets.run_times import TimesWidget
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
-from roah_rsbb.wording import schedule, sheets, stop
+from roah_rsbb.wording import sheets, stop
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.said import tr_said
 
@@ -283,8 +283,7 @@ class BenchmarkControlPanel(Panel):
 
     def _show_button(self, name: str, zone: Optional[ZoneSeen]) -> None:
         reasons = why_off(zone, name, self._silent(zone) if self.model.document else tr("Waiting for the core"))
-        is_next = zone is not None and not stop.leaving(zone) and not (
-            name == "connect" and self._is_signed_off(zone.zone))
+        is_next = zone is not None and not stop.leaving(zone) and not zone.action(name).question
         tone = NEXT_STEP.get((zone.phase, name)) if is_next else None
         self.buttons[name].allow(not reasons, reasons, tone)
 
@@ -298,14 +297,8 @@ class BenchmarkControlPanel(Panel):
             box = ask(self, question, why, tr(COMMANDS[name].label),
                       partial(self._disconnect, zone, self.model.identity_of(zone)))
             keep_true(box, self.model, partial(self._leaving, zone))
-        elif name == "connect" and self._is_signed_off(zone):
-            ask(self, tr(schedule.AGAIN), "", tr(COMMANDS[name].label), partial(self._send, ACTIONS[name], zone))
         else:
-            self._send(ACTIONS[name], zone)
-
-    def _is_signed_off(self, zone: str) -> bool:
-        document = self.model.document
-        return document is not None and schedule.is_signed_off(document.schedule.values(), zone)
+            self._confirm(ACTIONS[name], self.model.zone)
 
     def _leaving(self, zone: str) -> Tuple[str, str]:
         """Return the question before the run in a zone is left, and why it is asked; empty: it is not."""
@@ -330,22 +323,33 @@ class BenchmarkControlPanel(Panel):
         if zone is None:
             return
         fields = zone.fields(action.name)
-        same = partial(self._send_if_same, action, zone)
         if entered(fields):
+            same = partial(self._send_if_same, action, zone)
             basic.show_dialog(ActionForm(self, action, what_text(action, zone.zone), fields, same))
-        elif action.question:
-            text = "\n\n".join(filter(None, [
-                stop.leaving(zone) if action.leaves else "", tr(action.question, team=zone.event.team)]))
-            ask(self, tr(action.label), text, tr(action.label), same)
         else:
-            self._send(action, zone.zone)
+            self._confirm(action, zone)
 
-    def _send_if_same(self, action: Action, asked: ZoneSeen, given: Optional[Dict[str, Any]] = None) -> None:
+    def _confirm(self, action: Action, zone: Optional[ZoneSeen], given: Optional[Dict[str, Any]] = None,
+                 what: str = "") -> None:
+        """Do an action, after its questions: its own, and that of the zone."""
+        asked = "" if zone is None else zone.action(action.name).question
+        if zone is None or not (asked or action.question):
+            self._send(action, self.model.zone_name, given, what)
+            return
+        if asked:
+            given = {**(given or {}), "again": True}
+        text = "\n\n".join(filter(None, [
+            stop.leaving(zone) if action.leaves else "", tr_said(asked) if asked else "",
+            tr(action.question, team=zone.event.team) if action.question else ""]))
+        ask(self, tr(action.label), text, tr(action.label), partial(self._send_if_same, action, zone, given, what))
+
+    def _send_if_same(self, action: Action, asked: ZoneSeen, given: Optional[Dict[str, Any]] = None,
+                      what: str = "") -> None:
         """Do an action if the zone is still at the event and the run that the referee was asked about. The core checks
         it again."""
         now = self.model.zone
         if now is not None and _subject(now) == _subject(asked):
-            self._send(action, asked.zone, given)
+            self._send(action, asked.zone, given, what)
         else:
             self._answer.warn(tr("Not done: {zone} is at another event now", zone=asked.zone))
 
@@ -353,8 +357,8 @@ class BenchmarkControlPanel(Panel):
         basic.show_alone(PairDialog(self, self.client.calls, self.client.moments, self.model.zone_name))
 
     def _connect_robot(self, robot: str) -> None:
-        zone = self.model.zone_name
-        self._send(ACTIONS["connect"], zone, {"robot": robot}, tr("Connect {robot} in {zone}", robot=robot, zone=zone))
+        what = tr("Connect {robot} in {zone}", robot=robot, zone=self.model.zone_name)
+        self._confirm(ACTIONS["connect"], self.model.zone, {"robot": robot}, what)
 
     def _send(
         self, action: Action, zone: str, given: Optional[Dict[str, Any]] = None, what: str = "",

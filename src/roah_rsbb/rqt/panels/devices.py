@@ -47,7 +47,7 @@ class DeviceRow(QWidget):
         self.change = change
         self.commands: List[basic.CommandButton] = []
         self.line = basic.flat(QHBoxLayout(self))
-        title = basic.enlarged(QLabel(self.name), 1.3, bold=True)
+        title = basic.enlarged(QLabel(self.name, textFormat=Qt.PlainText), 1.3, bold=True)
         title.setMinimumWidth(round(NAME_EMS * basic.em()))
         self.line.addWidget(title)
 
@@ -173,7 +173,7 @@ class DevicesPanel(Panel):
         super().__init__(client)
         self._edits: Edits[float] = Edits(lambda until_mono: time.monotonic() > until_mono)
         self.connection = basic.Badge(1.2)
-        self.reason = basic.enlarged(QLabel(wordWrap=True), 1.1)
+        self.reason = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.1)
         self.body.addWidget(self.connection)
         self.body.addWidget(self.reason)
         self.rows: Dict[str, DeviceRow] = {}

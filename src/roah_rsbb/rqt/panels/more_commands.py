@@ -27,7 +27,6 @@ from roah_rsbb.rqt.qt import (
     QLabel,
     QLineEdit,
     QMenu,
-    QSpinBox,
     Qt,
     QToolButton,
     QWidget,
@@ -76,8 +75,10 @@ class FieldEditors(QWidget):
         self.editors: Dict[str, QWidget] = {}
         for field in entered(fields):
             self.editors[field.name] = _editor(field)
-            form.addRow(tr(field.label), self.editors[field.name])
-        self.problem = QLabel(wordWrap=True)
+            label = QLabel(tr(field.label), textFormat=Qt.PlainText)
+            label.setBuddy(self.editors[field.name])
+            form.addRow(label, self.editors[field.name])
+        self.problem = QLabel(wordWrap=True, textFormat=Qt.PlainText)
         self.problem.hide()
         form.addRow(self.problem)
 
@@ -127,7 +128,7 @@ def _editor(field: Field) -> QWidget:
         box.addItems([*([] if field.required else [""]), *field.choices])
         return box
     if isinstance(field, Number):
-        number = QSpinBox()
+        number = basic.WholeField()
         number.setRange(field.low, field.high)
         number.setSuffix(f" {field.unit}" if field.unit else "")
         number.setValue(field.default)
@@ -141,7 +142,7 @@ def _entry(editor: QWidget) -> Any:
         return editor.isChecked()
     if isinstance(editor, QComboBox):
         return editor.currentText()
-    return editor.value() if isinstance(editor, QSpinBox) else editor.text().strip()
+    return editor.value() if isinstance(editor, basic.WholeField) else editor.text().strip()
 
 
 class RuleButtons(QWidget):

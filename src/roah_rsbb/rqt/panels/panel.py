@@ -272,8 +272,8 @@ def _following(widget: QWidget, forward: bool) -> QWidget:
 
 def ask(parent: QWidget, question: str, details: str, yes: str, then) -> QMessageBox:
     """Ask before something that cannot be undone; call `then()` if the referee confirms."""
-    box = QMessageBox(QMessageBox.Warning, question, question, parent=parent)
-    box.setInformativeText(details)
+    box = QMessageBox(QMessageBox.Warning, "", "", parent=parent)
+    _word(box, question, details)
     accept = box.addButton(yes, QMessageBox.AcceptRole)
     cancel = box.addButton(tr("Cancel"), QMessageBox.RejectRole)
     box.setDefaultButton(cancel)
@@ -282,6 +282,15 @@ def ask(parent: QWidget, question: str, details: str, yes: str, then) -> QMessag
     box.buttonClicked.connect(lambda button: then() if button is accept else None)
     basic.show_dialog(box)
     return box
+
+
+def _word(box: QMessageBox, question: str, details: str) -> None:
+    """Give a question its texts, as they are: the name of a robot may look like HTML."""
+    box.setWindowTitle(question)
+    box.setText(question)
+    box.setInformativeText(details)
+    for label in box.findChildren(QLabel):
+        label.setTextFormat(Qt.PlainText)
 
 
 def keep_true(box: QMessageBox, model: Model, current: Callable[[], Tuple[str, str]]) -> None:
@@ -294,9 +303,7 @@ def keep_true(box: QMessageBox, model: Model, current: Callable[[], Tuple[str, s
         question, details = current()
         if (question, details) == (box.text(), box.informativeText()):
             return
-        box.setWindowTitle(question)
-        box.setText(question)
-        box.setInformativeText(details)
+        _word(box, question, details)
         accept.setEnabled(False)
         held.start(basic.HOLD_MS)
 

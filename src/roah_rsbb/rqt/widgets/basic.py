@@ -5,6 +5,7 @@ import math
 import re
 from typing import Callable, Iterable, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.model.fields import typed_number
 from roah_rsbb.rqt.qt import (
     QApplication,
     QColor,
@@ -19,6 +20,7 @@ from roah_rsbb.rqt.qt import (
     QPushButton,
     QSize,
     QSizePolicy,
+    QSpinBox,
     Qt,
     QTextEdit,
     QTimer,
@@ -145,6 +147,18 @@ class NoWheel:
 
     def wheelEvent(self, event) -> None:
         event.ignore()
+
+
+class AnyRegion:
+    """The first base of a field for a number: it takes the decimal comma and the typographic minus, in any language."""
+
+    def validate(self, text: str, place: int):
+        """See QAbstractSpinBox."""
+        return super().validate(text if text == self.specialValueText() else typed_number(text), place)
+
+
+class WholeField(AnyRegion, QSpinBox):
+    """A whole number."""
 
 
 def _escaped(text: str) -> str:

@@ -34,7 +34,7 @@ class _Time(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.label = QLabel(alignment=Qt.AlignCenter)
+        self.label = QLabel(alignment=Qt.AlignCenter, textFormat=Qt.PlainText)
         self.label.setMinimumWidth(1)
         self.figure = basic.FittedText()
         column = basic.flat(QVBoxLayout(self))
@@ -58,7 +58,7 @@ class TimesWidget(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.main, self.goal = _Time(), _Time()
-        self.aside = QLabel(" ", alignment=Qt.AlignCenter)
+        self.aside = QLabel(" ", alignment=Qt.AlignCenter, textFormat=Qt.PlainText)
         self.aside.setMinimumWidth(1)
         figures = QHBoxLayout()
         figures.setSpacing(round(BETWEEN_EMS * basic.em()))

@@ -12,7 +12,6 @@ from roah_rsbb.rqt.qt import (
     QFormLayout,
     QLabel,
     QLineEdit,
-    QSpinBox,
     Qt,
     QWidget,
 )
@@ -87,7 +86,7 @@ class ScoreDialog(NoteDialog):
         self._item = item
         self._value = value
         self._was_not_attempted = not_attempted
-        self.number: Optional[QSpinBox] = None
+        self.number: Optional[basic.WholeField] = None
         self.tick: Optional[QCheckBox] = None
         self.field: Union[NumberField, ChoiceField, None] = None
         self.judge: Optional[QComboBox] = None
@@ -111,7 +110,7 @@ class ScoreDialog(NoteDialog):
             return self.tick
         if item.type in ("uint", "int"):
             least = 0 if item.type == "uint" else int(item.min or -MAX_VALUE)
-            self.number = QSpinBox(minimum=least, maximum=int(item.max or MAX_VALUE), value=value)
+            self.number = basic.WholeField(minimum=least, maximum=int(item.max or MAX_VALUE), value=value)
             return self.number
         if item.type == "choice":
             self.field = ChoiceField(item, lambda text: None)

@@ -12,7 +12,6 @@ from roah_rsbb.rqt.qt import (
     QLocale,
     QSignalBlocker,
     Qt,
-    QValidator,
     QWidget,
 )
 from roah_rsbb.rqt.widgets import basic
@@ -30,10 +29,8 @@ def number_text(number: float) -> str:
     return "0" if text == "-0" else text
 
 
-class NumberField(basic.NoWheel, QDoubleSpinBox):
+class NumberField(basic.NoWheel, basic.AnyRegion, QDoubleSpinBox):
     """A decimal number. With `may_be_empty`, it begins empty and can be emptied. `entered(text)`: the referee did it.
-
-    A comma that is typed becomes a point, on computers in any language.
     """
 
     def __init__(self, item: SheetItem, entered: Callable[[str], None], may_be_empty: bool = False) -> None:
@@ -57,9 +54,6 @@ class NumberField(basic.NoWheel, QDoubleSpinBox):
 
     def textFromValue(self, value: float) -> str:
         return number_text(value)
-
-    def validate(self, text: str, place: int) -> Tuple[QValidator.State, str, int]:
-        return super().validate(text.replace(",", "."), place)
 
     def stepBy(self, steps: int) -> None:
         # The first step of an empty field goes to the least value.

@@ -6,6 +6,7 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import competition
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions import table
+from roah_rsbb.core.actions.connecting import SIGNED_OFF
 from roah_rsbb.core.actions.table import KINDS, Target
 from roah_rsbb.model.actions import ACTIONS, ENTRIES, EVERY
 from roah_rsbb.model.records import Phase
@@ -117,8 +118,32 @@ def test_what_is_kept_of_zones_without_a_run_is_as_it_would_be_made(code):
     for name, found in shown.items():
         action, form = actions[name], actions[name].form(driver.now, zone)
         nothing = {field.name: field.nothing for field in action.action.fields}
-        assert found == (tuple(action.off(driver.now, zone, nothing)), action.shown(zone),
-                         None if form is action.action.fields else form, action.text(zone)), name
+        assert found == (
+            tuple(action.off(driver.now, zone, nothing)), action.shown(zone),
+            None if form is action.action.fields else form, action.text(zone), action.question(driver.now, zone)), name
+
+
+@pytest.mark.parametrize("name", ["connect", "open_sheet", "no_show", "withdrawn"])
+def test_a_result_that_is_signed_off_is_replaced_only_by_who_says_so(name):
+    driver = BoxDriver(competition(tbm=["HGTKMH", "HWV"]))
+    driver.executing()
+    driver.command("stop")
+    driver.command("disconnect")
+    assert driver.view().action(name).question == ""
+    record = driver.box.finished.records()[0]
+    driver.event(driver.box.scores.sign_off, RunName("tbm", record.identity), "Anna")
+    shown = driver.view()
+    assert shown.action(name).question == SIGNED_OFF in shown.state
+    with pytest.raises(Refused, match=f"{SIGNED_OFF}.*--again.*/core/connect_again"):
+        driver.command(name)
+    assert driver.run_in() is None and len(driver.box.finished.records()) == 1
+    driver.command("next")
+    assert driver.view().action(name).question == ""
+    driver.command("previous")
+    driver.robot().beacon()
+    driver.command(name, again=True)
+    assert driver.view().action(name).question == "", "the run that there is now is asked for"
+    assert len(driver.box.finished.records()) + (driver.run_in() is not None) == 2
 
 
 def test_a_run_in_progress_is_left_only_by_who_knows_it():

@@ -118,7 +118,7 @@ def test_counting_removes_not_attempted_and_its_withdrawal_brings_it_back(refere
 
 
 def test_decimals_are_added_exactly(referees):
-    for added in ("0.1", ".2", "+1.005"):
+    for added in ("0,1", ".2", "+1.005"):
         referees.add(WATER, added)
     assert (referees.value(WATER), referees.item(WATER).value) == ("1.305", 1)
     referees.withdraw(1)
