@@ -49,6 +49,7 @@ class Robot:
         self.box_state: Optional[BoxState] = None
         self.follows = True  # follows the box's states at once
         self.period_s = REGULAR_S
+        self.note_bytes = 0  # of a new text in each datagram
         self.acknowledged_ns = 0
         self.sent_ns: Deque[int] = collections.deque(maxlen=REMEMBERED)
         self.sent = self.answers = self.late = self.unsent = 0
@@ -97,6 +98,8 @@ class Robot:
         message = pb.RobotState(messages_saved=1, robot_state=int(self.state))
         message.time.sec, message.time.nsec = divmod(now_ns, 1_000_000_000)
         self.sent_ns.append(now_ns)
+        if self.note_bytes:
+            message.notifications.append(str(now_ns).ljust(self.note_bytes, "x"))
         return frame.encode(message, Cipher.AES_128_CBC, self._key)
 
     def _transmit(self, datagram: bytes) -> None:

@@ -9,7 +9,6 @@ import sys
 import tempfile
 import time
 import xml.etree.ElementTree
-import xmlrpc.client
 from typing import Dict, List
 
 import rosgraph
@@ -192,9 +191,3 @@ class LaunchedBox(Box):
         given = {name: settings.get(name, usual[name]) for name in _arguments(launch)}
         given["standings_file"] = "none"
         return Measured("roslaunch", str(launch), *(f"{name}:={value}" for name, value in given.items()))
-
-    @property
-    def core_pid(self) -> int:
-        """The current process of the core."""
-        caller = rospy.get_name()
-        return xmlrpc.client.ServerProxy(rosgraph.Master(caller).lookupNode(CORE)).getPid(caller)[2]

@@ -51,7 +51,7 @@ from roah_rsbb.ros import connections  # noqa: E402
 from roah_rsbb.srv import Zone  # noqa: E402
 
 WINDOW_ZONES = 20
-RESUMED, MANY_RESUMED = 10, 44
+RESUMED, MANY_RESUMED, MOST_RESUMED = 10, 44, 100
 MANY_VIEWERS = 200
 REPEATING = 40  # robots
 WARM_S = 2.0  # until a box that was started has done all that it does once
@@ -80,12 +80,15 @@ class Extent(NamedTuple):
     reported_runs: int
     flood_rounds: int  # of each kind
     run_seconds: float  # until a core is killed among many runs
+    journal_bytes: int  # when it is killed among most runs: of 60 minutes
 
 
 QUICK = Extent(probes=36, starts=12, clicks=5, kills=2, takeovers=1, seconds=2.0, idle_seconds=2.0, runs=200,
-               reported_runs=50, flood_rounds=2, run_seconds=10.0)
+               reported_runs=50, flood_rounds=2, run_seconds=10.0,
+               journal_bytes=20_000_000)
 FULL = Extent(probes=300, starts=100, clicks=40, kills=10, takeovers=5, seconds=15.0, idle_seconds=10.0, runs=10_000,
-              reported_runs=1000, flood_rounds=5, run_seconds=180.0)
+              reported_runs=1000, flood_rounds=5, run_seconds=180.0,
+              journal_bytes=67_000_000)
 
 
 class Bench:
@@ -130,15 +133,27 @@ class Bench:
 
     def resume(self) -> None:
         """From kill -9 of the core to the last robot's channel."""
-        for robots, seconds in ((RESUMED, 0.0), (MANY_RESUMED, self.extent.run_seconds)):
-            with processes.LaunchedBox(robots) as box, Fleet(robots, box.port) as fleet:
+        for kind, robots, seconds, size in (
+                (processes.LaunchedBox, RESUMED, 0.0, 0),
+                (processes.LaunchedBox, MANY_RESUMED, self.extent.run_seconds, 0),
+                (resume.SupervisedBox, MANY_RESUMED, self.extent.run_seconds, 0),
+                (resume.SupervisedBox, MOST_RESUMED, 0.0, self.extent.journal_bytes)):
+            with kind(robots) as box, Fleet(robots, box.port) as fleet:
                 reaction.connect(box, fleet, robots)
                 reaction.start(box, fleet, robots)
                 time.sleep(seconds)
+                if size:
+                    resume.fill(box, fleet, size)
                 taken = resume.kills(box, fleet, self.extent.kills)
-            name = f"kill -9 after {seconds:g} s to the resumed channels of {robots} robots"
-            self.results.add(f"{name}, median", "s", quantile(taken, 0.5), 3)
-            self.results.add(f"{name}, longest", "s", max(taken), 3)
+            has_ros = kind is processes.LaunchedBox
+            name = (f"kill -9 {'with' if has_ros else 'without'} ROS, {robots} robots, "
+                    f"{f'{size / 1e6:g} MB' if size else f'{seconds:g} s'}: all served")
+            self.results.add(f"{name}, median", "s", quantile([one.after_kill for one in taken], 0.5), 2)
+            self.results.add(f"{name}, longest", "s", max(one.after_kill for one in taken), 3)
+            self.results.add(f"{name}, from the process's start", "s",
+                             quantile([one.after_start for one in taken], 0.5), 2 if size else 1)
+            self.results.add(f"{name}, times import rospy", "",
+                             quantile([one.after_start / one.import_rospy for one in taken], 0.5))
 
     def hung(self) -> None:
         """From the stop of the core (SIGSTOP), in each of 12 phases of a run, to the next core."""

@@ -5,7 +5,7 @@ import os
 import socket
 import sys
 import time
-from typing import Dict, List, NamedTuple
+from typing import Dict, List, NamedTuple, Tuple
 from unittest import mock
 
 import reaction
@@ -29,6 +29,8 @@ class BoxWithoutRos(Box):
     """The whole box in one process, with its pages: no functionality benchmark is scheduled, so the rules of these have
     no process. Use it as a context manager."""
 
+    OPTIONS: Tuple[str, ...] = ("--unsupervised",)
+
     def _started(self, profile: str, settings: Dict[str, object]) -> Measured:
         self._door_file = str(self._folder / "door.json")
         (self._folder / "competition.launch").write_text("<launch/>", "utf-8")
@@ -37,7 +39,7 @@ class BoxWithoutRos(Box):
         self.began_mono = time.monotonic()
         with mock.patch.dict(os.environ, {OWN_VARIABLE: self._door_file}):
             return Measured(
-                sys.executable, "-m", "roah_rsbb.tools.team", "run", str(self._folder), "--unsupervised",
+                sys.executable, "-m", "roah_rsbb.tools.team", "run", str(self._folder), *self.OPTIONS,
                 "--no-browser", *(f"{name}:={value}" for name, value in given.items()))
 
     def __enter__(self) -> "BoxWithoutRos":

@@ -3,7 +3,7 @@
 import abc
 import math
 import os
-from typing import List, Optional
+from typing import Dict, List, Optional
 
 # The value of a parameter without its file or folder.
 NONE = "none"
@@ -92,6 +92,21 @@ class Params(abc.ABC):
         found = "nothing" if value is None else repr(value)
         self._wrong.append(f"parameter {self.full_name(name)}: found {found}, expected {expected}")
         return instead
+
+
+class KnownParams(Params):
+    """Parameters with these values, and defaults for all others."""
+
+    def __init__(self, values: Dict[str, object]) -> None:
+        super().__init__()
+        self._values = values
+
+    def full_name(self, name: str) -> str:
+        """See `Params`."""
+        return name
+
+    def _get(self, name: str, default: object) -> object:
+        return self._values.get(name, default)
 
 
 def _as_text(value: object) -> object:

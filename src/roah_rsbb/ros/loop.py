@@ -7,7 +7,7 @@ import asyncio
 import concurrent.futures
 import contextlib
 import signal
-from typing import Any, Callable, Dict, TypeVar
+from typing import Any, Callable, Dict, Optional, TypeVar
 
 import rospy
 
@@ -29,8 +29,9 @@ def _log_failure(_loop: asyncio.AbstractEventLoop, context: Dict[str, Any]) -> N
 class RosLoop:
     """An asyncio loop that lives as long as the ROS node. Create it after `rospy.init_node(disable_signals=True)`."""
 
-    def __init__(self) -> None:
-        self.loop = asyncio.new_event_loop()
+    def __init__(self, loop: Optional[asyncio.AbstractEventLoop] = None) -> None:
+        """`loop`: one that runs already; then create this in another thread."""
+        self.loop = loop or asyncio.new_event_loop()
         self.loop.set_exception_handler(_log_failure)
         self._why = "shutdown"
         self._log_lines = LogLines()
@@ -55,9 +56,13 @@ class RosLoop:
         """Run until the node is shut down, by a signal, by ROS or by `stop`."""
         for number in (signal.SIGINT, signal.SIGTERM):
             self.loop.add_signal_handler(number, self.stop, f"signal {number}")
-        rospy.core.add_preshutdown_hook(lambda reason: self.loop.call_soon_threadsafe(self.loop.stop))
+        self.end_with_node()
         if not rospy.is_shutdown():
             self.loop.run_forever()
+
+    def end_with_node(self) -> None:
+        """Stop the loop when ROS shuts the node down."""
+        rospy.core.add_preshutdown_hook(lambda reason: self.loop.call_soon_threadsafe(self.loop.stop))
 
     def stop(self, why: str) -> None:
         """In the loop's thread: end `run`."""

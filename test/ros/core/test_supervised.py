@@ -5,14 +5,20 @@ import pathlib
 import signal
 import tempfile
 
+import rosgraph
 import rospy
 import rosservice
+from support.box_case import NetworkCase
 from support.connections import process_of
+from support.door_client import PASSING, DoorClient, Refusal
 from support.own_core import OTHER_CORE, PARAMS, OwnCoreCase
 from support.programs import Program, own
+from support.robots import RSBB_PORT
 from support.waiting import wait_until
 
+from roah_rsbb.document.place import read_place
 from roah_rsbb.journal.file import holder_of
+from roah_rsbb.nodes.core.node import NO_MASTER
 
 NODE = "/field/other_core"
 
@@ -55,3 +61,72 @@ class TestSupervisedCore(OwnCoreCase):
                 program.signal(number)
                 self.assertEqual(program.wait_ended(), -number if number == signal.SIGKILL else 0)
                 wait_until(lambda: not os.path.exists(f"/proc/{core}"), "the node has ended")  # noqa: B023
+
+
+class TestNoMaster(NetworkCase):
+    """A core that comes back serves robots and STOP, whatever its ROS master does."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.log_dir = str(pathlib.Path(folder.name, "log"))
+        self.port = str(RSBB_PORT + 50)
+        self.uri = f"http://{os.environ.get('ROS_IP', '127.0.0.1')}:{self.port}"
+        self.start_master()
+        self.program = self._leaving(Program(own("roah_rsbb_core"), *(
+            f"_{name}:={value}" for name, value in {**PARAMS, "log_dir": self.log_dir}.items()),
+            ROS_MASTER_URI=self.uri, ROS_HOME=folder.name))
+        self.door = os.path.join(folder.name, f"roah_rsbb_door_{self.port}.json")
+        self.box = self._leaving(DoorClient(lambda: read_place(self.door)))
+        wait_until(lambda: self.box.uuid, lambda: f"the core is there; it printed\n{self.program.text}")
+
+    def start_master(self) -> None:
+        self.master = Program("rosmaster", "--core", "-p", self.port, ROS_MASTER_URI=self.uri)
+        self.addCleanup(self.master.close)
+        self.addCleanup(self.master.kill)  # it may be stopped
+        wait_until(lambda: rosgraph.is_master_online(self.uri), "the master answers")
+
+    def press(self, command: str) -> None:
+        """Give a command as soon as its button is on."""
+        def is_done() -> bool:
+            try:
+                if self.box.document.zones["Home"].is_on(command):
+                    self.box.command(command, "Home")
+                    return True
+            except Refusal as refused:
+                if not PASSING.search(str(refused)):
+                    raise
+            return False
+
+        wait_until(is_done, lambda: f"{command} is possible: {self.box.document.zones['Home']}")
+
+    def is_registered(self) -> bool:
+        """Whether the present core is at the master."""
+        master = rosgraph.Master("/test", self.uri)
+        return "/core/stop" in dict(master.getSystemState()[2]) and master.hasParam("/roah_rsbb_door") and (
+            master.getParam("/roah_rsbb_door")["token"] == read_place(self.door).token)
+
+    def test_it_is_served_while_the_master_is_stopped_or_gone(self) -> None:
+        robot = self.robot("Alpha")
+        for number in (signal.SIGSTOP, signal.SIGKILL):
+            with self.subTest(number):
+                self.press("connect")
+                self.press("start")
+                wait_until(lambda: robot.did and robot.did[-1].startswith("execute"), "the robot executes")
+                before, core = self.box.uuid, holder_of(self.log_dir)
+                self.master.signal(number)
+                os.kill(core, signal.SIGKILL)
+                wait_until(lambda: self.box.uuid not in ("", before),  # noqa: B023
+                           lambda: f"the next core is there; it printed\n{self.program.text}")
+                self.assertEqual(self.box.document.zones["Home"].phase, "running")
+                self.press("stop")
+                robot.wait_did("stop")
+                wait_until(lambda: NO_MASTER in self.box.warnings, lambda: f"it says so: {self.box.warnings}")
+                if number == signal.SIGSTOP:
+                    self.master.signal(signal.SIGCONT)
+                else:
+                    self.start_master()
+                wait_until(lambda: NO_MASTER not in self.box.warnings, "it says that it answers")
+                wait_until(self.is_registered, "the core is at the master")
+                self.press("disconnect")

@@ -1,7 +1,7 @@
 """Starts the box again if it ends unexpectedly, with ROS and without.
 
-The box is a process of its own. One that was killed, that crashed or that hangs is replaced by the next one within a
-second, which continues its runs. One that fails again and again gets more time each time, because it may only be slow.
+The box is a process of its own. One that was killed, that crashed or that hangs is replaced by the next one, which
+continues its runs. One that fails again and again gets more time each time, because it may only be slow.
 After `MOST_FAILURES` that were started in vain, the barest core is what is left (`barest.py`), unless there is a
 standby, which takes over.
 

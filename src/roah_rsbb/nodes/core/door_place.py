@@ -1,15 +1,11 @@
 """Where clients find the door of a box of ROS: in a file of its computer, and in a parameter (`client/places.py`)."""
 
 import contextlib
+import logging
 import os
 import threading
 import time
-import xmlrpc.client
-from http.client import HTTPException
-from typing import Callable
-
-import rosgraph
-import rospy
+from typing import Callable, NamedTuple, Sequence
 
 from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.client.places import PARAM, file_of
@@ -18,56 +14,88 @@ from roah_rsbb.web.serving import ANY_HOST, ServeError
 
 RETRY_S = 1.0
 
+_log = logging.getLogger(__name__)
+
+
+class DoorHosts(NamedTuple):
+    """Where a node serves, as its environment and its arguments say."""
+
+    bind: str
+    remote: str  # its name for other computers
+    master_uri: str  # empty: the box has no file, because it is not the only one at this master
+
+
+def hosts_of_node() -> DoorHosts:
+    """Return those of this node. Call it after `rospy.init_node`."""
+    import rosgraph
+    import rospy
+
+    return DoorHosts(rosgraph.network.get_bind_address(), rosgraph.network.get_host_name(),
+                     rosgraph.get_master_uri() if rospy.resolve_name(PARAM) == PARAM else "")
+
 
 class PublishedDoor:
-    """The door of a node's box, and where it is."""
+    """The door of a node's box, and where it is. Only `publish` needs ROS."""
 
-    def __init__(self, door: BoxDoor, on_path: Callable[[str], object] = lambda path: None) -> None:
-        """`on_path` gets the path of the file, in a thread."""
-        self._door, self._on_path = door, on_path
-        self._path = ""  # of the file
+    def __init__(self, door: BoxDoor, hosts: DoorHosts, known: Sequence[str] = (),
+                 on_path: Callable[[str], object] = lambda path: None) -> None:
+        """`known`: the path of the file, if the box had one before. `on_path` gets the path, in a thread."""
+        self._door, self._hosts, self._on_path = door, hosts, on_path
+        self._known, self._path = known, ""  # of the file
+        self._port = 0
+        self._is_closed = False
 
     def open(self) -> None:
-        """Let clients in, and publish where. Logs what prevents it, with the remedy: the original interface remains."""
-        host = rosgraph.network.get_bind_address()
+        """Let clients in, and say in the file where. Logs what prevents it, with the remedy: the original interface
+        remains."""
+        host = self._hosts.bind
         try:
-            port = self._door.open(host)
+            self._port = self._door.open(host)
         except ServeError as error:
-            rospy.logerr("No panel can follow this box: %s", error)
+            _log.error("No panel can follow this box: %s", error)
             return
-        local, remote = "127.0.0.1" if host == ANY_HOST else host, rosgraph.network.get_host_name()
-        _publish(lambda: rospy.set_param(PARAM, {"url": _url(remote, port), "token": self._door.token}))
-        if rospy.resolve_name(PARAM) == PARAM:  # the file is that of the only box at this master
-            _publish(lambda: self._write_place(_url(local, port)))
+        if self._hosts.master_uri:
+            self._publish(lambda: self._write_place(_url("127.0.0.1" if host == ANY_HOST else host, self._port)))
+
+    def publish(self) -> None:
+        """Set the parameter. In any thread, after `open` and `rospy.init_node`."""
+        import rospy
+
+        if self._port:
+            self._publish(lambda: rospy.set_param(
+                PARAM, {"url": _url(self._hosts.remote, self._port), "token": self._door.token}))
 
     def _write_place(self, url: str) -> None:
-        self._path = file_of(rosgraph.get_master_uri())
+        self._path = self._known[0] if self._known else file_of(self._hosts.master_uri)
         if self._path:
             write_place(self._path, url, self._door.token)
             self._on_path(self._path)
 
     def close(self) -> None:
         """End all connections. The file goes, so that nobody looks for a box that is over."""
+        self._is_closed = True
         self._door.close()
         if self._path:
             with contextlib.suppress(OSError, NotFound):
                 if read_place(self._path).token == self._door.token:  # another box may have written its own
                     os.unlink(self._path)
 
+    def _publish(self, where: Callable[[], object]) -> None:
+        """Publish where the door is, until it succeeds. In a thread, because a disk or a master may hang."""
+        def run() -> None:
+            said = ""
+            while not self._is_closed:
+                try:
+                    where()
+                    return
+                except Exception as error:  # of a disk, of a name server, or one of those of a master
+                    if str(error) != said:
+                        said = str(error)
+                        _log.error("Some panels cannot find this box, which tries again: %s", error)
+                    time.sleep(RETRY_S)
+
+        threading.Thread(target=run, name="door", daemon=True).start()
+
 
 def _url(host: str, port: int) -> str:
     return f"ws://{host}:{port}/door"
-
-
-def _publish(where: Callable[[], object]) -> None:
-    """Publish where the door is, until it succeeds. In a thread, because a disk or a master may hang."""
-    def run() -> None:
-        while not rospy.is_shutdown():
-            try:
-                where()
-                return
-            except (OSError, rospy.ROSException, xmlrpc.client.Error, HTTPException) as error:
-                rospy.logerr_throttle_identical(60.0, f"Some panels cannot find this box, which tries again: {error}")
-                time.sleep(RETRY_S)
-
-    threading.Thread(target=run, name="door", daemon=True).start()

@@ -1,7 +1,5 @@
 """Node roah_rsbb_core: the box itself (docs/ros_interface.md, "Core node").
 
-The only place where the core meets rospy.
-
 Parameters (private; docs/ros_interface.md, "Parameters" explains them): rsbb_host, rsbb_port, bind_host,
 benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, public_provisional, public_robot_texts,
 standings_file, rsbb_cypher, private_mode, robot_timeout, allowed_skew, after_stop_duration, check_messages_saved,
@@ -9,142 +7,174 @@ check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_
 standby_port, end_launch.
 """
 
+import asyncio
 import json
+import logging
+import os
 import signal
 import sys
 import threading
-from typing import Callable, List
+from typing import TYPE_CHECKING, Dict, Optional
 
-import rospy
-from std_srvs.srv import Empty as EmptySrv
-
+from roah_rsbb import platform
 from roah_rsbb.box.calls import exit_call
 from roah_rsbb.box.parameters import read_parameters
-from roah_rsbb.box.running import PERIOD_S, Peripherals, RunningBox
+from roah_rsbb.box.program.main import log_to_terminal
+from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
+from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.document.calls import EXIT, InThread
 from roah_rsbb.durable import close_to_others
+from roah_rsbb.in_loop import call_in_loop
 from roah_rsbb.journal.file import DamagedJournal
-from roah_rsbb.model.referee import Refused
-from roah_rsbb.nodes.core.door_place import PublishedDoor
-from roah_rsbb.nodes.core.original_topics import OriginalTopics, TimeoutBell
-from roah_rsbb.nodes.core.other_nodes import OtherNodes
-from roah_rsbb.nodes.core.services import CoreServices
-from roah_rsbb.params import BadParams
-from roah_rsbb.ros import connections
-from roah_rsbb.ros.command_line import explain
-from roah_rsbb.ros.live_core import CORE, wait_for_other_core
-from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.loop_services import LoopServices
-from roah_rsbb.ros.params import NodeParams
+from roah_rsbb.nodes.core.door_place import DoorHosts, PublishedDoor
+from roah_rsbb.params import BadParams, KnownParams, Params
 from roah_rsbb.rulebook import config
-from roah_rsbb.signs_of_life import DOORS, Lifeline
-from roah_rsbb.wording.whole_box.ending import NOT_LAUNCHED
+from roah_rsbb.signs_of_life import DOORS, ROS_START, Lifeline
 
-# Seconds between the messages for panels of the original, and for its public display.
-GUI_PERIOD_S, PUBLIC_PERIOD_S = 0.1, 0.5
+if TYPE_CHECKING:
+    from roah_rsbb.nodes.core.ros_side import RosSide
 
-SHUTDOWN = "roah_rsbb_shutdown"  # the service of the node that ends the launch
-# Seconds. The node that ends the launch may still be starting, and ending takes some time.
-END_LAUNCH_S = 10.0
+# Until referees are warned, if the node is not registered at the ROS master. On a slow computer, rospy takes seconds.
+MASTER_S = 10.0
+NO_MASTER = ("The ROS master does not answer, or not completely: robots, pages and terminals are served, but no node of "
+             "ROS. Check roscore or the roslaunch that started it")
+MASTER_ANSWERS = "The ROS master answers again"
+
+_log = logging.getLogger(__name__)
 
 
 class CoreNode:
-    """The node, from its parameters to its end. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError at the
-    start."""
+    """The node, from its parameters to its end. The box does not wait for ROS: what needs it is made beside it.
 
-    def __init__(self, lifeline: Lifeline) -> None:
-        params = read_parameters(NodeParams())
-        lifeline.use(params.log_dir)
+    Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError at the start."""
+
+    def __init__(self, params: Params, run_id: str, hosts: DoorHosts, lifeline: Lifeline) -> None:
+        """`run_id`: of the launch. rospy need not be initialised."""
+        found = read_parameters(params)
+        lifeline.use(found.log_dir)
 
         def is_ended() -> bool:
             lifeline.wait()
-            return bool(rospy.is_shutdown())
+            rospy = sys.modules.get("rospy")
+            return rospy is not None and bool(rospy.is_shutdown())
 
-        wait_for_takeover(params.log_dir, is_ended)
-        lock = wait_for_journal(params.log_dir, is_ended)
-        self._ros = ros = RosLoop()
-        self._public_due = 0.0  # monotonic (s)
-        self._bell = TimeoutBell(ros.loop, lambda: self._running.core.fence.check())
-        self._others = OtherNodes(ros)
-        self._running = running = RunningBox(
-            ros.loop, params, rospy.get_param("/run_id", ""), lock,
-            Peripherals(self._bell.ring, self._others.publish_module_runs, self._others.set_device), lifeline)
-        self._services = LoopServices(ros.loop, running.core.fence.check)
-        CoreServices(running.box, self._services, running.calls)
+        wait_for_takeover(found.log_dir, is_ended)
+        lock = wait_for_journal(found.log_dir, is_ended)
+        self.loop = platform.new_loop()
+        self.running = running = RunningBox(
+            self.loop, found, run_id, lock,
+            Peripherals(self._ring, self._publish_module_runs, self._set_device), lifeline)
         running.door.add_calls({EXIT: exit_call(running.door.publish, lambda: InThread(_exit))})
-        self._published = PublishedDoor(running.door, lambda path: ros.post(
-            lambda: lifeline.keep(DOORS, json.dumps([path]))))
+        self._published = PublishedDoor(
+            running.door, hosts, json.loads(lifeline.kept.get(DOORS, "[]")),
+            lambda path: self.loop.call_soon_threadsafe(lifeline.keep, DOORS, json.dumps([path])))
+        self._ros: Optional[RosSide] = None
+        self._rang, self._devices = False, {}  # type: bool, Dict[str, SetDevice]
+        self._is_warned, self._why = False, "shutdown"
 
     def run(self) -> None:
         """Run until shut down."""
-        running, ros = self._running, self._ros
-        ros.loop.run_until_complete(running.ask())
-        self._topics = OriginalTopics(ros, running.box, running.now, running.door.publish)
-        running.look(self._look, lambda: GUI_PERIOD_S if self._topics.are_wanted else PERIOD_S)
-        self._bell.open()
-        self._others.open(running)
-        running.start()
-        self._others.publish_module_runs()
-        ros.loop.call_soon(self._published.open)  # it serves in the loop that is running
-        ros.run()
+        asyncio.set_event_loop(self.loop)
+        self.loop.run_until_complete(self.running.ask())
+        self.running.start()
+        self.loop.call_soon(self._published.open)  # it serves in the loop that is running
+        threading.Thread(target=self._join_ros, name="ROS", daemon=True).start()
+        self.loop.call_later(MASTER_S, self._warn)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self.loop.add_signal_handler(number, self._stop, f"signal {number}")
+        self.loop.run_forever()
         self._published.close()
-        self._services.close()
-        running.close()
-        ros.close()
+        if self._ros is not None:
+            self._ros.close_services()
+        self.running.close()
+        if self._ros is not None:
+            self._ros.close(self._why)
+        else:
+            platform.end_loop(self.loop)
 
-    def _look(self) -> List[Callable[[], object]]:
-        """What is published in each look."""
-        todo: List[Callable[[], object]] = [self._topics.publish_to_gui]
-        now_mono = self._ros.loop.time()
-        if now_mono > self._public_due - GUI_PERIOD_S / 2:
-            self._public_due = now_mono + PUBLIC_PERIOD_S
-            todo.append(self._topics.publish_to_public)
-        return todo
+    def _stop(self, why: str) -> None:
+        self._why = why
+        self.loop.stop()
+
+    def _join_ros(self) -> None:
+        try:
+            from roah_rsbb.nodes.core import ros_side
+
+            ros_side.join()
+            side = ros_side.RosSide(self.loop, self.running)
+            call_in_loop(self.loop, lambda: self._use(side))
+            self._published.publish()
+        except Exception:
+            _log.exception("No node of ROS can use this box. Between two runs, end it and start it again")
+
+    def _use(self, side: "RosSide") -> None:
+        self._ros = side
+        side.use()
+        if self._rang:
+            self._ring()
+        for wish in self._devices.values():
+            self._set_device(wish)
+        if self._is_warned:
+            self.running.event(self.running.box.on_repaired, NO_MASTER, MASTER_ANSWERS)
+
+    def _warn(self) -> None:
+        if self._ros is None:
+            self._is_warned = True
+            self.running.event(self.running.box.on_trouble, NO_MASTER)
+
+    def _ring(self) -> None:
+        self._rang = self._ros is None
+        if self._ros is not None:
+            self._ros.bell.ring()
+
+    def _set_device(self, wish: SetDevice) -> None:
+        if self._ros is not None:
+            self._ros.others.set_device(wish)
+        else:
+            self._devices[wish.device] = wish
+
+    def _publish_module_runs(self) -> None:
+        if self._ros is not None:
+            self._ros.others.publish_module_runs()
 
 
 def _exit() -> None:
-    """End the launch, in a thread: its node may hang. Raises `Refused`."""
-    try:
-        rospy.ServiceProxy(SHUTDOWN, EmptySrv)()
-    except (rospy.ROSException, rospy.ServiceException) as error:
-        raise Refused([NOT_LAUNCHED(error=error)]) from None
+    """End the launch, in a thread: its node may hang, or the master. Raises `Refused`."""
+    from roah_rsbb.nodes.core import ros_side
 
-
-def _end_launch() -> None:
-    """End the whole launch, if this node was launched in one, because a restart cannot repair the error.
-
-    Returns once roslaunch interrupts this process, too. If this process ended before that, roslaunch would restart it.
-    """
-    if not rospy.get_param("~end_launch", False):
-        return
-    interrupted = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: interrupted.set())
-    try:
-        rospy.wait_for_service(SHUTDOWN, timeout=END_LAUNCH_S)
-        rospy.ServiceProxy(SHUTDOWN, EmptySrv)()
-    except (rospy.ROSException, rospy.ServiceException) as error:
-        rospy.logerr("the launch could not be ended (%s): end it with Ctrl-C", error)
-    else:
-        interrupted.wait(END_LAUNCH_S)
+    ros_side.exit_launch()
 
 
 def main() -> None:
-    """Run the node."""
-    explain(__doc__)
+    """Run the node. One that follows another one has its parameters from the supervisor, and asks no master."""
     close_to_others()
     lifeline = Lifeline()
-    wait_for_other_core(lifeline.wait)
-    connections.init_node(CORE, disable_signals=True)
-    status = 0
+    status, kept = 0, lifeline.kept.get(ROS_START, "")
     try:
-        CoreNode(lifeline).run()
+        if kept:
+            log_to_terminal()
+            values, run_id, hosts = json.loads(kept)
+            params: Params = KnownParams(values)
+        else:
+            from roah_rsbb.nodes.core import ros_side
+            from roah_rsbb.ros.command_line import explain
+
+            explain(str(__doc__))
+            ros_side.join(lifeline.wait)
+            params = ros_side.NodeParams()
+            run_id, hosts = ros_side.start_of_node()
+            read_parameters(params)
+            lifeline.keep(ROS_START, json.dumps([params.values, run_id, hosts]))
+        CoreNode(params, run_id, DoorHosts(*hosts), lifeline).run()
     except (BadParams, config.ConfigErrors, DamagedJournal, OSError) as error:
         for line in str(error).splitlines():
-            rospy.logfatal("%s", line)
+            _log.critical("%s", line)
         status = 1
-        _end_launch()
+        from roah_rsbb.nodes.core import ros_side
+
+        ros_side.join(lifeline.wait)
+        ros_side.end_launch()
     # End the process now: roslaunch interrupts all its nodes, which would only add a traceback.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.exit(status)

@@ -1,0 +1,128 @@
+"""What the node roah_rsbb_core has of ROS. The only place where the core meets rospy.
+
+The box runs already, and never waits for it: all of this is made in a thread, which may wait for the ROS master.
+"""
+
+import asyncio
+import signal
+import threading
+import time
+from typing import Callable, List, Tuple
+
+import rosgraph
+import rospy
+from std_srvs.srv import Empty as EmptySrv
+
+from roah_rsbb.box.running import PERIOD_S, RunningBox
+from roah_rsbb.in_loop import call_in_loop
+from roah_rsbb.model.referee import Refused
+from roah_rsbb.nodes.core.door_place import DoorHosts, hosts_of_node
+from roah_rsbb.nodes.core.original_topics import OriginalTopics, TimeoutBell
+from roah_rsbb.nodes.core.other_nodes import OtherNodes
+from roah_rsbb.nodes.core.services import CoreServices
+from roah_rsbb.ros import connections
+from roah_rsbb.ros.live_core import CORE, wait_for_other_core
+from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.ros.loop_services import LoopServices
+from roah_rsbb.ros.params import NodeParams as NodeParams
+from roah_rsbb.wording.whole_box.ending import NOT_LAUNCHED
+
+# Seconds between the messages for panels of the original, and for its public display.
+GUI_PERIOD_S, PUBLIC_PERIOD_S = 0.1, 0.5
+
+SHUTDOWN = "roah_rsbb_shutdown"  # the service of the node that ends the launch
+# Seconds. The node that ends the launch may still be starting, and ending takes some time.
+END_LAUNCH_S = 10.0
+MASTER_LOOK_S = 0.5
+
+
+def join(on_look: Callable[[], object] = lambda: None) -> None:
+    """Register the node at the ROS master, unless it is. Waits for a master that does not answer, and while another
+    core is there. `on_look` is called whenever it looks."""
+    if rospy.core.is_initialized():
+        return
+    while not _master_answers():
+        on_look()
+        time.sleep(MASTER_LOOK_S)
+    wait_for_other_core(on_look)
+    connections.init_node(CORE, disable_signals=True)
+
+
+def _master_answers() -> bool:
+    try:
+        rosgraph.Master("/roah_rsbb_core").getPid()
+    except (OSError, rosgraph.MasterException):
+        return False
+    return True
+
+
+def start_of_node() -> Tuple[str, DoorHosts]:
+    """Return the launch's id, and where the door is: see `CoreNode`."""
+    return str(rospy.get_param("/run_id", "")), hosts_of_node()
+
+
+class RosSide:
+    """Topics and services. Make it in a thread after `join`; call everything else in the loop's thread."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, running: RunningBox) -> None:
+        self._ros = ros = RosLoop(loop)
+        self._running = running
+        self._public_due = 0.0  # monotonic (s)
+        self.bell = TimeoutBell(loop, running.core.fence.check)
+        self.bell.open()
+        self.others = OtherNodes(ros)
+        self.others.open(running)
+        self._topics = OriginalTopics(ros, running.box, running.now, running.door.publish)
+        self._services = call_in_loop(loop, lambda: LoopServices(loop, running.core.fence.check))
+        CoreServices(running.box, self._services, running.calls)
+
+    def use(self) -> None:
+        """Begin to publish."""
+        self._running.look(self._look, lambda: GUI_PERIOD_S if self._topics.are_wanted else PERIOD_S)
+        self.others.publish_module_runs()
+        self._ros.end_with_node()
+
+    def close_services(self) -> None:
+        """Take no more calls."""
+        self._services.close()
+
+    def close(self, why: str) -> None:
+        """End the ROS node, and the loop."""
+        self._ros.stop(why)
+        self._ros.close()
+
+    def _look(self) -> List[Callable[[], object]]:
+        """What is published in each look."""
+        todo: List[Callable[[], object]] = [self._topics.publish_to_gui]
+        now_mono = self._ros.loop.time()
+        if now_mono > self._public_due - GUI_PERIOD_S / 2:
+            self._public_due = now_mono + PUBLIC_PERIOD_S
+            todo.append(self._topics.publish_to_public)
+        return todo
+
+
+def exit_launch() -> None:
+    """End the launch, in a thread: its node may hang. Raises `Refused`."""
+    try:
+        rospy.ServiceProxy(SHUTDOWN, EmptySrv)()
+    except (rospy.ROSException, rospy.ServiceException, OSError) as error:
+        raise Refused([NOT_LAUNCHED(error=error)]) from None
+
+
+def end_launch() -> None:
+    """End the whole launch, if this node was launched in one, because a restart cannot repair the error.
+
+    Returns once roslaunch interrupts this process, too. If this process ended before that, roslaunch would restart it.
+    """
+    if not rospy.get_param("~end_launch", False):
+        return
+    interrupted = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: interrupted.set())
+    try:
+        rospy.wait_for_service(SHUTDOWN, timeout=END_LAUNCH_S)
+        rospy.ServiceProxy(SHUTDOWN, EmptySrv)()
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        rospy.logerr("the launch could not be ended (%s): end it with Ctrl-C", error)
+    else:
+        interrupted.wait(END_LAUNCH_S)
