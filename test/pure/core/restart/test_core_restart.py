@@ -47,7 +47,7 @@ LOST = {
     "RobotLink": {"_listens_since", "_old", "_old_mono", "_looks", "_reported", "_last_beacon", "record", "_skew"},
     "Timeline": {"_candidate", "_rising"},
     # The saved times are later: see `core/link/heard.py`.
-    "RobotPast": {"near", "ahead"},
+    "RobotPast": {"near", "ahead", "_latest"},
     "SavingWatch": {"_since"},
     "FunctionalityRun": {"_node", "_progress"},
     "Run": {"_last_logged", "_settled_at", "_hint_mono"},
