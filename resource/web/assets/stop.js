@@ -40,6 +40,7 @@
     shown: new URLSearchParams(location.search).get("zone"), note: "", isUrgent: false, failures: new Map(), why: () => null};
   const stops = new Map();  // the newest one of each zone
   const asked = new Map();  // what takes the answers on the connection, by the number of the try
+  const requests = new Map();  // that wait for an answer: what ends each, and its STOP
   let tries = 0;
   const link = {socket: null, startedAt: 0, openedAt: -Infinity, heardAt: -Infinity, isHeard: false, hasZones: false, number: 0,
     lostAt: Date.now()};
@@ -261,6 +262,8 @@
   function answered(stop, status, body) {
     if (status === 200) {
       Object.assign(stop, {isAnswered: true, isGivenUp: false, reasons: null});
+      // One that arrives late must not stop the run when it was continued.
+      requests.forEach((other, timeout) => other === stop && timeout.abort());
     } else if (REFUSED.includes(status) && !stop.isAnswered) {
       Object.assign(stop, {isAnswered: true, at: performance.now(), isPaired: status !== 401,
         reasons: (body && body.reasons) || [String(status)]});
@@ -296,6 +299,7 @@
   async function request(stop) {
     const timeout = new AbortController();
     const timer = setTimeout(() => timeout.abort(), ANSWER_MS);
+    requests.set(timeout, stop);
     try {
       const answer = await fetch("/api/v1/commands/stop", {
         method: "POST", credentials: "same-origin", cache: "no-store", signal: timeout.signal, keepalive: true,
@@ -307,6 +311,7 @@
       // No answer.
     } finally {
       clearTimeout(timer);
+      requests.delete(timeout);
     }
   }
 

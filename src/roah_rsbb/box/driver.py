@@ -206,14 +206,12 @@ class CoreDriver:
                 self._do(notice)
 
     def _stop(self, todo: List[Effect]) -> None:
-        """Send STOP, before anything waits for the disk. A run that is left is stopped, too: its robot is no longer
-        among those of the beacon."""
+        """Send STOP, before anything waits for the disk."""
         ended: Dict[str, RunRecord] = {}
         for effect in todo:
             if isinstance(effect, effects.Superseded):
                 self._do(effect)
-            is_stop = isinstance(effect, effects.SendState) and effect.message.state is BoxState.STOP
-            if not is_stop and not isinstance(effect, effects.CloseChannel):
+            if not isinstance(effect, effects.SendState) or effect.message.state is not BoxState.STOP:
                 continue
             sent = self._radio.sent(effect.port)
             if sent is None:
@@ -223,8 +221,7 @@ class CoreDriver:
                                       or e.port != effect.port or e.message.state is BoxState.STOP]
             if sent.state is not BoxState.STOP and not self._is_result(effect.port):
                 # What the robot said is acknowledged when it is recorded.
-                self._do(effect._replace(message=effect.message._replace(acknowledgement=sent.acknowledgement))
-                         if is_stop else effect)
+                self._do(effect._replace(message=effect.message._replace(acknowledgement=sent.acknowledgement)))
                 record = self._journal.end_of(effect.port, todo)
                 ended.update({} if record is None else {record.identity: record})
         for record in ended.values():

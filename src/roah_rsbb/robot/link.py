@@ -190,6 +190,11 @@ STRINGS_BUDGET_BYTES = 500
 # Datagrams that arrive out of order do so within this time. If a STOP acknowledges older messages for longer, the box
 # has restarted or no longer receives this robot, and the STOP counts.
 STALE_S = 2.0
+# A beacon of the box that no longer gives the robot this channel counts once the box sent nothing on it for so long. It
+# sends each second. Anybody can forge the beacon.
+LEFT_S = 1.5
+# A state that arrives so soon after such a beacon was sent before it.
+OVERTAKEN_S = 0.5
 
 
 class BoxLink:
@@ -211,6 +216,28 @@ class BoxLink:
         self._acknowledged = 0  # number of the latest message that the box has seen; 0: none
         self._begun = -1  # the number that its latest STOP or PREPARE acknowledged; -1: a goal followed
         self._fresh_mono = now_mono
+        self._left_mono: Optional[float] = None  # when the first beacon arrived that takes the channel away
+
+    def is_left(self, now_mono: float) -> bool:
+        """Take a beacon of the box that takes this channel away. Returns whether it counts."""
+        if not self.decoded:
+            return True
+        if self._left_mono is None:
+            self._left_mono = now_mono
+        return now_mono >= self.left_from
+
+    @property
+    def left_from(self) -> float:
+        """When the channel ends (monotonic s), unless the box says something on it before."""
+        return math.inf if self._left_mono is None else self._fresh_mono + LEFT_S
+
+    def continues(self, now_mono: float) -> bool:
+        """The box said something new. Returns whether a beacon took the channel away before, which was not the box's
+        then."""
+        if self._left_mono is None or now_mono - self._left_mono < OVERTAKEN_S:
+            return False
+        self._left_mono = None
+        return True
 
     @property
     def strings_pending(self) -> int:

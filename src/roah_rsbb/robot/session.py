@@ -5,7 +5,8 @@ Pass received messages and requests of the robot's software to a `Session`. Afte
 `now_utc` the robot's clock in seconds since 1970.
 
 Choice of the box. The first box that is received is the robot's box. It remains so while its beacons or private
-messages arrive at least every 5 s; beacons of another box are reported and ignored. If nothing at all was received, the
+messages arrive at least every 5 s; beacons of another box are reported and ignored, and so are beacons from its address
+that take the robot out of its run while the box's private messages continue. If nothing at all was received, the
 network was down, not the box: another box must then be received alone for 5 s. A robot without a private channel, or
 whose private channel never delivered anything, follows any box that lists it.
 """
@@ -42,6 +43,7 @@ class Session:
         self._box: Optional[str] = None  # address of the robot's box
         self._others = OtherBoxes()
         self._silence = Silence(SILENCE_S, now_mono + BOX_STARTS_S - SILENCE_S)  # of the box's beacon
+        self._next_port: Optional[int] = None  # in the beacon that takes the private channel away; None: it has none
         self._beacon_due = now_mono
         self._changed = False  # send to the box immediately
         self._home = HomeWatch()
@@ -143,13 +145,16 @@ class Session:
             return min(self._silence.deadline, self._beacon_due)
         if self.link.by_hand:
             return self.link.sender.deadline
-        return min(self._silence.deadline, self.link.silence.deadline, self.link.sender.deadline)
+        return min(self._silence.deadline, self.link.silence.deadline, self.link.sender.deadline, self.link.left_from)
 
     def poll(self, now_mono: float, now_utc: float) -> List[fx.Effect]:
         """Return what is to be done now, in order."""
         link = self.link
         if link is None or not link.by_hand:
             self._begin_silences(now_mono)
+        if link is not None and now_mono >= link.left_from:
+            self._follow_beacon(now_mono, link.host, self._next_port)
+            link = self.link
         if link is not None:
             if self._changed:
                 link.sender.changed(now_mono)
@@ -180,6 +185,12 @@ class Session:
     def _hear_state(self, now_mono: float, link: BoxLink, message: pb.BenchmarkState) -> None:
         if not link.take(now_mono, message):
             return
+        if link.continues(now_mono):
+            self._effects += self._reports.once(
+                fx.Problem.ANOTHER_BOX, link.port,
+                f"beacons from {link.host} take this robot out of its run, but the box there continues it on port "
+                f"{link.port}: another program sends them, and they are ignored. Find it and take it off the network",
+            )
         effects = self.progress.hear(message, goal_needed=not link.by_hand)
         if any(isinstance(effect, fx.ProblemIs) for effect in effects):
             link.sender.reply(now_mono)  # send the real state, so that the box can start again
@@ -204,16 +215,23 @@ class Session:
                 "one is received",
             )
             return
+        link = self.link
+        if (link is not None and not link.by_hand and link.host == host and link.port != port
+                and not link.is_left(now_mono)):
+            self._next_port = port
+            return
         if host != self._box:
             self._box, self._home = host, HomeWatch()  # the first beacon of another box has old times
         self._others.end()
         if self._silence.heard(now_mono):
             self._effects.append(fx.ProblemIs(fx.Problem.NO_BOX, f"the box at {host} is received", over=True))
         self._effects += self._home.see(beacon)
-        link = self.link
-        if link is not None:
-            if link.by_hand or (link.host, link.port) == (host, port):
-                return
+        if link is None or not (link.by_hand or (link.host, link.port) == (host, port)):
+            self._follow_beacon(now_mono, host, port)
+
+    def _follow_beacon(self, now_mono: float, host: str, port: Optional[int]) -> None:
+        """Go to the private channel that a beacon gives this robot; None: to none."""
+        if self.link is not None:
             self._drop(
                 "the box no longer lists this robot" if port is None
                 else f"the box at {host} gave this robot port {port}"

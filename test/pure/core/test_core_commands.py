@@ -326,13 +326,15 @@ def test_calls_that_make_no_sense_in_a_task_benchmark():
             driver.event(driver.box.act, Target("tbm"), *call)
 
 
-def test_disconnect_ends_the_channel_without_a_last_message():
+@pytest.mark.parametrize("is_running", [True, False])
+def test_disconnect_ends_the_channel_with_no_last_message_but_stop(is_running):
     driver = BoxDriver()
-    robot = driver.executing()
+    robot = driver.executing() if is_running else driver.connected()
     driver.taken()
     driver.command("disconnect")
     taken = driver.taken()
-    assert not any(isinstance(effect, effects.SendState) for effect in taken)
+    sent = [effect.message.state for effect in taken if isinstance(effect, effects.SendState)]
+    assert sent == [BoxState.STOP] * is_running
     assert effects.CloseChannel(robot.port) in taken
     assert driver.box.beacon().robots == ()
     assert driver.channels == {}

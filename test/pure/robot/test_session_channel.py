@@ -45,6 +45,7 @@ def test_a_beacon_that_lists_the_robot_opens_the_channel(bench):
 def test_another_port_is_another_channel(linked):
     executing(linked)
     linked.beacon(port=6670)
+    linked.run(1.5)
     news = linked.take_news()
     assert [type(effect) for effect in news] == [
         fx.StateIs, fx.Stop, fx.BenchmarkIs, fx.CloseChannel, fx.OpenChannel

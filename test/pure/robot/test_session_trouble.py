@@ -183,6 +183,48 @@ def test_of_two_boxes_that_list_the_robot_it_finds_the_one_that_answers(bench):
     assert bench.state is RobotState.PREPARING
 
 
+@pytest.mark.parametrize("port", [None, 6670])
+def test_forged_beacons_of_our_box_do_not_end_a_run_that_continues(linked, port):
+    executing(linked)
+    for number in range(100):
+        linked.beacon(port=port, devices_bell=pb.Time(sec=number + 1, nsec=0), devices_switch_1=number % 2 == 0)
+        linked.run(0.05)
+        if number % 20 == 0:
+            linked.beacon()
+            linked.box_says(BoxState.WAITING_RESULT)
+    assert linked.state is RobotState.EXECUTING
+    [report] = linked.take_news(fx.ProblemIs, fx.CloseChannel, fx.BellRang, fx.Devices)
+    assert report.problem is fx.Problem.ANOTHER_BOX
+    assert f"beacons from {BOX} take this robot out of its run, but the box there continues it" in report.text
+
+
+@pytest.mark.parametrize("port", [None, 6670])
+def test_a_run_ends_soon_after_the_beacon_that_ends_it(linked, port):
+    """A message of the box that the beacon has overtaken does not hold it up."""
+    executing(linked)
+    linked.beacon(port=port)
+    linked.run(0.1)
+    linked.box_says(BoxState.WAITING_RESULT)
+    linked.run(1.4)
+    assert linked.state is RobotState.EXECUTING
+    linked.run(0.1)
+    assert linked.state is RobotState.STOP
+    left = linked.take_news(fx.CloseChannel, fx.OpenChannel, fx.ProblemIs)
+    assert left == [fx.CloseChannel()] + ([] if port is None else [fx.OpenChannel(BOX, port)])
+
+
+def test_recorded_states_of_the_box_do_not_keep_a_robot_in_a_run(linked):
+    executing(linked)
+    recorded = linked.last_time
+    linked.run(2.0)
+    linked.box_says(BoxState.WAITING_RESULT)
+    linked.beacon(port=None)
+    for _ in range(20):
+        linked.run(0.1)
+        linked.box_says(BoxState.WAITING_RESULT, acknowledge=recorded)
+    assert linked.state is RobotState.STOP
+
+
 def test_a_robot_without_a_channel_follows_whoever_lists_it(bench):
     bench.beacon(port=None)
     bench.beacon(port=None, host=OTHER_BOX)

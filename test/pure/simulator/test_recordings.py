@@ -21,7 +21,7 @@ class Hall(simulated.World):
 
     def __init__(self, seed, folder, story):
         super().__init__(seed, str(folder), plan=())
-        self.recorded = []  # the robot's private datagrams
+        self.recorded = []  # the robot's private datagrams, each with the state that it reports
         self._story = story
         self.robot = self.robots[0]
         self.robot._options.update(prepare_duration=1.0, execute_duration=5.0, never_end=False)
@@ -29,7 +29,7 @@ class Hall(simulated.World):
 
     def _record(self, source, port, datagram, _host):
         if source == self.robot.computer.host and port > PUBLIC_PORT:
-            self.recorded.append(datagram)
+            self.recorded.append((self.robot.state, datagram))
 
     def _play(self):
         self.box.start()
@@ -65,12 +65,22 @@ class Hall(simulated.World):
             self.referee._command("a", command)
             self.wait(0.5)
 
-    def replay(self, host):
-        """Send all that was recorded to the present run, in its order, and its beginning again, from an address."""
-        recorded = list(self.recorded)
-        for datagram in recorded + recorded[:20]:
+    def replay(self, host, recorded):
+        """Send recorded datagrams to the present run, from an address."""
+        for _state, datagram in list(recorded):
             self.air.send(host, self.run_now.port, datagram, self.box.computer.host)
             self.wait(0.05)
+
+    @property
+    def completion(self):
+        """Seven recorded datagrams that completed the first attempt."""
+        end = [state for state, _datagram in self.recorded].index(RobotState.RESULT_TX)
+        return self.recorded[end - 6 : end + 1]
+
+    @property
+    def stopped(self):
+        """Ten recorded datagrams that report STOP."""
+        return [one for one in self.recorded if one[0] is RobotState.STOP][:10]
 
 
 def _restarts(hall):
@@ -106,14 +116,15 @@ def test_recordings_neither_complete_a_run_nor_show_a_robot_that_is_off(monkeypa
     def story(hall):
         _is_lost_with_the_robot(hall, lose)
         host = hall.robot.computer.host if is_forged else STRANGER
-        before = hall.run_now.link.last
-        hall.replay(host)
-        assert (hall.run_now.phase, hall.run_now.link.last) == (Phase.RUNNING, before)
+        before = hall.run_now.link.last, hall.run_now.link.last_heard
+        hall.replay(host, hall.completion)
+        hall.replay(host, hall.recorded)
+        assert hall.run_now.phase is Phase.RUNNING
         hall.do("stop")
         hall.wait(3.0)
         assert hall.run_now.phase is Phase.ENDED
-        hall.replay(host)
-        assert hall.run_now.link.last == before
+        hall.replay(host, hall.stopped)
+        assert (hall.run_now.link.last, hall.run_now.link.last_heard) == before
         assert any("old ones" in text for text in hall.run_now.link.warnings(hall.box.core.now()))
 
     _plays(monkeypatch, tmp_path, story)

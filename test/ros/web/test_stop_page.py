@@ -319,6 +319,24 @@ class TestWays(PhoneCase):
             page.wait(f"{SAID}.includes('the robot has stopped')", "its way")
             page.close()
 
+    def test_an_answer_takes_back_what_is_still_on_its_way(self) -> None:
+        """A late STOP must not stop a run that the referee has continued."""
+        gateway = self.gateway()
+        gateway.set(phase="running")
+        page = self.phone(gateway)
+        page.wait(f"{IS_ON}", "STOP is on")
+        page.get("""window.realFetch = fetch, window.realSend = WebSocket.prototype.send,
+            window.realTimeout = setTimeout, window.setTimeout = (act, ms) => ms < 6000 ? realTimeout(act, ms) : 0,
+            WebSocket.prototype.send = function (text) { window.arrive = () => (realSend.call(this, text), 0); },
+            window.fetch = (path, how) => path.endsWith("/stop") ? new Promise((_, fail) => {
+              window.signal = how.signal, signal.onabort = () => fail(signal.reason);
+            }) : realFetch(path, how), 0""")
+        page.touch_at(STOP)
+        page.wait("Boolean(window.signal)", "it is also sent by a request")
+        assert not page.get("signal.aborted")
+        page.get("arrive()")
+        page.wait("signal.aborted", "the request has ended")
+
     def test_a_stop_outlives_its_page(self) -> None:
         gateway = self.gateway()
         gateway.set(phase="running")

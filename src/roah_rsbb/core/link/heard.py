@@ -50,18 +50,21 @@ class RobotPast:
         self.saved = saved
         self.near, self.ahead = saved.near * _NS, saved.ahead * _NS
         self._allowed_skew, self._save = allowed_skew, save
+        self._latest = 0.0  # a time (ns) that is not ahead of the box's clock
 
     def is_new(self, utc: float, time_ns: int) -> bool:
         """Whether no message as new as this one was taken before. `utc`: when it arrived (s)."""
-        latest = round((utc + self._allowed_skew) * _NS)
+        latest = self._latest = (utc + self._allowed_skew) * _NS
+        if self.near < time_ns <= latest:
+            return True
         if self.near > latest + SET_BACK_S * _NS:
             self.ahead = max(self.ahead, self.near)
             self.near = round((utc - self._allowed_skew) * _NS)
         return time_ns > (self.near if time_ns <= latest else self.ahead)
 
     def take(self, utc: float, time_ns: int) -> None:
-        """Note the time of a message that is new."""
-        if time_ns <= round((utc + self._allowed_skew) * _NS):
+        """Note the time of a message for which `is_new` was just True."""
+        if time_ns <= self._latest:
             self.near = time_ns
         else:
             self.ahead = time_ns

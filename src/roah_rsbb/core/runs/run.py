@@ -624,8 +624,11 @@ class Run(ZoneRun):
         self._begin(now)
 
     def close(self, now: Now, by: By = NOBODY) -> None:
-        """Leave the run. The box sends no last message."""
+        """Leave the run. The box sends no last message but STOP, if the run was in progress: robots do not believe the
+        beacon alone, which anybody can forge."""
         self._note_close(now, by)
+        if self.message.state is not BoxState.STOP:
+            self._set_state(now, BoxState.STOP, EndReason.STOPPED.value)
         self.say(now, Level.INFO, "Disconnected")
         self._emit(effects.RunLogged(self.port, run_log.END, None))
         self._emit(effects.CloseChannel(self.port))

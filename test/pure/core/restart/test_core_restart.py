@@ -48,7 +48,7 @@ LOST = {
                   "record", "_skew"},
     "Timeline": {"_candidate", "_rising"},
     # The saved times are later: see `core/link/heard.py`.
-    "RobotPast": {"near", "ahead"},
+    "RobotPast": {"near", "ahead", "_latest"},
     "SavingWatch": {"_since"},
     "FunctionalityRun": {"_node", "_progress"},
     "Run": {"_last_logged", "_settled_at", "_hint_mono"},

@@ -351,14 +351,14 @@ def test_time_that_is_up_after_a_stop_is_up():
     ]
 
 
-def test_disconnect_closes_all_channels_without_a_last_message():
+def test_disconnect_stops_all_robots_and_closes_all_channels():
     driver, robots = running()
     driver.taken()
     run = driver.run_in()
     driver.command("disconnect")
     assert (run.phase, run.end_reason) == (Phase.ENDED, EndReason.STOPPED)
     taken = driver.taken()
-    assert not any(isinstance(effect, effects.SendState) for effect in taken)
+    assert [e.port for e in taken if isinstance(e, effects.SendState)] == [6667, 6668, 6669]
     assert [e.port for e in taken if isinstance(e, effects.CloseChannel)] == [6667, 6668, 6669]
     assert [e.port for e in taken if isinstance(e, effects.RunClosed)] == [6667, 6668, 6669]
     assert driver.box.beacon().robots == ()
