@@ -10,7 +10,6 @@ standby_port, end_launch.
 import asyncio
 import json
 import logging
-import os
 import signal
 import sys
 import threading
@@ -37,8 +36,8 @@ if TYPE_CHECKING:
 
 # Until referees are warned, if the node is not registered at the ROS master. On a slow computer, rospy takes seconds.
 MASTER_S = 10.0
-NO_MASTER = ("The ROS master does not answer, or not completely: robots, pages and terminals are served, but no node of "
-             "ROS. Check roscore or the roslaunch that started it")
+NO_MASTER = ("The ROS master does not answer, or not completely: robots, pages and terminals are served, but no node "
+             "of ROS. Check roscore or the roslaunch that started it")
 MASTER_ANSWERS = "The ROS master answers again"
 
 _log = logging.getLogger(__name__)
@@ -70,7 +69,8 @@ class CoreNode:
             running.door, hosts, json.loads(lifeline.kept.get(DOORS, "[]")),
             lambda path: self.loop.call_soon_threadsafe(lifeline.keep, DOORS, json.dumps([path])))
         self._ros: Optional[RosSide] = None
-        self._rang, self._devices = False, {}  # type: bool, Dict[str, SetDevice]
+        self._rang = False
+        self._devices: Dict[str, SetDevice] = {}
         self._is_warned, self._why = False, "shutdown"
 
     def run(self) -> None:
