@@ -31,8 +31,8 @@ LOOK_S = 0.05
 SAY_S = 10.0
 # For people, everywhere.
 WHY = ("the box failed several times in succession, or its disk hangs. It only sends STOP now, to all robots in runs, "
-       "and refuses all else. Stop a robot by hand if it moves. Repair what the box's terminal says, end the box there, and start it "
-       "again: the runs are in its journal")
+       "and refuses all else. Stop a robot by hand if it moves. Repair what the box's terminal says, end the box "
+       "there, and start it again: the runs are in its journal")
 
 _log = logging.getLogger(__name__)
 

@@ -180,7 +180,7 @@ def test_the_barest_core_follows_one_that_is_ended(box):
 
 def test_a_box_that_was_killed_and_cannot_end_leaves_no_robot_executing(box, tmp_path):
     """A disk that hangs keeps its process, and with that the port of the channel, until it takes data again."""
-    process, port = box("""
+    process, port = box(f"""
 import ctypes, threading
 from roah_rsbb.comm import sockets
 def stay():
@@ -189,11 +189,11 @@ def stay():
         time.sleep(0.05)
     os.kill(os.getpid(), signal.SIGKILL)
 if starts == 1:
-    kept = sockets.listen("%s", int(max(lifeline.kept or json.load(open("kept.json")), key=len)[8:]), shared=False)
+    kept = sockets.listen("{BOX}", int(max(lifeline.kept or json.load(open("kept.json")), key=len)[8:]), shared=False)
     threading.Thread(target=stay).start()
     ctypes.CDLL(None).pthread_exit(None)  # all that is left is the thread
 sys.exit(0)
-""" % BOX)
+""")
 
     async def play():
         robot = Robot(asyncio.get_event_loop(), port)
