@@ -3566,6 +3566,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/assembly.py"/>
+        <source>the journal cannot be written: {why}. The robot gets STOP all the same. Free or repair the disk of log_dir</source>
+        <translation>das Journal kann nicht geschrieben werden: {why}. Der Roboter bekommt STOP trotzdem. Schaffen Sie Platz auf der Festplatte von log_dir, oder reparieren Sie sie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/assembly.py"/>
         <source>the standby does not have it, because it is not connected. Write the STOP down, and check the standby</source>
         <translation>der Standby hat es nicht, weil er nicht verbunden ist. Schreiben Sie das STOP auf, und prüfen Sie den Standby</translation>
     </message>

@@ -37,8 +37,8 @@ WAITING = b"waiting"
 # Of the supervisor: the core is gone, or slow, and the next one is started.
 STARTING = b"starting"
 # Names in the memory: before the port of a channel; the folder of the journal; the files that say where the door is;
-# the TCP port of the pages; that of the standby (0: none); what the first core asked the ROS master for.
-CHANNEL, LOG_DIR, DOORS, WEB_PORT, STANDBY = "channel/", "log_dir", "doors", "web_port", "standby_port"
+# the TCP port of the pages; a standby that is connected; what the first core asked the ROS master for.
+CHANNEL, LOG_DIR, DOORS, WEB_PORT, STANDBY = "channel/", "log_dir", "doors", "web_port", "standby"
 ROS_START = "ros_start"
 # In the environment of the core: its end of the pair.
 LIFELINE = "ROAH_RSBB_LIFELINE"

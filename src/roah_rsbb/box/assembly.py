@@ -25,6 +25,7 @@ from roah_rsbb.journal.ports import PortRecord, begin_thread
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
+from roah_rsbb.model.records import Phase
 from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.radio.radio import CoreRadio, Network, beacon_size
 from roah_rsbb.radio.short_way import Turns
@@ -57,6 +58,8 @@ class BoxPlace(NamedTuple):
 
 
 HANGS = say("the disk of log_dir takes no data. The robot gets STOP all the same. Check the disk")
+NOT_WRITTEN = say("the journal cannot be written: {why}. The robot gets STOP all the same. Free or repair the disk of "
+                  "log_dir")
 NOT_THERE = say("the standby does not have it, because it is not connected. Write the STOP down, and check the standby")
 
 OnText = Callable[[str], None]
@@ -108,6 +111,7 @@ class CoreAssembly:
         self.driver = CoreDriver(loop, box, self.radio, self.run_logs, ports, self.journal, outputs, self.now,
                                  self.fence.check, self._stops.sent)
         self.standby = StandbyAnswers(loop, box, self.now, self.event, ask_standby, lambda: self.store.committed)
+        self.radio.on_channels = self._note_channels
         for warning in port_warnings:
             self.event(box.on_notice, warning)
         self._warn_of_journal()
@@ -165,8 +169,12 @@ class CoreAssembly:
         """Write the link records and waiting data."""
         self.journal.each_second(self.now(), self.radio.unreadable())
         self._warn_of_journal()
-        self._stops.look(self.store.saved)
-        self._channels.look(self.radio.open_channels())
+        self._stops.look(self.store.saved, lambda: {
+            run.identity for run in (*self.box.zones.runs(), *self.box.zones.members()) if run.phase is Phase.RUNNING})
+        self._note_channels()
+
+    def _note_channels(self) -> None:
+        self._channels.look(self.radio.open_channels(), self.box.copies.has_standby(self.now()))
 
     def check_earlier(self) -> None:
         """In another thread: warn of damage in the part of the journal that a start does not read."""
@@ -181,6 +189,8 @@ class CoreAssembly:
         """Return on which disk a STOP is missing, and why; empty: on none, or for a moment only."""
         if self.store.is_waiting(ticket):
             return HANGS
+        if self.store.problem:
+            return NOT_WRITTEN(why=self.store.problem)
         return NOT_THERE if self.box.copies.are_two and not self.box.copies.is_worth_waiting(self.now()) else ""
 
     def unsaved(self) -> Tuple[UnsavedParts, ...]:

@@ -18,7 +18,7 @@ from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.messages import BoxMessage, RobotReport
+from roah_rsbb.model.messages import NEVER, BoxMessage, RobotReport
 from roah_rsbb.model.records import EndReason, RunRecord
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio.radio import CoreRadio
@@ -213,15 +213,16 @@ class CoreDriver:
                 self._do(effect)
             if not isinstance(effect, effects.SendState) or effect.message.state is not BoxState.STOP:
                 continue
-            sent = self._radio.sent(effect.port)
-            if sent is None:
-                continue  # its channel was not opened yet
+            if not self._radio.is_open(effect.port):
+                continue
+            sent = self._radio.sent(effect.port)  # None: after a restart, to a robot that was not heard yet
             for waiting in self._waiting:
                 waiting.effects[:] = [e for e in waiting.effects if not isinstance(e, effects.SendState)
                                       or e.port != effect.port or e.message.state is BoxState.STOP]
-            if sent.state is not BoxState.STOP and not self._is_result(effect.port):
+            if (sent is None or sent.state is not BoxState.STOP) and not self._is_result(effect.port):
                 # What the robot said is acknowledged when it is recorded.
-                self._do(effect._replace(message=effect.message._replace(acknowledgement=sent.acknowledgement)))
+                before = NEVER if sent is None else sent.acknowledgement
+                self._do(effect._replace(message=effect.message._replace(acknowledgement=before)))
                 record = self._journal.end_of(effect.port, todo)
                 ended.update({} if record is None else {record.identity: record})
         for record in ended.values():

@@ -38,7 +38,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.params import BadParams
 from roah_rsbb.rulebook.benchmarks import Config, Durable
 from roah_rsbb.run_logs.writer import RunLogWriter
-from roah_rsbb.signs_of_life import STANDBY, Lifeline
+from roah_rsbb.signs_of_life import Lifeline
 
 # Seconds between signs of life, and between looks at what only time changes.
 PERIOD_S = 0.2
@@ -81,7 +81,6 @@ class RunningBox:
             peripherals.ring_timeout, peripherals.publish_module_runs, peripherals.set_device,
             lambda level, text: _log.log(_LEVELS[level], "%s", text), self._report_bug, self._on_changed)
         self.lifeline = lifeline
-        lifeline.keep(STANDBY, str(params.standby_port))
         self.core = CoreAssembly(
             loop, Machine(boot_id(), os.getpid(), self.uuid, time.monotonic, time.time),
             BoxPlace(params.log_dir, params.network, params.standby_port), self._configuration.content.config,

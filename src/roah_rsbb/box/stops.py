@@ -7,15 +7,17 @@ prepare again.
 """
 
 import json
-from typing import Callable, Dict, List, Mapping, NamedTuple, Protocol, Sequence
+from typing import Callable, Collection, Dict, List, Mapping, NamedTuple, Optional, Protocol, Sequence
 
 from roah_rsbb.core.runs.run import UnrecordedStop
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import By, EndReason, RunRecord
-from roah_rsbb.signs_of_life import CHANNEL
+from roah_rsbb.signs_of_life import CHANNEL, STANDBY
 
 # Before the identity of the run, in the names of the notes.
 PREFIX = "stop/"
+# What is noted of a standby that is connected.
+THERE = "connected"
 
 
 class Memory(Protocol):
@@ -43,15 +45,18 @@ class NoMemory:
 
 
 class ChannelNotes:
-    """The open private channels, for a core that only sends STOP (`program/barest.py`)."""
+    """The open private channels, for a core that only sends STOP (`program/barest.py`), and whether a standby would
+    take over instead."""
 
     def __init__(self, memory: Memory) -> None:
         self._memory = memory
-        self._noted = {name: memory.kept[name] for name in memory.kept if name.startswith(CHANNEL)}
+        self._noted = {name: memory.kept[name] for name in memory.kept if name.startswith(CHANNEL) or name == STANDBY}
 
-    def look(self, channels: Mapping[int, Sequence[object]]) -> None:
-        """Note what the channels are now, by port."""
+    def look(self, channels: Mapping[int, Sequence[object]], has_standby: Optional[bool]) -> None:
+        """Note what the channels are now, by port. `has_standby`: None: not known yet."""
         found = {f"{CHANNEL}{port}": json.dumps(channel) for port, channel in channels.items()}
+        if has_standby or (has_standby is None and STANDBY in self._noted):
+            found[STANDBY] = THERE
         for name, value in found.items():
             if self._noted.get(name) != value:
                 self._memory.keep(name, value)
@@ -92,9 +97,12 @@ class StopNotes:
         self._memory.keep(PREFIX + record.identity, text)
         self._inform_standby({record.identity: text})
 
-    def look(self, saved: int) -> None:
-        """Forget those whose record is on the disk: tickets up to `saved`. The standby hears the others again."""
-        for identity in [identity for identity, note in self._notes.items() if note.ticket <= saved]:
+    def look(self, saved: int, running: Callable[[], Collection[str]]) -> None:
+        """Forget those whose record is on the disk: tickets up to `saved`; and those of runs that were started again,
+        which a full disk may have no record of: `running` returns their identities. The standby hears the others again.
+        """
+        again = running() if self._notes else ()
+        for identity in [each for each, note in self._notes.items() if note.ticket <= saved or each in again]:
             del self._notes[identity]
             self._memory.drop(PREFIX + identity)
         if self._notes:

@@ -60,8 +60,9 @@ class Peer:
         max_datagram: int = 1024,
         shared: bool = True,
         apart: bool = False,
+        deaf: bool = False,
     ) -> None:
-        """`max_datagram`: size limit of sent datagrams (bytes).
+        """`max_datagram`: size limit of sent datagrams (bytes). `deaf`: send only, from a port that is free.
 
         `shared`: other programs may use the same address and port, as on the public channel, where broadcasts reach all
         of them. Otherwise `open` fails if the port is in use, because only one program would get a unicast datagram.
@@ -76,7 +77,7 @@ class Peer:
         self._bind_host = bind_host
         self._max_datagram = max_datagram
         self._shared = shared
-        self._apart = apart
+        self._apart, self._deaf = apart, deaf
         self._source_port = port
         self._sockets: List[socket.socket] = []  # the first one is used for sending
         self._has_sent = False
@@ -100,13 +101,13 @@ class Peer:
             raise sockets.OpenError(
                 errno.EINVAL, f"{sockets.BIND_HOST} {self._bind_host} is a broadcast address: give an address of this "
                               "machine ('ip -4 addr' lists them); only rsbb_host is a broadcast address")
-        if self._apart:
+        if self._apart or self._deaf:
             self._sockets.append(sockets.speak(self._bind_host))
             self._source_port = self._sockets[0].getsockname()[1]
         else:
             self._sockets.append(sockets.listen(self._bind_host, self.port, self._shared))
         try:
-            if self._apart or self._bind_host != sockets.ANY_HOST:
+            if self._apart or (self._bind_host != sockets.ANY_HOST and not self._deaf):
                 self._listen_to_broadcasts()
         except OSError:
             self._sockets.pop().close()

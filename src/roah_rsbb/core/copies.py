@@ -139,6 +139,12 @@ class Copies:
         """Whether an entry is confirmed only when the standby has it, too."""
         return bool(self._two_at) and STANDBY in self._copies
 
+    def has_standby(self, now: Now) -> Optional[bool]:
+        """Whether the standby is connected. None: not known yet, shortly after the start."""
+        copy = self._copies.get(STANDBY)
+        is_young = copy is not None and copy.report is None and now.mono - copy.heard_mono < SILENT_S
+        return None if is_young else copy is not None and copy.is_connected(now)
+
     @property
     def answered(self) -> int:
         """The newest ticket that the standby has on its disk."""

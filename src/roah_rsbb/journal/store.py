@@ -181,11 +181,16 @@ class Journal:
         """Return the number of the record of a ticket."""
         return self._first + ticket
 
+    @property
+    def problem(self) -> str:
+        """Why the newest data is not on the disk, if a write has failed; empty: none has."""
+        return self._problem or self._disk_problem
+
     def why_not_saved(self, ticket: int) -> str:
         """Wait for some time until this ticket is on the disk; returns "" or why it is not. For any thread."""
         if not self._problem and self._syncer.wait(lambda: self.saved >= ticket, SYNC_TIMEOUT_S):
             return ""
-        return self._problem or self._disk_problem or f"the disk of log_dir takes longer than {SYNC_TIMEOUT_S:g} s"
+        return self.problem or f"the disk of log_dir takes longer than {SYNC_TIMEOUT_S:g} s"
 
     def close(self) -> None:
         """Write waiting data, and sync everything to the disk."""

@@ -103,6 +103,9 @@ class CoreRadio:
         self._listening = True
         self._is_closed = False
         self._privates: Dict[int, _Private] = {}
+        self.on_channels: Callable[[], object] = lambda: None
+        """Called soon after channels were opened, aimed or closed."""
+        self._are_noted = True
         self.awaited: Set[int] = set()
         """Ports of channels that are not open yet, because a record waits for the disk. No beacon names them."""
         self._routes: Dict[str, Tuple[float, bool]] = {}  # by host: until when it holds, and whether there is one
@@ -205,12 +208,29 @@ class CoreRadio:
         channel.open()
         channel.remote = host
         self._privates[port] = _Private(channel, short_way, self._passwords[version][team])
+        self._changed()
 
     def aim(self, port: int, host: str) -> None:
         """Send to this host from now on."""
         private = self._privates.get(port)
         if private is not None:
             private.channel.remote = host
+            self._changed()
+
+    def _changed(self) -> None:
+        """Have the channels noted, once for many at a time."""
+        if self._are_noted:
+            self._are_noted = False
+            self._loop.call_soon(self._have_noted)
+
+    def _have_noted(self) -> None:
+        self._are_noted = True
+        if not self._is_closed:  # a core that ends leaves its channels to the next one
+            self.on_channels()
+
+    def is_open(self, port: int) -> bool:
+        """Whether there is a channel on this port."""
+        return port in self._privates
 
     def sent(self, port: int) -> Optional[BoxMessage]:
         """Return the message that a channel sends; None: none."""
@@ -246,6 +266,7 @@ class CoreRadio:
         if private.timer is not None:
             private.timer.cancel()
         private.channel.close()
+        self._changed()
 
     # -- time ---------------------------------------------------------------------------------------
 

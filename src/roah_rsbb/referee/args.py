@@ -178,8 +178,8 @@ def _score(commands) -> None:
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
     one.add_argument("item", metavar="ITEM", nargs="?", help="an item's number, or a part of one item's text only")
     one.add_argument("value", metavar="VALUE", nargs="?",
-                     help="a number, yes or no, +N or -N to count, '=N' to set also below 0, a choice, JUDGE:NUMBER, or "
-                          "not-attempted")
+                     help="a number, yes or no, +N or -N to count, '=N' to set also below 0, a choice, JUDGE:NUMBER, "
+                          "or not-attempted")
     one._negative_number_matcher = NEGATIVE
     _say(one, "beside the value")
     _of_run(one)

@@ -5,6 +5,7 @@ The box, its copy, the standby and the robot are the simulator's, which are buil
 
 import contextlib
 import dataclasses
+import json
 import random
 
 import pytest
@@ -21,6 +22,7 @@ from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import Durable
+from roah_rsbb.signs_of_life import CHANNEL, STANDBY
 from simulation.air import Air
 from simulation.box import Box
 from simulation.disk import Storage
@@ -221,6 +223,33 @@ def test_a_takeover_after_stop_leaves_the_robot_stopped(stage, how, is_frozen):
                if stage.run is not None else stage.box.core.box.finished.records()[-1].stops) == 1
 
 
+@pytest.mark.parametrize("is_killed", [False, True])
+@pytest.mark.parametrize("takes_over", [False, True])
+def test_a_robot_that_was_silent_since_a_restart_is_stopped_beside_a_disk_that_hangs(stage, is_killed, takes_over):
+    """Nothing was sent to it until then, because the box before might have stopped it."""
+    stage = stage(has_standby=takes_over)
+    stage.execute()
+    weather = stage.air.weather[stage.robot.computer.host]
+    weather.is_cut = True
+    stage.box.kill(float("inf") if takes_over else 0.5, power=takes_over)
+    stage.pass_time(4.0)
+    if takes_over:
+        stage.standby.take_over()
+        stage.pass_time(4.0)
+    stage.freeze()
+    stage.do("stop")
+    stage.pass_time(0.1)
+    if is_killed:
+        stage.box.kill(0.5)
+        stage.storage.frozen_until = 0.0
+    weather.is_cut = False
+    stage.until(RobotState.STOP)
+    stage.states.clear()
+    stage.pass_time(10.0)
+    assert stage.states == [RobotState.STOP]
+    assert stage.run.end_reason is EndReason.STOPPED
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_nothing_older_follows_stop_whatever_referees_do_beside_a_disk_that_hangs_at_times(stage, seed):
     stage, chance, held = stage(execute_duration=3.0, never_end=False), random.Random(seed), 0
@@ -268,6 +297,65 @@ def test_the_answer_to_stop_says_if_it_is_not_recorded(stage):
     stage.do("start")
     stage.pass_time(0.1)
     assert answer_to_stop(stage) is None
+
+
+def test_the_answer_to_stop_says_if_the_disk_is_full(stage):
+    stage = stage()
+    stage.execute()
+    stage.storage.full_until = STILL_S
+    stage.pass_time(3.0)
+    assert "stopped, not yet recorded: the journal cannot be written: the disk is full" in answer_to_stop(stage)
+    stage.storage.full_until = 0.0
+    stage.pass_time(3.0)
+    stage.do("start")
+    stage.pass_time(0.1)
+    assert answer_to_stop(stage) is None
+
+
+def test_a_run_that_was_started_again_is_not_ended_by_its_earlier_stop(stage):
+    """A full disk has a record of neither."""
+    stage = stage()
+    stage.execute()
+    stage.storage.full_until = STILL_S
+    stage.do("stop")
+    stage.until(RobotState.STOP)
+    stage.do("start")
+    stage.until(RobotState.EXECUTING)
+    stage.pass_time(1.0)
+    stage.box.kill(0.5)
+    stage.storage.full_until = 0.0
+    stage.states.clear()
+    stage.pass_time(10.0)
+    assert stage.states == [RobotState.EXECUTING] and stage.run.phase is Phase.RUNNING
+
+
+def channels(stage):
+    return {int(name[len(CHANNEL):]): json.loads(text) for name, text in stage.box.memory.texts.items()
+            if name.startswith(CHANNEL)}
+
+
+def test_the_barest_core_knows_each_channel_at_once(stage):
+    """A box may fail within the second in which its robot starts."""
+    stage = stage()
+    stage.do("connect")
+    stage.pass_time(0.01)
+    assert [(port, channel[2]) for port, channel in channels(stage).items()] == [(stage.run.port, "10.0.0.2")]
+    stage.do("disconnect")
+    stage.pass_time(0.01)
+    assert not channels(stage)
+
+
+def test_a_standby_is_counted_on_while_it_is_connected(stage):
+    """Otherwise the barest core stops the robots: see `program/supervisor.py`."""
+    stage = stage(has_standby=True)
+    stage.pass_time(3.0)
+    assert STANDBY in stage.box.memory.texts
+    stage.box.kill(0.5)
+    stage.pass_time(3.0)
+    assert STANDBY in stage.box.memory.texts
+    stage.air.weather[stage.standby.computer.host].is_cut = True
+    stage.pass_time(20.0)
+    assert STANDBY not in stage.box.memory.texts
 
 
 def test_a_start_that_waits_for_the_disk_is_dropped_by_stop(stage):

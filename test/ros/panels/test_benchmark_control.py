@@ -104,8 +104,8 @@ class TestBenchmarkControl(PanelCase):
         self.core.event(self.core.box.scores.sign_off, RunName("Home A", record.identity), "Cleo")
         wait_until(lambda: not self.buttons["connect"].styleSheet(), "it does not stand out")
         menu = self.panel.more
-        presses = (lambda: click(self.buttons["connect"]), menu.robots[1].trigger, menu.actions_of["open_sheet"].trigger,
-                   menu.actions_of["no_show"].trigger)
+        presses = (lambda: click(self.buttons["connect"]), menu.robots[1].trigger,
+                   menu.actions_of["open_sheet"].trigger, menu.actions_of["no_show"].trigger)
         for press in presses:
             press()
             self.assertTrue(question().informativeText().startswith("This event is signed off"))
@@ -205,8 +205,8 @@ class TestBenchmarkControl(PanelCase):
         self.zone.command("stop")
         self.wait_phase("ENDED")
         self.assertEqual(self.buttons["disconnect"].styleSheet(), "", "it does not stand out")
-        warning = ("<b>mbot</b> of team A did not answer STOP. After the disconnect the box does not repeat it: stop by "
-                   "hand first")
+        warning = ("<b>mbot</b> of team A did not answer STOP. After the disconnect the box does not repeat it: stop "
+                   "by hand first")
         click(self.buttons["disconnect"])
         box = question()
         self.assertEqual((box.text(), box.informativeText()), ("The robot has not stopped. Disconnect?", warning))

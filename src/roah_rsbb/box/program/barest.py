@@ -12,6 +12,7 @@ import json
 import logging
 import os
 import threading
+from functools import partial
 from typing import List, Mapping
 
 from roah_rsbb import platform
@@ -19,7 +20,7 @@ from roah_rsbb.comm.channels import MakePeer, PrivateChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sender import StateSender
-from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.comm.sockets import ANY_HOST, OpenError
 from roah_rsbb.document.place import OnlyStops, read_place, write_place
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
@@ -29,9 +30,9 @@ LOOK_S = 0.05
 # Between two lines on the terminal.
 SAY_S = 10.0
 # For people, everywhere.
-WHY = ("the box failed several times in succession. It only sends STOP now, to all robots in runs, and refuses all "
-       "else. Stop a robot by hand if it moves. Repair what the box's terminal says, end the box there, and start it "
-       "again: the runs are in its journal")
+WHY = ("the box failed several times in succession, or its disk hangs. It only sends STOP now, to all robots in runs, "
+       "and refuses all else. Stop a robot by hand if it moves. Repair what the box's terminal says, end the box "
+       "there, and start it again: the runs are in its journal")
 
 _log = logging.getLogger(__name__)
 
@@ -81,7 +82,10 @@ def open_robots(loop: asyncio.AbstractEventLoop, kept: Mapping[str, str],
     for name in kept:
         if name.startswith(CHANNEL):
             try:
-                robots.append(StoppedRobot(loop, name[len(CHANNEL):], kept[name], make_peer))
+                try:
+                    robots.append(StoppedRobot(loop, name[len(CHANNEL):], kept[name], make_peer))
+                except OpenError:  # a box that cannot end still has the port; a robot takes STOP from any port
+                    robots.append(StoppedRobot(loop, name[len(CHANNEL):], kept[name], partial(make_peer, deaf=True)))
             except Exception as error:  # whatever is wrong with one, the others get STOP
                 _log.critical("The robot on port %s cannot be stopped: %s. Stop it by hand", name[len(CHANNEL):], error)
     return robots

@@ -2,8 +2,9 @@
 
 The box is a process of its own. One that was killed, that crashed or that hangs is replaced by the next one, which
 continues its runs. One that fails again and again gets more time each time, because it may only be slow.
-After `MOST_FAILURES` that were started in vain, the barest core is what is left (`barest.py`), unless there is a
-standby, which takes over.
+After `MOST_FAILURES` that were started in vain, the barest core is what is left (`barest.py`), unless a standby is
+connected, which takes over. The same holds while a box that was killed cannot end because its disk hangs: it still has
+the lock of the journal and the ports.
 
 Beside the box without ROS runs the program that copies the journal, if it is to be copied: when the box does not
 answer, that one hands over to the standby.
@@ -16,12 +17,12 @@ import signal
 import subprocess
 import time
 import uuid
-from typing import Callable, Optional, Sequence
+from typing import Callable, Mapping, Optional, Sequence
 
 from roah_rsbb.arguments import without_ros
 from roah_rsbb.copies.settings import CopySettings
 from roah_rsbb.params import BadParams
-from roah_rsbb.platform import ending_signals, ignore_stops
+from roah_rsbb.platform import ending_signals, ignore_stops, status_of
 from roah_rsbb.signs_of_life import HUNG_S, LOG_DIR, LOOK_S, STANDBY, STARTING, Lifeline, Supervision, state_of
 
 # Of the environment of the box: identifies the supervisor, so that `resume:=launch` continues after a crash only.
@@ -42,6 +43,8 @@ STEADY_S = 5.0
 MOST_FAILURES = 3
 # A box that was asked to end.
 END_S = 10.0
+# A process that was killed is gone in a moment, unless a disk that hangs keeps it.
+ZOMBIE, KEPT_S = "Z", 4.0
 # The program that copies, of `roah-rsbb`; seconds until it is started again: it says each time why it ended.
 COPIES, COPYING_PAUSE_S = "copies", 5.0
 BAREST_CORE = "barest"
@@ -146,13 +149,15 @@ def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], C
     try:
         while True:
             is_ended = _watch(box, wishes, core, course, copying)
+            if box.returncode is None and not wishes:
+                _stop_robots_meanwhile(box, environment, wishes, core)
             status = box.returncode
             # A box that ran before is started until it runs again: its files may be changed just now.
             if wishes or (status == 0 and not course.is_barest) or (status in FAILED and not course.was_heard):
                 return 0 if wishes else status
             course.ended(is_ended or not course.is_heard or status not in KILLED)
             course.is_barest |= (
-                course.failures > MOST_FAILURES and core.can_hear and core.memory.get(STANDBY, "0") == "0")
+                course.failures > MOST_FAILURES and core.can_hear and STANDBY not in core.memory)
             _log.error("The box has ended unexpectedly (%s): %s%s", status,
                        "it failed too often, and only sends STOP from now on" if course.is_barest
                        else "the next one continues its runs",
@@ -165,6 +170,20 @@ def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], C
         core.close()
 
 
+def _stop_robots_meanwhile(box: "subprocess.Popen[bytes]", environment: Mapping[str, str], wishes: list,
+                           core: Supervision) -> None:
+    """Let the barest core stop the robots until the box that was killed is gone, or somebody ends the program."""
+    _log.error("The box (process %d) was killed, and the system keeps it because the disk of log_dir hangs: the next "
+               "one cannot start. Until the disk takes data again, all robots in runs are sent STOP. Check the disk",
+               box.pid)
+    barest = core.start(without_ros(BAREST_CORE), environment)
+    while box.poll() is None and not wishes:
+        time.sleep(LOOK_S)
+        core.look(barest.pid)
+    barest.terminate()
+    barest.wait()
+
+
 def _wait(seconds: float, wishes: list) -> None:
     until_mono = time.monotonic() + seconds
     while not wishes and time.monotonic() < until_mono:
@@ -174,6 +193,7 @@ def _wait(seconds: float, wishes: list) -> None:
 def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Course, copying: CopyingProcess) -> bool:
     """Wait for the end of one process of the box; returns whether it was ended here, because it did not answer."""
     is_killed, until_mono, heard_by_mono = False, float("inf"), time.monotonic() + course.start_s
+    there_mono = time.monotonic()
     signs: Optional[Lifeline] = None
     while True:
         time.sleep(LOOK_S)  # Popen.wait with a time looks twenty times as often
@@ -184,6 +204,10 @@ def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Cour
             course.heard(silence.seconds)
         if box.returncode is not None:
             return is_killed
+        if status_of(box.pid)[0] != ZOMBIE:
+            there_mono = time.monotonic()
+        elif time.monotonic() >= there_mono + KEPT_S and (wishes or STANDBY not in core.memory):
+            return True
         if signs is None and LOG_DIR in core.memory:
             signs = Lifeline(core.memory[LOG_DIR])
         if course.is_heard or not core.can_hear:

@@ -178,6 +178,36 @@ def test_the_barest_core_follows_one_that_is_ended(box):
     wait_until(lambda: not os.path.exists(f"/proc/{child}"))
 
 
+def test_a_box_that_was_killed_and_cannot_end_leaves_no_robot_executing(box, tmp_path):
+    """A disk that hangs keeps its process, and with that the port of the channel, until it takes data again."""
+    process, port = box(f"""
+import ctypes, threading
+from roah_rsbb.comm import sockets
+def stay():
+    while not os.path.exists("thawed"):
+        lifeline.send()  # or it would be killed, which a disk that hangs would not let happen
+        time.sleep(0.05)
+    os.kill(os.getpid(), signal.SIGKILL)
+if starts == 1:
+    kept = sockets.listen("{BOX}", int(max(lifeline.kept or json.load(open("kept.json")), key=len)[8:]), shared=False)
+    threading.Thread(target=stay).start()
+    ctypes.CDLL(None).pthread_exit(None)  # all that is left is the thread
+sys.exit(0)
+""")
+
+    async def play():
+        robot = Robot(asyncio.get_event_loop(), port)
+        while robot.state is not RobotState.STOP:
+            await asyncio.sleep(0.05)
+        robot.channel.close()
+        return robot.states
+    assert set(run(asyncio.wait_for(play(), LIMIT_S))) == {BoxState.STOP}
+    (tmp_path / "thawed").touch()
+    out, _ = process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0 and (tmp_path / "starts").read_text("utf-8") == "xx"
+    assert "the next one cannot start. Until the disk takes data again, all robots in runs are sent STOP" in out
+
+
 def child_of(pid):
     with open(f"/proc/{pid}/task/{pid}/children", encoding="ascii") as file:
         return int(file.read())
@@ -189,7 +219,7 @@ def wait_for(process, text):
 
 @pytest.mark.parametrize("fault, more", [
     ("os.kill(os.getpid(), signal.SIGKILL)", {}),  # from outside: all that anybody sees is the signal
-    ("os.abort()", {"standby_port": "7000"}),
+    ("os.abort()", {"standby": "connected"}),
 ])
 def test_there_is_no_barest_core_for_a_box_that_is_only_killed_or_has_a_standby(box, tmp_path, fault, more):
     (tmp_path / "answers").touch()
