@@ -902,6 +902,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This device is not paired, so it cannot stop a robot. A paired device, the referees&apos; table and the robot&apos;s emergency button can</source>
+        <translation>Dieses Gerät ist nicht gekoppelt und kann keinen Roboter anhalten. Das können ein gekoppeltes Gerät, der Tisch der Schiedsrichter und der Not-Aus-Taster des Roboters</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Back does not leave this page while a run is in progress</source>
+        <translation>„Zurück“ verlässt diese Seite nicht, solange ein Lauf läuft</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>STOP was refused: {reasons}</source>
         <translation>STOPP wurde abgelehnt: {reasons}</translation>
     </message>
@@ -2056,6 +2066,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>Nothing is running in {zone}. Running: {zones}. Choose one of them, or hold STOP ALL</source>
+        <translation>In {zone} läuft nichts. Es laufen: {zones}. Wählen Sie eine davon, oder halten Sie ALLE STOPPEN gedrückt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
         <source>{robots} did not answer STOP. After the disconnect the box does not repeat it: stop by hand first</source>
         <translation>{robots}: keine Antwort auf STOPP. Nach dem Trennen wiederholt die Box STOPP nicht: Halten Sie zuerst von Hand an</translation>
     </message>
@@ -2501,11 +2516,6 @@
         <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
         <source>No zone is running</source>
         <translation>Keine Zone läuft</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
-        <source>Nothing is running in {zone}. Running: {zones}. Choose one of them, or hold STOP ALL</source>
-        <translation>In {zone} läuft nichts. Es laufen: {zones}. Wählen Sie eine davon, oder halten Sie ALLE STOPPEN gedrückt</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
