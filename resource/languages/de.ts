@@ -5460,6 +5460,46 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>die Notiz hat {number} Zeichen: Höchstens {most} werden behalten, kürzen Sie sie</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>team {team}, {turn}: {what}</source>
+        <translation>Team {team}, {turn}: {what}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>team {team}, {turn}: not signed off yet, so it does not count</source>
+        <translation>Team {team}, {turn}: noch nicht unterschrieben, zählt also nicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>team {team} gets 0 for {part}: none of its runs counts</source>
+        <translation>Team {team} erhält 0 für {part}: keiner seiner Läufe zählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>team {team} gets 0 for {part}: its run is not signed off yet</source>
+        <translation>Team {team} erhält 0 für {part}: sein Lauf ist noch nicht unterschrieben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>team {team} has a run of {part} that is not signed off yet: it does not count</source>
+        <translation>Team {team} hat einen Lauf von {part}, der noch nicht unterschrieben ist: er zählt nicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>{part} has no runs yet</source>
+        <translation>{part} hat noch keine Läufe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>scored by an earlier sheet ({changed}): run {runs}</source>
+        <translation>nach einem früheren Bogen bewertet ({changed}): Lauf {runs}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>{part} counts 0: no team has more than 0</source>
+        <translation>{part} zählt 0: kein Team hat mehr als 0</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/standby/box_end.py"/>
         <source>the standby is not connected. It connects by itself: check that it runs, and its cable</source>
         <translation>Der Standby ist nicht verbunden. Er verbindet sich von selbst: Prüfen Sie, ob er läuft, und sein Kabel</translation>

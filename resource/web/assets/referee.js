@@ -434,13 +434,14 @@ function Over({zone, texts}) {
   const differences = judged.reduce((sum, run) => sum + run.differences, 0);
   return html`
     <details class="over">
-      <summary class="short">${texts.unsigned}: ${identities.size}${differences > 0
+      <summary class="short">${texts.unsigned}: ${identities.size + zone.unlisted}${differences > 0
         && ` · ⚠ ${texts.differences.replace("{number}", () => differences)}`}</summary>
       ${judged.map((run) => html`
         <${HeadReferee} key=${run.identity} zone=${zone.zone} run=${run} texts=${texts} give=${give} />`)}
       <ul class="unsigned">${zone.unsigned.map((run) => html`
         <${FinishedRun} key=${run.identity} zone=${zone} run=${run} marks=${state.marks} texts=${texts} give=${give}
           undo=${(last) => undo(last, texts)} />`)}</ul>
+      ${zone.unlisted > 0 && html`<p class="facts">${texts.hidden.replace("{number}", () => zone.unlisted)}</p>`}
     </details>`;
 }
 
