@@ -5467,7 +5467,7 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     <message>
         <location filename="../../src/roah_rsbb/results/standings.py"/>
         <source>team {team}, {turn}: not signed off yet, so it does not count</source>
-        <translation>Team {team}, {turn}: noch nicht unterschrieben, zählt also nicht</translation>
+        <translation>Team {team}, {turn}: noch nicht abgeschlossen, zählt also nicht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/results/standings.py"/>
@@ -5477,12 +5477,12 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     <message>
         <location filename="../../src/roah_rsbb/results/standings.py"/>
         <source>team {team} gets 0 for {part}: its run is not signed off yet</source>
-        <translation>Team {team} erhält 0 für {part}: sein Lauf ist noch nicht unterschrieben</translation>
+        <translation>Team {team} erhält 0 für {part}: sein Lauf ist noch nicht abgeschlossen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/results/standings.py"/>
         <source>team {team} has a run of {part} that is not signed off yet: it does not count</source>
-        <translation>Team {team} hat einen Lauf von {part}, der noch nicht unterschrieben ist: er zählt nicht</translation>
+        <translation>Team {team} hat einen Lauf von {part}, der noch nicht abgeschlossen ist: er zählt nicht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/results/standings.py"/>

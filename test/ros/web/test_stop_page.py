@@ -720,6 +720,44 @@ class TestLeaving(PhoneCase):
         self.stops(gateway, page, "Hall")
 
 
+class TestReloaded(PhoneCase):
+    """What a page must not lose, and must not show, when it is loaded again or shows another part."""
+
+    UNDO = "button[data-command=undo]"
+
+    def test_the_last_mark_can_be_taken_back_after_a_reload(self) -> None:
+        gateway = self.gateway()
+        gateway.set(phase="running")
+        page = self.phone(gateway)
+        for number, (desc, _) in enumerate((("Enters", "take_back"), ("Bumps", "mark"))):
+            page.wait(CLICKED.format(f"[data-item^={desc}] .controls button:nth-of-type({number + 1})"), "it is marked")
+            page.wait(f"document.querySelector('{self.UNDO}').textContent.includes('{desc}')", "it can be taken back")
+        page.command("Page.reload")
+        for desc, given in (("Bumps", "mark"), ("Enters", "take_back")):
+            page.wait(f"document.querySelector('{self.UNDO}').textContent.includes('{desc}')", "it still can")
+            gateway.given.clear()
+            page.wait(CLICKED.format(self.UNDO), "it is taken back")
+            gateway.wait_given(given, "Home A")
+        page.wait(f"document.querySelector('{self.UNDO}').disabled", "nothing is left")
+        page.command("Page.reload")
+        page.wait(f"document.querySelector('{self.UNDO}').disabled", "what was taken back is not offered again")
+
+    def test_parts_that_are_changed_quickly_give_up_no_connection(self) -> None:
+        """Browsers let the next connections of such a page wait for seconds."""
+        page = self.phone(self.gateway(2))
+        page.open(f"{URL}/box?language=en")
+        page.wait("document.querySelector('[data-part=runs]') !== null", "its parts are shown")
+        page.get("""window.givenUp = 0, WebSocket.prototype.close = (close => function () {
+            givenUp += this.readyState === WebSocket.CONNECTING;
+            close.call(this);
+        })(WebSocket.prototype.close), 0""")
+        page.wait(STILL, "nothing has changed just now")
+        page.get("['overview', 'schedule', 'robots', 'runs', 'box', 'schedule'].forEach("
+                 "part => document.querySelector(`[data-part=${part}]`).click()), 0")
+        page.wait("document.querySelector('.part .filters') !== null", "the last one is shown")
+        self.assertEqual(page.get("givenUp"), 0)
+
+
 class TestTouches(PhoneCase):
     """What counts as STOP, and what happens under a finger."""
 
