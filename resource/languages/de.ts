@@ -902,6 +902,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This device is not paired, so it cannot stop a robot. A paired device, the referees&apos; table and the robot&apos;s emergency button can</source>
+        <translation>Dieses Gerät ist nicht gekoppelt und kann keinen Roboter anhalten. Das können ein gekoppeltes Gerät, der Tisch der Schiedsrichter und der Not-Aus-Taster des Roboters</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Back does not leave this page while a run is in progress</source>
+        <translation>„Zurück“ verlässt diese Seite nicht, solange ein Lauf läuft</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>STOP was refused: {reasons}</source>
         <translation>STOPP wurde abgelehnt: {reasons}</translation>
     </message>
@@ -2051,6 +2061,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>Nothing is running in {zone}. Running: {zones}. Choose one of them, or hold STOP ALL</source>
+        <translation>In {zone} läuft nichts. Es laufen: {zones}. Wählen Sie eine davon, oder halten Sie ALLE STOPPEN gedrückt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
         <source>{robots} did not answer STOP. After the disconnect the box does not repeat it: stop by hand first</source>
         <translation>{robots}: keine Antwort auf STOPP. Nach dem Trennen wiederholt die Box STOPP nicht: Halten Sie zuerst von Hand an</translation>
     </message>
@@ -2496,11 +2511,6 @@
         <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
         <source>No zone is running</source>
         <translation>Keine Zone läuft</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
-        <source>Nothing is running in {zone}. Running: {zones}. Choose one of them, or hold STOP ALL</source>
-        <translation>In {zone} läuft nichts. Es laufen: {zones}. Wählen Sie eine davon, oder halten Sie ALLE STOPPEN gedrückt</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
@@ -5468,6 +5478,46 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/model/referee.py"/>
         <source>the note has {number} characters: at most {most} are kept, shorten it</source>
         <translation>die Notiz hat {number} Zeichen: Höchstens {most} werden behalten, kürzen Sie sie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>team {team}, {turn}: {what}</source>
+        <translation>Team {team}, {turn}: {what}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>team {team}, {turn}: not signed off yet, so it does not count</source>
+        <translation>Team {team}, {turn}: noch nicht abgeschlossen, zählt also nicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>team {team} gets 0 for {part}: none of its runs counts</source>
+        <translation>Team {team} erhält 0 für {part}: keiner seiner Läufe zählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>team {team} gets 0 for {part}: its run is not signed off yet</source>
+        <translation>Team {team} erhält 0 für {part}: sein Lauf ist noch nicht abgeschlossen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>team {team} has a run of {part} that is not signed off yet: it does not count</source>
+        <translation>Team {team} hat einen Lauf von {part}, der noch nicht abgeschlossen ist: er zählt nicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>{part} has no runs yet</source>
+        <translation>{part} hat noch keine Läufe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>scored by an earlier sheet ({changed}): run {runs}</source>
+        <translation>nach einem früheren Bogen bewertet ({changed}): Lauf {runs}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/results/standings.py"/>
+        <source>{part} counts 0: no team has more than 0</source>
+        <translation>{part} zählt 0: kein Team hat mehr als 0</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/standby/box_end.py"/>

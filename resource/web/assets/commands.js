@@ -8,7 +8,9 @@ const LATE_MS = 1000;
 // Browsers have six connections: STOP must find one that is free.
 const MARKS_AT_ONCE = 2;
 // Each mark has a key of its own: several tabs of a browser keep theirs beside each other.
-const KEPT = "roah_rsbb_mark ";
+const KEPT = "roah_rsbb_mark ", DONE = "roah_rsbb_done ";
+// Marks that can be taken back after the page was loaded again.
+const MOST_DONE = 50;
 // Answers after which a mark is sent again: whether it counted is not known, or the box was not ready.
 const AGAIN = [0, 401, 429, 503, 504];
 // The box has the mark, but it is not on all disks yet: the mark is sent again until it is.
@@ -30,8 +32,9 @@ function tryTo(act) {
 export class Marks {
   constructor(onChange) {
     this.onChange = onChange;
-    this.waiting = keptMarks();  // the oldest first
-    this.done = [];  // the newest last: for undo
+    this.waiting = kept(KEPT).map((mark) => ({...mark, isLate: true}));  // the oldest first
+    this.done = kept(DONE);  // the newest last: for undo
+    this.done.splice(0, Math.max(0, this.done.length - MOST_DONE)).forEach(drop);
     this.refused = [];  // until the referee has read it
     this.isSending = new Set();
     this.isLinked = () => true;
@@ -94,7 +97,9 @@ export class Marks {
     if (answer.status !== 200) {
       this.refused.push({...mark, reasons: answer.body.reasons});
     } else if (answer.body.number && !isUndo && command === "mark") {
-      this.done.push({...body, number: answer.body.number, shown: `${mark.desc}: ${shown}`});
+      const last = {...body, made, number: answer.body.number, shown: `${mark.desc}: ${shown}`};
+      this.done.push(last);
+      tryTo(() => localStorage.setItem(DONE + last.id, JSON.stringify(last)));
     }
     this.sendNext();
     this.onChange();
@@ -118,12 +123,14 @@ export class Marks {
 
   // A mark was taken back.
   forget(mark) {
+    drop(mark);
     this.done = this.done.filter((one) => one !== mark);
     this.onChange();
   }
 
   // What was added is taken off again: others may have counted since.
   takeOff(added) {
+    drop(added);
     this.done = this.done.filter((one) => one !== added);
     const {number, shown, ...mark} = added;
     const off = -Number(mark.added);
@@ -131,11 +138,13 @@ export class Marks {
   }
 }
 
-function keptMarks() {
+function kept(kind) {
   const keys = tryTo(() => Object.keys(localStorage)) || [];
-  return keys.filter((key) => key.startsWith(KEPT)).map((key) => ({...JSON.parse(localStorage.getItem(key)), isLate: true}))
+  return keys.filter((key) => key.startsWith(kind)).map((key) => JSON.parse(localStorage.getItem(key)))
     .sort((one, other) => one.made - other.made);
 }
+
+const drop = (done) => tryTo(() => localStorage.removeItem(DONE + done.id));
 
 // crypto.randomUUID exists on encrypted pages only.
 function newId() {

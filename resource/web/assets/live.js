@@ -51,10 +51,15 @@ export class Live {
       new URLSearchParams(query)}`;
   }
 
-  // Ask for something else, with a new connection.
+  // Ask for something else, with a new connection. One that is being opened is not given up: browsers then let the next
+  // ones wait for seconds.
   reopen(query) {
     this.setQuery(query);
-    this.replace();
+    if (this.socket && this.socket.readyState === WebSocket.CONNECTING) {
+      this.socket.onopen = () => this.replace();
+    } else {
+      this.replace();
+    }
   }
 
   // What is known may be of before a sleep: it is old until a new connection says that it is not.

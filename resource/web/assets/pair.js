@@ -37,16 +37,16 @@ function Pair({live, words}) {
       return;
     }
     localStorage.setItem(NAME, typed.get("person"));
-    history.replaceState(null, "", location.pathname + location.search);
     setTrouble("");
     setSession(answer.body);
-    location.assign(address(ownPage(answer.body)));
+    location.replace(address(ownPage(answer.body)));  // Back must not lead here, and nobody finds the link in the history
   }
 
   async function end() {
     const answer = await ask("DELETE", "session");
     if (answer.status === 204 || answer.status === 401) {
       setSession(null);
+      window.strip && window.strip.pair(false);
     } else {
       setTrouble(reasonsText(answer, texts));
     }

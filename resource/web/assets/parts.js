@@ -10,6 +10,8 @@ export const parameters = new URLSearchParams(location.search);
 const SMALLEST = 0.7;
 const DOCUMENTS = ["page.words", "page.runs", "page.next", "page.results", "page.standings"];
 export const EXPLAINED = "page.explained";
+const DEVICE_WORDS = "page.device_words";
+const {strip} = window;  // STOP, on a paired device: see stop.js
 const RESIZED_MS = 1000;
 const DISPLAYS = "roah_rsbb_displays", DISPLAY_NAME = "roah_rsbb_display_name";
 
@@ -20,11 +22,14 @@ let central = {};
 export function show(Page, documents = DOCUMENTS, display = "") {
   const place = document.getElementById("page");
   const query = () => ({
-    documents: documents.join(","), language: central.language || parameters.get("language") || navigator.languages.join(","),
+    documents: [...new Set([...documents, ...(strip ? [DEVICE_WORDS] : [])])].join(","), language: central.language || parameters.get("language") || navigator.languages.join(","),
     ...(display && {page: display, ...identity(), size: `${innerWidth}x${innerHeight}`, show: parameters.get("show") || ""}),
   });
   const open = () => [...Object.entries(query()), ...(display ? parameters.getAll("zone").map((zone) => ["zone", zone]) : [])];
-  const draw = () => render(html`<${Whole} page=${Page} live=${live} />`, place);
+  const draw = () => {
+    strip && live.data[DEVICE_WORDS] && strip.speak(live.data[DEVICE_WORDS], () => null);
+    render(html`<${Whole} page=${Page} live=${live} />`, place);
+  };
   const changed = () => {
     const before = central.language || null;
     central = live.data["page.display"] || {};

@@ -96,7 +96,7 @@ function openPart(part) {
   delete state.live.data[`part.${state.part}`];
   state.part = part;
   parameters.set("part", part);
-  history.replaceState(null, "", `${location.pathname}?${parameters}`);
+  history.replaceState(history.state, "", `${location.pathname}?${parameters}`);
   scrollTo(0, 0);
   state.live.reopen(query());
   draw();
@@ -104,9 +104,13 @@ function openPart(part) {
 
 // A page that is not paired still needs its texts.
 function openWords() {
-  state.live = new Live("events", {documents: "page.words,page.device_words", language: language || navigator.languages.join(",")},
-    draw);
+  state.live = new Live("events", {documents: "page.words,page.device_words", language: language || navigator.languages.join(",")}, () => {
+    speak(state.live.data["page.device_words"]);
+    draw();
+  });
 }
+
+const speak = (texts) => texts && strip.speak(texts, whyNoStop);
 
 // The zone. A gateway that was just started does not know it yet: then it is as it was last known, so STOP stays possible.
 function zoneNow() {
@@ -124,9 +128,7 @@ function changed(names = []) {
     state.isEnded = state.isEnded && state.live.silentSince !== null;
   }
   const zone = zoneNow(), zones = state.live.data["page.zones"], texts = state.live.data["page.device_words"];
-  if (texts) {
-    strip.speak(texts, whyNoStop);
-  }
+  speak(texts);
   if (zone) {
     state.shown = zone.zone;
     strip.show(zone.zone);
@@ -432,13 +434,14 @@ function Over({zone, texts}) {
   const differences = judged.reduce((sum, run) => sum + run.differences, 0);
   return html`
     <details class="over">
-      <summary class="short">${texts.unsigned}: ${identities.size}${differences > 0
+      <summary class="short">${texts.unsigned}: ${identities.size + zone.unlisted}${differences > 0
         && ` · ⚠ ${texts.differences.replace("{number}", () => differences)}`}</summary>
       ${judged.map((run) => html`
         <${HeadReferee} key=${run.identity} zone=${zone.zone} run=${run} texts=${texts} give=${give} />`)}
       <ul class="unsigned">${zone.unsigned.map((run) => html`
         <${FinishedRun} key=${run.identity} zone=${zone} run=${run} marks=${state.marks} texts=${texts} give=${give}
           undo=${(last) => undo(last, texts)} />`)}</ul>
+      ${zone.unlisted > 0 && html`<p class="facts">${texts.hidden.replace("{number}", () => zone.unlisted)}</p>`}
     </details>`;
 }
 
@@ -449,7 +452,7 @@ function choose(isChoosing) {
 
 function openZone(name) {
   parameters.set("zone", name);
-  history.replaceState(null, "", `${location.pathname}?${parameters}`);
+  history.replaceState(history.state, "", `${location.pathname}?${parameters}`);
   open(name);
   choose(false);
 }

@@ -1,6 +1,7 @@
-// STOP of the referee's page, loaded before everything else (docs/web.md, "Referees"). It has its own connection, needs
-// no other script and no text, and knows only: the zones that this device may stop, whether a run in them can be stopped,
-// and whether the box is heard. The rest of the page gives it texts and may fail.
+// STOP of the referee's page, and of what else a paired device opens, loaded before everything else (docs/web.md,
+// "Referees"). It has its own connection, needs no other script and no text, and knows only: the zones that this device
+// may stop, whether a run in them can be stopped, and whether the box is heard. The rest of the page gives it texts and
+// may fail.
 
 "use strict";
 (() => {
@@ -18,11 +19,19 @@
   const PALM = 2;  // more contacts than these are a hand that means STOP
   const LOOK_MS = 250, SLEPT_MS = 1000;
   const KEPT = "roah_rsbb_stops";
+  const SAME_MS = 2000;  // after a press, STOP does not pass to the only other run: whoever is frightened presses twice
+  const STAYS = "roah_rsbb_stays";  // marks the entry of the history that takes Back
+  // The referee's page and that of the whole box. On others, STOP is shown while a run is in progress.
+  const IS_OWN = document.body.classList.contains("referee");
   const words = {
     stop: "■ STOP", stop_all: "■ STOP ALL", hold: "hold", really: "Press again: {command}",
     offline: "NO LINK TO THE BOX since {time}. STOP is sent until the box answers",
     superseded: "ANOTHER BOX HAS TAKEN OVER: open the pages at {address}",
     nothing_to_stop: "No run is in progress, so there is nothing to stop",
+    others_run: "Nothing is running in {zone}. Running: {zones}. Choose one of them, or hold STOP ALL",
+    cannot_stop: "This device is not paired, so it cannot stop a robot. A paired device, the referees' table and the robot's "
+      + "emergency button can",
+    stays: "Back does not leave this page while a run is in progress",
     not_stopped: "STOP was refused: {reasons}", not_paired: "This device is not paired",
     given_up: "{zone}: STOP WAS NOT DELIVERED. Stop the robot by hand, or press STOP again",
     failed: "A part of this page has failed: {part}. STOP works. Reload the page",
@@ -37,7 +46,8 @@
   };
   const URGENT = ["lost_box", "lost_robot", "not_stopped", "given_up"], DONE = ["stopped", "no_robot"];
   const page = {zones: [], all: false, successor: "", isKnown: false, isPaired: true,
-    shown: new URLSearchParams(location.search).get("zone"), note: "", isUrgent: false, failures: new Map(), why: () => null};
+    shown: new URLSearchParams(location.search).get("zone"), note: "", isUrgent: false, failures: new Map(), why: () => null,
+    pressed: "", pressedAt: -Infinity, stayedAt: -Infinity, isFollowing: false};
   const stops = new Map();  // the newest one of each zone
   const asked = new Map();  // what takes the answers on the connection, by the number of the try
   const requests = new Map();  // that wait for an answer: what ends each, and its STOP
@@ -64,7 +74,8 @@
     return made;
   }
 
-  const bar = element("footer", "stopbar", document.body), row = element("div", "stoprow", bar);
+  document.body.classList.add("stops");
+  const bar = element("footer", "stopbar device", document.body), row = element("div", "stoprow", bar);
   const said = element("p", "stopsaid", row), all = element("button", "stopall", row), one = element("button", "stop", bar);
   const label = element("span", "what", one), place = element("span", "where", one);
   const allLabel = element("span", "what", all), allHint = element("span", "where", all);
@@ -80,9 +91,15 @@
   const isLinked = () => link.socket !== null && link.isHeard && performance.now() - link.heardAt <= SILENT_MS;
   const zoneOf = (name) => page.zones.find((zone) => zone.zone === name);
 
-  // The zone that STOP stops; undefined: none is known. Without a link, a run may have begun unnoticed.
+  // The zone that STOP stops, as in the panels (rqt/model/stops.py): the one shown if a run is in progress in it, else that
+  // of the only run. Undefined: none is known. Without a link, a run may have begun unnoticed.
   function target() {
-    return zoneOf(page.shown) || page.zones.find((zone) => zone.running) || page.zones[0]
+    const here = zoneOf(page.shown), running = page.zones.filter((zone) => zone.running);
+    const isPressed = performance.now() - page.pressedAt < SAME_MS;
+    if (here && (here.running || running.length !== 1)) {
+      return here;
+    }
+    return (isPressed && zoneOf(page.pressed)) || running[0] || page.zones[0]
       || (page.shown && !page.isKnown ? {zone: page.shown, identity: ""} : undefined);
   }
 
@@ -102,7 +119,8 @@
     bar.classList.toggle("of-all", page.all);
     const [line, isUrgent] = tryTo(() => saying(zone), ["", false]);
     set(said, line);
-    bar.hidden = !page.isPaired && !line;
+    bar.hidden = !line && (!page.isPaired || !(IS_OWN || mayMove()));
+    document.body.classList.toggle("no-bar", bar.hidden);
     said.classList.toggle("alarm", isUrgent);
     said.classList.toggle("several", line.includes("\n") || (isUrgent && stops.size > 1));
   }
@@ -124,20 +142,31 @@
     if (ways.some(isNews)) {
       return [lines(ways), ways.some(([way]) => URGENT.includes(way))];
     }
+    if (!page.isPaired) {
+      return [IS_OWN ? words.cannot_stop : "", false];
+    }
     if (page.successor) {
       return [text(words.superseded, {address: page.successor}), true];
     }
-    if (!isLinked() && page.isPaired && (page.isKnown || performance.now() > SILENT_MS)) {
+    if (!isLinked() && (IS_OWN || mayMove()) && (page.isKnown || performance.now() > SILENT_MS)) {
       return [text(words.offline, {time: new Date(link.lostAt).toTimeString().slice(0, 8)}), true];
     }
     if (page.failures.size > 0) {
       return [text(words.failed, {part: [...page.failures.values()].join("; ")}), true];
     }
-    const [why, isUrgent] = zone && !zone.running && tryTo(() => page.why(zone.zone), null) || ["", false];
+    if (performance.now() - page.stayedAt < READ_MS) {
+      return [words.stays, false];
+    }
+    const here = zoneOf(page.shown) || zone, others = page.zones.filter(({running}) => running);
+    const [why, isUrgent] = here && !here.running && tryTo(() => page.why(here.zone), null) || ["", false];
     if (page.note) {
       return isUrgent ? [`${why}\n${page.note}`, true] : [page.note, page.isUrgent];
     }
-    return isUrgent ? [why, true] : [lines(ways) || why || (zone && !zone.running ? words.nothing_to_stop : ""), false];
+    // Before the first message, nobody knows whether there is something to stop. On other pages, only a run is news.
+    const isOff = IS_OWN && page.isKnown && zone && !zone.running;
+    const off = !isOff ? "" : others.length > 0
+      ? text(words.others_run, {zone: zone.zone, zones: others.map((one) => one.zone).join(", ")}) : why || words.nothing_to_stop;
+    return isUrgent ? [why, true] : [lines(ways) || off, false];
   }
 
   // -- its connection ---------------------------------------------------------------------------------
@@ -156,6 +185,8 @@
       socket.close();
       asked.forEach((take) => take());
       setTimeout(() => link.socket || !page.isPaired || connect(), RECONNECT_MS * (1 + Math.random()));
+      // The referee's page asks itself whether the device is still paired.
+      IS_OWN || fetch("/api/v1/session").then(({status}) => status === 401 && strip.pair(false), () => {});
       watch();
     }
   }
@@ -178,6 +209,7 @@
       lose(link.socket);  // a change was lost: begin again
     }
     link.isHeard = message.heard && link.hasZones;
+    stay();
     watch();
   }
 
@@ -357,6 +389,7 @@
   function press() {
     const zone = target();
     if (canStop(zone)) {
+      Object.assign(page, {pressed: zone.zone, pressedAt: performance.now()});
       stopRun(zone);
     } else {
       bar.classList.add("whole");  // why it is off
@@ -417,6 +450,46 @@
   }
   ["resize", "scroll"].forEach((kind) => window.visualViewport && visualViewport.addEventListener(kind, keepInSight));
 
+  // -- leaving the page -------------------------------------------------------------------------------
+
+  // Whether a robot may be moving, as far as this page knows.
+  const mayMove = () => page.zones.some((zone) => zone.running || zone.not_stopped)
+    || [...stops.values()].some((stop) => !stop.isAnswered);
+  const isTouched = () => !navigator.userActivation || navigator.userActivation.hasBeenActive;
+  const isLeft = () => !IS_OWN || !page.isPaired || page.isFollowing || !mayMove();
+
+  // Back, or a swipe from the edge of the screen, goes to the entry below this one, and that is this page, too. Browsers
+  // skip entries of pages that nobody has touched: then they leave.
+  function stay() {
+    if (!isLeft() && !(history.state && history.state[STAYS])) {
+      history.pushState({[STAYS]: true}, "");
+    }
+  }
+  window.addEventListener("popstate", ({state}) => {
+    if (state && state[STAYS]) {
+      return;
+    }
+    if (isLeft()) {
+      history.back();
+    } else {
+      page.stayedAt = performance.now();
+      history.forward();
+    }
+    draw();
+  });
+  // What leaves the page otherwise is asked by the browser. The own pages have STOP: to them, nobody is asked.
+  window.addEventListener("click", ({target}) => {
+    const way = target instanceof Element && target.closest("a[href]");
+    page.isFollowing = Boolean(way) && way.origin === location.origin;
+    setTimeout(() => (page.isFollowing = false), LATE_MS);
+  });
+  window.addEventListener("beforeunload", (event) => {
+    if (!isLeft() && isTouched()) {
+      event.preventDefault();
+      event.returnValue = true;
+    }
+  });
+
   // -- sounds, sleep, faults --------------------------------------------------------------------------
 
   // Phones make sounds only after a touch, and iPhones only if the sound was allowed while they were touched.
@@ -430,7 +503,7 @@
 
   // A short tone, and a vibration where there is one.
   function signal(frequency, pattern) {
-    if (navigator.vibrate && (!navigator.userActivation || navigator.userActivation.hasBeenActive)) {
+    if (navigator.vibrate && isTouched()) {
       navigator.vibrate(pattern);
     }
     audio = audio || new AudioContext();
@@ -485,7 +558,7 @@
       page.shown = zone;
       draw();
     },
-    // Whether the device is paired: otherwise there is nothing to stop.
+    // Whether the device is paired: otherwise it can stop nothing.
     pair: (isPaired) => {
       page.isPaired = isPaired;
       link.socket || !isPaired || connect();

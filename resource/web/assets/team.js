@@ -87,8 +87,8 @@ function Team({live, words}) {
   const {results, provisional} = live.data["page.results"];
   const ours = results.filter(isOurs), early = provisional.filter(isOurs);
   const standings = live.data["page.standings"].standings
-    .map((standing) => ({title: standing.title, lines: standing.lines.filter((line) => line.team === name)}))
-    .filter((standing) => standing.lines.length > 0);
+    .map((standing) => ({title: standing.title, lines: standing.lines.filter((line) => line.team === name || !line.team)}))
+    .filter((standing) => standing.lines.some((line) => line.team));
   const trouble = troubleText(live, words);
   return html`
     ${trouble && html`<header class="alarm"><span role="alert">${trouble}</span></header>`}

@@ -78,7 +78,7 @@ class Reload:
         self._copies.use(config)
         self._use_zone(config.time_zone)
         self._connections.version = version
-        self._zones.reschedule(config.zones)
+        self._zones.reschedule(config.zones, self._finished.records())
         self._outbox.emit(effects.ModuleRunsChanged())  # a module may be needed from now on
         for zone in self._zones.values():
             self._outbox.mark_changed(zone.name)

@@ -163,13 +163,16 @@ class Zone:
 
     # -- another schedule ---------------------------------------------------------------------------
 
-    def reschedule(self, plan: ZonePlan) -> None:
-        """Take another schedule, and stay at the current event, or go to the event that follows it."""
+    def reschedule(self, plan: ZonePlan) -> List[int]:
+        """Take another schedule, and stay at the current event, or go to the event that follows it. Return the places
+        of events that came after it before, and come before it now."""
+        later = [key_of(event) for event in self.events[self.index + 1:]]
         self.planned = plan.events
         if self.run is not None:
             self.hold(self.run.event)
         elif not self._use_plan(key_of(self.event)):
             self.last_run = None
+        return sorted(place for place in map(self.place_of, later) if place is not None and place < self.index)
 
     def hold(self, event: ScheduledEvent) -> None:
         """Go to the event of a run, and keep it as it is until the run is left."""
@@ -242,14 +245,20 @@ class Zones(Dict[str, Zone]):
             self._runs = _Runs(self.values())
         return self._runs
 
-    def reschedule(self, plans: Sequence[ZonePlan]) -> None:
-        """Take another schedule. No zone with a run may be missing in it."""
-        before = dict(self)
+    def reschedule(self, plans: Sequence[ZonePlan], records: Iterable[RunRecord] = ()) -> None:
+        """Take another schedule. No zone with a run may be missing in it. An event that was moved to a later time waits
+        until those that now come before it are over. `records`: of the finished runs, the newest first."""
+        before, overtaking = dict(self), {}
         self.clear()
         for plan in plans:
             self[plan.name] = before.get(plan.name) or Zone(plan, self._forget_runs)
-            self[plan.name].reschedule(plan)
+            overtaking[plan.name] = self[plan.name].reschedule(plan)
         self._forget_runs()
+        over = self.over(records) if any(overtaking.values()) else ()
+        for name, places in overtaking.items():
+            place = next((place for place in places if (name, place) not in over), None)
+            if place is not None and self[name].run is None:
+                self[name].move(place - self[name].index)
 
     def places_of(self, record: RunRecord) -> List[Tuple[str, int]]:
         """Return the zone and the place in its schedule of the event at which a run is an attempt. There is none if the

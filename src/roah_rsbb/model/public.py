@@ -104,6 +104,7 @@ class PublicStanding(NamedTuple):
     benchmark: str  # its full name
     criteria: Tuple[str, ...]
     ranks: Tuple[PublicRank, ...]
+    notes: Tuple[Said, ...] = ()  # what a reader must know of it
 
 
 class Public(NamedTuple):

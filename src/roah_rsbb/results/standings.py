@@ -22,6 +22,7 @@ from roah_rsbb.core.scoring.counting import (
 )
 from roah_rsbb.core.scoring.points import text_of
 from roah_rsbb.model.public import PublicRank, PublicStanding
+from roah_rsbb.model.reason import Reason, say
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.model.scoring import SheetForm
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, joined, page, table, tag
@@ -57,6 +58,16 @@ DAYS_OF_COMPUTER = (
 NO_TITLES: Mapping[str, str] = {}
 
 
+TURN = say("team {team}, {turn}: {what}")
+UNSIGNED = say("team {team}, {turn}: not signed off yet, so it does not count")
+ABSENT = say("team {team} gets 0 for {part}: none of its runs counts")
+NOT_YET = say("team {team} gets 0 for {part}: its run is not signed off yet")
+WAITS = say("team {team} has a run of {part} that is not signed off yet: it does not count")
+NO_RUNS = say("{part} has no runs yet")
+EARLIER = say("scored by an earlier sheet ({changed}): run {runs}")
+ALL_ZERO = say("{part} counts 0: no team has more than 0")
+
+
 class RankedRun(NamedTuple):
     """A run in a standing."""
 
@@ -84,7 +95,7 @@ class Standing(NamedTuple):
     of_runs: OfRuns
     criteria: Tuple[Criterion, ...]
     lines: Tuple[TeamLine, ...]
-    remarks: Tuple[str, ...]  # notes for the reader
+    remarks: Tuple[str, ...]  # notes for the reader; those made by `say` are for the public, too
     units: Tuple[str, ...]  # of each criterion; empty: a plain number
     title: str = ""  # what the benchmark is called; empty: not known
     counting: str = ""  # of an overall standing, what counts; empty: that of `of_runs`
@@ -115,7 +126,8 @@ def public_standings(
     """Return the standings for the public; see `standings`."""
     return tuple(
         PublicStanding(found.title or found.benchmark, tuple(criteria_of(found)), tuple(
-            PublicRank(rank_text(line), line.team, tuple(number_cells(found, line))) for line in found.lines))
+            PublicRank(rank_text(line), line.team, tuple(number_cells(found, line))) for line in found.lines),
+            tuple(remark for remark in found.remarks if isinstance(remark, Reason)))
         for found in standings(records, rules, choice, titles) if found.lines)
 
 
@@ -155,7 +167,7 @@ def _of_other_sheets(records: Sequence[RunRecord]) -> Iterator[str]:
     for form, runs in by_form.items():
         if form is not newest:
             changed = "; ".join(differences("", form, newest))
-            yield f"scored by an earlier sheet ({changed}): run {', '.join(runs[::-1])}"
+            yield EARLIER(changed=changed, runs=", ".join(runs[::-1]))
 
 
 def _is_shown(record: RunRecord, choice: RunChoice) -> bool:
@@ -199,10 +211,10 @@ def _remarks(ruling: Ruling, missing: Mapping[str, None], event: EventRules) -> 
     if why is Why.NOT_OVER and record.started_utc:
         yield f"run {record.identity} is still running: it does not count yet"
     elif why is Why.NOT_SIGNED_OFF:
-        yield f"{run} is not signed off and does not count"
+        yield UNSIGNED(team=record.team, turn=turn(record.round, record.run))
     elif why in (Why.ZERO, Why.NO_SCORE):
         scored = "counts as 0" if ruling.counts else "no score"
-        yield f"team {record.team}, {turn(record.round, record.run)}: {end_reason(record.end_reason)}, {scored}"
+        yield TURN(team=record.team, turn=turn(record.round, record.run), what=f"{end_reason(record.end_reason)}, {scored}")
     elif why in (Why.NOT_LAST, Why.NOT_BEST):
         yield f"{run} was repeated: only the {event.counting.value} run counts"
     elif why is Why.RAN:
@@ -275,10 +287,12 @@ def _column(
     absent = {record.team: _TeamsPart(Fraction(0), ()) for record in records
               if record.benchmark == part.benchmark and record.end_reason and record.team != ALL_TEAMS
               and _is_shown(record, choice)}
-    remarks += [f"team {team} gets 0 for {part.name}: none of its runs counts" for team in absent
-                if team not in numbers]
+    remarks += [ABSENT(team=team, part=part.name) for team in absent if team not in numbers]
+    waiting = dict.fromkeys(record.team for record in records if record.benchmark == part.benchmark and record.end_reason
+                            and record.team != ALL_TEAMS and not _is_shown(record, choice))
+    remarks += [(WAITS if team in numbers or team in absent else NOT_YET)(team=team, part=part.name) for team in waiting]
     if not numbers:
-        remarks.append(f"{part.name} has no runs yet")
+        remarks.append(NO_RUNS(part=part.name))
         return absent
     reference = Fraction(1)
     if normalised is Normalised.MAXIMUM:
@@ -286,7 +300,7 @@ def _column(
     elif normalised is Normalised.BEST:
         reference = max(numbers.values())
         if reference <= 0:
-            remarks.append(f"{part.name} counts 0: no team has more than 0")
+            remarks.append(ALL_ZERO(part=part.name))
             numbers, reference = dict.fromkeys(numbers, Fraction(0)), Fraction(1)
     return {**absent, **{line.team: _TeamsPart(exact(part.weight) * numbers[line.team] / reference, _deciding(line))
                          for line in found.lines}}

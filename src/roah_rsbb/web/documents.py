@@ -54,6 +54,7 @@ def standings(document: Document) -> Data:
         {
             "benchmark": standing.benchmark, "criteria": list(standing.criteria),
             "ranks": [{"rank": rank.rank, "team": rank.team, "numbers": list(rank.numbers)} for rank in standing.ranks],
+            "notes": list(standing.notes),
         }
         for standing in document.public.standings
     ]}

@@ -33,11 +33,14 @@ from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind, set_he
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.teams.codes import TeamCodes
 from roah_rsbb.web.teams.requests import CODE, CodesHandler, TeamHandler
-from roah_rsbb.web.writing import CommandHandler, DeviceEventsHandler, PairHandler, SessionHandler, StopEventsHandler
+from roah_rsbb.web.writing import (
+    CommandHandler, DeviceEventsHandler, OfDevice, PairHandler, SessionHandler, StopEventsHandler,
+)
 from roah_rsbb.wording.device import TOO_MANY_TEAM_GUESSES
 
-# They have STOP, and one script.
+# They have STOP, and one script. Others have STOP on a paired device, which may come to them in a run.
 PAGES_WITH_STOP = ("referee", "box")
+PAGE_WITHOUT_STOP = "overlay"  # part of a picture
 # Classes of a page besides its name: of the whole box, also those of the page that it consists of.
 _KINDS = {"box": " device referee"}
 PAGES_OF_DEVICES = ("pair", *PAGES_WITH_STOP, "displays", "codes")
@@ -303,7 +306,7 @@ class MissingHandler(Guarded):
         raise web.HTTPError(404)
 
 
-class PageHandler(Guarded):
+class PageHandler(OfDevice):
     """A page. Its parameters are for its script: the server does not read them."""
 
     def initialize(self, server: WebServer, folder: pathlib.Path) -> None:
@@ -313,13 +316,14 @@ class PageHandler(Guarded):
     def get(self, name: str) -> None:
         """Return the page, with the script that must not be lost on the way. STOP depends on no other script."""
         again, page = ((self._folder / file).read_text(encoding="utf-8") for file in ("again.js", "page.html"))
+        has_stop = name in PAGES_WITH_STOP or (name != PAGE_WITHOUT_STOP and self.session() is not None)
         set_headers(self, {"Content-Type": "text/html; charset=utf-8", "Cache-Control": "no-cache",
                            "Content-Security-Policy": policy(self.request, again)})
         self.finish(page.format(
             again=again, name=name or "index", kind=_KINDS.get(name, " device") if name in PAGES_OF_DEVICES else "",
             script="referee" if name in PAGES_WITH_STOP else name or "index",
             layout="" if name in DISPLAYS else 'data-layout="list"',
-            stop='<script src="/assets/stop.js"></script>' if name in PAGES_WITH_STOP else "",
+            stop='<script src="/assets/stop.js"></script>' if has_stop else "",
         ))
 
     head = get

@@ -18,15 +18,17 @@ from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.times import Moments, formatted
 
 _MARKS = {"idle": "○", "connected": "●", "running": "▶", "ended": "■"}
-# Runs without judges that are over and not signed off. The page is no archive.
-MAX_UNSIGNED = 5
+# Runs without judges that are over and not signed off. Of more, the page says how many there are.
+MAX_UNSIGNED = 50
 
 
 def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
     """Return everything about a zone but its running times. `utc_s`: the box's clock, see `moment`."""
     event, actions, moments, task = zone.event, zone.actions, Moments(False), todo.todo(zone)
     runs = [run for run in document.runs() if run.zone == zone.zone]
-    unsigned = _unsigned(runs, document)
+    waiting = [run for run in runs if run.closed_utc_s is not None and run.signed_utc_s is None]
+    # Also older ones that judges score or that are published.
+    unsigned = waiting[:MAX_UNSIGNED] + [run for run in waiting[MAX_UNSIGNED:] if run.identity in document.judging]
     judgings = {one.identity: one for one in judging.judgings_of(document, zone.zone)}
     reasons = [*zone.off("connect"), *zone.off("start")]  # the page shows them beside the commands
     # Those of the zone first: a robot may be moving. The one that says what to do now is not repeated.
@@ -59,6 +61,7 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
         "items": [item_page(item) for item in zone.items],
         "points": sheets.points_of(zone.points),
         "unsigned": [_run(run, moments, utc_s) for run in unsigned],
+        "unlisted": len(waiting) - len(unsigned),
         "judging": [_judging(judgings[run.identity], run, moments, utc_s) for run in runs
                     if run.identity in judgings and (run.closed_utc_s is None or run in unsigned)],
     }
@@ -124,12 +127,6 @@ def item_page(item: SheetItem) -> Data:
         "shown": sheets.item_value(item.type, item.value, item.not_attempted, item.text),
         "min": item.min, "max": item.max, "choices": item.choices, "judges": item.judges, "ratings": item.ratings,
     }
-
-
-def _unsigned(runs: Sequence[RunLine], document: Document) -> List[RunLine]:
-    """Return the newest runs that are not signed off, and older ones that judges score or that are published."""
-    found = [run for run in runs if run.closed_utc_s is not None and run.signed_utc_s is None]
-    return found[:MAX_UNSIGNED] + [run for run in found[MAX_UNSIGNED:] if run.identity in document.judging]
 
 
 def _run(run: RunLine, moments: Moments, utc_s: float) -> Data:

@@ -147,7 +147,7 @@ def _standing(standing: PublicStanding) -> StandingTexts:
             for criterion, number in zip(standing.criteria, rank.numbers) if number
         ))
         for rank in standing.ranks
-    ))
+    ) + tuple(ListLine("", "", "", "", (f"* {tr_said(note)}",)) for note in standing.notes))
 
 
 def _result(result: PublicResult, utc_s: float) -> ListLine:

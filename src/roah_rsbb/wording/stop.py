@@ -37,6 +37,7 @@ SHORT = {
     Way.LOST_BOX: tr_later("NOT DELIVERED"),
     Way.LOST_ROBOT: tr_later("NO ANSWER"),
 }
+OTHERS_RUN = tr_later("Nothing is running in {zone}. Running: {zones}. Choose one of them, or hold STOP ALL")
 # Before a referee leaves a run whose robot has not stopped.
 LEAVING = tr_later("{robots} did not answer STOP. After the disconnect the box does not repeat it: stop by hand first")
 # Ways on which the referee must stop the robot by hand.

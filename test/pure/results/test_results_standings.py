@@ -26,6 +26,7 @@ from roah_rsbb.results.standings import (
     RunChoice,
     number_text,
     overall_standing,
+    public_standings,
     run_text,
     standing,
     standing_lines,
@@ -43,6 +44,7 @@ from roah_rsbb.rulebook.standing_rules import (
     Overall,
     Rules,
     StandingPart,
+    StandingRules,
     Term,
     read_rules,
 )
@@ -357,6 +359,22 @@ def overall(*parts, **fields):
     """(rank, team, numbers) of each line."""
     table = overall_standing(Overall("All", parts, **fields), TWO_DAYS, {"HGTKMH": HITS_OUT}, ALL)
     return [(line.rank, line.tied, line.team, line.numbers) for line in table.lines]
+
+
+def test_the_public_reads_which_runs_do_not_count_yet():
+    rules = StandingRules()
+    rules.overall = (Overall("All", (StandingPart("HGTKMH"), StandingPart("HWV"))),)
+    records = [*TWO_DAYS[:2], pointed("A", 4, "3", benchmark="HWV"), pointed("B", 5, "6", benchmark="HWV"),
+               pointed("C", 6, "9", end_reason="withdrawn")]
+    records = [record if record.team == "B" else record._replace(sign_off=SIGNED) for record in records]
+    overall, first, second = public_standings(records, rules, RunChoice(signed_off=True), {})
+    assert [(rank.team, rank.numbers[0]) for rank in overall.ranks] == [("A", "2"), ("C", "0")]
+    unsigned = "team B gets 0 for {}: its run is not signed off yet"
+    assert overall.notes == ("team C gets 0 for HGTKMH: none of its runs counts", unsigned.format("HGTKMH"),
+                             unsigned.format("HWV"))
+    assert first.notes == ("team B, round 1, run 2: not signed off yet, so it does not count",
+                           "team C, round 1, run 6: withdrawn, no score")
+    assert second.notes == ("team B, round 1, run 5: not signed off yet, so it does not count",)
 
 
 HITS_OUT = BY_POINTS._replace(disqualified_by=(DISQUALIFYING,))

@@ -15,6 +15,7 @@ from roah_rsbb.model.zone import Count, RunClock
 from roah_rsbb.web import zone_documents
 from roah_rsbb.web.desk import NO_STOP, STOP, Desk
 from roah_rsbb.web.store import Store
+from roah_rsbb.web.zone_documents import MAX_UNSIGNED
 
 KEY = ("page.zone", "en", "Home")
 CLOCK = ("page.clock", "en", "Home")
@@ -190,17 +191,19 @@ def test_score_sheets_that_wait_for_a_signature(desk):
 
 
 def test_a_result_without_judges_can_be_published(desk):
-    runs = [closed_run(f"run {n}", closed=NOW - n) for n in range(7)]
+    runs = [closed_run(f"run {n}", closed=NOW - n) for n in range(MAX_UNSIGNED + 2)]
+    last, listed = f"run {MAX_UNSIGNED + 1}", [f"run {n}" for n in range(MAX_UNSIGNED)]
     desk.put(
         zone_of(),
         results=by_identity(*runs, closed_run("hall", zone="Hall"), closed_run("judged", closed=None)),
         judging=by_identity(
-            Judging("Home", "run 6", 4, published_utc_s=NOW, objections_until_utc_s=NOW + 60.0, open_objections=1),
+            Judging("Home", last, 4, published_utc_s=NOW, objections_until_utc_s=NOW + 60.0, open_objections=1),
             Judging("Home", "judged", 4, count=2)))
-    assert [run["identity"] for run in data(desk)["unsigned"]] == ["run 0", "run 1", "run 2", "run 3", "run 4", "run 6"]
+    assert [run["identity"] for run in data(desk)["unsigned"]] == [*listed, last]
+    assert data(desk)["unlisted"] == 1 and len(listed) > 13, "the page counts all"
     shown = {run["identity"]: run for run in data(desk)["judging"]}
-    assert list(shown) == ["judged", "run 0", "run 1", "run 2", "run 3", "run 4", "run 6"]
-    new, old = shown["run 0"], shown["run 6"]
+    assert list(shown) == ["judged", *listed, last]
+    new, old = shown["run 0"], shown[last]
     assert (new["count"], new["revision"], new["publication"]) == (0, 0, "")
     assert not new["off"]["publish"] and new["off"]["object"] == "The result is not published yet"
     assert not old["off"]["object"] and "objections to answer: 1" in old["publication"]

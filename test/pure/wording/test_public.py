@@ -87,8 +87,9 @@ def test_a_result_and_its_scores():
 
 def test_a_standing():
     ranks = (PublicRank("1=", "Alpha", ("5", "0.1 m")), PublicRank("3", "Beta", ("disqualified", "")))
-    standing = PublicStanding("Visitors", ("Achievements", "Error (less is better)"), ranks)
+    standing = PublicStanding("Visitors", ("Achievements", "Error (less is better)"), ranks, ("Gamma is not there",))
     assert public.standings(PublicBox([run()], standings=[standing]).document) == (("Visitors", (
         ("1=", "Alpha", "", "", ("Achievements: 5", "Error (less is better): 0.1 m")),
         ("3", "Beta", "", "", ("Achievements: disqualified",)),
+        ("", "", "", "", ("* Gamma is not there",)),
     )),)

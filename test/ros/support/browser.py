@@ -78,6 +78,8 @@ class Browser:
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
         )
         self.errors: List[str] = []  # of the pages' own programs, and whatever could not be loaded
+        self.stays = False  # what is answered to a page that asks whether it is to be left
+        self.asked = 0  # how many have asked
         self._answers: Dict[int, asyncio.Future] = {}
         self._loads: Dict[str, asyncio.Future] = {}  # by session
         self._numbers = itertools.count(1)
@@ -178,6 +180,10 @@ class Browser:
             loaded = self._loads.pop(message["sessionId"], None)
             if loaded is not None:
                 loaded.set_result(None)
+        elif message.get("method") == "Page.javascriptDialogOpening":
+            self.asked += 1
+            answered = self._ask("Page.handleJavaScriptDialog", message["sessionId"], {"accept": not self.stays})
+            self._loop.create_task(answered)
         elif message.get("method") == "Runtime.exceptionThrown":
             self.errors.append(json.dumps(message["params"]["exceptionDetails"]))
         elif message.get("method") == "Log.entryAdded" and message["params"]["entry"]["level"] == "error":

@@ -14,10 +14,11 @@ from typing import Any, Dict, List, Tuple
 from unittest import mock
 
 from support.browser import IS_ALL, NeedsBrowser, Page
-from support.fakes.gateway import LONG, FakeGateway
+from support.fakes.gateway import LONG, URL, FakeGateway
 from support.waiting import happened, wait_until
 
 from roah_rsbb.web import desk, zone_documents
+from roah_rsbb.web.pairing import Grant
 
 SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
 SIZES = ((320, 480), (390, 844), (844, 390), (768, 1024))
@@ -611,6 +612,168 @@ class TestZoneIsGone(PhoneCase):
         page.wait(f"{SAID} === {json.dumps(gone)} && document.querySelector('#page .nothing').innerText === "
                   f"{json.dumps(gone)}", "what to do")
         self.assertTrue(page.get(f"document.querySelector('{STOP}').hidden"), "there is nothing to stop")
+
+
+class TestLeaving(PhoneCase):
+    """Back, links and other pages of a paired device during a run."""
+
+    STAYED = f"{SAID} === 'Back does not leave this page while a run is in progress'"
+    IS_OVER = "document.querySelector('.run.ended') !== null"
+
+    def test_back_does_not_lead_away_from_a_run(self) -> None:
+        gateway = self.gateway()
+        for page in (self.phone(gateway), self.phone(gateway, zone="")):  # a referee's, an organiser's
+            gateway.set(phase="idle")
+            page.open(f"{URL}/pair?language=en")
+            page.open(f"{URL}/referee?language=en")
+            page.wait("document.querySelector('.run.idle') !== null", "the zone is shown")
+            gateway.set(phase="running")
+            page.wait(IS_ON, "STOP is on")
+            for _ in range(2):
+                page.get("history.back()")
+                page.wait(f"{self.STAYED} && location.pathname === '/referee' && history.state !== null", "it stays")
+            page.get("document.querySelector('.who a:last-child').click()")
+            page.wait_address("/pair")
+            page.wait("document.querySelector('form') !== null", "the page for pairing is shown")
+            page.get("history.back()")
+            page.wait_address("/referee")
+            page.wait(IS_ON, "STOP is on")
+            page.get("history.back()")
+            page.wait(self.STAYED, "it stays")
+            self.stops(gateway, page)
+            page.wait(self.IS_OVER, "the run is over")
+            page.get("history.back()")
+            page.wait_address("/pair")
+
+    def test_the_browser_asks_before_a_page_with_a_run_is_left(self) -> None:
+        gateway = self.gateway()
+        page = self.phone(gateway)
+        page.touch(5, 5)  # browsers ask nothing of a reader who has not touched the page
+        self.browser.stays = True
+        self.addCleanup(setattr, self.browser, "stays", False)
+        for of_zones, is_asked in (({"phase": "running"}, True), ({"phase": "idle"}, False),
+                                   ({"phase": "ended", "not_stopped": ["R2D2"]}, True)):
+            with self.subTest(**of_zones):
+                gateway.set(**of_zones)
+                page.wait(f"document.querySelector('.run.{of_zones['phase']}') !== null", "it is shown")
+                asked = self.browser.asked
+                page.get("window.isOld = true, setTimeout(() => location.reload()), 0")
+                if is_asked:
+                    wait_until(lambda: self.browser.asked > asked, "the browser asks")
+                    self.assertTrue(page.get("window.isOld"), "it stays")
+                else:
+                    wait_until(lambda: page.is_now("!window.isOld && document.querySelector('.run') !== null"), "it goes")
+                    self.assertEqual(self.browser.asked, asked)
+                    page.touch(5, 5)
+
+    def test_pairing_leaves_no_page_behind(self) -> None:
+        gateway = self.gateway()
+        code = gateway.do(lambda: gateway.server.codes.make(gateway.server.now(), Grant("referee", "Home A")))
+        page = self.browser.page("about:blank", *PHONE, is_alone=True)
+        self.addCleanup(self._close, page)
+        page.open(f"{URL}/pair?language=en#{code.link}")
+        page.fill("#person", "Anna")
+        before = page.get("history.length")
+        page.press("form button")
+        page.wait_address("/referee")
+        page.wait("document.querySelector('.run') !== null", "the zone is shown")
+        self.assertEqual(page.get("history.length"), before)
+
+    def test_every_page_of_a_paired_device_has_stop_while_a_run_is_in_progress(self) -> None:
+        gateway = self.gateway(2)
+        for role, zone in (("referee", "Home B"), ("organiser", "")):
+            page = self.phone(gateway, zone=zone, role=role)
+            for path in ("pair", "displays", "codes", "", "team/Delta", "display"):
+                with self.subTest(role=role, path=path):
+                    gateway.set(phase="idle")
+                    page.open(f"{URL}/{path}?language=de")
+                    page.wait("document.querySelector('#page > *') !== null && document.querySelector('.stopbar').hidden",
+                              "without a run there is nothing to stop")
+                    gateway.set(phase="running", run=gateway.zones[0].run + 1)
+                    page.wait(f"{IS_ON} && document.querySelector('.stopall').hidden === {json.dumps(bool(zone))}", "STOP")
+                    left, top, width, height = page.box(STOP)
+                    self.assertGreaterEqual(height, 64)
+                    self.assertEqual((left, width, top + height), (12, PHONE[0] - 24, PHONE[1] - 8))
+                    page.screenshot(SHOTS / f"stop_on_{role}_{path.partition('/')[0] or 'index'}.png")
+                    self.stops(gateway, page, zone)
+                    page.wait(f"{SAID}.includes('hat angehalten')", "its way")
+            page.open(f"{URL}/overlay")
+            self.assertTrue(page.get("document.querySelector('.stopbar') === null"), "a part of a picture")
+            page.close()
+
+    def test_a_device_that_is_not_paired_says_that_it_cannot_stop_and_who_can(self) -> None:
+        gateway = self.gateway()
+        gateway.set(phase="running")
+        page = self.phone(gateway)
+        gateway.do(lambda: gateway.server.revoke(""))
+        for language, said in (("en", "This device is not paired, so it cannot stop a robot. A paired device, the "
+                                      "referees' table and the robot's emergency button can"), ("de", "Not-Aus-Taster")):
+            page.open(f"{URL}/referee?zone=Home+A&language={language}")
+            wrong = page.note(f"{SAID}.includes('nothing to stop')")
+            page.wait(f"{SAID}.includes({json.dumps(said)})", "it cannot stop")
+            self.assertFalse(page.get(wrong))
+            page.screenshot(SHOTS / f"stop_unpaired_{language}.png")
+        page.open(f"{URL}/pair")
+        self.assertTrue(page.get("document.querySelector('.stopbar') === null"))
+
+    def test_stop_is_of_the_only_run_as_in_the_panels(self) -> None:
+        gateway = self.gateway(4)
+        page = self.phone(gateway)
+        where = f"document.querySelector('{STOP} .where').textContent"
+        page.wait(f"live.data['page.zone']?.zone === 'Home A' && {where} === 'Home A'", "it is shown")
+        gateway.do(lambda: setattr(gateway.zone("Hall"), "phase", "running"))
+        page.wait(f"{where} === 'Hall' && {IS_ON}", "STOP names the only run")
+        gateway.do(lambda: setattr(gateway.zone("Room 4"), "phase", "running"))
+        page.wait(f"{where} === 'Home A' && !({IS_ON}) && {SAID}.endsWith('Running: Hall, Room 4. Choose one of them, or "
+                  "hold STOP ALL')", "which one is not known")
+        gateway.do(lambda: setattr(gateway.zone("Home A"), "phase", "running"))
+        page.wait(f"{where} === 'Home A' && {IS_ON}", "the one that is shown")
+        gateway.do(lambda: setattr(gateway.zone("Room 4"), "phase", "idle"))
+        page.get("(now => (performance.now = () => now))(performance.now()), 0")
+        self.stops(gateway, page, "Home A")
+        page.wait("live.data['page.zone'].phase === 'ended'", "it is over")
+        self.assertEqual(page.get(where), "Home A", "a second press is no STOP of another run")
+        page.get("delete performance.now")
+        page.wait(f"{where} === 'Hall' && {IS_ON}", "then it is")
+        self.stops(gateway, page, "Hall")
+
+
+class TestReloaded(PhoneCase):
+    """What a page must not lose, and must not show, when it is loaded again or shows another part."""
+
+    UNDO = "button[data-command=undo]"
+
+    def test_the_last_mark_can_be_taken_back_after_a_reload(self) -> None:
+        gateway = self.gateway()
+        gateway.set(phase="running")
+        page = self.phone(gateway)
+        for number, (desc, _) in enumerate((("Enters", "take_back"), ("Bumps", "mark"))):
+            page.wait(CLICKED.format(f"[data-item^={desc}] .controls button:nth-of-type({number + 1})"), "it is marked")
+            page.wait(f"document.querySelector('{self.UNDO}').textContent.includes('{desc}')", "it can be taken back")
+        page.command("Page.reload")
+        for desc, given in (("Bumps", "mark"), ("Enters", "take_back")):
+            page.wait(f"document.querySelector('{self.UNDO}').textContent.includes('{desc}')", "it still can")
+            gateway.given.clear()
+            page.wait(CLICKED.format(self.UNDO), "it is taken back")
+            gateway.wait_given(given, "Home A")
+        page.wait(f"document.querySelector('{self.UNDO}').disabled", "nothing is left")
+        page.command("Page.reload")
+        page.wait(f"document.querySelector('{self.UNDO}').disabled", "what was taken back is not offered again")
+
+    def test_parts_that_are_changed_quickly_give_up_no_connection(self) -> None:
+        """Browsers let the next connections of such a page wait for seconds."""
+        page = self.phone(self.gateway(2))
+        page.open(f"{URL}/box?language=en")
+        page.wait("document.querySelector('[data-part=runs]') !== null", "its parts are shown")
+        page.get("""window.givenUp = 0, WebSocket.prototype.close = (close => function () {
+            givenUp += this.readyState === WebSocket.CONNECTING;
+            close.call(this);
+        })(WebSocket.prototype.close), 0""")
+        page.wait(STILL, "nothing has changed just now")
+        page.get("['overview', 'schedule', 'robots', 'runs', 'box', 'schedule'].forEach("
+                 "part => document.querySelector(`[data-part=${part}]`).click()), 0")
+        page.wait("document.querySelector('.part .filters') !== null", "the last one is shown")
+        self.assertEqual(page.get("givenUp"), 0)
 
 
 class TestTouches(PhoneCase):

@@ -194,6 +194,7 @@ class RobotLink:
         notices = self._note_clock(now, verdict, report, time_ns)
         if new_host and state.host is not None:
             notices.extend(self._note_host(now, state.host, host))
+            self._rival = None  # it names the address where the robot was
         state.host, state.last, state.last_heard = host, report, now
         self._old = 0
         if now.mono + SILENT_S > self._looked_mono:  # a box that reads late has reported the silence after older ones
@@ -342,9 +343,11 @@ class RobotLink:
 
     def _note_host(self, now: Now, before: str, host: str) -> List[str]:
         """Report a changed address, at most once per interval: two robots of one name change it with every message."""
-        if self._moved is not None and now.mono - self._moved_mono <= REMEMBER_S:
+        is_new = self._moved is None or now.mono - self._moved_mono > REMEMBER_S
+        self._moved = MOVED(before=before, host=host)
+        if not is_new:
             return []
-        self._moved, self._moved_mono = MOVED(before=before, host=host), now.mono
+        self._moved_mono = now.mono
         return [self._moved]
 
     def _note_clock(self, now: Now, verdict: Freshness, report: RobotReport, time_ns: int) -> List[str]:

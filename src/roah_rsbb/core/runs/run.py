@@ -904,7 +904,12 @@ class Run(ZoneRun):
             return [STAYS_IN_STOP(time=times.in_sentence(waited_s), code=code)]
         return [NO_GOAL_TAKEN(time=times.in_sentence(waited_s), code=code)]
 
+    @property
+    def messages_saved(self) -> int:
+        """The number of saved messages of offline data. Before the start, a robot reports that of its run before."""
+        return self.link.messages_saved if self.book.state.started_utc else 0
+
     def status_lines(self, now: Now) -> List[str]:
         """Return the status lines for the referee besides `desc` and the warnings."""
-        saved = [] if self.robot_state is None else [SAVED(number=self.link.messages_saved)]
+        saved = [SAVED(number=self.messages_saved)] if self.book.state.started_utc else []
         return saved + [sheets.outage_text(outage) for outage in self.book.state.outages[-1:]]

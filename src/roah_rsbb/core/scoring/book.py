@@ -16,6 +16,7 @@ from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_tex
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import (
+    NOT_RUN,
     By,
     EndReason,
     ItemRecord,
@@ -39,6 +40,7 @@ NO_RANKING = StandingRules()
 # The newest runs can be corrected and signed off. Of earlier ones, the box keeps only what decides what counts.
 MAX_KEPT = 400
 
+_NOT_RUN = tuple(reason.name.lower() for reason in NOT_RUN)
 _NO_JUDGING, _NO_PUBLICATION = JudgingRecord(), PublicationRecord()
 _KINDS = {kind.word: kind for kind in ScoreKind}
 
@@ -144,10 +146,10 @@ class RunBook:
         return self._marked(before, self.sheet.item(entry.group, entry.desc), note)
 
     def _check_not_judged(self) -> None:
-        if self.form.judges is not None:
+        if self.judges.rule is not None:
             raise Refused([say("{count} judges score this benchmark, each on a sheet of their own: enter the score "
                                "as a judge, or settle the item with a reason as the head referee")(
-                count=self.form.judges.count)])
+                count=self.judges.rule.count)])
 
     def take_verdicts(self, now: Now) -> None:
         """Take the values on which the judges agree, and those that are settled, into the sheet."""
@@ -211,6 +213,8 @@ class FinishedRun:
             JudgesState.of(record.judging), PublicationState.of(record.publication), list(record.outages),
         )
         self._book = RunBook(form, state, over=True)
+        if record.end_reason in _NOT_RUN:
+            self._book.judges.rule = None  # there was nothing to see
 
     def mark(self, now: Now, who: str, mark: Mark) -> str:
         """Correct a scoring item. Returns a text for the referee, as all corrections do. Raises `Refused`.

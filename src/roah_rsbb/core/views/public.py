@@ -119,8 +119,8 @@ class PublicViews:
             return ()
         finished = self._box.finished
         ruled = self._box.scores.rulings(now)
-        signed = tuple((r.record.identity, r.why) for r in ruled if r.record.sign_off is not None)
-        made_of = signed, finished.ranking, finished.benchmarks, self._box.time_zone
+        runs = tuple((r.record.identity, r.why, r.record.end_reason, r.record.sign_off is None) for r in ruled)
+        made_of = runs, finished.ranking, finished.benchmarks, self._box.time_zone
         if self._ranked != made_of:
             self._ranked = made_of
             self._standings = self._publicity.ranked(

@@ -25,6 +25,7 @@ from roah_rsbb.model.results import HistoryEntry, RunEnd, RunLine, RunSheet
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.model.scoring import Number, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.model.zone import SheetItem
+from roah_rsbb.wording.module_scores import readable
 from roah_rsbb.wording.sheets import GroupOfValues, author, points_text, sums_text
 
 _TYPES = frozenset(kind.word for kind in ScoreKind)
@@ -87,8 +88,11 @@ def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
 
 
 def sums_of_record(record: RunRecord) -> str:
-    """Return the points of a run's score sheet, or the sums of its groups if it gives none."""
-    return sums_text(_groups(record.items)) if record.points is None else points_text(*record.points)
+    """Return what a module measured of the whole run, and the points of its score sheet, or the sums of its groups if
+    it gives none."""
+    measured = [": ".join(readable(score)) for score in record.module_scores if not score.group]
+    sums = sums_text(_groups(record.items)) if record.points is None else points_text(*record.points)
+    return " · ".join(filter(None, [*measured, sums]))
 
 
 def timeless(record: RunRecord) -> RunRecord:

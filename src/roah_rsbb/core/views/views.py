@@ -254,7 +254,7 @@ def _robot(run: Optional[ZoneRun], now: Now, before: Optional[RobotInRun]) -> Op
         port=run.port,
         box_state=run.message.state.name,
         robot_state="" if run.robot_state is None else run.robot_state.name,
-        messages_saved=link.messages_saved,
+        messages_saved=run.messages_saved,
         skew=None if link.skew is None else stepped(link.skew, last),
         heard=link.last_heard is not None,
         silent_since=_silent_since(link.last_heard, now),

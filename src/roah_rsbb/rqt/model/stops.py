@@ -27,7 +27,6 @@ SAME_S = 2.0
 
 NOT_HEARD = tr_later("Waiting for the core")
 NONE_RUNS = tr_later("No zone is running")
-OTHERS_RUN = tr_later("Nothing is running in {zone}. Running: {zones}. Choose one of them, or hold STOP ALL")
 
 
 class StopTarget(NamedTuple):
@@ -52,7 +51,7 @@ def target_of(model: Model) -> StopTarget:
     if len(running) == 1:
         return StopTarget(running[0])
     if running:
-        return StopTarget(why_off=tr(OTHERS_RUN, zone=shown, zones=", ".join(running)))
+        return StopTarget(why_off=tr(stop.OTHERS_RUN, zone=shown, zones=", ".join(running)))
     return StopTarget(why_off=tr(NOT_HEARD if model.document is None else NONE_RUNS))
 
 

@@ -198,10 +198,20 @@ def test_another_address_is_reported_but_not_with_every_message(line):
         assert heard.fresh and heard.new_host
         said += heard.notices
     assert said == ["Robot's address changed from 10.0.0.2 to 10.0.0.3"]
-    assert said[0] in line.warnings
+    assert line.warnings == ["Robot's address changed from 10.0.0.3 to 10.0.0.4"], "what is true now"
     line.wait(REMEMBER_S)
-    assert said[0] not in line.warnings
+    assert line.warnings[1:] == [] and "address" not in line.warnings[0]
     assert line.hear(host=HOST).notices == ("Robot's address changed from 10.0.0.4 to 10.0.0.2",)
+
+
+def test_a_robot_that_comes_back_with_another_address_is_no_rival_any_more(line):
+    line.hear()
+    assert line.hear(after=1.0, host="10.0.0.8").notices, "the robot may still be there"
+    assert "also come from 10.0.0.8" in line.warnings[0]
+    assert line.hear(after=HERE_S, host="10.0.0.8").fresh
+    assert line.warnings == [f"Robot's address changed from {HOST} to 10.0.0.8"]
+    (said,) = line.hear(after=0.5, host=HOST).notices
+    assert "also come from 10.0.0.2" in said and "the robot is at 10.0.0.8" in said, "the earlier one is still on"
 
 
 def test_while_the_robot_is_heard_nobody_else_counts_who_has_its_password(line):

@@ -59,10 +59,32 @@ def test_zones_and_events_come_and_go():
 def test_a_zone_stays_at_its_event_when_that_moves_in_time():
     driver = BoxDriver(competition(tbm=day()))
     driver.command("next")
-    late = [day()[0], event("HWV", run=2, scheduled=UTC0 + 5 * HOUR), day()[2]]
-    reload(driver, competition(tbm=sorted(late, key=lambda e: e.scheduled)))
-    assert codes(driver) == ["HGTKMH", "HCFGAC", "HWV"]
+    late = [day()[0], event("HWV", run=2, scheduled=UTC0 + 1.5 * HOUR), day()[2]]
+    reload(driver, competition(tbm=late))
     assert driver.box.zones["tbm"].event.run == 2
+
+
+@pytest.mark.parametrize("at, order, then", [
+    (0, (2, 1, 3), 2), (0, (3, 2, 1), 3), (1, (1, 3, 2), 3), (1, (2, 1, 3), 2), (2, (3, 1, 2), 3)])
+def test_a_zone_goes_to_the_event_that_was_swapped_with_its_own(at, order, then):
+    driver = BoxDriver(competition(tbm=day()))
+    for _ in range(at):
+        driver.command("next")
+    names = {each.run: each.benchmark.code for each in day()}
+    reload(driver, competition(tbm=[
+        event(names[run], run=run, scheduled=UTC0 + place * HOUR) for place, run in enumerate(order)]))
+    assert driver.box.zones["tbm"].event.run == then
+
+
+def test_a_swap_moves_no_zone_to_an_event_that_is_over():
+    driver = BoxDriver(competition(tbm=day()))
+    driver.command("next")
+    driver.command("no_show")
+    driver.command("previous")
+    driver.command("previous")
+    assert driver.box.zones["tbm"].event.run == 1
+    reload(driver, competition(tbm=[event("HWV", run=2), event(run=1, scheduled=UTC0 + HOUR), day()[2]]))
+    assert driver.box.zones["tbm"].event.run == 1
 
 
 @pytest.mark.parametrize("at, then", [(0, 2), (1, 3), (2, 2)])

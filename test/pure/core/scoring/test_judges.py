@@ -17,7 +17,7 @@ from roah_rsbb.core.judges.agreement import ItemValue, agreed
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.model.scoring import Agreement, ItemChoice, JuryResult, ScoreKind, ScoringItem
 
@@ -394,3 +394,13 @@ def test_a_core_that_is_killed_after_every_event_keeps_everything(tmp_path):
 
     assert without_times(killed.record()) == without_times(plain.record())
     assert thaw(RunRecord, freeze(killed.record())) == killed.record()
+
+
+@pytest.mark.parametrize("end", ["withdrawn", "no_show"])
+def test_of_an_event_that_had_no_run_nobody_asks_the_judges(end):
+    driver = BoxDriver(judged())
+    driver.command(end)
+    (run,) = driver.box.scores.unsigned()
+    assert driver.box.judges.unsigned(driver.now) == []
+    driver.enter("sign_off", RunName("tbm", run.record.identity), "Hugo")
+    assert run.record.sign_off is not None

@@ -50,7 +50,7 @@ def test_the_state_text_of_a_run_from_beginning_to_end():
     assert states == [
         "Robot ready to accept connection: r1 of team Alpha",
         "Robot has not answered on the private channel yet",
-        "All OK for start\nMessages saved: 1",
+        "All OK for start",
         "Robot preparing for the task\nMessages saved: 1",
         "Robot prepared, executing (no explicit goal)\nMessages saved: 1",
         "Benchmark stopped by the referee\nMessages saved: 1",

@@ -94,7 +94,7 @@ class PlayedZone:
         elif name == "mark":
             index = [desc for _, desc, _ in ITEMS].index(fields["given"]["desc"])
             given = fields["given"]
-            self.values[index] = self.values[index] + int(given["added"]) if given["added"] else given["value"]
+            self.values[index] = self.values[index] + int(given["added"]) if given.get("added") else given["value"]
 
     def shown(self) -> ZoneSeen:
         """The zone as the core shows it."""
