@@ -214,7 +214,8 @@ def _remarks(ruling: Ruling, missing: Mapping[str, None], event: EventRules) -> 
         yield UNSIGNED(team=record.team, turn=turn(record.round, record.run))
     elif why in (Why.ZERO, Why.NO_SCORE):
         scored = "counts as 0" if ruling.counts else "no score"
-        yield TURN(team=record.team, turn=turn(record.round, record.run), what=f"{end_reason(record.end_reason)}, {scored}")
+        yield TURN(team=record.team, turn=turn(record.round, record.run),
+                   what=f"{end_reason(record.end_reason)}, {scored}")
     elif why in (Why.NOT_LAST, Why.NOT_BEST):
         yield f"{run} was repeated: only the {event.counting.value} run counts"
     elif why is Why.RAN:
@@ -288,9 +289,11 @@ def _column(
               if record.benchmark == part.benchmark and record.end_reason and record.team != ALL_TEAMS
               and _is_shown(record, choice)}
     remarks += [ABSENT(team=team, part=part.name) for team in absent if team not in numbers]
-    waiting = dict.fromkeys(record.team for record in records if record.benchmark == part.benchmark and record.end_reason
-                            and record.team != ALL_TEAMS and not _is_shown(record, choice))
-    remarks += [(WAITS if team in numbers or team in absent else NOT_YET)(team=team, part=part.name) for team in waiting]
+    waiting = dict.fromkeys(
+        record.team for record in records if record.benchmark == part.benchmark and record.end_reason
+        and record.team != ALL_TEAMS and not _is_shown(record, choice))
+    remarks += [(WAITS if team in numbers or team in absent else NOT_YET)(team=team, part=part.name)
+                for team in waiting]
     if not numbers:
         remarks.append(NO_RUNS(part=part.name))
         return absent

@@ -34,7 +34,12 @@ from roah_rsbb.web.store import Store
 from roah_rsbb.web.teams.codes import TeamCodes
 from roah_rsbb.web.teams.requests import CODE, CodesHandler, TeamHandler
 from roah_rsbb.web.writing import (
-    CommandHandler, DeviceEventsHandler, OfDevice, PairHandler, SessionHandler, StopEventsHandler,
+    CommandHandler,
+    DeviceEventsHandler,
+    OfDevice,
+    PairHandler,
+    SessionHandler,
+    StopEventsHandler,
 )
 from roah_rsbb.wording.device import TOO_MANY_TEAM_GUESSES
 

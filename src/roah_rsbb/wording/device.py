@@ -168,8 +168,8 @@ def page_words() -> Dict[str, Any]:
         "stop_way": {way.value: tr(text, zone="{zone}") for way, text in stop.TEXTS.items()},
         "nothing_to_stop": tr("No run is in progress, so there is nothing to stop"),
         "others_run": tr(stop.OTHERS_RUN, zone="{zone}", zones="{zones}"),
-        "cannot_stop": tr("This device is not paired, so it cannot stop a robot. A paired device, the referees' table and "
-                          "the robot's emergency button can"),
+        "cannot_stop": tr("This device is not paired, so it cannot stop a robot. A paired device, the referees' table "
+                          "and the robot's emergency button can"),
         "stays": tr("Back does not leave this page while a run is in progress"),
         "not_stopped": tr("STOP was refused: {reasons}", reasons="{reasons}"),
         "given_up": tr("{zone}: STOP WAS NOT DELIVERED. Stop the robot by hand, or press STOP again", zone="{zone}"),

@@ -659,10 +659,11 @@ class TestLeaving(PhoneCase):
                 asked = self.browser.asked
                 page.get("window.isOld = true, setTimeout(() => location.reload()), 0")
                 if is_asked:
-                    wait_until(lambda: self.browser.asked > asked, "the browser asks")
+                    wait_until(lambda before=asked: self.browser.asked > before, "the browser asks")
                     self.assertTrue(page.get("window.isOld"), "it stays")
                 else:
-                    wait_until(lambda: page.is_now("!window.isOld && document.querySelector('.run') !== null"), "it goes")
+                    is_new = "!window.isOld && document.querySelector('.run') !== null"
+                    wait_until(lambda new=is_new: page.is_now(new), "it goes")
                     self.assertEqual(self.browser.asked, asked)
                     page.touch(5, 5)
 
@@ -687,10 +688,12 @@ class TestLeaving(PhoneCase):
                 with self.subTest(role=role, path=path):
                     gateway.set(phase="idle")
                     page.open(f"{URL}/{path}?language=de")
-                    page.wait("document.querySelector('#page > *') !== null && document.querySelector('.stopbar').hidden",
+                    page.wait("document.querySelector('#page > *') !== null "
+                              "&& document.querySelector('.stopbar').hidden",
                               "without a run there is nothing to stop")
                     gateway.set(phase="running", run=gateway.zones[0].run + 1)
-                    page.wait(f"{IS_ON} && document.querySelector('.stopall').hidden === {json.dumps(bool(zone))}", "STOP")
+                    page.wait(f"{IS_ON} && document.querySelector('.stopall').hidden === "
+                              f"{json.dumps(bool(zone))}", "STOP")
                     left, top, width, height = page.box(STOP)
                     self.assertGreaterEqual(height, 64)
                     self.assertEqual((left, width, top + height), (12, PHONE[0] - 24, PHONE[1] - 8))
@@ -706,8 +709,9 @@ class TestLeaving(PhoneCase):
         gateway.set(phase="running")
         page = self.phone(gateway)
         gateway.do(lambda: gateway.server.revoke(""))
-        for language, said in (("en", "This device is not paired, so it cannot stop a robot. A paired device, the "
-                                      "referees' table and the robot's emergency button can"), ("de", "Not-Aus-Taster")):
+        english = ("This device is not paired, so it cannot stop a robot. A paired device, the referees' table and the "
+                   "robot's emergency button can")
+        for language, said in (("en", english), ("de", "Not-Aus-Taster")):
             page.open(f"{URL}/referee?zone=Home+A&language={language}")
             wrong = page.note(f"{SAID}.includes('nothing to stop')")
             page.wait(f"{SAID}.includes({json.dumps(said)})", "it cannot stop")
@@ -724,8 +728,8 @@ class TestLeaving(PhoneCase):
         gateway.do(lambda: setattr(gateway.zone("Hall"), "phase", "running"))
         page.wait(f"{where} === 'Hall' && {IS_ON}", "STOP names the only run")
         gateway.do(lambda: setattr(gateway.zone("Room 4"), "phase", "running"))
-        page.wait(f"{where} === 'Home A' && !({IS_ON}) && {SAID}.endsWith('Running: Hall, Room 4. Choose one of them, or "
-                  "hold STOP ALL')", "which one is not known")
+        page.wait(f"{where} === 'Home A' && !({IS_ON}) && {SAID}.endsWith("
+                  "'Running: Hall, Room 4. Choose one of them, or hold STOP ALL')", "which one is not known")
         gateway.do(lambda: setattr(gateway.zone("Home A"), "phase", "running"))
         page.wait(f"{where} === 'Home A' && {IS_ON}", "the one that is shown")
         gateway.do(lambda: setattr(gateway.zone("Room 4"), "phase", "idle"))
