@@ -234,7 +234,7 @@ class Day:
 
     def _press(self, zone, command):
         yield lambda: not self.world.box.off(command, zone)
-        self.world.box.command(command, zone)
+        self.world.box.command(command, zone, **({"again": True} if command == "connect" else {}))
 
 
 def day_of(event):

@@ -37,7 +37,7 @@ class Runs:
         driver, robot = self.driver, self.robot
         self.done += 1
         robot.beacon()
-        driver.command("connect")
+        driver.command("connect", again=True)
         name, robot.port = RunName("tbm", driver.run_in().identity), driver.run_in().port
         robot.says(RobotState.STOP)
         driver.command("start")

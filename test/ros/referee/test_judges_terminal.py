@@ -18,7 +18,7 @@ class TestJudges(BoxCase):
 
     def setUp(self) -> None:
         super().setUp()
-        self.box.command("open_sheet", HALL)
+        self.box.command("open_sheet", HALL, again=True)
         self.box.start(HALL)
         self.identity = self.box.zone_details(HALL).identity
 

@@ -20,6 +20,10 @@ from support.waiting import LIMIT_S, happened, wait_until
 CORE = "/roah_rsbb_core"
 
 
+# What the state of a zone says of an event that has a result.
+SIGNED_OFF = "This event is signed off"
+
+
 class BoxClient(DoorClient):
     """Follows one core and commands it. `prefix` stands before all names of a core that was remapped.
 
@@ -125,13 +129,13 @@ class BoxClient(DoorClient):
         finally:
             DoorClient._commanded = time.time()
 
-    def command(self, command: str, zone: str) -> None:
+    def command(self, command: str, zone: str, **given: object) -> None:
         """Give a command to a zone; raises `Refusal`. Those that hit a team name the one that is shown."""
         action = ACTIONS.get(command)
         if action is None or action.is_original:
             self.call(command, ZoneRequest, zone)
         else:
-            super().command(command, zone)
+            super().command(command, zone, **given)
 
     def set_score(self, zone: str, group: str, desc: str, value: int) -> None:
         """Mark a scoring item; raises `Refusal`."""
@@ -139,13 +143,17 @@ class BoxClient(DoorClient):
 
     # -- ways that most tests go --------------------------------------------------------------------
 
-    def connect(self, zone: str, meanwhile: Callable[[], object] = lambda: None) -> int:
+    def connect(self, zone: str, meanwhile: Callable[[], object] = lambda: None, again: bool = False) -> int:
         """Connect as soon as the button is on; returns the private port once it is known.
 
-        `meanwhile` is called again and again while the button is off.
+        `meanwhile` is called again and again while the button is off. `again`: also where a result is signed off.
         """
         old = self.zone_details(zone).port
-        self._press("connect", zone, lambda z: (meanwhile(), z.connect_enabled)[1])
+        if again and SIGNED_OFF in self.wait_zone(
+                zone, lambda z: (meanwhile(), z.connect_enabled or SIGNED_OFF in z.state)[1] and z, "connect").state:
+            self._press("connect_again", zone, lambda z: (meanwhile(), True)[1])
+        else:
+            self._press("connect", zone, lambda z: (meanwhile(), z.connect_enabled)[1])
         return self.wait_details(zone, lambda d: d.port != old and d.port, "the run has a port")
 
     def start(self, zone: str, meanwhile: Callable[[], object] = lambda: None) -> None:

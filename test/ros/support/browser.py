@@ -210,6 +210,12 @@ class Page:
         """Open another address, and wait until it is loaded."""
         self._browser.load(self._session, url)
 
+    def reload(self, **how: Any) -> None:
+        """Load the page again, and wait for that: a browser that asks first takes a moment."""
+        self.get("window.isOld = true, 0")
+        self.command("Page.reload", **how)
+        wait_until(lambda: self.is_now("!window.isOld && document.readyState === 'complete'"), "it is loaded again")
+
     def close(self) -> None:
         """Close the page."""
         self._browser.command("Target.closeTarget", targetId=self._target)

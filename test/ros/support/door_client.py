@@ -115,10 +115,10 @@ class DoorClient:
 
     # -- commands -----------------------------------------------------------------------------------
 
-    def command(self, command: str, zone: str) -> None:
+    def command(self, command: str, zone: str, **given: object) -> None:
         """Give a command to a zone; raises `Refusal`. Those that hit a team name the one that is shown."""
         action, shown = ACTIONS[command], self.zone_details(zone).event
-        self._do(command, zone, "", shown.id if action.aims else "", given_with(command, shown.team), "")
+        self._do(command, zone, "", shown.id if action.aims else "", {**given_with(command, shown.team), **given}, "")
 
     def act(self, action: str, zone: str, run: str = "", referee: str = "", **given: object) -> Any:
         """Do an action and return its answer; raises `Refusal`. `given`: the values of its fields."""

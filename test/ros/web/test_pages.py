@@ -120,7 +120,7 @@ class TestPages(NeedsBrowser, BoxCase):
         page = self.open("/", *PHONE)
         page.wait(f"{TEXT}.includes('Public display')", "it is shown")
         page.command("Network.setBlockedURLs", urls=["*/assets/live.js"])
-        page.command("Page.reload")
+        page.reload()
         wait_until(lambda: page.is_now("document.readyState === 'complete' && window.live === undefined"),
                    "a part of it is lost")
         page.command("Network.setBlockedURLs", urls=[])

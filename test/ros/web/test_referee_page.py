@@ -261,7 +261,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
     def running(self, language: str = "en", browser: Optional[Browser] = None) -> Page:
         """A run in progress, and a phone that shows it."""
         robot = self.robot("Delta")
-        self.box.connect(ZONE)
+        self.box.connect(ZONE, again=True)
         self.box.start(ZONE)
         robot.wait_did("execute HCFGAC")
         page = self.paired(language=language, browser=browser)
@@ -388,7 +388,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.tap(second, item(ENTERS, 1))
         self.shows(second, ENTERS, "yes")
         second.wait("marks.waiting.length === 0", "the mark of the second tab is confirmed")
-        first.command("Page.reload")
+        first.reload()
         first.wait_address("/referee")
         self.shows(first, DEVICE, "1")
         first.wait("marks.waiting.length === 0 && Object.keys(localStorage).every(key => !key.includes('mark '))",
@@ -423,7 +423,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page.wait(f"{TEXT}.includes('NOT CONFIRMED: ')", "the page says that it is not confirmed")
         kill_gateway()
         self.assertEqual(page.get("marks.waiting.length"), 1)
-        page.command("Page.reload")
+        page.reload()
         page.wait_address("/referee")
         self.shows(page, DEVICE, "2")
         page.wait("marks.waiting.length === 0", "the mark is confirmed")
@@ -474,7 +474,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
 
     def judged(self) -> str:
         """A run without a robot in the hall, which two judges score."""
-        self.box.command("open_sheet", HALL)
+        self.box.command("open_sheet", HALL, again=True)
         self.box.start(HALL)
         identity = self.box.zone_details(HALL).identity
         self.box.command("stop", HALL)

@@ -230,7 +230,7 @@ class TestFaults(PhoneCase):
         gateway.set(phase="running")
         page = self.phone(gateway)
         page.command("Network.setBlockedURLs", urls=["*/preact-htm.js"])
-        page.command("Page.reload", ignoreCache=True)
+        page.reload(ignoreCache=True)
         page.wait(f"document.querySelector('.run') === null && {IS_ON}",
                   "nothing but STOP is there")
         self.stops(gateway, page)
@@ -416,7 +416,7 @@ class TestWays(PhoneCase):
                              "({...one, pressed: one.pressed - 600e3})))))"
                              "(JSON.parse(sessionStorage.getItem('roah_rsbb_stops'))), "
                              "Storage.prototype.setItem = () => {}, 0")  # as if it were closed at once
-                    page.command("Page.reload")
+                    page.reload()
                 else:
                     page.get(self.LATER)
                 page.wait(f"{SAID}.includes('Home A: STOP WAS NOT DELIVERED')", "it has ended, and the page says so")
@@ -754,14 +754,14 @@ class TestReloaded(PhoneCase):
         for number, (desc, _) in enumerate((("Enters", "take_back"), ("Bumps", "mark"))):
             page.wait(CLICKED.format(f"[data-item^={desc}] .controls button:nth-of-type({number + 1})"), "it is marked")
             page.wait(f"document.querySelector('{self.UNDO}').textContent.includes('{desc}')", "it can be taken back")
-        page.command("Page.reload")
+        page.reload()
         for desc, given in (("Bumps", "mark"), ("Enters", "take_back")):
             page.wait(f"document.querySelector('{self.UNDO}').textContent.includes('{desc}')", "it still can")
             gateway.given.clear()
             page.wait(CLICKED.format(self.UNDO), "it is taken back")
             gateway.wait_given(given, "Home A")
         page.wait(f"document.querySelector('{self.UNDO}').disabled", "nothing is left")
-        page.command("Page.reload")
+        page.reload()
         page.wait(f"document.querySelector('{self.UNDO}').disabled", "what was taken back is not offered again")
 
     def test_parts_that_are_changed_quickly_give_up_no_connection(self) -> None:
@@ -1106,11 +1106,11 @@ class TestLock(PhoneCase):
     def test_a_page_that_lay_idle_or_slept_is_locked(self) -> None:
         page = self.phone(self.gateway())
         page.touch_at(".run")
-        page.command("Page.reload")
+        page.reload()
         page.wait("document.querySelector('.run') !== null", "the page is back")
         self.assertFalse(page.get(self.LOCKED), "it was touched just now")
         page.get("sessionStorage.setItem('roah_rsbb_touched', Date.now() - 200000)")
-        page.command("Page.reload")
+        page.reload()
         page.wait(self.LOCKED, "it was thrown away while the phone slept")
         self.slide(page, 1.0)
         page.wait(f"!({self.LOCKED})", "it is unlocked")

@@ -63,17 +63,17 @@ MOST_OF_SCREEN = 0.95
 def open_at(window: Any, width: float, height: float, saved: Any) -> None:
     """Give a window its place: the saved one (None: there is none), or its first size in pixels. All of it is on the
     screen, also without a window manager: at its lower edge is STOP."""
-    room = QApplication.primaryScreen().availableGeometry()
-    window.resize(round(min(width, room.width() * MOST_OF_SCREEN)), round(min(height, room.height() * MOST_OF_SCREEN)))
+    area = QApplication.primaryScreen().availableGeometry()
+    window.resize(round(min(width, area.width() * MOST_OF_SCREEN)), round(min(height, area.height() * MOST_OF_SCREEN)))
     if saved is None or not window.restoreGeometry(saved):
         return
     place = window.geometry()
-    rooms = [room, *(screen.availableGeometry() for screen in QApplication.screens())]
-    room = next((one for one in rooms if one.contains(place.topLeft())), room)
-    if not (window.isMaximized() or window.isFullScreen() or room.contains(place)):
-        window.resize(place.size().boundedTo(room.size()))
-        window.move(max(room.left(), min(place.left(), room.right() + 1 - window.width())),
-                    max(room.top(), min(place.top(), room.bottom() + 1 - window.height())))
+    areas = [area, *(screen.availableGeometry() for screen in QApplication.screens())]
+    area = next((one for one in areas if one.contains(place.topLeft())), area)
+    if not (window.isMaximized() or window.isFullScreen() or area.contains(place)):
+        window.resize(place.size().boundedTo(area.size()))
+        window.move(max(area.left(), min(place.left(), area.right() + 1 - window.width())),
+                    max(area.top(), min(place.top(), area.bottom() + 1 - window.height())))
 
 
 def grow(app: QApplication) -> QApplication:

@@ -50,7 +50,7 @@ class TestGettingToKnowMyHome(BoxCase):
 
     def connected(self) -> None:
         box = self.box
-        self.port = box.connect("Home")
+        self.port = box.connect("Home", again=True)
         self.assertIn(self.port, range(RSBB_PORT + 1, RSBB_PORT + 100))
         self.listener.wait_beacon(lambda b: ("Alpha", "Robot", self.port) in listed(b), "the beacon lists the robot")
         zone = box.wait_zone("Home", lambda z: z.start_enabled and "All OK for start" in z.state and z, "start is on")
