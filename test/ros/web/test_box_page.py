@@ -157,7 +157,7 @@ class TestBoxPage(NeedsBrowser):
         page.wait(f"{LOG}.textContent.includes('stopped by the referee')", "it grows")
         self.assertTrue(page.get(f"{LOG}.textContent.includes('PREPARE')"), "what was there stays")
         page.fill("input[type=search]", "prepare")
-        page.wait(f"{LOG}.querySelector('.found.now').textContent.includes('PREPARE')", "it is found")
+        page.wait(f"{LOG}.querySelector('.found.now').textContent.toLowerCase().includes('prepare')", "it is found")
         page.fill("input[type=search]", "no such text")
         page.wait(f"{TEXT}.includes('0 lines')", "nothing is found")
         page.get("(s => (s.value = 'online', s.dispatchEvent(new Event('change', {bubbles: true}))))"
