@@ -211,9 +211,8 @@ class CoreDriver:
         for effect in todo:
             if isinstance(effect, effects.Superseded):
                 self._do(effect)
-            if not isinstance(effect, effects.SendState) or effect.message.state is not BoxState.STOP:
-                continue
-            if not self._radio.is_open(effect.port):
+            if (not isinstance(effect, effects.SendState) or effect.message.state is not BoxState.STOP
+                    or not self._radio.is_open(effect.port)):
                 continue
             sent = self._radio.sent(effect.port)  # None: after a restart, to a robot that was not heard yet
             for waiting in self._waiting:

@@ -31,7 +31,7 @@ BEACON_PERIOD_S = 1.0
 BEACON_GAP_S = 0.05
 # Limit of events per second for copies of datagrams; a real network causes fewer.
 COPY_EVENTS = 100
-# For so long a route to a robot, or that there is none, is taken for granted (s); and of so many hosts.
+# The system is asked again for the route to a host after this time (s). Most hosts that are remembered.
 ROUTE_S, MAX_HOSTS = 2.0, 250
 
 

@@ -285,13 +285,11 @@ def _column(
     records = [record for record in records if not part.day or day_of(record.scheduled) == part.day]
     found = standing(part.benchmark, records, rules.get(part.benchmark), choice)
     numbers = {line.team: Fraction(0) if line.disqualified else line.numbers[0] or Fraction(0) for line in found.lines}
-    absent = {record.team: _TeamsPart(Fraction(0), ()) for record in records
-              if record.benchmark == part.benchmark and record.end_reason and record.team != ALL_TEAMS
-              and _is_shown(record, choice)}
+    over = [record for record in records
+            if record.benchmark == part.benchmark and record.end_reason and record.team != ALL_TEAMS]
+    absent = {record.team: _TeamsPart(Fraction(0), ()) for record in over if _is_shown(record, choice)}
     remarks += [ABSENT(team=team, part=part.name) for team in absent if team not in numbers]
-    waiting = dict.fromkeys(
-        record.team for record in records if record.benchmark == part.benchmark and record.end_reason
-        and record.team != ALL_TEAMS and not _is_shown(record, choice))
+    waiting = dict.fromkeys(record.team for record in over if not _is_shown(record, choice))
     remarks += [(WAITS if team in numbers or team in absent else NOT_YET)(team=team, part=part.name)
                 for team in waiting]
     if not numbers:

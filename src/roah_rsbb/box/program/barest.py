@@ -82,13 +82,17 @@ def open_robots(loop: asyncio.AbstractEventLoop, kept: Mapping[str, str],
     for name in kept:
         if name.startswith(CHANNEL):
             try:
-                try:
-                    robots.append(StoppedRobot(loop, name[len(CHANNEL):], kept[name], make_peer))
-                except OpenError:  # a box that cannot end still has the port; a robot takes STOP from any port
-                    robots.append(StoppedRobot(loop, name[len(CHANNEL):], kept[name], partial(make_peer, deaf=True)))
+                robots.append(_opened(loop, name[len(CHANNEL):], kept[name], make_peer))
             except Exception as error:  # whatever is wrong with one, the others get STOP
                 _log.critical("The robot on port %s cannot be stopped: %s. Stop it by hand", name[len(CHANNEL):], error)
     return robots
+
+
+def _opened(loop: asyncio.AbstractEventLoop, port: str, kept: str, make_peer: MakePeer) -> StoppedRobot:
+    try:
+        return StoppedRobot(loop, port, kept, make_peer)
+    except OpenError:  # a box that cannot end still has the port; a robot takes STOP from any port
+        return StoppedRobot(loop, port, kept, partial(make_peer, deaf=True))
 
 
 async def work(lifeline: Lifeline, robots: List[StoppedRobot]) -> None:

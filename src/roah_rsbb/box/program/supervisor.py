@@ -150,7 +150,7 @@ def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], C
         while True:
             is_ended = _watch(box, wishes, core, course, copying)
             if box.returncode is None and not wishes:
-                _stop_robots_meanwhile(box, environment, wishes, core)
+                _stop_robots_meanwhile(box, environment, wishes, core, copying)
             status = box.returncode
             # A box that ran before is started until it runs again: its files may be changed just now.
             if wishes or (status == 0 and not course.is_barest) or (status in FAILED and not course.was_heard):
@@ -171,17 +171,16 @@ def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], C
 
 
 def _stop_robots_meanwhile(box: "subprocess.Popen[bytes]", environment: Mapping[str, str], wishes: list,
-                           core: Supervision) -> None:
+                           core: Supervision, copying: CopyingProcess) -> None:
     """Let the barest core stop the robots until the box that was killed is gone, or somebody ends the program."""
     _log.error("The box (process %d) was killed, and the system keeps it because the disk of log_dir hangs: the next "
                "one cannot start. Until the disk takes data again, all robots in runs are sent STOP. Check the disk",
                box.pid)
-    barest = core.start(without_ros(BAREST_CORE), environment)
     while box.poll() is None and not wishes:
-        time.sleep(LOOK_S)
-        core.look(barest.pid)
-    barest.terminate()
-    barest.wait()
+        course = _Course(RESTART_S)
+        course.is_barest = True
+        _watch(core.start(without_ros(BAREST_CORE), environment), wishes, core, course, copying,
+               lambda: box.poll() is not None)
 
 
 def _wait(seconds: float, wishes: list) -> None:
@@ -190,8 +189,10 @@ def _wait(seconds: float, wishes: list) -> None:
         time.sleep(LOOK_S)
 
 
-def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Course, copying: CopyingProcess) -> bool:
-    """Wait for the end of one process of the box; returns whether it was ended here, because it did not answer."""
+def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Course, copying: CopyingProcess,
+           is_over: Callable[[], bool] = lambda: False) -> bool:
+    """Wait for the end of one process of the box; returns whether it was ended here, because it did not answer. It is
+    asked to end when somebody wishes that, or when it `is_over`."""
     is_killed, until_mono, heard_by_mono = False, float("inf"), time.monotonic() + course.start_s
     there_mono = time.monotonic()
     signs: Optional[Lifeline] = None
@@ -221,7 +222,7 @@ def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Cour
             box.kill()
         if signs is not None and not core.is_waiting and not silence.is_alive and not course.is_barest:
             signs.send(STARTING)  # the standby is to wait for it
-        if wishes and until_mono == float("inf"):
+        if until_mono == float("inf") and (wishes or is_over()):
             until_mono = time.monotonic() + END_S
             box.terminate()
         if time.monotonic() > until_mono:

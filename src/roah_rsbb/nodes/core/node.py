@@ -159,10 +159,11 @@ def main() -> None:
         else:
             from roah_rsbb.nodes.core import ros_side
             from roah_rsbb.ros.command_line import explain
+            from roah_rsbb.ros.params import NodeParams
 
             explain(str(__doc__))
             ros_side.join(lifeline.wait)
-            params = ros_side.NodeParams()
+            params = NodeParams()
             run_id, hosts = ros_side.start_of_node()
             read_parameters(params)
             lifeline.keep(ROS_START, json.dumps([params.values, run_id, hosts]))

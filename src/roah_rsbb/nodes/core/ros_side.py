@@ -24,7 +24,6 @@ from roah_rsbb.ros import connections
 from roah_rsbb.ros.live_core import CORE, wait_for_other_core
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.loop_services import LoopServices
-from roah_rsbb.ros.params import NodeParams as NodeParams
 from roah_rsbb.wording.whole_box.ending import NOT_LAUNCHED
 
 # Seconds between the messages for panels of the original, and for its public display.
