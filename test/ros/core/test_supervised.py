@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import shutil
 import signal
 import tempfile
 
@@ -74,8 +75,11 @@ class TestNoMaster(NetworkCase):
         self.port = str(RSBB_PORT + 50)
         self.uri = f"http://{os.environ.get('ROS_IP', '127.0.0.1')}:{self.port}"
         self.start_master()
+        self.schedule = pathlib.Path(folder.name, "schedule.yaml")
+        shutil.copy(PARAMS["schedule_file"], self.schedule)
         self.program = self._leaving(Program(own("roah_rsbb_core"), *(
-            f"_{name}:={value}" for name, value in {**PARAMS, "log_dir": self.log_dir}.items()),
+            f"_{name}:={value}" for name, value in {
+                **PARAMS, "schedule_file": self.schedule, "log_dir": self.log_dir, "end_launch": True}.items()),
             ROS_MASTER_URI=self.uri, ROS_HOME=folder.name))
         self.door = os.path.join(folder.name, f"roah_rsbb_door_{self.port}.json")
         self.box = self._leaving(DoorClient(lambda: read_place(self.door)))
@@ -130,3 +134,15 @@ class TestNoMaster(NetworkCase):
                 wait_until(lambda: NO_MASTER not in self.box.warnings, "it says that it answers")
                 wait_until(self.is_registered, "the core is at the master")
                 self.press("disconnect")
+
+    def test_one_that_cannot_start_again_leaves_no_robot_executing(self) -> None:
+        """It neither waits for a master, nor ends the launch: the barest core stops the robots."""
+        robot = self.robot("Alpha")
+        self.press("connect")
+        self.press("start")
+        wait_until(lambda: robot.did and robot.did[-1].startswith("execute"), "the robot executes")
+        self.schedule.write_text("damaged", "utf-8")
+        self.master.kill()
+        os.kill(holder_of(self.log_dir), signal.SIGKILL)
+        wait_until(lambda: robot.did[-1] == "stop", lambda: f"it is stopped; the core printed\n{self.program.text}")
+        wait_until(lambda: "This box only sends STOP" in self.program.text, "it says so")

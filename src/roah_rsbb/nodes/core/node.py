@@ -172,10 +172,11 @@ def main() -> None:
         for line in str(error).splitlines():
             _log.critical("%s", line)
         status = 1
-        from roah_rsbb.nodes.core import ros_side
+        if not kept:  # otherwise robots may execute: the supervisor tries again, and stops them
+            from roah_rsbb.nodes.core import ros_side
 
-        ros_side.join(lifeline.wait)
-        ros_side.end_launch()
+            ros_side.join(lifeline.wait)
+            ros_side.end_launch()
     # End the process now: roslaunch interrupts all its nodes, which would only add a traceback.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.exit(status)
