@@ -7,7 +7,7 @@ prepare again.
 """
 
 import json
-from typing import Callable, Collection, Dict, List, Mapping, NamedTuple, Optional, Protocol, Sequence
+from typing import Callable, Collection, Dict, List, Mapping, NamedTuple, Optional, Protocol, Sequence, Set
 
 from roah_rsbb.core.runs.run import UnrecordedStop
 from roah_rsbb.model.clock import Now
@@ -74,9 +74,11 @@ class StopNotes:
     """The notes of STOPs whose record is not on the disk. Call everything in the loop's thread."""
 
     def __init__(self, memory: Memory, inform_standby: Callable[[Mapping[str, str]], object]) -> None:
-        """`inform_standby` passes texts of STOPs by the identity of the run to the standby, if there is one."""
+        """`inform_standby` passes texts of STOPs by the identity of the run to the standby, if there is one. An empty
+        text withdraws the one before."""
         self._memory, self._inform_standby = memory, inform_standby
         self._notes: Dict[str, _Note] = {}  # by the identity of the run
+        self._passed: Set[str] = set()  # the runs of those that the standby has, which keeps them
         self._earlier = [name for name in memory.kept if name.startswith(PREFIX)]
         for name in self._earlier:  # this core may end, too, before it has recorded them
             memory.keep(name, memory.kept[name])
@@ -88,25 +90,29 @@ class StopNotes:
     def resumed(self, ticket: int) -> None:
         """The STOPs of the core before are in the journal with this ticket."""
         self._notes.update((identity, _Note(ticket, text)) for identity, text in self.before().items())
+        self._passed.update(self._notes)
 
     def sent(self, now: Now, record: RunRecord, ticket: int) -> None:
         """STOP was sent `now` to a robot of a run, and is recorded next, with this ticket. `record`: what is."""
         stop = record.stops[-1]
         text = json.dumps([now.mono, stop.utc, stop.end_reason, stop.who[:200], stop.reason[:300]])
         self._notes[record.identity] = _Note(ticket, text)
+        self._passed.add(record.identity)
         self._memory.keep(PREFIX + record.identity, text)
         self._inform_standby({record.identity: text})
 
     def look(self, saved: int, running: Callable[[], Collection[str]]) -> None:
         """Forget those whose record is on the disk: tickets up to `saved`; and those of runs that were started again,
-        which a full disk may have no record of: `running` returns their identities. The standby hears the others again.
+        which a full disk may have no record of: `running` returns their identities. The standby hears the others again,
+        and of each run that was started again, because its copy may lack that for longer.
         """
-        again = running() if self._notes else ()
+        again = self._passed.intersection(running()) if self._passed else ()
         for identity in [each for each, note in self._notes.items() if note.ticket <= saved or each in again]:
             del self._notes[identity]
             self._memory.drop(PREFIX + identity)
-        if self._notes:
-            self._inform_standby({identity: note.text for identity, note in self._notes.items()})
+        if self._notes or again:
+            self._inform_standby({**dict.fromkeys(again, ""),
+                                  **{identity: note.text for identity, note in self._notes.items()}})
 
 
 def unrecorded(stops: Mapping[str, str], records: List[RunRecord], shift: float) -> Dict[str, UnrecordedStop]:
@@ -120,5 +126,5 @@ def unrecorded(stops: Mapping[str, str], records: List[RunRecord], shift: float)
             if utc > stopped.get(identity, 0.0):
                 found[identity] = UnrecordedStop(Now(mono + shift, utc), EndReason[reason.upper()], By(who, why))
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-            continue  # of another version: the robot still gets nothing before a referee decides
+            continue  # withdrawn, or of another version: the robot still gets nothing before a referee decides
     return found

@@ -1,7 +1,7 @@
 """STOPs that the box has sent, as the standby hears of them: before they are in the journal, and so in the copy.
 
 They are kept in a file beside the copy. The box that takes over reads it before it sends anything. It ignores those
-that its journal has.
+that its journal has, and those that are empty: their runs were started again.
 """
 
 import json

@@ -312,19 +312,23 @@ def test_the_answer_to_stop_says_if_the_disk_is_full(stage):
     assert answer_to_stop(stage) is None
 
 
-def test_a_run_that_was_started_again_is_not_ended_by_its_earlier_stop(stage):
+@pytest.mark.parametrize("takes_over", [False, True])
+def test_a_run_that_was_started_again_is_not_ended_by_its_earlier_stop(stage, takes_over):
     """A full disk has a record of neither."""
-    stage = stage()
+    stage = stage(has_standby=takes_over)
     stage.execute()
     stage.storage.full_until = STILL_S
     stage.do("stop")
     stage.until(RobotState.STOP)
     stage.do("start")
     stage.until(RobotState.EXECUTING)
-    stage.pass_time(1.0)
-    stage.box.kill(0.5)
+    stage.pass_time(1.5)
+    stage.box.kill(float("inf") if takes_over else 0.5, power=takes_over)
     stage.storage.full_until = 0.0
     stage.states.clear()
+    if takes_over:
+        stage.pass_time(4.0)
+        stage.standby.take_over()
     stage.pass_time(10.0)
     assert stage.states == [RobotState.EXECUTING] and stage.run.phase is Phase.RUNNING
 
