@@ -7,7 +7,8 @@ import os
 import pathlib
 import signal
 import subprocess
-from typing import Iterator, List
+import time
+from typing import Callable, Iterator, List, NamedTuple
 
 import pytest
 from namespaces import NoRight, Switch, address, other_address
@@ -87,13 +88,12 @@ def test_a_takeover_by_command(pair: Pair, measured: List[str]) -> None:
     assert pair.standby.takeover().wait_ended(LIMIT_S) == 0
     took_s = pair.wait_followed(commanded, ports)
     measured.append(f"takeover by command: robots sent to the standby after {took_s:.1f} s")
-    pair.continue_runs()
-    wait_until(lambda: all(len(robot.did("EXECUTING")) == 2 for robot in pair.robots), "they execute on", LIMIT_S)
     shown = pair.standby.shows("status", ALPHA)
     assert "running" in shown.lower(), shown
     assert_marked(pair.standby.shows("score", ALPHA))
     pair.release()
     pair.standby.wait_shows("Benchmark completed by the robot", "status", ALPHA)
+    assert all(len(robot.did("EXECUTING")) == 1 for robot in pair.robots)
 
     # The lost box starts again.
     pair.box.plug()
@@ -275,25 +275,60 @@ def test_the_standby_does_not_hear_the_box_but_robots_do(pair: Pair, measured: L
     pair.wait_followed(healed, ports)
 
 
-def test_a_stop_that_the_standby_does_not_have(pair: Pair) -> None:
-    """The robot stays stopped after the takeover, until a referee says that the run was not stopped."""
-    pair.begin("--automatic", "3", "--witness", address(WITNESS))
+class Loss(NamedTuple):
+    """How a box is lost that stops a robot."""
+
+    cut: Callable[[Pair], None] = lambda pair: None  # before STOP
+    heals: bool = False  # the standby has taken over before STOP, and the box is superseded after it
+    dies_after_s: float = 0.0
+
+
+LOSSES = {
+    "cut both ways": Loss(lambda pair: pair.separate(BOX, STANDBY)),
+    "cut to the standby": Loss(lambda pair: pair.lose_frames(BOX, STANDBY)),
+    "cut to the box": Loss(lambda pair: pair.lose_frames(STANDBY, BOX)),
+    "split that heals": Loss(lambda pair: pair.separate(BOX, STANDBY), heals=True),
+    **{f"{ms} ms after STOP": Loss(dies_after_s=ms / 1000) for ms in (0, 15, 31)},
+}
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_a_robot_that_was_stopped_stays_stopped(pair: Pair, loss: str) -> None:
+    """The standby may have the record of STOP, its note, or nothing of it. The other run continues."""
+    cut, heals, dies_after_s = LOSSES[loss]
+    schedule = pair.box.folder / "schedule.yaml"
+    schedule.write_text("- durable: two\n" + schedule.read_text("utf-8"), "utf-8")
+    first = pair.begin("--automatic", "3", "--witness", address(WITNESS))
     pair.run()
     pair.wait_ready()
     pair.wait_copied()
     alpha, beta = pair.robots
-    pair.separate(BOX, STANDBY)
-    pair.box.referee("stop", ALPHA)
+    ports, core = pair.private_ports(BOX), pair.box.core()
+    cut(pair)
+    if heals:
+        pair.follower.wait_printed("Listening on UDP")
+        pair.wait_beacon(STANDBY, pair.now())
+    stop = pair.box.start("referee", "stop", ALPHA)
     wait_until(lambda: alpha.did("STOP"), "it stopped", LIMIT_S)
-    pair.lose_box()
-    for team in pair.teams:
-        pair.standby.wait_shows("reports STOP, and after its restart", "status", zone_of(team))
-    pair.standby.referee("continue", zone_of("Beta"))
-    wait_until(lambda: len(beta.did("EXECUTING")) == 2, "the other one executes again", LIMIT_S)
-    assert len(alpha.did("PREPARING")) == len(alpha.did("EXECUTING")) == 1
-    pair.standby.referee("stop", ALPHA)
-    pair.standby.wait_shows("Benchmark stopped by the referee", "status", ALPHA)
-    assert len(alpha.did("PREPARING")) == len(alpha.did("EXECUTING")) == 1
+    if "cut" in loss:
+        stop.wait_ended(LIMIT_S)
+    if heals:
+        healed = pair.now()
+        pair.separate()
+        pair.assert_box_stops(first, healed, ports)
+    else:
+        time.sleep(dies_after_s)  # the moment that is tested
+        os.kill(core, signal.SIGKILL)
+        pair.lose_box()
+    asked, known = "reports STOP, and after its restart", "Benchmark stopped by the referee"
+    shown = pair.standby.wait_shows((asked, known), "status", ALPHA)
+    pair.release()
+    pair.standby.wait_shows("Benchmark completed by the robot", "status", zone_of("Beta"))
+    if known not in shown:
+        pair.standby.referee("stop", ALPHA)
+        pair.standby.wait_shows(known, "status", ALPHA)
+    for robot in alpha, beta:
+        assert len(robot.did("PREPARING")) == len(robot.did("EXECUTING")) == 1
 
 
 def test_robots_that_send_to_the_address_of_the_box(pair: Pair) -> None:

@@ -10,7 +10,7 @@ import socket
 import subprocess
 import sys
 import time
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Union
 
 from crew import RSBB_PORT, Robot, password_of
 from namespaces import BROADCAST, INTERFACE, Host, Station, Switch, address, other_address, run_ip
@@ -156,11 +156,15 @@ class Computer:
         assert program.wait_ended() == 0, program.text
         return program.text
 
-    def wait_shows(self, text: str, *command: str) -> None:
-        """Wait until the referee's program shows a text. The box may just be starting."""
+    def wait_shows(self, texts: Union[str, Sequence[str]], *command: str) -> str:
+        """Wait until the referee's program shows a text, or one of these; returns all of it. The box may just be
+        starting."""
         deadline = time.monotonic() + LIMIT_S
-        while text not in self.run("referee", *command).text:
-            assert time.monotonic() < deadline, self.shows(*command)
+        while True:
+            shown = self.run("referee", *command).text
+            if any(text in shown for text in ([texts] if isinstance(texts, str) else texts)):
+                return shown
+            assert time.monotonic() < deadline, shown
 
     def referee(self, *command: str) -> None:
         """Do something as the referee, again and again until the box accepts it."""
@@ -295,12 +299,6 @@ class Pair:
             self.box.referee("start", zone_of(team))
         wait_until(lambda: all(robot.did("EXECUTING") for robot in self.robots), "all robots execute", LIMIT_S)
 
-    def continue_runs(self) -> None:
-        """On the standby, say of each run that it was not stopped: our robots halt when they change to another box."""
-        for team in self.teams:
-            self.standby.wait_shows("reports STOP, and after its restart", "status", zone_of(team))
-            self.standby.referee("continue", zone_of(team))
-
     def wait_ready(self) -> None:
         """Wait until the standby has a copy, and a core that waits."""
         wait_until(lambda: "waiting for a takeover" in self.follower.text,
@@ -327,6 +325,11 @@ class Pair:
         self.switch.host.do(run_ip, *(
             f"link set port{number} type bridge_slave isolated {'on' if number in numbers else 'off'}"
             for number in self.stations))
+
+    def lose_frames(self, number: int, other: int) -> None:
+        """From now on, what this host sends to the other one alone gets lost. Broadcasts pass."""
+        self.stations[number].host.do(
+            run_ip, f"neigh replace {address(other)} lladdr 02:00:00:00:00:99 dev {INTERFACE} nud permanent")
 
     @staticmethod
     def now() -> float:

@@ -218,6 +218,11 @@ class BoxLink:
         self._fresh_mono = now_mono
         self._left_mono: Optional[float] = None  # when the first beacon arrived that takes the channel away
 
+    def continue_at(self, now_mono: float, host: str) -> None:
+        """The box at this address continues the run. It gets what the one before has not acknowledged."""
+        self.host, self.decoded, self.silence = host, False, Silence(SILENCE_S, now_mono)
+        self.sender.changed(now_mono)
+
     def is_left(self, now_mono: float) -> bool:
         """Take a beacon of the box that takes this channel away. Returns whether it counts."""
         if not self.decoded:

@@ -231,6 +231,11 @@ class Session:
 
     def _follow_beacon(self, now_mono: float, host: str, port: Optional[int]) -> None:
         """Go to the private channel that a beacon gives this robot; None: to none."""
+        if self.link is not None and not self.link.by_hand and self.link.port == port:
+            # Another box continues the run, so the robot stays in its state: one that stopped does not move.
+            self.link.continue_at(now_mono, host)
+            self._effects.append(fx.OpenChannel(host, port))
+            return
         if self.link is not None:
             self._drop(
                 "the box no longer lists this robot" if port is None

@@ -135,15 +135,22 @@ def test_another_box_takes_over_when_ours_is_gone(linked):
     assert linked.state is RobotState.STOP
 
 
-def test_a_standby_takes_over_at_once_when_our_box_is_gone(linked):
-    """It lists the robot with the port that it has."""
+@pytest.mark.parametrize("is_stopped", [False, True])
+def test_a_standby_takes_over_at_once_when_our_box_is_gone(linked, is_stopped):
+    """It lists the robot with the port that it has. The robot stays in its state."""
     executing(linked)
+    if is_stopped:
+        linked.box_says(BoxState.STOP)
+    state = linked.state
     linked.run(4)
     linked.beacon(host=OTHER_BOX)
     assert linked.take_news(fx.OpenChannel) == []
     linked.run(2)
     linked.beacon(host=OTHER_BOX)
-    assert linked.take_news(fx.OpenChannel) == [fx.OpenChannel(OTHER_BOX, PORT)]
+    assert linked.take_news(fx.OpenChannel, fx.StateIs, fx.Prepare) == [fx.OpenChannel(OTHER_BOX, PORT)]
+    linked.run(1)
+    linked.box_says(BoxState.STOP if is_stopped else BoxState.WAITING_RESULT, host=OTHER_BOX)
+    assert linked.state is state and linked.take_news(fx.StateIs, fx.Prepare, fx.Stop) == []
 
 
 @pytest.mark.parametrize("on_public_channel", [True, False])
