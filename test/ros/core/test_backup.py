@@ -125,10 +125,7 @@ class TestBackup(OwnCoreCase):
         self.assertNotIn(BOX, {host for _, host in listener.heard}, "it sends nothing to robots")
         self.assertEqual((self.box.gui.clock, self.box.document), (clock, document), "and nothing to panels")
         self.assertEqual(self.entries(self.log_dir), entries, "and records nothing")
-        # The robot changes to it after 5 s without its first box, and halts. The referee continues the run.
-        other.wait_text(ZONE, "The robot reports STOP after a restart of the box")
-        other.command("continue", ZONE)
-        robot.wait_did("execute HGTKMH", 2)
+        # The robot changes to it after 5 s without its first box, and continues.
         robot.let("execute")
         other.wait_text(ZONE, "Benchmark completed by the robot")
 
