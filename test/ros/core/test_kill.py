@@ -1,18 +1,22 @@
 """A core that is killed (kill -9): every run continues unchanged, and is recorded once and completely."""
 
 import pathlib
+import socket
 import tempfile
 from typing import List
+from unittest import mock
 
 import rospy
 from support.own_core import Core, OwnCoreCase
-from support.robots import CONFIG, Robot
+from support.robots import BOX, CONFIG, RSBB_PORT, Robot
 from support.waiting import wait_until
 
+from roah_rsbb.comm.peer import Peer
 from roah_rsbb.journal.file import FILE_NAME
 
 GROUP, OBJECTS = ITEM = ("Achievements", "Objects")
 STATES = ["STOP", "PREPARE", "WAITING_RESULT", "STOP"]
+STRANGER = "127.0.2.1"
 BENCHMARKS = {"benchmarks_file": CONFIG / "kill_benchmarks.yaml"}
 
 
@@ -115,6 +119,41 @@ class TestKilledOnce(OwnCoreCase):
         self.assertEqual(folders, [FILE_NAME], "in the same journal")
         alpha.let("execute")
         self.box.wait_text("Home", "Benchmark completed by the robot")
+
+    def test_recordings_of_the_attempt_before_do_not_complete_a_run(self) -> None:
+        """Somebody without the password sends them, after a restart, while the robot is off."""
+        recorded, send = [], Peer.send
+
+        def record(peer: Peer, datagram: bytes, host: str) -> bool:
+            if peer.port > RSBB_PORT:
+                recorded.append(datagram)
+            return send(peer, datagram, host)
+
+        self.start()
+        alpha = self.robot("Alpha")
+        with mock.patch.object(Peer, "send", record):
+            self.begin("Home", alpha, "HGTKMH")
+            alpha.let("execute")
+            self.box.wait_text("Home", "Benchmark completed by the robot")
+            self.box.command("disconnect", "Home")
+            self.box.wait_phase("Home", "idle")
+        self.box.command("previous", "Home")
+        port = self.begin("Home", alpha, "HGTKMH")
+        alpha.wait_did("execute HGTKMH", 2)
+        alpha.close()
+        self.core.kill()
+        self.start()
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+            stranger.bind((STRANGER, 0))
+
+            def play(zone) -> bool:
+                for datagram in recorded:
+                    stranger.sendto(datagram, (BOX, port))
+                return "but old ones" in zone.state
+
+            self.box.wait_zone("Home", play, "it hears old messages only")
+        details = self.box.zone_details("Home")
+        self.assertEqual((details.phase, details.port, details.end_reason), ("running", port, ""))
 
     def lines(self, zone: str) -> List[str]:
         """A zone's online data."""
