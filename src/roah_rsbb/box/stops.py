@@ -90,14 +90,12 @@ class StopNotes:
     def resumed(self, ticket: int) -> None:
         """The STOPs of the core before are in the journal with this ticket."""
         self._notes.update((identity, _Note(ticket, text)) for identity, text in self.before().items())
-        self._passed.update(self._notes)
 
     def sent(self, now: Now, record: RunRecord, ticket: int) -> None:
         """STOP was sent `now` to a robot of a run, and is recorded next, with this ticket. `record`: what is."""
         stop = record.stops[-1]
         text = json.dumps([now.mono, stop.utc, stop.end_reason, stop.who[:200], stop.reason[:300]])
         self._notes[record.identity] = _Note(ticket, text)
-        self._passed.add(record.identity)
         self._memory.keep(PREFIX + record.identity, text)
         self._inform_standby({record.identity: text})
 
@@ -106,6 +104,7 @@ class StopNotes:
         which a full disk may have no record of: `running` returns their identities. The standby hears the others again,
         and of each run that was started again, because its copy may lack that for longer.
         """
+        self._passed.update(self._notes)
         again = self._passed.intersection(running()) if self._passed else ()
         for identity in [each for each, note in self._notes.items() if note.ticket <= saved or each in again]:
             del self._notes[identity]
