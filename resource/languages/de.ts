@@ -3881,8 +3881,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/actions/table.py"/>
-        <source>{question}. To begin another attempt, confirm it: in a terminal with --again, in ROS with the service /core/connect_again</source>
-        <translation>{question}. Bestätigen Sie einen weiteren Versuch: im Terminal mit --again, in ROS mit dem Service /core/connect_again</translation>
+        <source>{question}. For another attempt, press the button again and confirm</source>
+        <translation>{question}. Drücken Sie für einen weiteren Versuch noch einmal auf den Knopf, und bestätigen Sie</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/actions/table.py"/>

@@ -7,6 +7,7 @@ import time
 from typing import Any, Callable, ContextManager, Dict, List, Optional, Tuple
 
 from roah_rsbb.core.actions.events import UNSIGNED
+from roah_rsbb.core.actions.table import confirmed_by
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.results import RunLine
@@ -36,6 +37,7 @@ from roah_rsbb.referee.state import (
 )
 from roah_rsbb.referee.stopping import Stopping, TypedStops
 from roah_rsbb.referee.words import (
+    GIVE_AGAIN,
     NOT_ATTEMPTED,
     BadWord,
     EventWanted,
@@ -64,7 +66,8 @@ def _status(link: Link, options, output: Output) -> Exit:
             view.status(link.box, now, output.style))
         return Exit.OK
     zone = _zone(link, options)
-    output.object(zone_json(zone, now)) if output.json else output.lines(view.zone_report(zone, now, output.style))
+    output.object({**zone_json(zone, now), "box_warnings": link.box.box.warnings}) if output.json else output.lines(
+        [*view.warning_lines(link.box, output.style), *view.zone_report(zone, now, output.style)])
     return Exit.OK
 
 
@@ -471,7 +474,7 @@ def carry_out(options: Any, output: Output) -> Exit:
             return COMMANDS[options.command](link, options, output)
     except Refused as refused:
         how = "counts, but" if isinstance(refused, NotConfirmed) else "was refused"
-        return output.failure(Exit.REFUSED, f"{options.command} {how}", refused.reasons)
+        return output.failure(Exit.REFUSED, f"{options.command} {how}", confirmed_by(refused.reasons, GIVE_AGAIN))
     except BadWord as bad:
         return output.failure(Exit.USAGE, str(bad), [])
     except NoCore as gone:

@@ -16,7 +16,7 @@ from roah_rsbb.referee.answers import AutomaticAnswers, GivenUp, Keyboard, Note,
 from roah_rsbb.referee.changes import BoxFollower, Change, news
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.link import ANSWER_S
-from roah_rsbb.referee.words import BadWord, EventWanted, pick_item, value_of
+from roah_rsbb.referee.words import GIVE_AGAIN, BadWord, EventWanted, pick_item, value_of
 from roah_rsbb.wording.sheets import END_REASONS
 from roah_rsbb.wording.stop import NOT_DELIVERED_S, Way, leaving, way_text
 
@@ -180,7 +180,7 @@ class RunScript:
         while self._zone().phase == phase:
             question = "" if self._plan.again else self._zone().action(command).question
             if question:
-                raise Refused([f"{question}. Give --again for another attempt"])
+                raise Refused([f"{question}. {GIVE_AGAIN}"])
             if self._is_stopped():
                 raise _Failed(Exit.NOT_COMPLETED, "stopped before the run began")
             gone: Optional[NoCore] = None

@@ -15,6 +15,7 @@ from roah_rsbb.model.records import ScoreValue
 from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.zone import Event, SheetItem, ZoneSeen
+from roah_rsbb.referee.words import GIVE_AGAIN, command_of
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.clock import clock_of, lines
 
@@ -47,8 +48,9 @@ def zones_of(box: Document) -> List[ZoneSeen]:
 
 
 def off_in(zone: ZoneSeen) -> Dict[str, Tuple[Said, ...]]:
-    """Return why each action is off, by its name, without those of benchmarking modules that nobody asks for."""
-    return {name: action.off for name, action in zone.actions.items() if action.shown or name not in _OF_MODULES}
+    """Return why each command is refused, without those of benchmarking modules that nobody asks for."""
+    return {command_of(name): action.off + ((f"{action.question}. {GIVE_AGAIN}",) if action.question else ())
+            for name, action in zone.actions.items() if action.shown or name not in _OF_MODULES}
 
 
 def asked_in(zone: ZoneSeen) -> Tuple[Field, ...]:

@@ -16,7 +16,7 @@ from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.zone import CONNECTED, ENDED, RUNNING, Event, RobotInRun, SheetItem, Switches, ZoneSeen
 from roah_rsbb.referee.changes import Change
 from roah_rsbb.referee.state import asked_in, lines_of, off_in, silence_s, zones_of
-from roah_rsbb.referee.words import command_of, form_words
+from roah_rsbb.referee.words import form_words
 from roah_rsbb.wording import module_scores, schedule, sheets, times
 from roah_rsbb.wording.clock import clock_of
 from roah_rsbb.wording.clock import lines as clock_lines
@@ -53,7 +53,7 @@ def status(box: Document, now: Now, style: Style, only: Optional[str] = None) ->
         f"{style(BOLD, 'RSBB')} at {escaped(box.box.host)}:{box.box.port}, "
         f"{style.moments.with_zone(now.utc)}: {escaped(box.box.status)}"
     ]
-    lines += [style(RED, f"WARNING: {escaped(text)}") for text in box.box.warnings]
+    lines += warning_lines(box, style)
     lines += ["", "Active robots:" if box.robots else "Active robots: none"]
     lines += [
         f"{_IN}{escaped(r.team)} {escaped(r.robot)}: skew {times.skew(r.skew)}, "
@@ -63,6 +63,11 @@ def status(box: Document, now: Now, style: Style, only: Optional[str] = None) ->
         if only in (None, zone.zone):
             lines += ["", *zone_lines(zone, now, style)]
     return lines
+
+
+def warning_lines(box: Document, style: Style) -> List[str]:
+    """Return the warnings of the whole box."""
+    return [style(RED, f"WARNING: {escaped(text)}") for text in box.box.warnings]
 
 
 _STATE_COLOURS = {"running": GREEN, "connected": CYAN, "ended": YELLOW, "next": BOLD}
@@ -112,7 +117,7 @@ def zone_lines(zone: ZoneSeen, now: Now, style: Style) -> List[str]:
         lines.append(_IN + style(YELLOW, to_do(zone.manual_operation, asked_in(zone))))
     if zone.switches is not None:
         lines.append(_IN + switches_line(zone.switches, style))
-    allowed = [command_of(action) for action, reasons in off_in(zone).items() if not reasons]
+    allowed = [command for command, reasons in off_in(zone).items() if not reasons]
     return [*lines, f"{_IN}allowed now: {', '.join(allowed) or 'nothing'}"]
 
 
@@ -120,7 +125,7 @@ def zone_report(zone: ZoneSeen, now: Now, style: Style) -> List[str]:
     """Return a zone in full: also why each command is refused, its score sheet and its online data."""
     lines = zone_lines(zone, now, style)
     for command, reasons in off_in(zone).items():
-        lines += [f"{_IN}no {command_of(command)}: {escaped(reason)}" for reason in reasons]
+        lines += [f"{_IN}no {command}: {escaped(reason)}" for reason in reasons]
     if zone.all_robots is not None:
         lines += [f"{_IN}robot {escaped(robot)}" for robot in zone.all_robots.robots]
     if zone.log_file:

@@ -15,6 +15,8 @@ from roah_rsbb.wording.suggestions import did_you_mean
 # Actions that have a command of their own in the terminal, with other words.
 PLACED = {"stop": "stop", "choose_event": "choose", "operation": "done"}
 
+# How the terminal confirms what the core asks for.
+GIVE_AGAIN = "Give --again for another attempt"
 # Words instead of a value.
 NOT_ATTEMPTED = ("not-attempted", "n/a")
 # The words of STOP at a prompt.

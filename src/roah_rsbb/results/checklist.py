@@ -78,18 +78,20 @@ def _name(event: ScheduledEvent) -> str:
     return sheets.run_name(event.benchmark.code, event.team, event.round, event.run)
 
 
-def check_lines(lines: Sequence[CheckLine], in_utc: bool) -> Iterator[str]:
-    """Return the lines for the terminal. What is missing is marked."""
+def check_lines(lines: Sequence[CheckLine], in_utc: bool, only_missing: bool = False) -> Iterator[str]:
+    """Return the lines for the terminal, of all events or of those without a final result, which are marked. The last
+    line counts all events."""
+    shown = [line for line in lines if not (only_missing and line.is_final)]
     rows = [("", "Scheduled", "Zone", "Event", "Run", "State", "Sheet")]
     rows += [
         ("✔" if line.is_final else "✘", date_time(line.scheduled, in_utc), one_line(line.zone), one_line(line.name),
          "" if line.number is None else str(line.number), one_line(line.state), one_line(line.sheet))
-        for line in lines
+        for line in shown
     ]
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     for row in rows:
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
-    yield summary(lines)
+    yield (f"{len(shown)} of {len(lines)} listed; " if only_missing else "") + summary(lines)
 
 
 def summary(lines: Sequence[CheckLine]) -> str:

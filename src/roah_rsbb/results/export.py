@@ -18,7 +18,7 @@ from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.results.runs import RunResult, run_state_text, taken_s
 from roah_rsbb.results.standings import Standing
-from roah_rsbb.wording.sheets import ratings_text
+from roah_rsbb.wording.sheets import person, ratings_text
 from roah_rsbb.wording.texts import value_text, visible
 from roah_rsbb.wording.times import iso
 
@@ -108,7 +108,7 @@ def run_row(record: RunRecord, in_utc: bool, counts: str = "") -> Dict[str, Cell
         record.identity, record.zone, record.benchmark, record.team, record.round, record.run,
         ", ".join(record.robots), at(record.scheduled), at(record.opened_utc), at(record.started_utc),
         at(record.closed_utc), record.end_reason, None if taken is None else round(taken, 3),
-        at(sign_off.utc) if sign_off else None, sign_off.who if sign_off else None, counts,
+        at(sign_off.utc) if sign_off else None, person(sign_off.who) if sign_off else None, counts,
     )))
 
 
@@ -126,7 +126,7 @@ def _item_rows(record: RunRecord, in_utc: bool) -> Iterator[Dict[str, Cell]]:
             "ratings": ratings_text(item.ratings),
         }
         if entry is not None:
-            row.update(changed=iso(entry.utc, in_utc), changed_by=entry.who, note=entry.note)
+            row.update(changed=iso(entry.utc, in_utc), changed_by=person(entry.who), note=entry.note)
         yield row
 
 

@@ -127,7 +127,7 @@ def check_bind(bind_host: str, port: int) -> List[Remark]:
             sockets.listen(bind_host, number, shared=False).close()
         except OSError as error:
             if not platform.is_in_use(error):
-                return [Remark(Severity.FAILED, str(error))]
+                return [Remark(Severity.FAILED, str(error).replace(sockets.BIND_HOST, "bind_host"))]
     return []
 
 

@@ -13,6 +13,8 @@ from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.shown import Shown
 from roah_rsbb.model.zone import AllRobots, Count, RunClock, SheetItem, Switches
 from roah_rsbb.referee.state import as_json, box_json, scheduled_json, sheet_json, zone_json, zones_of
+from roah_rsbb.referee.view import Style, zone_lines
+from roah_rsbb.referee.words import command_of
 
 
 def _zone(seconds=0.0, **fields):
@@ -50,6 +52,15 @@ def test_a_zone_as_json():
                                 "judges": [], "ratings": []}
 
 
+def test_what_needs_a_confirmation_is_not_allowed_without_it_and_has_the_name_of_its_command():
+    seen = zone(actions={"open_sheet": Shown(question="Signed off"), "connect": Shown(("No robot",), question="Signed off"),
+                         "choose_event": Shown()})
+    assert as_json(zone_json(seen, NOW))["off"] == {
+        "open-sheet": ["Signed off. Give --again for another attempt"],
+        "connect": ["No robot", "Signed off. Give --again for another attempt"], "choose": []}
+    assert zone_lines(seen, NOW, Style())[-1].strip() == "allowed now: choose"
+
+
 def test_a_robot_that_is_silent_was_heard_before():
     silent = ROBOT._replace(silent_since=MONO0 - 3.0)
     assert _zone(1.0, robot=silent)["last_message_utc_s"] == UTC0 - 3.0
@@ -78,7 +89,7 @@ def test_what_a_benchmarking_module_asks_and_says():
         4, "Place it", ["again", "skip"], True)
     assert operation["fields"][0] == {
         "kind": "choice", "name": "answer", "label": "Answer", "required": True, "choices": ("again", "skip")}
-    assert "operation" in made["off"] and "switch" not in made["off"]
+    assert "done" in made["off"] and "switch" not in made["off"]
     assert made["switches"] == {"on": [1, 3], "damaged": 2, "to_confirm": False}
     assert (made["held"], made["module_status"]) == (True, "Goal 1")
     assert [score["value"] for score in made["module_score"]] == [1.5, "no JSON"]
@@ -148,7 +159,7 @@ def test_the_documentation_names_every_field():
         switches=Switches((1,), 0, True), all_robots=AllRobots(1, 0, 0, 1, ("r",))), 1, "Place it")
     event = EventSeen("e1", 1, "Home A", "HWV", "Welcoming", "T", 1, 1, UTC0, UTC0, "later", False)
     made = [as_json(one) for one in (box_json(box(whole), NOW), sheet_json(SHEET), scheduled_json(event))]
-    assert not {name for name in _names(made) - ACTIONS.keys() if f"`{name}`" not in text}
+    assert not {name for name in _names(made) - set(map(command_of, ACTIONS)) if f"`{name}`" not in text}
 
 
 def _names(made):

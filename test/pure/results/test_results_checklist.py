@@ -109,6 +109,8 @@ def test_the_lines():
         "✘  2025-11-21 13:00:00Z  tbm   HGTKMH, team Alpha, round 1, run 2       no run",
         "1 of 2 signed off, 0 not signed off, 1 without a run",
     ]
+    _, missing, last = check_lines(found, in_utc=True, only_missing=True)
+    assert missing.startswith("✘") and last == "1 of 2 listed; 1 of 2 signed off, 0 not signed off, 1 without a run"
     assert list(check_lines([], True))[-1] == "0 of 0 signed off, 0 not signed off, 0 without a run"
 
 

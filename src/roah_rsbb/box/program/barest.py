@@ -141,7 +141,7 @@ async def _answer_browser(reader: asyncio.StreamReader, writer: asyncio.StreamWr
 
 def main(_arguments: object = None) -> None:
     """Run the program, which the supervisor starts."""
-    logging.basicConfig(format="%(asctime)s %(levelname)s %(message)s", datefmt="%H:%M:%S")
+    logging.basicConfig(format="%(asctime)s %(levelname)s %(message)s", datefmt="%H:%M:%S %Z")
     logging.raiseExceptions = False
     platform.ignore_stops()
     platform.end_with_parent()  # the program that follows it may start a full core

@@ -20,7 +20,7 @@ from roah_rsbb.arguments import Parser, called, without_ros
 from roah_rsbb.durable import close_to_others
 from roah_rsbb.log_lines import LogLines
 from roah_rsbb.params import BadParams
-from roah_rsbb.wording.times import Moments
+from roah_rsbb.wording.times import Moments, has_zone
 
 if TYPE_CHECKING:
     import asyncio
@@ -61,8 +61,8 @@ def _explanation() -> str:
 
 class _VenueTimes(logging.Formatter):
     def formatTime(self, record: logging.LogRecord, datefmt: Optional[str] = None) -> str:
-        """Return the time of a line, see `wording.times`."""
-        return Moments().time_of_day(record.created)
+        """Return the time of a line, see `wording.times`; with its time zone, unless it is that of the competition."""
+        return (Moments().time_of_day if has_zone() else Moments().with_zone)(record.created)
 
 
 def log_to_terminal(level: int = logging.INFO, log_dir: str = "") -> None:

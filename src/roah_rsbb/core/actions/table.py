@@ -1,7 +1,7 @@
 """The table of all actions in a zone: every call is checked, recorded and carried out here."""
 
 from types import MappingProxyType
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Type
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Type
 
 from roah_rsbb.core.actions import connecting, events, modules, running
 from roah_rsbb.core.actions.base import Given, Parts, ZoneAction
@@ -32,8 +32,7 @@ NO_ACTION = say("no action '{action}'{hint}")
 NO_TEAM = say("Name the team: the zone may have gone to the event of another one")
 OTHER_TEAM = say("The current event of zone '{zone}' is of team {team}, not of team {named}: choose the event first")
 OTHER_EVENT = say("Zone '{zone}' is at another event of team {team} now: choose the event first")
-CONFIRM = say("{question}. To begin another attempt, confirm it: in a terminal with --again, in ROS with the service "
-              "/core/connect_again")
+CONFIRM = say("{question}. For another attempt, press the button again and confirm")
 OTHER_RUN = say("run {run} is not connected in zone '{zone}'")
 
 
@@ -115,6 +114,12 @@ class Actions:
                 raise Refused(reasons)
             self._outbox.mark_changed(zone.name)
             action.do(now, zone, By(checked_who(who), cut_note(values.get("reason", ""))), values)
+
+
+def confirmed_by(reasons: Sequence[str], how: str) -> List[str]:
+    """Return reasons with how a face without buttons begins another attempt."""
+    return [f"{getattr(reason, 'values', NOTHING)['question']}. {how}"
+            if getattr(reason, "template", "") == CONFIRM.template else reason for reason in reasons]
 
 
 def _if_other(found: Tuple[fields.Field, ...], action: ZoneAction) -> Optional[Tuple[fields.Field, ...]]:

@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, Optional
 import rospy
 
 from roah_rsbb.box.calls import BoxCalls, full_name
-from roah_rsbb.core.actions.table import NOTHING, Target
+from roah_rsbb.core.actions.table import NOTHING, Target, confirmed_by
 from roah_rsbb.core.box import Box
 from roah_rsbb.model.actions import ACTIONS, MARK, STOP
 from roah_rsbb.model.referee import Refused
@@ -70,7 +70,8 @@ class CoreServices:
             try:
                 return handle(request)
             except Refused as refused:
-                raise rospy.ServiceException(refusals.error_text(refused.reasons)) from None
+                raise rospy.ServiceException(refusals.error_text(confirmed_by(
+                    refused.reasons, "For another attempt, call /core/connect_again"))) from None
 
         self._services.add(f"/core/{name}", service, checked, wait, is_urgent)
 

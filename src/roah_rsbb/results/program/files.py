@@ -317,8 +317,7 @@ def checklist(options: argparse.Namespace) -> int:
     _, plans = config.load_schedule(file(options, BENCHMARKS_FILE), file(options, SCHEDULE_FILE))
     with open_journal(options) as reader:
         lines = checklists.checklist(plans, ruled(options, known_records(options, reader)), options.utc)
-    shown = [line for line in lines if not (options.missing and line.is_final)]
-    for text in checklists.check_lines(shown, options.utc):
+    for text in checklists.check_lines(lines, options.utc, options.missing):
         print(text)
     return 0 if all(line.is_final for line in lines) else 1
 

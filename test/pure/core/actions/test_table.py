@@ -7,8 +7,9 @@ from helpers.competition import competition
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions import table
 from roah_rsbb.core.actions.connecting import SIGNED_OFF
-from roah_rsbb.core.actions.table import KINDS, Target
+from roah_rsbb.core.actions.table import KINDS, Target, confirmed_by
 from roah_rsbb.model.actions import ACTIONS, ENTRIES, EVERY
+from roah_rsbb.model.reason import decoded, encoded
 from roah_rsbb.model.records import Phase
 from roah_rsbb.model.referee import Refused, RunName
 
@@ -134,8 +135,10 @@ def test_a_result_that_is_signed_off_is_replaced_only_by_who_says_so(name):
     driver.event(driver.box.scores.sign_off, RunName("tbm", record.identity), "Anna")
     shown = driver.view()
     assert shown.action(name).question == SIGNED_OFF in shown.state
-    with pytest.raises(Refused, match=f"{SIGNED_OFF}.*--again.*/core/connect_again"):
+    with pytest.raises(Refused, match=f"^{SIGNED_OFF}. For another attempt, press the button again and confirm$") as e:
         driver.command(name)
+    assert confirmed_by(decoded(encoded(e.value.reasons)), "Give it") == [f"{SIGNED_OFF}. Give it"]
+    assert confirmed_by([SIGNED_OFF], "Give it") == [SIGNED_OFF]
     assert driver.run_in() is None and len(driver.box.finished.records()) == 1
     driver.command("next")
     assert driver.view().action(name).question == ""
