@@ -32,19 +32,16 @@ def beside(options: argparse.Namespace, name: str) -> Optional[str]:
 
 
 def use_zone(options: argparse.Namespace) -> None:
-    """Show days and times in the time zone of the option, or else in that of the competition. Raises `Usage`."""
-    from roah_rsbb.rulebook.config import ZONE_SHAPE, settings_in  # imported late, after errors of the command line
+    """Count days, and show times, in the time zone of the competition."""
+    from roah_rsbb.rulebook.config import settings_in  # imported late, after errors of the command line
     from roah_rsbb.rulebook.text_files import known
 
-    name = options.time_zone
-    if name and times.zone_of(name) is None:
-        raise Usage(f"--time-zone {name}: no time zone has this name. Give {ZONE_SHAPE}")
     path, texts = file(options, SCHEDULE_FILE), {}
     kept = None if beside(options, SCHEDULE_FILE) else read_in_force(_log_dir(options))
     if kept is not None:  # the journal was copied without the competition's folder
         texts = {path: kept.versions[kept.present].texts[1] or ""}
     with known(texts):
-        times.use_zone(name or settings_in(path).time_zone)
+        times.use_zone(settings_in(path).time_zone)
 
 
 def _log_dir(options: argparse.Namespace) -> str:

@@ -115,7 +115,7 @@ def main(arguments: Optional[List[str]] = None) -> NoReturn:
 
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(called("results"), _DESCRIPTION, _EPILOG)
-    parser.set_defaults(journal=None, log_dir=LOG_DIR, utc=False, time_zone="")
+    parser.set_defaults(journal=None, log_dir=LOG_DIR, utc=False)
     _add_source(parser)
     commands = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=_sub_parser)
     _add_views(commands)
@@ -211,9 +211,6 @@ def _add_source(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--log-dir", metavar="DIR", default=argparse.SUPPRESS,
                         help=f"the box's log_dir; default: {LOG_DIR}")
     parser.add_argument("--utc", action="store_true", default=argparse.SUPPRESS, help="show times in UTC")
-    parser.add_argument("--time-zone", metavar="NAME", default=argparse.SUPPRESS,
-                        help=f"of the venue, such as Asia/Tokyo; default: that of {SCHEDULE_FILE} beside the log_dir, "
-                        "or else this computer's")
 
 
 def _sub_parser(**options: str) -> Parser:

@@ -158,6 +158,7 @@ FIREWALL = "firewall.nft"
 RSBB_PORT = 6666  # roah_rsbb.launch's
 MODULES = "modules"
 _BEFORE = SCHEDULE + "~"
+_KEPT = 9  # schedules that were replaced: schedule.yaml~, schedule.yaml~2 and so on
 
 
 class CannotWriteFiles(Exception):
@@ -222,7 +223,10 @@ def write_new(directory: str, files: Dict[str, str]) -> None:
 
 
 def write_schedule(directory: str, book: Rulebook, zones: Sequence[PlannedZone], clock: VenueClock) -> str:
-    """Replace the schedule; returns the path of the old one, "" if there was none."""
+    """Replace the schedule; returns the path of the old one, "" if there was none, or the same one.
+
+    The ones before are kept, too, with numbers: what was made by hand before several imports is not lost.
+    """
     path, before = os.path.join(directory, SCHEDULE), os.path.join(directory, _BEFORE)
     with writing(directory):
         text = schedule_text(_text(book, SCHEDULE), zones, clock, settings_in(path).durable)
@@ -230,8 +234,14 @@ def write_schedule(directory: str, book: Rulebook, zones: Sequence[PlannedZone],
         with contextlib.suppress(FileNotFoundError):
             os.unlink(new)
         _write(new, text, private=False)
-        kept = os.path.exists(path)
+        kept = False
+        if os.path.exists(path):
+            with open(path, "rb") as old:
+                kept = old.read() != text.encode("utf-8")
         if kept:
+            for number in range(_KEPT - 1, 0, -1):
+                with contextlib.suppress(FileNotFoundError):
+                    os.replace(before + (str(number) if number > 1 else ""), f"{before}{number + 1}")
             os.replace(path, before)
         os.replace(new, path)
     return before if kept else ""

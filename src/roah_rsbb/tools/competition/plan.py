@@ -132,6 +132,7 @@ class Plan(NamedTuple):
 
     teams: Tuple[str, ...]
     zones: Tuple[PlannedZone, ...]
+    automatic: Tuple[str, ...] = ()  # which numbers of its runs, 'round' and 'run', nobody chose
 
     @property
     def codes(self) -> Tuple[str, ...]:
@@ -157,13 +158,15 @@ Which = Callable[[str, Sequence[str]], Optional[int]]
 
 
 def with_other_days(
-    before: Sequence[PlannedZone], after: Sequence[PlannedZone], clock: VenueClock, ran: Container[str], which: Which
+    before: Sequence[PlannedZone], plan: Plan, clock: VenueClock, ran: Container[str], which: Which
 ) -> Merged:
     """Replace the days that a new plan has, and keep the others. The events of a team in a benchmark keep their ids at
-    the same time, or else within their day, whatever their zones, rounds and numbers are.
+    the same time, or else within their day, whatever their zones, rounds and numbers are. Those with results keep
+    their numbers, too, unless the plan gives others.
 
     `ran`: the ids of the events that have results. `which` is asked where such an event may be another one now.
     """
+    after = plan.zones
     days = days_of(after, clock)
     old: Dict[Tuple[str, str], List[PlannedRun]] = {}
     kept: Dict[datetime.date, int] = {}
@@ -183,12 +186,39 @@ def with_other_days(
     said: List[str] = []
     for key, runs in old.items():
         ids.update(_ids(sorted(runs, key=lambda run: run.begins), new.get(key, []), clock, ran, which, said))
+    numbered = _numbered(before, [run._replace(id=ids.get(run, "")) for runs in new.values() for run in runs],
+                         [run for runs in zones.values() for run in runs], plan.automatic, clock, ran)
     for zone in after:
-        zones.setdefault(zone.name, []).extend(run._replace(id=ids.get(run, "")) for run in zone.runs)
+        zones.setdefault(zone.name, []).extend(numbered[run[:2], run.begins, run[2:4]] for run in zone.runs)
     order = dict.fromkeys(zone.name for zone in (*before, *after) if zone.name in zones)
     return Merged(
         tuple(PlannedZone(name, tuple(sorted(zones[name], key=lambda run: run.begins))) for name in order),
         dict(sorted(kept.items())), said)
+
+
+def _numbered(
+    before: Sequence[PlannedZone], new: Sequence[PlannedRun], kept: Sequence[PlannedRun], automatic: Sequence[str],
+    clock: VenueClock, ran: Container[str],
+) -> Dict[Tuple[object, ...], PlannedRun]:
+    """Return the new runs with numbers that no other run of the team in the benchmark has, by what they were before.
+
+    `kept`: the runs of other days. Only `automatic` numbers change.
+    """
+    was = {run.id: run for zone in before for run in zone.runs}
+    placed, found = list(kept), {}
+    for run in sorted(new, key=lambda run: (run.id not in ran, run.begins)):
+        key = (run[:2], run.begins, run[2:4])
+        if run.id in ran:
+            run = run._replace(**{name: getattr(was[run.id], name) for name in automatic})
+        day = clock.local(run.begins).date()
+        while run.id not in ran and "round" in automatic and any(
+                other[:3] == run[:3] and clock.local(other.begins).date() != day for other in placed):
+            run = run._replace(round=run.round + 1)
+        while run.id not in ran and "run" in automatic and any(other[:4] == run[:4] for other in placed):
+            run = run._replace(run=run.run + 1)
+        placed.append(run)
+        found[key] = run
+    return found
 
 
 def _ids(

@@ -266,7 +266,7 @@ def _schedule_only(
                       Known(list(known), f"the benchmarks of {benchmarks}"),
                       lambda code: code in known and known[code].kind is BenchmarkKind.ALL_ROBOTS, days_of(old, clock))
     report.raise_errors()
-    merged = with_other_days(old, plan.zones, clock, _ran(options.directory, zones), functools.partial(_which, ask))
+    merged = with_other_days(old, plan, clock, _ran(options.directory, zones), functools.partial(_which, ask))
     before = files.write_schedule(options.directory, book, merged.zones, clock)
     print(f"Written: {files.SCHEDULE} in {options.directory}" + (f"; the old one is {before}" if before else ""))
     if merged.kept:
@@ -311,11 +311,14 @@ def _zones_before(directory: str) -> Sequence[ZonePlan]:
 
 
 def _clock(report: Report, options: argparse.Namespace) -> Optional[VenueClock]:
-    """The venue's time zone: the option's, or that of the competition, or else this computer's."""
+    """The time zone of the competition, or else the option's, or else this computer's."""
     known = config.settings_in(os.path.join(options.directory, files.SCHEDULE)).time_zone
     clock = read_clock(report, Place("--time-zone", 0, 0), options.time_zone or known or "local")
     if not (options.time_zone or known):
         _say_zone(clock)
+    if known and clock is not None and clock.name != known:
+        report.error(Place("--time-zone", 0, 0), f"{clock.name}, and {known} as time zone of the competition",
+                     f"no other one. To change it, change time_zone in {files.SCHEDULE}")
     return clock
 
 

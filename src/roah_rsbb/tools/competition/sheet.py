@@ -211,4 +211,5 @@ def _plan(report: Report, rows: List[_Row], other_days: Collection[datetime.date
                 report.error(row.place, f"{name} {value}", f"at most {_MAX_ROUND}: add columns for rounds and runs")
         zones[row.zone].append(PlannedRun(row.code, row.team, number, run, row.begins))
     teams = dict.fromkeys(row.team for row in rows if row.team != ALL_TEAMS)
-    return Plan(tuple(teams), tuple(PlannedZone(name, tuple(runs)) for name, runs in zones.items()))
+    automatic = tuple(name for name in OPTIONAL if rows and getattr(rows[0], name) is None)
+    return Plan(tuple(teams), tuple(PlannedZone(name, tuple(runs)) for name, runs in zones.items()), automatic)

@@ -138,6 +138,11 @@ def test_a_new_schedule_keeps_the_old_one(tmp_path):
     assert (tmp_path / files.PASSWORDS).read_text("utf-8") == passwords
     assert sorted(name for name in os.listdir(str(tmp_path)) if "schedule" in name) == [
         "schedule.yaml", "schedule.yaml~"]
+    for round_ in (*range(8, 16), 15):  # the same one again takes no place
+        zones = [zone._replace(runs=tuple(each._replace(id="k3x9w2mq") for each in zone.runs))
+                 for zone in plan(run("HWV", "B", round_)).zones]
+        files.write_schedule(str(tmp_path), BOOK, zones, CLOCK)
+    assert (tmp_path / "schedule.yaml~9").read_text("utf-8") == old
 
 
 def test_a_first_schedule_keeps_nothing(tmp_path):

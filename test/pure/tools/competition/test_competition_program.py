@@ -2,6 +2,7 @@
 
 import datetime
 import os
+import re
 
 import pytest
 
@@ -96,6 +97,9 @@ def test_the_time_zone_is_asked_for_and_kept(run, tmp_path):
         made = load(tmp_path / "erl")[0]
         assert (made.time_zone, made.zones[0].events[0].scheduled % 86400) == ("America/Lima", 14 * 3600)
         assert run("erl", "--add-team", "Gamma")[0] == 0
+        status, _, err = run("erl", "--add-team", "Delta", "--time-zone", "UTC")
+        assert (status, "--time-zone: found UTC, and America/Lima as time zone of the competition; expected no other "
+                "one. To change it, change time_zone in schedule.yaml" in err) == (1, True)
         assert run("two", *OPTIONS[:-2], "--zones", "A,B")[1].count("Time zone: Asia/Tokyo (this computer's") == 1
     assert load(tmp_path / "erl")[0].time_zone == "America/Lima"
     lines = (tmp_path / "erl" / "schedule.yaml").read_text("utf-8").splitlines()
@@ -251,10 +255,21 @@ def reimport(run, tmp_path):
     return again
 
 
-def test_a_day_before_the_others_moves_no_result(reimport):
-    status, said, moved = reimport(["Home,HWV,B,2026-11-27,16:00", *TWO_DAYS])
-    assert (status, "results" in said) == (0, False)
+@pytest.mark.parametrize("rows, numbers", [
+    (["Home,HWV,B,2026-11-27,16:00", *TWO_DAYS], {"27 16:00 B": "3, run: 1"}),
+    (["Home,HWV,B,2026-11-27,16:00"], {"27 16:00 B": "3, run: 1"}),
+    ([*TWO_DAYS, "Home,HWV,A,2026-11-28,08:00"], {"28 08:00 A": "1, run: 2"}),
+])
+def test_a_run_before_the_others_moves_no_result(reimport, tmp_path, rows, numbers):
+    """Events with results keep their rounds, too."""
+    status, said, moved = reimport(rows)
+    assert (status, "results" in said, "is already in line" in said) == (0, False, False)
     assert {when: now for when, now in moved.items() if when != now} == {}
+    text = (tmp_path / "erl" / "schedule.yaml").read_text("utf-8")
+    found = re.findall(r"team: '(\w)', *round: (.*), scheduled_time: 2026-11-(..) (..:..)", text)
+    assert {f"{day} {at} {team}": each for team, each, day, at in found} == {
+        "28 09:00 A": "1, run: 1", "28 09:30 B": "1, run: 1", "29 09:00 A": "2, run: 1", "29 09:30 B": "2, run: 1",
+        **numbers}
 
 
 def test_an_event_with_results_that_moves_within_its_day_is_named(reimport):
