@@ -1,7 +1,7 @@
 """Zones: their scheduled events, the current event, and the run in it (docs/organiser.md, "schedule.yaml")."""
 
 from dataclasses import dataclass
-from typing import Callable, Container, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, Container, Dict, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs.all_robots import AllRobotsRun
@@ -163,21 +163,16 @@ class Zone:
 
     # -- another schedule ---------------------------------------------------------------------------
 
-    def passed_by(self, was: float) -> List[int]:
-        """Return the places of events that come before the current one only since that was moved: its time was `was`,
-        in UTC seconds."""
-        return [place for place in range(self.index) if was <= self.events[place].scheduled < self.event.scheduled]
-
     def reschedule(self, plan: ZonePlan) -> List[int]:
         """Take another schedule, and stay at the current event, or go to the event that follows it. Return the places
-        of events that it was moved behind."""
-        was = self.event.scheduled
+        of events that came after it before, and come before it now."""
+        later = [key_of(event) for event in self.events[self.index + 1:]]
         self.planned = plan.events
         if self.run is not None:
             self.hold(self.run.event)
         elif not self._use_plan(key_of(self.event)):
             self.last_run = None
-        return self.passed_by(was)
+        return sorted(place for place in map(self.place_of, later) if place is not None and place < self.index)
 
     def hold(self, event: ScheduledEvent) -> None:
         """Go to the event of a run, and keep it as it is until the run is left."""
@@ -253,18 +248,14 @@ class Zones(Dict[str, Zone]):
     def reschedule(self, plans: Sequence[ZonePlan], records: Iterable[RunRecord] = ()) -> None:
         """Take another schedule. No zone with a run may be missing in it. An event that was moved to a later time waits
         until those that now come before it are over. `records`: of the finished runs, the newest first."""
-        before, passed = dict(self), {}
+        before, overtaking = dict(self), {}
         self.clear()
         for plan in plans:
             self[plan.name] = before.get(plan.name) or Zone(plan, self._forget_runs)
-            passed[plan.name] = self[plan.name].reschedule(plan)
+            overtaking[plan.name] = self[plan.name].reschedule(plan)
         self._forget_runs()
-        self.go_back(passed, records)
-
-    def go_back(self, passed: Mapping[str, Sequence[int]], records: Iterable[RunRecord]) -> None:
-        """Go to the first one of these places in each zone without a run whose event is not over; see `reschedule`."""
-        over = self.over(records) if any(passed.values()) else ()
-        for name, places in passed.items():
+        over = self.over(records) if any(overtaking.values()) else ()
+        for name, places in overtaking.items():
             place = next((place for place in places if (name, place) not in over), None)
             if place is not None and self[name].run is None:
                 self[name].move(place - self[name].index)

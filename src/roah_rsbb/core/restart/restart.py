@@ -82,9 +82,6 @@ class Restart:
                 self._lost(now, state, ZONE_GONE(zone=name))
             else:
                 self._try_to_resume(now, zone, state, saved.earlier.get(state.version))
-        # The schedule may have been changed while no core ran.
-        self._zones.go_back({name: self._zones[name].passed_by(state.event.scheduled)
-                             for name, state in saved.zones.items() if name in self._zones}, self._finished.records())
         runs = self._zones.runs()
         for run in runs:
             if run.identity in saved.stopped and run.phase is Phase.RUNNING:
