@@ -4791,11 +4791,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; takes a number from {least} to {most} with at most {decimals} decimals, not &apos;{text}&apos;</source>
-        <translation>„{item}“ nimmt eine Zahl von {least} bis {most} mit höchstens {decimals} Nachkommastellen, nicht „{text}“</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
         <source>&apos;{item}&apos; is not rated by judges: leave out the judge</source>
         <translation>„{item}“ wird nicht von Juroren bewertet: Lassen Sie den Juror weg</translation>
     </message>
@@ -4838,6 +4833,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
         <source>&apos;{item}&apos; is yes or no: its value must be 0 or 1, not {value}</source>
         <translation>„{item}“ ist ja oder nein: Der Wert muss 0 oder 1 sein, nicht {value}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; takes a number from {least} to {most} with at most {decimals} decimals, not &apos;{text}&apos;</source>
+        <translation>„{item}“ nimmt eine Zahl von {least} bis {most} mit höchstens {decimals} Nachkommastellen, nicht „{text}“</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
@@ -5388,6 +5388,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/model/fields.py"/>
         <source>{field}: a number from {low} to {high} is expected</source>
         <translation>{field}: Eine Zahl von {low} bis {high} wird erwartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>{field}: &apos;{text}&apos; can mean {whole} or {decimal}. Type {whole}, or {decimal} (with a comma: {comma})</source>
+        <translation>{field}: „{text}“ kann {whole} oder {decimal} heißen. Geben Sie {whole} oder {decimal} ein (mit Komma: {comma})</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/fields.py"/>
