@@ -4696,6 +4696,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; takes a number from {least} to {most} with at most {decimals} decimals, not &apos;{text}&apos;</source>
+        <translation>„{item}“ nimmt eine Zahl von {least} bis {most} mit höchstens {decimals} Nachkommastellen, nicht „{text}“</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
         <source>no entry can be withdrawn</source>
         <translation>kein Eintrag kann zurückgenommen werden</translation>
     </message>
@@ -4833,11 +4838,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
         <source>&apos;{item}&apos; is yes or no: its value must be 0 or 1, not {value}</source>
         <translation>„{item}“ ist ja oder nein: Der Wert muss 0 oder 1 sein, nicht {value}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; takes a number from {least} to {most} with at most {decimals} decimals, not &apos;{text}&apos;</source>
-        <translation>„{item}“ nimmt eine Zahl von {least} bis {most} mit höchstens {decimals} Nachkommastellen, nicht „{text}“</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>

@@ -148,7 +148,8 @@ class Decimal(Field):
         """See `Field`."""
         number = _number(value) if isinstance(value, str) else value
         if type(number) not in (int, float) or not self.low <= number <= self.high:  # also refuses NaN
-            raise BadValue(two_numbers(self.label, str(value)) or NO_DECIMAL(field=self.label, low=f"{self.low:.12g}", high=f"{self.high:.12g}"))
+            raise BadValue(two_numbers(self.label, str(value)) or NO_DECIMAL(
+                field=self.label, low=f"{self.low:.12g}", high=f"{self.high:.12g}"))
         return float(number)
 
 

@@ -6,7 +6,18 @@ from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 from roah_rsbb.core.scoring.points import number_of, text_of
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.model.actions import ACTIONS
-from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Toggle, TypedPose, TypedText, two_numbers, typed_number
+from roah_rsbb.model.fields import (
+    BadValue,
+    Choice,
+    Decimal,
+    Field,
+    Number,
+    Toggle,
+    TypedPose,
+    TypedText,
+    two_numbers,
+    typed_number,
+)
 from roah_rsbb.model.scoring import MAX_VALUE, Entered, ScoreKind, ScoringItem
 from roah_rsbb.model.zone import Event, SheetItem
 from roah_rsbb.referee.at_once import STOP, meant

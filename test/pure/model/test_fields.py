@@ -19,8 +19,8 @@ from roah_rsbb.model.fields import (
     field_of,
     form_of,
     form_text,
-    typed_number,
     read,
+    typed_number,
 )
 from roah_rsbb.model.reason import say
 

@@ -552,7 +552,7 @@ def _decimal(item: ScoringItem, text: str) -> str:
     most = Decimal(MAX_NUMBER) if item.most is None else item.most
     number = typed_number(text)
     if number.startswith("+") or not _NUMBER.fullmatch(number) or not least <= Decimal(number) <= most:
-        raise Refused([two_numbers(item.desc, text) or say("'{item}' takes a number from {least} to {most} with at most {decimals} decimals, not "
-                           "'{text}'")(
+        outside = say("'{item}' takes a number from {least} to {most} with at most {decimals} decimals, not '{text}'")
+        raise Refused([two_numbers(item.desc, text) or outside(
             item=item.desc, least=text_of(least), most=text_of(most), decimals=MAX_DECIMALS, text=text)])
     return text_of(Decimal(number))
