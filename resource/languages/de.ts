@@ -4696,6 +4696,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; takes a number from {least} to {most} with at most {decimals} decimals, not &apos;{text}&apos;</source>
+        <translation>„{item}“ nimmt eine Zahl von {least} bis {most} mit höchstens {decimals} Nachkommastellen, nicht „{text}“</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
         <source>no entry can be withdrawn</source>
         <translation>kein Eintrag kann zurückgenommen werden</translation>
     </message>
@@ -4788,11 +4793,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
         <source>&apos;{item}&apos; is a rating: give the number as a text</source>
         <translation>„{item}“ ist eine Bewertung: Geben Sie die Zahl als Text an</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; takes a number from {least} to {most} with at most {decimals} decimals, not &apos;{text}&apos;</source>
-        <translation>„{item}“ nimmt eine Zahl von {least} bis {most} mit höchstens {decimals} Nachkommastellen, nicht „{text}“</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
@@ -5388,6 +5388,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/model/fields.py"/>
         <source>{field}: a number from {low} to {high} is expected</source>
         <translation>{field}: Eine Zahl von {low} bis {high} wird erwartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/fields.py"/>
+        <source>{field}: &apos;{text}&apos; can mean {whole} or {decimal}. Type {whole}, or {decimal} (with a comma: {comma})</source>
+        <translation>{field}: „{text}“ kann {whole} oder {decimal} heißen. Geben Sie {whole} oder {decimal} ein (mit Komma: {comma})</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/fields.py"/>

@@ -8,8 +8,9 @@ import dataclasses
 import functools
 import json
 import math
+import re
 from dataclasses import dataclass
-from typing import Any, ClassVar, Dict, Iterable, Mapping, Sequence, Tuple, Type
+from typing import Any, ClassVar, Dict, Iterable, Mapping, Optional, Sequence, Tuple, Type
 
 from roah_rsbb.model.reason import Reason, Template, say
 
@@ -24,6 +25,7 @@ NO_TEXT = say("{field}: a text is expected")
 TOO_LONG = say("{field}: the text has {number} characters, at most {most} are allowed: shorten it")
 NO_NUMBER = say("{field}: a whole number from {low} to {high} is expected")
 NO_DECIMAL = say("{field}: a number from {low} to {high} is expected")
+TWO_NUMBERS = say("{field}: '{text}' can mean {whole} or {decimal}. Type {whole}, or {decimal} (with a comma: {comma})")
 NO_POSE = say("{field}: x and y in metres, then the direction in degrees, are expected, such as 1.25 0.40 90")
 NO_POSE_LIST = say("{field}: [x, y, theta] is expected: metres, and radians from -6.3 to 6.3")
 NO_CHOICE = say("{field}: choose one of {choices}")
@@ -146,7 +148,8 @@ class Decimal(Field):
         """See `Field`."""
         number = _number(value) if isinstance(value, str) else value
         if type(number) not in (int, float) or not self.low <= number <= self.high:  # also refuses NaN
-            raise BadValue(NO_DECIMAL(field=self.label, low=f"{self.low:.12g}", high=f"{self.high:.12g}"))
+            raise BadValue(two_numbers(self.label, str(value)) or NO_DECIMAL(
+                field=self.label, low=f"{self.low:.12g}", high=f"{self.high:.12g}"))
         return float(number)
 
 
@@ -172,11 +175,24 @@ class TypedPose(Field):
 
 # What keyboards of many regions and phones have instead of a point and a sign.
 _AS_TYPED = str.maketrans(",−–", ".--")
+# Thousands, or a decimal comma.
+_AMBIGUOUS = re.compile(r"\s*([-−–+]?)([1-9][0-9]{0,2}),([0-9]{3})\s*")
 
 
 def typed_number(word: str) -> str:
-    """Return a word with the decimal comma and the typographic minus as the numbers of programs have them."""
-    return word.translate(_AS_TYPED)
+    """Return a word with the decimal comma and the typographic minus as the numbers of programs have them. One that
+    can mean two numbers stays as it is, which is no number."""
+    return word if _AMBIGUOUS.fullmatch(word) else word.translate(_AS_TYPED)
+
+
+def two_numbers(of: str, word: str) -> Optional[Reason]:
+    """Return why a word is no number of `of`, if it can mean two."""
+    found = _AMBIGUOUS.fullmatch(word)
+    if found is None:
+        return None
+    sign, before, after = found.groups()
+    return TWO_NUMBERS(field=of, text=word, whole=f"{sign}{before}{after}", decimal=f"{sign}{before}.{after}",
+                       comma=f"{sign}0{before},{after}")
 
 
 def _number(word: str) -> Any:

@@ -6,7 +6,18 @@ from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 from roah_rsbb.core.scoring.points import number_of, text_of
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.model.actions import ACTIONS
-from roah_rsbb.model.fields import BadValue, Choice, Decimal, Field, Number, Toggle, TypedPose, TypedText, typed_number
+from roah_rsbb.model.fields import (
+    BadValue,
+    Choice,
+    Decimal,
+    Field,
+    Number,
+    Toggle,
+    TypedPose,
+    TypedText,
+    two_numbers,
+    typed_number,
+)
 from roah_rsbb.model.scoring import MAX_VALUE, Entered, ScoreKind, ScoringItem
 from roah_rsbb.model.zone import Event, SheetItem
 from roah_rsbb.referee.at_once import STOP, meant
@@ -107,7 +118,7 @@ def value_of(text: str, item: SheetItem) -> Entered:
         try:
             value = int(word)
         except ValueError:
-            kind = "0, 1, yes or no" if item.type == "bool" else "a whole number such as 2, +1 or -1"
+            kind = "0, 1, yes or no" if item.type == "bool" else f"a whole number such as 2, +1 or {_below(item)}"
             raise BadWord(f"'{text}' is not a value for '{item.desc}': give {kind}") from None
         if is_added and item.type != "bool":
             return Entered(added=str(value))
@@ -120,6 +131,11 @@ def value_of(text: str, item: SheetItem) -> Entered:
 
 def _may_be_negative(item: SheetItem) -> bool:
     return item.type != "uint" and (not item.min or item.min.startswith("-"))
+
+
+def _below(item: SheetItem) -> str:
+    """Return an example with a minus."""
+    return "'=-1'" if _may_be_negative(item) else "-1"
 
 
 def _choice(text: str, item: SheetItem) -> str:
@@ -141,7 +157,8 @@ def _rating(text: str, item: SheetItem) -> Entered:
 def _decimal(text: str, item: SheetItem, is_added: bool) -> Entered:
     number = number_of(text)
     if number is None:
-        raise BadWord(f"'{text}' is not a value for '{item.desc}': give a number such as 2.5, +0.5 or -1")
+        raise BadWord(two_numbers(item.desc, text) or f"'{text}' is not a value for '{item.desc}': give a number such "
+                      f"as 2.5, +0.5 or {_below(item)}")
     return Entered(added=text_of(number)) if is_added else Entered(text=text_of(number))
 
 

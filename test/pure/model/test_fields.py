@@ -1,6 +1,7 @@
 """Fields read values of JSON and typed words, and name the remedy of what does not fit."""
 
 import math
+import re
 
 import pytest
 
@@ -19,6 +20,7 @@ from roah_rsbb.model.fields import (
     form_of,
     form_text,
     read,
+    typed_number,
 )
 from roah_rsbb.model.reason import say
 
@@ -65,6 +67,16 @@ def test_a_pose_is_typed_with_degrees():
 
 def test_a_whole_number_is_typed_with_the_minus_of_any_keyboard():
     assert Number("n", say("N"), low=-9).parse("−3") == -3
+
+
+@pytest.mark.parametrize("word, number", [
+    ("0,125", "0.125"), ("01,000", "01.000"), ("1,25", "1.25"), ("1,2500", "1.2500"), ("1234,567", "1234.567"),
+    ("1,000", "1,000"), ("−12,345", "−12,345"), ("+999,999", "+999,999")])
+def test_a_number_that_can_be_two_is_none(word, number):
+    assert typed_number(word) == number
+    if word == number:
+        with pytest.raises(BadValue, match=f"'{re.escape(word)}' can mean"):
+            MEASURED.read(word)
 
 
 def test_what_is_left_out_of_a_modules_form():

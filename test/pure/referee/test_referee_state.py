@@ -53,8 +53,8 @@ def test_a_zone_as_json():
 
 
 def test_what_needs_a_confirmation_is_not_allowed_without_it_and_has_the_name_of_its_command():
-    seen = zone(actions={"open_sheet": Shown(question="Signed off"), "connect": Shown(("No robot",), question="Signed off"),
-                         "choose_event": Shown()})
+    seen = zone(actions={"open_sheet": Shown(question="Signed off"),
+                         "connect": Shown(("No robot",), question="Signed off"), "choose_event": Shown()})
     assert as_json(zone_json(seen, NOW))["off"] == {
         "open-sheet": ["Signed off. Give --again for another attempt"],
         "connect": ["No robot", "Signed off. Give --again for another attempt"], "choose": []}

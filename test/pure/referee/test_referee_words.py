@@ -165,6 +165,9 @@ def test_values_of_every_type(text, item, entered):
     ("Chris:7", POSTER, "give the judge and a number"), ("much", WATER, "give a number such as 2.5"),
     ("1.5", STEPS, "a whole number"), ("1,5", STEPS, "a whole number"), ("1.000,5", WATER, "give a number"),
     ("-17", STEPS, "give '=-17' to set the item to it, '[+]-17' to count down by 17"),
+    ("much", WATER, "or '=-1'$"), ("much", STEPS, "or '=-1'$"), ("much", STEPS._replace(min="0"), "or -1$"),
+    ("1,000", WATER, r"can mean 1000 or 1.000. Type 1000, or 1.000 \(with a comma: 01,000\)"),
+    ("+1,250", WATER, "can mean [+]1250 or"), ("=-1,250", WATER, "can mean -1250 or"),
     ("−1,5", WATER, "give '=-1.5' to set the item to it, '[+]-1.5' to count down by 1.5"),
 ])
 def test_a_wrong_value_of_every_type_names_the_right_ones(text, item, hint):

@@ -117,7 +117,8 @@ def test_ports_that_are_taken(port, above, level):
 def test_why_no_port_can_be_opened(port):
     finding, = checks.check_bind("203.0.113.7", port)
     assert (finding.level, finding.remedy) == (Severity.FAILED, "")
-    assert finding.text.endswith("203.0.113.7 is not an address of this machine ('ip -4 addr' lists them): correct bind_host")
+    assert "203.0.113.7 is not an address of this machine" in finding.text
+    assert finding.text.endswith(": correct bind_host")
     assert "65540 is not a UDP port: choose an rsbb_port from 1 to 65535" in checks.check_bind(HOST, 65490)[0].text
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind((HOST, port))

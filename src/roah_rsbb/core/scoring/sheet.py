@@ -24,7 +24,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.scoring.points import jury_text, text_of, whole_part
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.fields import typed_number
+from roah_rsbb.model.fields import two_numbers, typed_number
 from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import ItemRecord, Rating, ScoreEntry
 from roah_rsbb.model.referee import Refused
@@ -551,8 +551,8 @@ def _decimal(item: ScoringItem, text: str) -> str:
     least = Decimal(-MAX_NUMBER) if item.least is None else item.least
     most = Decimal(MAX_NUMBER) if item.most is None else item.most
     number = typed_number(text)
-    if not _NUMBER.fullmatch(number) or not least <= Decimal(number) <= most:
-        raise Refused([say("'{item}' takes a number from {least} to {most} with at most {decimals} decimals, not "
-                           "'{text}'")(
+    if number.startswith("+") or not _NUMBER.fullmatch(number) or not least <= Decimal(number) <= most:
+        outside = say("'{item}' takes a number from {least} to {most} with at most {decimals} decimals, not '{text}'")
+        raise Refused([two_numbers(item.desc, text) or outside(
             item=item.desc, least=text_of(least), most=text_of(most), decimals=MAX_DECIMALS, text=text)])
     return text_of(Decimal(number))

@@ -316,6 +316,8 @@ def test_random_sheets_have_the_points_of_a_second_implementation(seed):
     (OPENS, {"text": "alon"}, "'alon': choose one of alone, with help, not at all"),
     (OPENS, {"value": 1}, "the number 1: choose one of"), (SHOW, {"text": "5"}, "name one of 1, 2, 3"),
     (SHOW, {"value": 5}, "name one of 1, 2, 3"), (SHOW, {"text": "5", "judge": "4"}, "no judge '4'"),
+    (SHOW, {"text": "+1", "judge": "1"}, "not '[+]1'"),
+    (SHOW, {"text": "1,000", "judge": "1"}, "can mean 1000 or 1.000"),
     (SHOW, {"text": "10.5", "judge": "1"}, "from 0 to 10"), (SHOW, {"text": "-1", "judge": "1"}, "from 0 to 10"),
     (HEIGHT, {"value": -2**31}, "must be from -2147483647"),
 ])

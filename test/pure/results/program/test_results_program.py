@@ -347,7 +347,8 @@ def test_a_row_for_each_item_and_value(run, tmp_path):
 def test_the_last_entry_that_counts_is_who_changed_an_item():
     record = task_record("A", 1)
     history = tuple(
-        ScoreEntry(n, UTC0 + n, f"who{n} (/referee_desk_1)", "Achievements", "Detects the door", 0, 1, withdrawn_utc=withdrawn)
+        ScoreEntry(n, UTC0 + n, f"who{n} (/referee_desk_1)", "Achievements", "Detects the door", 0, 1,
+                   withdrawn_utc=withdrawn)
         for n, withdrawn in ((1, 0.0), (2, 9.0))
     )
     rows = list(export.result_rows([record._replace(history=history)], in_utc=True))
