@@ -5,7 +5,7 @@ import contextlib
 from typing import List
 
 from support.box_case import BoxCase
-from support.box_client import Refusal
+from support.box_client import SIGNED_OFF, Refusal
 from support.waiting import wait_until
 
 from roah_rsbb.model.document import Document
@@ -68,3 +68,7 @@ class TestPublic(BoxCase):
         self.assertEqual(self.shown.public.standings, (PublicStanding(
             "Getting to know my home", ("Sum of the sheet",), (PublicRank("1", "Alpha", ("1",)),)),))
         self.assertEqual(self.shown.runs_shown(), ())
+        self.box.command("previous", "Home")
+        with self.assertRaisesRegex(Refusal, SIGNED_OFF):
+            self.box.command("connect", "Home")
+        self.box.connect("Home", again=True)
