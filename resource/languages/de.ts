@@ -223,7 +223,7 @@
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>The name {name} is in use on another device ({device}): type another one. If that is your own earlier pairing, ask an organiser to end it first (Pairing)</source>
-        <translation>Der Name {name} wird schon auf einem anderen Gerät benutzt ({device}): einen anderen eingeben. Ist das die eigene frühere Kopplung, einen Organisator bitten, sie zuerst zu beenden (Koppeln)</translation>
+        <translation>Der Name {name} wird schon auf einem anderen Gerät benutzt ({device}): einen anderen eingeben. Ist das die eigene frühere Kopplung, einen Veranstalter bitten, sie zuerst zu beenden (Koppeln)</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -588,7 +588,7 @@
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>A code comes from an organiser&apos;s page (Whole box, Pairing), from the referee&apos;s panel (Benchmark Control, ⋯, Pair a phone), or from &apos;referee pair&apos; in a terminal. It is valid for two minutes, for one device.</source>
-        <translation>Einen Code gibt es auf der Seite eines Organisators (Ganze Box, Koppeln), im Fenster der Schiedsrichter (Benchmark-Steuerung, ⋯, Telefon koppeln) oder mit &apos;referee pair&apos; im Terminal. Er gilt zwei Minuten, für ein Gerät.</translation>
+        <translation>Einen Code gibt es auf der Seite eines Veranstalters (Ganze Box, Koppeln), im Fenster der Schiedsrichter (Benchmark-Steuerung, ⋯, Telefon koppeln) oder mit &apos;referee pair&apos; im Terminal. Er gilt zwei Minuten, für ein Gerät.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -678,7 +678,7 @@
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>This page is for organisers. Pair this device with the role organiser.</source>
-        <translation>Diese Seite ist für die Organisation. Koppeln Sie dieses Gerät mit der Rolle Organisation.</translation>
+        <translation>Diese Seite ist für Veranstalter. Koppeln Sie dieses Gerät mit der Rolle Veranstalter.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
