@@ -14,7 +14,7 @@ from roah_rsbb.core.zones import Zone, Zones
 from roah_rsbb.model import fields
 from roah_rsbb.model.actions import ACTIONS, EVERY, STOP
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import Reason, say
 from roah_rsbb.model.records import By
 from roah_rsbb.model.referee import Refused, RunName, checked_who, cut_note
 from roah_rsbb.model.shown import Shown
@@ -118,8 +118,8 @@ class Actions:
 
 def confirmed_by(reasons: Sequence[str], how: str) -> List[str]:
     """Return reasons with how a face without buttons begins another attempt."""
-    return [f"{getattr(reason, 'values', NOTHING)['question']}. {how}"
-            if getattr(reason, "template", "") == CONFIRM.template else reason for reason in reasons]
+    return [f"{reason.values['question']}. {how}"
+            if isinstance(reason, Reason) and reason.template == CONFIRM else reason for reason in reasons]
 
 
 def _if_other(found: Tuple[fields.Field, ...], action: ZoneAction) -> Optional[Tuple[fields.Field, ...]]:

@@ -1,6 +1,7 @@
 """The files of a competition's folder: their texts, and writing all of them or none."""
 
 import contextlib
+import filecmp
 import os
 import re
 import secrets
@@ -234,10 +235,7 @@ def write_schedule(directory: str, book: Rulebook, zones: Sequence[PlannedZone],
         with contextlib.suppress(FileNotFoundError):
             os.unlink(new)
         _write(new, text, private=False)
-        kept = False
-        if os.path.exists(path):
-            with open(path, "rb") as old:
-                kept = old.read() != text.encode("utf-8")
+        kept = os.path.exists(path) and not filecmp.cmp(path, new, shallow=False)
         if kept:
             for number in range(_KEPT - 1, 0, -1):
                 with contextlib.suppress(FileNotFoundError):

@@ -3,7 +3,20 @@
 import datetime
 import re
 import time
-from typing import Callable, Container, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import (
+    Callable,
+    Container,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+)
 
 from roah_rsbb import platform
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_LIMIT, Benchmark
@@ -186,10 +199,15 @@ def with_other_days(
     said: List[str] = []
     for key, runs in old.items():
         ids.update(_ids(sorted(runs, key=lambda run: run.begins), new.get(key, []), clock, ran, which, said))
-    numbered = _numbered(before, [run._replace(id=ids.get(run, "")) for runs in new.values() for run in runs],
-                         [run for runs in zones.values() for run in runs], plan.automatic, clock, ran)
+    had = {run.id: run for runs in old.values() for run in runs if run.id in ran}
+    placed = [run for runs in zones.values() for run in runs]
+    numbered: Dict[PlannedRun, PlannedRun] = {}
+    for run in sorted((run for runs in new.values() for run in runs),
+                      key=lambda run: (ids.get(run) not in had, run.begins)):
+        numbered[run] = _numbered(run._replace(id=ids.get(run, "")), had, placed, plan.automatic, clock)
+        placed.append(numbered[run])
     for zone in after:
-        zones.setdefault(zone.name, []).extend(numbered[run[:2], run.begins, run[2:4]] for run in zone.runs)
+        zones.setdefault(zone.name, []).extend(numbered[run] for run in zone.runs)
     order = dict.fromkeys(zone.name for zone in (*before, *after) if zone.name in zones)
     return Merged(
         tuple(PlannedZone(name, tuple(sorted(zones[name], key=lambda run: run.begins))) for name in order),
@@ -197,28 +215,20 @@ def with_other_days(
 
 
 def _numbered(
-    before: Sequence[PlannedZone], new: Sequence[PlannedRun], kept: Sequence[PlannedRun], automatic: Sequence[str],
-    clock: VenueClock, ran: Container[str],
-) -> Dict[Tuple[object, ...], PlannedRun]:
-    """Return the new runs with numbers that no other run of the team in the benchmark has, by what they were before.
-
-    `kept`: the runs of other days. Only `automatic` numbers change.
-    """
-    was = {run.id: run for zone in before for run in zone.runs}
-    placed, found = list(kept), {}
-    for run in sorted(new, key=lambda run: (run.id not in ran, run.begins)):
-        key = (run[:2], run.begins, run[2:4])
-        if run.id in ran:
-            run = run._replace(**{name: getattr(was[run.id], name) for name in automatic})
-        day = clock.local(run.begins).date()
-        while run.id not in ran and "round" in automatic and any(
-                other[:3] == run[:3] and clock.local(other.begins).date() != day for other in placed):
-            run = run._replace(round=run.round + 1)
-        while run.id not in ran and "run" in automatic and any(other[:4] == run[:4] for other in placed):
-            run = run._replace(run=run.run + 1)
-        placed.append(run)
-        found[key] = run
-    return found
+    run: PlannedRun, had: Mapping[str, PlannedRun], placed: Sequence[PlannedRun], automatic: Sequence[str],
+    clock: VenueClock,
+) -> PlannedRun:
+    """Return a new run with numbers that no placed run of the team in the benchmark has, or with those that its event
+    `had`. Only `automatic` ones change."""
+    if run.id in had:
+        return run._replace(**{name: getattr(had[run.id], name) for name in automatic})
+    day = clock.local(run.begins).date()
+    while "round" in automatic and any(
+            other[:3] == run[:3] and clock.local(other.begins).date() != day for other in placed):
+        run = run._replace(round=run.round + 1)
+    while "run" in automatic and any(other[:4] == run[:4] for other in placed):
+        run = run._replace(run=run.run + 1)
+    return run
 
 
 def _ids(
