@@ -10,7 +10,7 @@ BROADCAST = "10.255.255.255"
 SHORTEST_S, SHORT_S = 0.0005, 0.003
 # Datagrams that wait at a socket. The kernel drops more.
 MOST_WAITING = 100
-KEPT = 60
+KEPT = 5000
 
 
 class Weather:
@@ -48,12 +48,13 @@ class Air:
             return peer
         return make
 
-    def send(self, source, port, datagram, host):
-        """A datagram leaves the host `source`, truly or forged."""
-        self.sent.append((source, port, datagram, host))
+    def send(self, source, port, datagram, host, is_forged=True):
+        """A datagram leaves the host `source`, or seems to."""
         self._trace.datagram(source, port, datagram, host)
-        for watch in self.watchers:
-            watch(source, port, datagram, host)
+        if not is_forged:
+            self.sent.append((source, port, datagram, host))
+            for watch in self.watchers:
+                watch(source, port, datagram, host)
         for peer in self._peers[port]:
             if peer.host != source and host in (peer.host, BROADCAST):
                 for delay in self._delays(source, peer.host):
@@ -110,7 +111,7 @@ class Peer:
         if len(datagram) > self._max_datagram:
             self._on_complaint(f"could not send a datagram to {host}:{self.port}: it has {len(datagram)} bytes")
             return False
-        self._air.send(self.host, self.port, datagram, host)
+        self._air.send(self.host, self.port, datagram, host, is_forged=False)
         return True
 
     def arrive(self, datagram, sender):

@@ -95,7 +95,8 @@ class Box:
             computer.boot_id, self.starts, f"uuid {computer.name} {self.starts}", computer.mono, computer.utc,
             computer.mono, world.random_bytes, Seen(SEEN_BITS), world.can_wait, lambda work: work())
         network = Network(BROADCAST, 6666, computer.host, Cipher.AES_128_CBC, False, 1024)
-        outputs = Outputs(lambda: None, lambda: None, lambda wish: None, self._log, self._bug)
+        outputs = Outputs(lambda: None, lambda: None, lambda wish: None, self._log, self._bug,
+                          lambda: self.oracles.happened(self))
         ports = PortRecord(self.storage.folder, lambda work: process.loop.call_later(self.storage.sync_s(), work))
         self.memory.begin()
         place = BoxPlace(self.storage.folder, network, self.standby_port)

@@ -15,6 +15,7 @@ from roah_rsbb.rulebook.benchmarks import Durable, EventRules, PhaseRule, Restar
 from .air import Air
 from .box import Box
 from .disk import Storage
+from .ledger import Ledger
 from .oracles import Oracles
 from .referee import Referee
 from .robots import Robot
@@ -22,6 +23,7 @@ from .scheduler import UTC0, Computer, Scheduler
 from .standby import PORT, Standby
 from .trace import Trace
 from .troubles import Troubles, plan_of
+from .witness import Witness
 
 BOX_HOST, STANDBY_HOST = "10.0.0.1", "10.0.0.50"
 # Seconds without troubles and without referees at the end.
@@ -74,6 +76,7 @@ class World:
         self.storage = Storage(os.path.join(folder, "log"), self.scheduler, random.Random(f"{seed} disk"),
                                self.random_bytes)
         self.oracles = Oracles(self)
+        self.ledger, self.witness = Ledger(self), Witness(self)
         self.standby = None
         self.box = Box(self, computer, self.storage, self.config, PORT if has_standby else 0)
         self.boxes = [self.box]
@@ -104,7 +107,10 @@ class World:
                             draw.uniform(-0.03, 0.03))
         options = {"prepare_duration": draw.uniform(0.0, 3.0), "execute_duration": draw.uniform(0.5, 8.0),
                    "never_end": draw.random() < 0.2}
-        self.robots.append(Robot(self, computer, team, f"r{number}", self.config.passwords[team], options))
+        robot = Robot(self, computer, team, f"r{number}", self.config.passwords[team], options)
+        robot.saves_nothing = draw.random() < 0.1
+        self.robots.append(robot)
+        self.witness.add(robot)
 
     def random_bytes(self, count):
         """Stands for os.urandom."""
