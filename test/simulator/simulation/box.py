@@ -129,7 +129,11 @@ class Box:
         core.unsaved()
         if number % TICKS_A_SECOND == 0:
             core.each_second()
-            self.world.documents.append(repr(self._documents.look(core.now())).replace(self.world.folder, ""))
+            document = self._documents.look(core.now(), unsaved=core.unsaved())
+            if self is self.world.box:
+                self.world.shown.look(core, document)
+            if self.world.is_compared:
+                self.world.documents.append(repr(document).replace(self.world.folder, ""))
 
     def kill(self, restart_s, power=False):
         """The process is killed, or the computer loses its power; it is started again after so many seconds."""

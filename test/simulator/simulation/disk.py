@@ -89,7 +89,7 @@ class Storage:
         self.slow_until = self.broken_until = self.full_until = 0.0  # true time
         self.slow_s = 1.0
         self.frozen_until = 0.0  # true time until which it takes no writes, as while a snapshot is taken
-        self._troubled = 0.0  # since when there is trouble
+        self._troubled = self._blocked = 0.0  # since when there is trouble, and since when it takes nothing
         self.patient_until = 0.0  # the process's time until which a thread waits for a sync
         self._lock: Optional[int] = None  # of the journal, which the present core has
         self._journal: Optional[Journal] = None  # of the present core
@@ -126,6 +126,7 @@ class Storage:
         """A trouble begins, and lasts so long. `until`: which ones."""
         now = self.scheduler.now
         self._troubled = self._troubled if self.is_in_trouble else now
+        self._blocked = self._blocked if self.blocked_s() else now
         for name in until:
             setattr(self, name, now + seconds)
 
@@ -141,6 +142,11 @@ class Storage:
             return since - LOST_S
         is_blocked = self.scheduler.now < max(self.full_until, self.frozen_until, self.broken_until) + TRIES_AGAIN_S
         return since if is_blocked else float("inf")
+
+    def blocked_s(self):
+        """For how long it has taken nothing; 0: it does."""
+        is_blocked = self.scheduler.now < max(self.full_until, self.frozen_until, self.broken_until)
+        return self.scheduler.now - self._blocked if is_blocked else 0.0
 
     def sync_s(self):
         """How long a sync takes now."""

@@ -20,6 +20,7 @@ CLOCK_S, OTHER_CLOCK_S = 0.1, 0.4
 # Commands with which a zone goes to another run or event, and with which a run begins, or may be asked to go on.
 LEAVE = {"disconnect", "next", "previous", "no_show", "withdrawn", "connect", "open_sheet"}
 GO = {"start", "continue"}
+PHASES = {"next_phase": 1, "previous_phase": -1}
 # Entries whose answer waits for the disk, or for both.
 DURABLE = {"mark", "withdraw", "take_back", "stop_reason", "sign_off"}
 ENDED_BY = {
@@ -33,6 +34,7 @@ class Act:
 
     def __init__(self, at, zone, identity, name, given, who):
         self.at, self.zone, self.identity, self.name, self.given, self.who = at, zone, identity, name, given, who
+        self.has_run, self.event = False, None  # whether its zone had one, and at which event it was
         self.is_confirmed = False  # the referee was told that it is saved
 
 
@@ -67,11 +69,13 @@ class Believed:
 
     def __init__(self, run, zone, now):
         self.identity, self.zone, self.event, self.now = run.identity, zone, run.event, now
-        self.phase, self.reason, self.is_paused, self.is_held = Phase.CONNECTED, None, False, False
+        self.phase, self.reason, self.is_paused = Phase.CONNECTED, None, False
         self.changed = self.stopped = float("-inf")  # when: the last change, the last end by a referee
         self.went = float("-inf")  # when a referee let the robot go, for the last time
-        self.watch = Watch()
+        self.watch, self.setup = Watch(), Watch()
+        self.phases, self.place = [], 0  # the watches of its phases, and the number of the present one
         self.entries, self.sign_off, self.reasons = [], None, {}
+        self.ever = []  # all entries, also those that were lost: a copy may still have them
         self.taken = {}  # marks by their ids, also those that changed nothing
         self.is_left = self.is_doubted = False
         self.record = None  # as it was seen last
@@ -81,7 +85,7 @@ class Believed:
         """Whether its time passes."""
         if self.phase is Phase.ENDED:  # it was started
             return self.went > 0.0 and self.event.benchmark.rules.restarts is Restarts.CLOCK_RUNS
-        return self.phase is Phase.RUNNING and not self.is_paused and not self.is_held
+        return self.phase is Phase.RUNNING and not self.is_paused
 
     @property
     def is_something(self):
@@ -90,7 +94,17 @@ class Believed:
 
     def turn(self, now):
         """The time goes on, or does not any more."""
+        is_open, rules = self.phase is Phase.CONNECTED and not self.is_left, self.event.benchmark.rules
         self.watch.turn(now, self.counts)
+        self.setup.turn(now, is_open and bool(rules.setup_time))
+        for number, watch in enumerate(self.phases, 1):
+            watch.turn(now, number == self.place and self.phase is Phase.RUNNING and not self.is_paused)
+
+    def go_to_phase(self, now, number):
+        """A referee moves it to a phase."""
+        self.phases += [Watch()] if number > len(self.phases) else []
+        self.place, self.changed = number, now
+        self.turn(now)
 
     def values(self):
         """Those of all items that were marked."""
@@ -108,7 +122,9 @@ class Ledger:
         self._world = world
         self._fail = world.oracles.fail
         self.runs = {}  # all by identity
-        self._current = {}  # by zone
+        self.current = {}  # by zone
+        self.absent = []  # what was done when a team without a run did not appear
+        self.has_lost = False
         self._acting = None
         self._interrupted = []  # what was carried out when the core was killed
         self._sure = None  # after a loss: until when everything must be there, and whether that was confirmed must
@@ -117,9 +133,9 @@ class Ledger:
     # -- what referees do ---------------------------------------------------------------------------
 
     @contextlib.contextmanager
-    def acting(self, act):
-        """Something is carried out. The block gives the answer to `done`."""
-        self._acting = act
+    def acting(self, act, event):
+        """Something is carried out, while the zone is at an event. The block gives the answer to `done`."""
+        self._acting, act.has_run, act.event = act, act.zone in self.current, event
         try:
             yield
         except Ended:  # the core was killed meanwhile, and may have recorded it
@@ -136,7 +152,9 @@ class Ledger:
 
     def done(self, core, act, reasons):
         """What was carried out, and why it was refused; none: it was not."""
-        run = self.runs.get(act.identity) if act.identity else self._current.get(act.zone)
+        run = self.runs.get(act.identity) if act.identity else self.current.get(act.zone)
+        if act.name in ("no_show", "withdrawn") and not act.has_run and not reasons:
+            self.absent.append(act)
         if reasons:
             self._check_refusal(core, act, run, reasons)
             return
@@ -148,8 +166,14 @@ class Ledger:
         elif act.name in ("pause", "resume"):
             run.is_paused, run.changed = act.name == "pause", act.at
             run.turn(act.at)
-            if bool(core.box.zones[act.zone].run.why_paused) is not (run.is_paused or run.is_held):
+            if bool(core.box.zones[act.zone].run.why_paused) is not run.is_paused:
                 self._fail("pause", f"{run.identity}: after {act.name}, the box shows something else")
+            if not run.event.benchmark.rules.pause:
+                self._fail("pause", f"{act.name} of {run.identity}, which its rules do not allow")
+        elif act.name in PHASES:
+            run.go_to_phase(act.at, run.place + PHASES[act.name])
+            if not 1 <= run.place <= len(run.event.benchmark.rules.phases):
+                self._fail("phases", f"{run.identity} went to phase {run.place}")
         elif act.name in GO:
             run.went = act.at
         self.look(core)
@@ -176,6 +200,7 @@ class Ledger:
             kept = Kept(act)
             if not self._is_repeated(act, run) and (kept.added or kept.value != run.values().get(kept.key, 0)):
                 entries.append(kept)
+                run.ever.append(kept)
             run.taken.setdefault(act.given["id"], act)
         elif act.name == "withdraw":
             entries[act.given["entry"] - 1].withdrawn = act
@@ -202,7 +227,7 @@ class Ledger:
     def look(self, core):
         """Something may have happened."""
         for zone in core.box.zones.values():
-            run, believed = zone.run, self._current.get(zone.name)
+            run, believed = zone.run, self.current.get(zone.name)
             if believed is not None and (run is None or run.identity != believed.identity):
                 self._left(core, zone, believed)
                 believed = None
@@ -212,11 +237,7 @@ class Ledger:
                 believed = self._connected(zone, run)
             if run.phase is not believed.phase or run.end_reason is not believed.reason:
                 self._changed(core, run, believed)
-            is_held = run.phase is Phase.RUNNING and bool(run.why_paused) and (
-                not believed.is_paused or run.is_doubted)
             believed.is_doubted = run.is_doubted
-            if is_held is not believed.is_held:
-                self._held(run, believed, is_held)
 
     def look_closely(self, core):
         """Now and then: the times and sheets of runs."""
@@ -225,7 +246,7 @@ class Ledger:
         self.look(core)
         for zone in core.box.zones.values():
             if zone.run is not None:
-                believed = self._current[zone.name]
+                believed = self.current[zone.name]
                 record = believed.record = zone.run.record(core.now())
                 self._check_watch(zone.run, believed, record)
                 self._check_sheet(believed, record)
@@ -237,9 +258,10 @@ class Ledger:
             self._fail("run", f"{run.identity} was left, and is there again")
         if self._acting is None and self._sure is None:
             self._fail("run", f"{run.identity} began, and nobody connected")
-        believed = self._current[zone.name] = self.runs[run.identity] = known or Believed(run, zone.name, now)
+        believed = self.current[zone.name] = self.runs[run.identity] = known or Believed(run, zone.name, now)
         believed.is_left = False
         believed.changed = now
+        believed.turn(now)
         self._world.witness.runs_at.update((member.port, believed) for member in members(run))
         most = run.event.benchmark.rules.attempts
         started = [each for each in self.runs.values() if each.event is run.event and each.went > 0.0 and each.is_left]
@@ -259,7 +281,7 @@ class Ledger:
             believed.phase, believed.reason = Phase.ENDED, EndReason.STOPPED
         believed.turn(now)
         believed.is_left, believed.changed = True, now
-        del self._current[name]
+        del self.current[name]
         if acting is not None and acting.name == "disconnect":
             self._check_next(zone, believed)
 
@@ -267,7 +289,8 @@ class Ledger:
         """After a run that is completed, the zone goes to the next event that still needs a run."""
         events = list(zone.planned)
         at, place = events.index(believed.event), events.index(zone.event)
-        had_run = [any(run.event is event and run.is_left for run in self.runs.values()) for event in events]
+        had_run = [any(run.event is event and run.is_left for run in self.runs.values())
+                   or any(act.event is event for act in self.absent) for event in events]
         is_right = place == at
         if believed.reason in TO_THE_NEXT:
             later = range(at + 1, place if place > at else len(events))
@@ -299,8 +322,11 @@ class Ledger:
             self._fail("phase", f"{run.identity} {why}")
         before = believed.phase
         believed.phase, believed.reason, believed.changed = run.phase, run.end_reason, now
-        believed.is_paused = believed.is_held = False
+        believed.is_paused = False
+        believed.place, believed.phases = 0, []
         believed.turn(now)
+        if run.phase is Phase.RUNNING and run.event.benchmark.rules.phases:
+            believed.go_to_phase(now, 1)
         if run.phase is Phase.ENDED:
             believed.stopped = now if name else believed.stopped
             if before is Phase.RUNNING and run.end_reason is not EndReason.COMPLETED and self.resumed != now:
@@ -317,21 +343,13 @@ class Ledger:
             return "" if any(robot.saves_nothing for robot in self._world.robots) else "saves nothing, but its robot does"
         return "" if name in ENDED_BY.get(reason, ()) else f"is over ({reason}), and nobody ended it"
 
-    def _held(self, run, believed, is_held):
-        """The box waits for a referee, as it does after a restart where a robot reports STOP."""
-        now = self._world.scheduler.now
-        if is_held and self._acting is None and not run.is_doubted and not self._may_be_lost(believed):
-            self._fail("pause", f"{run.identity} is paused, and nobody paused it")
-        believed.is_held = is_held
-        believed.turn(now)
-
     def _check_watch(self, run, believed, record):
         if believed.phase is not Phase.RUNNING:
             return
         now, limit = self._world.scheduler.now, run.event.benchmark.total_timeout
         counted, most = believed.watch.read(now), CLOCK_S + believed.watch.unsure_s
-        if believed.is_paused and not run.why_paused:
-            self._fail("pause", f"{run.identity} is not paused any more")
+        if believed.is_paused is not bool(run.why_paused) and not self._may_be_lost(believed):
+            self._fail("pause", f"{run.identity} is {'' if run.why_paused else 'not '}paused, and nobody did that")
         if abs(min(counted, limit) - record.elapsed_s) > most:
             self._fail("clock", f"in {run.identity}, {record.elapsed_s:.3f} s were counted of {counted:.3f} s")
         if counted > limit + most and not self._world.box.process.is_busy(now):
@@ -395,6 +413,7 @@ class Ledger:
         """A box was lost. What happened up to `sure` (true time) must be there again, and with `has_confirmed` also
         what was confirmed."""
         before = self._sure
+        self.has_lost = self.has_lost or sure < self._world.scheduler.now
         if sure >= self._world.scheduler.now and before is None:
             return
         self._sure = (sure, has_confirmed) if before is None else (min(sure, before[0]), has_confirmed and before[1])
@@ -403,7 +422,7 @@ class Ledger:
         """The next box has resumed. `was_set`: somebody has set its clock."""
         now = self.resumed = self._world.scheduler.now
         if is_other_clock:
-            for believed in self._current.values():
+            for believed in self.current.values():
                 believed.watch.unsure_s = float("inf") if was_set else OTHER_CLOCK_S
         if self._sure is None:
             self.look(core)
@@ -414,13 +433,13 @@ class Ledger:
         for believed in list(self.runs.values()):
             self._reconcile(core, believed)
         self.look(core)
-        for believed in self._current.values():
+        for believed in self.current.values():
             if believed.changed >= self._sure[0]:
                 self._adopt(core, believed, now)
         self._sure = None
 
     def _take_interrupted(self, core, act):
-        run = self.runs.get(act.identity) if act.identity else self._current.get(act.zone)
+        run = self.runs.get(act.identity) if act.identity else self.current.get(act.zone)
         if run is not None and act.name not in DURABLE:
             run.changed = act.at + CLOCK_S
         elif run is not None and re.search(rf"\b{act.who}\b", repr(_record_of(core, run))):
@@ -440,11 +459,11 @@ class Ledger:
             if not any(self._must_be_there(kept.act) for kept in believed.entries) and (
                     believed.now > self._sure[0]):
                 del self.runs[believed.identity]
-                self._current = {zone: each for zone, each in self._current.items() if each is not believed}
+                self.current = {zone: each for zone, each in self.current.items() if each is not believed}
             return
         there = {line.rsplit(" ", 1)[-1] for line in record.marks.splitlines()}
-        believed.entries = [kept for kept in believed.entries
-                            if kept.act.given["id"] in there or self._must_be_there(kept.act)]
+        believed.entries = [kept for kept in believed.ever if kept.act.given["id"] in there or (
+            kept in believed.entries and self._must_be_there(kept.act))]
         believed.taken = {id: act for id, act in believed.taken.items() if id in there}
         for kept, entry in zip(believed.entries, record.history):
             if kept.withdrawn is not None and not entry.withdrawn_utc and not self._must_be_there(kept.withdrawn):
@@ -460,11 +479,15 @@ class Ledger:
         """Take the state of a run from the box that has lost its newest changes."""
         run, watch = core.box.zones[believed.zone].run, believed.watch
         believed.is_paused = run.times.state.paused
-        believed.is_held = bool(run.why_paused) and not believed.is_paused
         if run.phase is not Phase.ENDED:
-            watch.counted, watch.since = run.record(core.now()).elapsed_s, None
+            record = run.record(core.now())
+            watch.counted, watch.since = record.elapsed_s, None
+            believed.phases, believed.place = [Watch() for _ in record.phases], run.times.state.phase
+            for phase, found in zip(believed.phases, record.phases):
+                phase.counted = found.elapsed_s
         else:
             watch.unsure_s = float("inf")  # it may have ended and begun again
+        believed.setup.unsure_s = float("inf")
         believed.turn(now)
 
 

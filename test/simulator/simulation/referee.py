@@ -65,7 +65,7 @@ class Referee:
         """Press a button that leads somewhere."""
         choose = self.random.choice
         if run is None:
-            self._command(zone, choose(("connect", "connect", "connect", "next", "previous", "open_sheet")))
+            self._command(zone, choose(("connect", "connect", "connect", "next", "previous", "open_sheet", "no_show")))
         elif run.phase is Phase.RUNNING:
             if run.why_paused and self.random.random() < 0.5:
                 self._command(zone, choose(("resume", "continue", "stop")))
@@ -173,7 +173,7 @@ class Referee:
             done.at = scheduler.now
             calls = BoxCalls(core.box, core.event, Disks(
                 core.journal.ticket, why_not_saved, ask_standby, core.why_not_recorded)).named()
-            with self.world.ledger.acting(done):
+            with self.world.ledger.acting(done, core.box.zones[zone].event):
                 found = carried_out(calls[call], arguments, Caller("referee"))
                 reasons = () if isinstance(found, Waiting) else _texts(found)
                 if box.core is core and box is self.world.box:

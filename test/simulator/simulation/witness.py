@@ -133,6 +133,12 @@ class Witness:
                                                          "sent PREPARE")
             self._check_go(port, believed, state)
 
+    def says(self, port, since):
+        """The states that the robot of a port reported since a time, or shortly before, and its last one."""
+        reports = self.reports[port]
+        ends = [at for at, _ in reports[1:]] + [float("inf")]
+        return [state for (_, state), end in zip(reports, ends) if end > since - LATE_S]
+
     def was_told(self, port, identity):
         """Whether a box has said something to the robot of this run."""
         return self.told[port].at >= self._world.ledger.runs[identity].now
