@@ -36,6 +36,7 @@ class Air:
         self.weather = collections.defaultdict(Weather)
         self.sent = collections.deque(maxlen=KEPT)  # (host, port, datagram, receiver) of datagrams lately
         self.watchers = []  # called with (source host, port, datagram, receiver's host)
+        self.readers = []  # called with (receiver's host, port, datagram, source host) when a program reads it
         self._trace = trace
         self._peers = collections.defaultdict(list)  # by port
 
@@ -131,4 +132,6 @@ class Peer:
         self._is_reading = False
         while self._waiting and self.is_open:
             datagram, sender, self.received_utc = self._waiting.popleft()
+            for read in self._air.readers:
+                read(self.host, self.port, datagram, sender[0])
             self._on_datagram(datagram, sender)

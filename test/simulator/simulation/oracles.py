@@ -57,6 +57,7 @@ class Oracles:
     def taken_over(self):
         """A standby takes over."""
         self._is_other = True
+        self._world.witness.lost()
         self._ports.clear()
         self._is_other_clock = True
         self._world.ledger.lost(self._world.standby.copied_until, self._world.config.durable is Durable.TWO)
@@ -116,6 +117,8 @@ class Oracles:
         """A core was killed."""
         core, now = box.core, self._world.scheduler.now
         self._before.pop(box, None)
+        if box is self._world.box:
+            self._world.witness.lost()
         if box is self._world.box:
             if core is not None or self._killed_at is None:
                 self._killed_at = now

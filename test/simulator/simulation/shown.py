@@ -1,10 +1,15 @@
 """What the faces show: it is what referees believe, and it warns as docs/referee.md and organiser.md say."""
 
+import re
+
 from roah_rsbb.model.records import Phase
 from roah_rsbb.protocol import RobotState
 
 from .ledger import CLOCK_S, members
+from .witness import SILENT_S
 
+# Warnings of a robot that is not heard (docs/referee.md).
+SILENT = re.compile("No message|no message|disappeared|not heard|not answered|knows? whether")
 # When a warning that is due must be there, at the latest.
 WARNED_S = 1.2
 # When the disk takes nothing, every referee is warned after a second; a broken one is first tried again.
@@ -24,6 +29,9 @@ class Shown:
             if not document.box.superseded_by:
                 self._fail("shown", "a box that is superseded does not say so")
             return
+        playing = [(seen.event.team, seen.robot.robot) for seen in document.zones.values() if seen.robot]
+        if len(playing) != len(set(playing)):
+            self._fail("shown", f"a robot is in two runs: {playing}")
         for name, seen in document.zones.items():
             believed = ledger.current.get(name)
             if seen.identity != ("" if believed is None else believed.identity):
@@ -59,6 +67,11 @@ class Shown:
         if off["continue"] is run.is_doubted and not (is_running and bool(run.doubt(core.now())) is not run.is_doubted):
             self._fail("shown", f"continue of {identity} is {'off' if off['continue'] else 'on'}")
         self._check_not_stopped(seen, believed, run, now)
+        for member in members(run) if is_running else ():
+            silent_s, name = self._world.witness.silent_s(member.port), "" if seen.robot else member.robot.robot
+            if silent_s > SILENT_S and member.phase is Phase.RUNNING and not any(
+                    name in text and SILENT.search(text) for text in seen.warnings):
+                self._fail("silent robot", f"{member.robot} is silent for {silent_s:.1f} s: {seen.warnings}")
 
     def _check_times(self, seen, believed, mono, most):
         """Setup time and phases, with their warnings."""

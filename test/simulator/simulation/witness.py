@@ -24,6 +24,9 @@ TOLD_S = 4.0
 FOLLOWS_S = 9.0
 LOOK_S = 0.25
 LATE_S = 3.1  # a datagram comes so late, at most
+# A robot moves because of what a box said lately. In the first seconds after a restart, none is told to prepare.
+MOVES_S, HEARS_S = 12.0, 2.0
+SAVES_S = 20.0  # a run does not continue for so long with a robot that saves no offline data
 # A robot that says nothing for so long is shown as silent, even if its last datagram was late.
 SILENT_S = 4.5 + LATE_S
 
@@ -53,8 +56,21 @@ class Witness:
         self._well = {}  # since when box and robot hear each other, by robot
         self._seen = {}  # the robot's state that the box shows, by port
         self.runs_at = {}  # the runs by the ports of their robots
+        self._read = {}  # when the present box has read something of the robot of a port
+        self._go_at = collections.defaultdict(lambda: float("-inf"))  # when a box let the robot of a port move, last
+        self.recorded = collections.defaultdict(list)  # what the box has read of a robot on private channels, by address
         self.busy_until = 0.0  # the present box was not running until then
         world.air.watchers.append(self._on_datagram)
+        world.air.readers.append(self._on_read)
+
+    def lost(self):
+        """The box is lost."""
+        self._read.clear()
+
+    def _on_read(self, host, port, datagram, source):
+        if host == self._world.box.computer.host and source in self._robots and port in self.runs_at:
+            self._read[port] = self._world.scheduler.now
+            self.recorded[source].append(datagram)
 
     def add(self, robot):
         """Watch a robot, too."""
@@ -76,11 +92,14 @@ class Witness:
             self._heard[port] = now
             if not reports or reports[-1][1] is not state:
                 reports.append((now, state))
+                if reports[-2:-1] == [(reports[-2:][0][0], RobotState.STOP)] and now - self._go_at[port] > MOVES_S:
+                    self._fail("robot moves", f"that of port {port} leaves STOP, and nothing told it to")
 
     def _box_says(self, port, datagram):
         believed, now = self.runs_at[port], self._world.scheduler.now
         message = self._decoded(datagram)
         state, told = BoxState(message.benchmark_state), self.told[port]
+        self._go_at[port] = self._go_at[port] if state is BoxState.STOP else now
         if state is BoxState.STOP:
             self._due = [due for due in self._due if due[1] != port]
         else:
@@ -107,9 +126,13 @@ class Witness:
             return  # it does not move, and the STOP that takes its result waits for the disk
         if believed.phase is not Phase.RUNNING or believed.is_left:
             self._fail("robot told to move", f"{state.name} on port {port}, and {believed.identity} is over")
-        if believed.went < world.ledger.resumed and state is BoxState.PREPARE and self._is_stopped(port):
-            self._fail("stopped robot told to move", f"that of port {port} reports STOP, nobody let it go since the "
-                                                     "restart, and it is sent PREPARE")
+        resumed = world.ledger.resumed
+        if believed.went >= resumed:
+            return
+        why = "the box has not heard it" if port not in self._read else "it reports STOP" if self._is_stopped(port) else (
+            "the box has just begun" if state is BoxState.PREPARE and now - resumed < HEARS_S else "")
+        if why:
+            self._fail("robot told to move", f"{state.name} on port {port}: nobody let it go since the restart, and {why}")
 
     def _is_well(self, port, seconds):
         """Whether a robot and the box hear each other for so long."""
@@ -128,9 +151,9 @@ class Witness:
         """The next box has resumed."""
         early, self._early = self._early, []
         for port, believed, state, is_stopped in early:
-            if is_stopped and state is BoxState.PREPARE:
-                self._fail("stopped robot told to move", f"that of port {port} reports STOP, and after a restart it is "
-                                                         "sent PREPARE")
+            if is_stopped:
+                self._fail("robot told to move", f"that of port {port} reports STOP, and after a restart it is sent "
+                                                 f"{state.name}")
             self._check_go(port, believed, state)
 
     def says(self, port, since):
@@ -138,6 +161,10 @@ class Witness:
         reports = self.reports[port]
         ends = [at for at, _ in reports[1:]] + [float("inf")]
         return [state for (_, state), end in zip(reports, ends) if end > since - LATE_S]
+
+    def silent_s(self, port):
+        """For how long the robot of a port has said nothing to the present box."""
+        return self._world.scheduler.now - max(self._heard[port], self._world.ledger.resumed)
 
     def was_told(self, port, identity):
         """Whether a box has said something to the robot of this run."""
@@ -211,9 +238,6 @@ class Witness:
             most = UNSURE_S if is_heard and robot.name not in world.clocks_were_set else float("inf")
         if now - told.at > PERIOD_S and now - max(resumed, self.busy_until, world.storage.frozen_until) > most:
             self._fail("robot is not told", f"nothing was sent to port {port} since {told.at:.2f}")
-        silent_s = now - max(self._heard[port], self._world.ledger.resumed)
-        if believed.phase is Phase.RUNNING and silent_s > SILENT_S and not member.warnings(core.now()):
-            self._fail("silent robot", f"that of port {port} is silent for {silent_s:.1f} s, and nobody is warned")
 
     def _check_seen(self, port, seen, now):
         """What the box shows of a robot was said by it, in this run, not long ago."""
@@ -241,6 +265,11 @@ class Witness:
         if is_moving and believed.phase is not Phase.RUNNING:
             self._fail("robot moves", f"{robot.name} is in {robot.state.name}, and {believed.identity} is over since "
                                       f"{believed.changed:.2f}")
+        is_alone = believed.event.team != "ALL"
+        if robot.state is RobotState.RESULT_TX and believed.phase is Phase.RUNNING and is_alone:
+            self._fail("completed", f"{robot.name} has completed {believed.identity}, which continues")
+        if robot.saves_nothing and believed.phase is Phase.RUNNING and is_alone and now - since > SAVES_S:
+            self._fail("offline data", f"{robot.name} saves none, and {believed.identity} continues")
         if not is_moving and believed.phase is Phase.RUNNING and not believed.is_doubted:
             self._fail("robot does not start", f"{robot.name} is in STOP, and {believed.identity} runs since "
                                                f"{believed.changed:.2f}")
