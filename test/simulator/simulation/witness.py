@@ -266,7 +266,9 @@ class Witness:
             self._fail("robot moves", f"{robot.name} is in {robot.state.name}, and {believed.identity} is over since "
                                       f"{believed.changed:.2f}")
         is_alone = believed.event.team != "ALL"
-        if robot.state is RobotState.RESULT_TX and believed.phase is Phase.RUNNING and is_alone:
+        reports = self.reports[link.port]
+        has_said = bool(reports) and reports[-1][1] is robot.state and now - reports[-1][0] > TOLD_S
+        if robot.state is RobotState.RESULT_TX and has_said and believed.phase is Phase.RUNNING and is_alone:
             self._fail("completed", f"{robot.name} has completed {believed.identity}, which continues")
         if robot.saves_nothing and believed.phase is Phase.RUNNING and is_alone and now - since > SAVES_S:
             self._fail("offline data", f"{robot.name} saves none, and {believed.identity} continues")
