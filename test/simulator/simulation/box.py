@@ -163,6 +163,8 @@ class Box:
     def _end_superseded(self, away_s, host):
         self.world.trace.note(f"{self.computer.name}: ends, superseded by {host} after {away_s:.1f} s")
         self.process.end()
+        self.core = None
+        self.world.scheduler.after(1.0, self.start)
         raise Ended
 
     def _log(self, level, text):

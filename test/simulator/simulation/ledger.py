@@ -77,6 +77,7 @@ class Believed:
         self.entries, self.sign_off, self.reasons = [], None, {}
         self.ever = []  # all entries, also those that were lost: a copy may still have them
         self.taken = {}  # marks by their ids, also those that changed nothing
+        self.final = None  # its time at its last end; None: not known any more
         self.is_left = self.is_doubted = False
         self.record = None  # as it was seen last
 
@@ -129,6 +130,7 @@ class Ledger:
         self._interrupted = []  # what was carried out when the core was killed
         self._sure = None  # after a loss: until when everything must be there, and whether that was confirmed must
         self.resumed = 0.0  # when the present box began
+        self._keeps_stop = []  # after losses: whether a STOP of a moment must be known
 
     # -- what referees do ---------------------------------------------------------------------------
 
@@ -249,6 +251,11 @@ class Ledger:
                 believed = self.current[zone.name]
                 record = believed.record = zone.run.record(core.now())
                 self._check_watch(zone.run, believed, record)
+                if believed.phase is Phase.ENDED and believed.final is not None and believed.went > 0.0 and abs(
+                        min(believed.final, zone.run.event.benchmark.total_timeout) - record.elapsed_s) > (
+                        CLOCK_S + believed.watch.unsure_s):
+                    self._fail("clock", f"{believed.identity} ended after {believed.final:.2f} s, and has "
+                                        f"{record.elapsed_s:.2f} s")
                 self._check_sheet(believed, record)
 
     def _connected(self, zone, run):
@@ -318,10 +325,15 @@ class Ledger:
                 why = f"is over ({run.end_reason}), and was not in progress"
         else:
             why = f"is {run.phase} after {believed.phase}"
-        if why and not self._may_be_lost(believed):
+        is_known = run.phase is Phase.RUNNING and believed.stopped == believed.changed and all(
+            keeps(believed.stopped) for keeps in self._keeps_stop)
+        if why and (is_known or not self._may_be_lost(believed)):
             self._fail("phase", f"{run.identity} {why}")
         before = believed.phase
         believed.phase, believed.reason, believed.changed = run.phase, run.end_reason, now
+        # While the box was away, the robot may have completed its task: these seconds are not counted.
+        is_unseen = run.end_reason is EndReason.COMPLETED and self._world.witness.is_unseen(run)
+        believed.final = None if is_unseen else believed.watch.read(now)
         believed.is_paused = False
         believed.place, believed.phases = 0, []
         believed.turn(now)
@@ -409,10 +421,11 @@ class Ledger:
 
     # -- losses -------------------------------------------------------------------------------------
 
-    def lost(self, sure, has_confirmed=True):
-        """A box was lost. What happened up to `sure` (true time) must be there again, and with `has_confirmed` also
-        what was confirmed."""
+    def lost(self, sure, has_confirmed=True, keeps_stop=lambda at: True):
+        """A box was lost. What happened up to `sure` (true time) must be there again, with `has_confirmed` also
+        what was confirmed, and a STOP of a moment for which `keeps_stop` holds."""
         before = self._sure
+        self._keeps_stop.append(keeps_stop)
         self.has_lost = self.has_lost or sure < self._world.scheduler.now
         if sure >= self._world.scheduler.now and before is None:
             return
@@ -425,6 +438,7 @@ class Ledger:
             for believed in self.current.values():
                 believed.watch.unsure_s = float("inf") if was_set else OTHER_CLOCK_S
         if self._sure is None:
+            self._keeps_stop.clear()
             self.look(core)
             return
         for act in self._interrupted:
@@ -437,6 +451,7 @@ class Ledger:
             if believed.changed >= self._sure[0]:
                 self._adopt(core, believed, now)
         self._sure = None
+        self._keeps_stop.clear()
 
     def _take_interrupted(self, core, act):
         run = self.runs.get(act.identity) if act.identity else self.current.get(act.zone)
@@ -478,6 +493,9 @@ class Ledger:
     def _adopt(self, core, believed, now):
         """Take the state of a run from the box that has lost its newest changes."""
         run, watch = core.box.zones[believed.zone].run, believed.watch
+        if not (believed.phase is Phase.ENDED and believed.stopped == believed.changed and all(
+                keeps(believed.stopped) for keeps in self._keeps_stop)):
+            believed.final = None
         believed.is_paused = run.times.state.paused
         if run.phase is not Phase.ENDED:
             record = run.record(core.now())

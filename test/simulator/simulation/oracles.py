@@ -43,6 +43,7 @@ class Oracles:
         self._killed_at = None  # the core, and the next one has not resumed yet
         self._is_other_clock = False  # the clock of another computer, or start of it, counts from now on
 
+        self._superseded = set()  # boxes that know it
         self._sent = {}  # when a box sent last to robots, by its host
         self._both_since = None
         self._is_other = False  # whether another box took over
@@ -60,7 +61,8 @@ class Oracles:
         self._world.witness.lost()
         self._ports.clear()
         self._is_other_clock = True
-        self._world.ledger.lost(self._world.standby.copied_until, self._world.config.durable is Durable.TWO)
+        self._world.ledger.lost(self._world.standby.copied_until, self._world.config.durable is Durable.TWO,
+                                self._world.standby.has_heard)
 
     def _on_datagram(self, source, port, _datagram, _host):
         if self._is_other and port != STANDBY_PORT and source in self._hosts():
@@ -123,7 +125,7 @@ class Oracles:
             if core is not None or self._killed_at is None:
                 self._killed_at = now
             self._is_other_clock = self._is_other_clock or power
-            self._world.ledger.lost(box.storage.kept_until(self._killed_at, power))
+            self._world.ledger.lost(box.storage.kept_until(self._killed_at, power), keeps_stop=lambda at: not power)
         if core is None or power or core.store.committed < core.journal._ticket or core.box.is_superseded:
             return
         self._before[box] = {zone.name: _lasting(freeze(zone.saved())) for zone in core.box.zones.values()}
@@ -141,6 +143,8 @@ class Oracles:
 
     def resumed(self, box, core):
         """A core continues."""
+        if box in self._superseded and not core.box.is_superseded:
+            self.fail("superseded", f"{box.computer.name} is not any more after its restart")
         if box is not self._world.box:
             return
         for kind in [key for key in self._acknowledged if key[0] is box]:
@@ -159,6 +163,10 @@ class Oracles:
         core = world.box.core
         if world.standby is not None:
             world.standby.look()
+        for box in world.boxes:
+            if box.core is not None and box.core.box.is_superseded and not box.storage.is_in_trouble and (
+                    not box.process.is_busy(world.scheduler.now)):
+                self._superseded.add(box)
         if core is None:
             self._both_since = None
             return

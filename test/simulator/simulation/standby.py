@@ -78,6 +78,7 @@ class Standby:
         self.has_taken_over = False
         self.copied_until = 0.0  # what was before is in the copy
         self._disturbed = self._heard = world.scheduler.now
+        self._apart = [world.scheduler.now]  # moments at which the two computers did not work together
         os.makedirs(folder)
         self._disk = StandbyDisk(os.path.join(folder, FILE_NAME))
         self.has = self._disk.has
@@ -134,11 +135,19 @@ class Standby:
         world, now = self.world, self.world.scheduler.now
         box, weathers = self._box, [world.air.weather[each] for each in (self._box.computer.host, self.computer.host)]
         is_quiet = all(not weather.is_cut and not weather.loss and not weather.late for weather in weathers)
-        if not is_quiet or box.core is None or box.storage.is_in_trouble or any(
-                process.is_ended or process.is_busy(now) for process in (box.process, self._process)):
+        is_apart = not is_quiet or box.core is None or any(
+            process.is_ended or process.is_hanging() for process in (box.process, self._process))
+        if is_apart:
+            self._apart.append(now)
+        if is_apart or box.storage.is_in_trouble or any(
+                process.is_busy(now) for process in (box.process, self._process)):
             self._disturbed = now
         elif now - self._disturbed > UNDISTURBED_S:
             self.copied_until = now - BEHIND_S
+
+    def has_heard(self, at):
+        """Whether the box's STOP of a moment has come: it is sent at once, also before it is in the journal."""
+        return not any(at - BEHIND_S < moment < at + BEHIND_S for moment in self._apart)
 
     def _hear(self, source, _port, _datagram, host):
         weathers = [self.world.air.weather[each] for each in (source, self.computer.host)]

@@ -76,13 +76,16 @@ KINDS = {
     "garbage": lambda w, r: (_host(w, r), r.randrange(1 << 32)),
     "forged beacon": lambda w, r: (_robot(w, r), r.choice(("same", STRANGER)), r.choice((-5.0, 0.0, 5.0))),
     "forged box": lambda w, r: (),
+    "old box restarts": lambda w, r: (r.uniform(0.3, 3.0), r.random() < 0.5),
+    "attack": lambda w, r: (_robot(w, r), r.choice((0.0, 3.0, 6.0)), r.choice(("same", STRANGER))),
+    "attack after a loss": lambda w, r: (_robot(w, r), r.choice(("same", STRANGER))),
 }
 
 
 DISK = ("kill", "kill at an entry", "kill, then kill", "kill, then power", "power", "power at an entry", "slow disk",
         "slow disk, then power", "broken disk", "frozen disk", "full disk", "hang")
-OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off")
-NETWORK = ("loss", "late", "double", "cut off", "kill", "replay", "garbage", "forged beacon", "robot crashes",
+OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off", "old box restarts")
+NETWORK = ("loss", "late", "double", "cut off", "kill", "attack", "attack after a loss", "replay", "garbage", "forged beacon", "robot crashes",
            "robot hangs", "robot's clock")
 
 
@@ -224,6 +227,34 @@ class Troubles:
         for number, (source, port, datagram, receiver) in enumerate(list(air.sent)[begin:begin + count]):
             self._world.scheduler.after(0.1 * number, functools.partial(
                 air.send, source if host == "same" else host, port, datagram, receiver))
+
+    def _attack(self, number, silent_s, host):
+        """Somebody sends again what the box has taken from a robot in all its runs, at its present channel, perhaps
+        while the robot is silent."""
+        robot, world = self._world.robots[number], self._world
+        link = robot.link
+        if link is None:
+            return
+        robot.hang(silent_s + 6.0 if silent_s else 0.0)
+        recorded = world.witness.recorded[robot.computer.host]
+        recorded = recorded[:20] + recorded[-20:]
+        for at, datagram in enumerate(recorded):
+            world.scheduler.after(silent_s + 0.1 * at, functools.partial(
+                world.air.send, robot.computer.host if host == "same" else host, link.port, datagram,
+                world.box.computer.host))
+
+    def _attack_after_a_loss(self, number, host):
+        """The same after a restart of the box."""
+        self._world.box.kill(0.5)
+        self._attack(number, 3.5, host)
+
+    def _old_box_restarts(self, restart_s, is_alone):
+        """The box from which a standby took over starts again, perhaps where it hears nobody."""
+        box, world = self._world.boxes[0], self._world
+        if box is not world.box and not box.is_lost:
+            if is_alone:
+                self._cut_off(box.computer.host, restart_s + 3.0)
+            box.kill(restart_s)
 
     def _garbage(self, host, number):
         sent = self._world.air.sent

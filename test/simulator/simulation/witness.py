@@ -56,6 +56,7 @@ class Witness:
         self._well = {}  # since when box and robot hear each other, by robot
         self._seen = {}  # the robot's state that the box shows, by port
         self.runs_at = {}  # the runs by the ports of their robots
+        self._did = {}  # what the robot of a port did when the present box heard it first
         self._read = {}  # when the present box has read something of the robot of a port
         self._go_at = collections.defaultdict(lambda: float("-inf"))  # when a box let the robot of a port move, last
         self.recorded = collections.defaultdict(list)  # what the box has read of a robot on private channels, by address
@@ -66,10 +67,12 @@ class Witness:
     def lost(self):
         """The box is lost."""
         self._read.clear()
+        self._did.clear()
 
     def _on_read(self, host, port, datagram, source):
         if host == self._world.box.computer.host and source in self._robots and port in self.runs_at:
             self._read[port] = self._world.scheduler.now
+            self._did.setdefault(port, self._robots[source].state)
             self.recorded[source].append(datagram)
 
     def add(self, robot):
@@ -181,6 +184,11 @@ class Witness:
         for member in members(run):
             if member.robot_state is not None and self.told[member.port].state is not BoxState.STOP:
                 self._due.append((now, member.port))
+
+    def is_unseen(self, run):
+        """Whether a robot may have completed its task while the box was away."""
+        return self._world.ledger.resumed > 0.5 and any(
+            self._did.get(member.port) is not RobotState.EXECUTING for member in members(run))
 
     def completed(self, run, went):
         """Whether the robots of a run have done what a completed run needs, since a referee let them go."""
