@@ -129,6 +129,8 @@ class Box:
         core.unsaved()
         if number % TICKS_A_SECOND == 0:
             core.each_second()
+            if process.is_ended:  # while it waited for the disk
+                return
             document = self._documents.look(core.now(), unsaved=core.unsaved())
             if self is self.world.box:
                 self.world.shown.look(core, document)
@@ -161,7 +163,7 @@ class Box:
             self.backup.pass_stops(stops)
 
     def _end_superseded(self, away_s, host):
-        self.world.trace.note(f"{self.computer.name}: ends, superseded by {host} after {away_s:.1f} s")
+        self.world.trace.note(f"{self.computer.name}: ends, superseded by {host}")
         self.process.end()
         self.core = None
         self.world.scheduler.after(1.0, self.start)

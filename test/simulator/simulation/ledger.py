@@ -147,6 +147,11 @@ class Ledger:
         finally:
             self._acting = None
 
+    @property
+    def is_acting(self):
+        """Whether something is carried out, perhaps for long."""
+        return self._acting is not None
+
     def lets_go(self, believed):
         """Whether a referee lets the robot of a run go just now."""
         acting = self._acting
@@ -243,8 +248,6 @@ class Ledger:
 
     def look_closely(self, core):
         """Now and then: the times and sheets of runs."""
-        if self._acting is not None:
-            return  # what it does is not known yet
         self.look(core)
         for zone in core.box.zones.values():
             if zone.run is not None:
@@ -268,7 +271,7 @@ class Ledger:
         believed = self.current[zone.name] = self.runs[run.identity] = known or Believed(run, zone.name, now)
         believed.is_left = False
         believed.changed = now
-        believed.turn(now)
+        believed.turn(now if self._acting is None else self._acting.at)  # it may have waited for the disk
         self._world.witness.runs_at.update((member.port, believed) for member in members(run))
         most = run.event.benchmark.rules.attempts
         started = [each for each in self.runs.values() if each.event is run.event and each.went > 0.0 and each.is_left]
@@ -325,7 +328,8 @@ class Ledger:
                 why = f"is over ({run.end_reason}), and was not in progress"
         else:
             why = f"is {run.phase} after {believed.phase}"
-        is_known = run.phase is Phase.RUNNING and believed.stopped == believed.changed and all(
+        # The box has a note of STOP for a run with robots; one by hand is only in the journal.
+        is_known = members(run) and run.phase is Phase.RUNNING and believed.stopped == believed.changed and all(
             keeps(believed.stopped) for keeps in self._keeps_stop)
         if why and (is_known or not self._may_be_lost(believed)):
             self._fail("phase", f"{run.identity} {why}")

@@ -170,6 +170,8 @@ class Oracles:
         if core is None:
             self._both_since = None
             return
+        if world.ledger.is_acting:
+            return  # what it does is not known yet
         self._check_runs(world.box, core)
         self._check_two_boxes()
         world.witness.look(core)

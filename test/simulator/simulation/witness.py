@@ -26,7 +26,7 @@ LOOK_S = 0.25
 LATE_S = 3.1  # a datagram comes so late, at most
 # A robot moves because of what a box said lately. In the first seconds after a restart, none is told to prepare.
 MOVES_S, HEARS_S = 12.0, 2.0
-SAVES_S = 20.0  # a run does not continue for so long with a robot that saves no offline data
+SAVES_S = 7.0  # a run does not continue while a robot executes for so long, and saves no offline data
 # A robot that says nothing for so long is shown as silent, even if its last datagram was late.
 SILENT_S = 4.5 + LATE_S
 
@@ -57,7 +57,7 @@ class Witness:
         self._seen = {}  # the robot's state that the box shows, by port
         self.runs_at = {}  # the runs by the ports of their robots
         self._did = {}  # what the robot of a port did when the present box heard it first
-        self._read = {}  # when the present box has read something of the robot of a port
+        self._read = {}  # when the present box has first read something of the robot of a port
         self._go_at = collections.defaultdict(lambda: float("-inf"))  # when a box let the robot of a port move, last
         self.recorded = collections.defaultdict(list)  # what the box has read of a robot on private channels, by address
         self.busy_until = 0.0  # the present box was not running until then
@@ -71,7 +71,7 @@ class Witness:
 
     def _on_read(self, host, port, datagram, source):
         if host == self._world.box.computer.host and source in self._robots and port in self.runs_at:
-            self._read[port] = self._world.scheduler.now
+            self._read.setdefault(port, self._world.scheduler.now)
             self._did.setdefault(port, self._robots[source].state)
             self.recorded[source].append(datagram)
 
@@ -242,7 +242,7 @@ class Witness:
         resumed, most = self._world.ledger.resumed, RESUMED_S
         if believed.phase is Phase.RUNNING and believed.went < resumed:  # the box first hears what the robot does
             robot = self._robot_at(port)
-            is_heard = self._heard[port] > resumed and self._is_well(port, UNSURE_S)
+            is_heard = now - self._read.get(port, now) > UNSURE_S and self._is_well(port, UNSURE_S)
             most = UNSURE_S if is_heard and robot.name not in world.clocks_were_set else float("inf")
         if now - told.at > PERIOD_S and now - max(resumed, self.busy_until, world.storage.frozen_until) > most:
             self._fail("robot is not told", f"nothing was sent to port {port} since {told.at:.2f}")
@@ -276,9 +276,13 @@ class Witness:
         is_alone = believed.event.team != "ALL"
         reports = self.reports[link.port]
         has_said = bool(reports) and reports[-1][1] is robot.state and now - reports[-1][0] > TOLD_S
-        if robot.state is RobotState.RESULT_TX and has_said and believed.phase is Phase.RUNNING and is_alone:
+        is_heard = robot.name not in self._world.clocks_were_set  # a clock that was set back is heard later
+        if robot.state is RobotState.RESULT_TX and has_said and is_heard and believed.phase is Phase.RUNNING and is_alone:
             self._fail("completed", f"{robot.name} has completed {believed.identity}, which continues")
-        if robot.saves_nothing and believed.phase is Phase.RUNNING and is_alone and now - since > SAVES_S:
+        must_save = believed.event.benchmark.profile.offline_data
+        is_executing = must_save and robot.state is RobotState.EXECUTING and bool(reports) and reports[-1][1] is robot.state
+        if robot.saves_nothing and is_executing and believed.phase is Phase.RUNNING and is_alone and (
+                now - max(since, reports[-1][0]) > SAVES_S):
             self._fail("offline data", f"{robot.name} saves none, and {believed.identity} continues")
         if not is_moving and believed.phase is Phase.RUNNING and not believed.is_doubted:
             self._fail("robot does not start", f"{robot.name} is in STOP, and {believed.identity} runs since "
