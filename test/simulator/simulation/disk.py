@@ -19,7 +19,8 @@ from .scheduler import Ended
 
 SECTOR = 512
 SHORTEST_S, LONGEST_S = 0.0003, 0.003
-# What a power failure may take (docs/architecture.md, "Write first, then act"), and when the box has written what waited.
+# What a power failure may take (docs/architecture.md, "Write first, then act"), and when the box has written what
+# waited.
 LOST_S, TRIES_AGAIN_S = 0.12, 2.5
 
 
@@ -188,7 +189,7 @@ class Storage:
         path, text = os.path.join(self.folder, "roah_rsbb_journal"), text.encode()
         folder = self._folders.get(path, _Folder())
         for inode in reversed(list((folder.synced if is_certain else folder.names).values())):
-            if text in inode.synced or not is_certain and any(text in content for _, content in inode.written):
+            if text in inode.synced or (not is_certain and any(text in content for _, content in inode.written)):
                 return True
         return False
 

@@ -82,7 +82,8 @@ FAULTS = (
           "        self.state.doubted = self._is_in_progress\n"),
     # -- box and standby
     Fault("a copy lacks the last bytes of a segment that ended", "copies/follower.py",
-          "in present.items():\n            for part", "in list(present.items())[-1 if self._sizes else 0:]:\n            for part"),
+          "in present.items():\n            for part",
+          "in list(present.items())[-1 if self._sizes else 0:]:\n            for part"),
     Fault("a standby answers before its disk", "copies/folder.py",
           "                    platform.sync(file.fileno())\n", "                    pass\n"),
     Fault("of two boxes with one epoch, the wrong one stops", "standby/pair.py",

@@ -1,7 +1,7 @@
 """What referees may rely on: what they did and were answered, and so what each run must be.
 
-It follows docs/referee.md, benchmarks.md, organiser.md ("Time and attempts"), journal.md and standby.md, and knows nothing
-of how the box does it. A run changes because of a referee, its robot or its time, and because of nothing else.
+It follows docs/referee.md, benchmarks.md, organiser.md ("Time and attempts"), journal.md and standby.md, and knows
+nothing of how the box does it. A run changes because of a referee, its robot or its time, and because of nothing else.
 """
 
 import contextlib
@@ -15,7 +15,7 @@ from roah_rsbb.rulebook.benchmarks import Restarts
 
 from .scheduler import Ended
 
-# Within this time, the box counts a run's time as a watch does. More, where a computer's clock stands for another one's.
+# Within this time, the box counts a run's time as a watch does. More, where one computer's clock stands for another's.
 CLOCK_S, OTHER_CLOCK_S = 0.1, 0.4
 # Commands with which a zone goes to another run or event, and with which a run begins, or may be asked to go on.
 LEAVE = {"disconnect", "next", "previous", "no_show", "withdrawn", "connect", "open_sheet"}
@@ -207,7 +207,8 @@ class Ledger:
             kept = Kept(act)
             if not self._is_repeated(act, run) and (kept.added or kept.value != run.values().get(kept.key, 0)):
                 entries.append(kept)
-                run.ever.append(kept)
+                # A mark that was lost and is sent again is there once.
+                run.ever = [each for each in run.ever if each.act.given["id"] != act.given["id"]] + [kept]
             run.taken.setdefault(act.given["id"], act)
         elif act.name == "withdraw":
             entries[act.given["entry"] - 1].withdrawn = act
@@ -306,7 +307,7 @@ class Ledger:
             later = range(at + 1, place if place > at else len(events))
             is_right = place >= at and all(had_run[skipped] for skipped in later)
         if not is_right:
-            self._fail("next event", f"after {believed.identity}, {believed.reason}, {zone.name} is at event {place + 1}")
+            self._fail("next event", f"after {believed.identity} ({believed.reason}), {zone.name} is at {place + 1}")
 
     def _changed(self, core, run, believed):
         """The phase of a run has changed."""
@@ -356,7 +357,7 @@ class Ledger:
         if reason is EndReason.COMPLETED:
             return "" if self._world.witness.completed(run, believed.went) else "is completed, but not by its robot"
         if reason is EndReason.NO_MESSAGES_SAVED:
-            return "" if any(robot.saves_nothing for robot in self._world.robots) else "saves nothing, but its robot does"
+            return "" if any(robot.saves_nothing for robot in self._world.robots) else "is over, but its robot saves"
         return "" if name in ENDED_BY.get(reason, ()) else f"is over ({reason}), and nobody ended it"
 
     def _check_watch(self, run, believed, record):

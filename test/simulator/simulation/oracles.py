@@ -2,14 +2,11 @@
 
 import json
 import sys
-from decimal import Decimal
 
 from roah_rsbb.box.journal import ZONE_STATE
 from roah_rsbb.core.runs.run import Run
-from roah_rsbb.model.records import Phase
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.saved import freeze
-from roah_rsbb.protocol import RobotState, wire_ns
+from roah_rsbb.protocol import wire_ns
 from roah_rsbb.rulebook.benchmarks import Durable
 
 from .witness import LOOK_S
@@ -151,6 +148,8 @@ class Oracles:
             del self._acknowledged[kind]
         self._world.ledger.continues(core, self._is_other_clock, self.clock_was_set)
         self._killed_at, self._is_other_clock = None, False
+        # A run that a power failure may take has its port no more.
+        self._ports = {port: run for port, run in self._ports.items() if run in self._world.ledger.runs}
         self._world.ledger.check_all(core)
         self._check_runs(box, core)
         self._world.witness.resumed()

@@ -6,8 +6,6 @@ from .troubles import Trouble
 from .world import World, simulate
 
 
-
-
 class Failure(NamedTuple):
     """A seed that fails, with the troubles that this needs."""
 

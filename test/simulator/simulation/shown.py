@@ -80,7 +80,7 @@ class Shown:
         setup = believed.setup.read(now)
         if believed.phase is Phase.CONNECTED and rules.setup_time:
             if abs(clock.setup_elapsed.at(mono) - setup) > most + believed.setup.unsure_s:
-                self._fail("shown", f"{identity} shows {clock.setup_elapsed.at(mono):.2f} s of setup, not {setup:.2f} s")
+                self._fail("shown", f"{identity}: {clock.setup_elapsed.at(mono):.2f} s of setup, not {setup:.2f} s")
             is_over = setup > rules.setup_time
             if abs(setup - rules.setup_time) > WARNED_S + most + believed.setup.unsure_s and is_over is not any(
                     "etup time" in text for text in seen.warnings):
@@ -92,7 +92,7 @@ class Shown:
             return
         elapsed, limit = believed.phases[believed.place - 1].read(now), rules.phases[believed.place - 1].limit
         if abs(clock.phase_elapsed.at(mono) - elapsed) > most:
-            self._fail("phases", f"{identity} shows {clock.phase_elapsed.at(mono):.2f} s of its phase, not {elapsed:.2f} s")
+            self._fail("phases", f"{identity}: {clock.phase_elapsed.at(mono):.2f} s of its phase, not {elapsed:.2f} s")
         if elapsed > limit + WARNED_S + most and not believed.is_paused and not any(
                 clock.phase_name in text for text in seen.warnings):
             self._fail("warning", f"{identity} is in phase {believed.place} since {elapsed:.1f} s: {seen.warnings}")

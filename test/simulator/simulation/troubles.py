@@ -85,8 +85,8 @@ KINDS = {
 DISK = ("kill", "kill at an entry", "kill, then kill", "kill, then power", "power", "power at an entry", "slow disk",
         "slow disk, then power", "broken disk", "frozen disk", "full disk", "hang")
 OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off", "old box restarts")
-NETWORK = ("loss", "late", "double", "cut off", "kill", "attack", "attack after a loss", "replay", "garbage", "forged beacon", "robot crashes",
-           "robot hangs", "robot's clock")
+NETWORK = ("loss", "late", "double", "cut off", "kill", "attack", "attack after a loss", "replay", "garbage",
+           "forged beacon", "robot crashes", "robot hangs", "robot's clock")
 
 
 class Troubles:

@@ -1,4 +1,4 @@
-"""What robots truly do, and what the boxes send them: by what docs/referee.md, protocol.md, standby.md and security.md say.
+"""What robots truly do, and what boxes send them, by what docs/referee.md, protocol.md, standby.md and security.md say.
 
 Robots are seen directly, datagrams of the boxes on the air. Nothing that a box believes is used, but to hold it against
 these.
@@ -59,7 +59,7 @@ class Witness:
         self._did = {}  # what the robot of a port did when the present box heard it first
         self._read = {}  # when the present box has first read something of the robot of a port
         self._go_at = collections.defaultdict(lambda: float("-inf"))  # when a box let the robot of a port move, last
-        self.recorded = collections.defaultdict(list)  # what the box has read of a robot on private channels, by address
+        self.recorded = collections.defaultdict(list)  # what the box has read of a robot in runs, by address
         self.busy_until = 0.0  # the present box was not running until then
         world.air.watchers.append(self._on_datagram)
         world.air.readers.append(self._on_read)
@@ -95,7 +95,9 @@ class Witness:
             self._heard[port] = now
             if not reports or reports[-1][1] is not state:
                 reports.append((now, state))
-                if reports[-2:-1] == [(reports[-2:][0][0], RobotState.STOP)] and now - self._go_at[port] > MOVES_S:
+                # One that hung reads what waited for it.
+                moved = max(self._go_at[port], self._well.get(self._robots[source], now))
+                if reports[-2:-1] == [(reports[-2:][0][0], RobotState.STOP)] and now - moved > MOVES_S:
                     self._fail("robot moves", f"that of port {port} leaves STOP, and nothing told it to")
 
     def _box_says(self, port, datagram):
@@ -132,10 +134,11 @@ class Witness:
         resumed = world.ledger.resumed
         if believed.went >= resumed:
             return
-        why = "the box has not heard it" if port not in self._read else "it reports STOP" if self._is_stopped(port) else (
+        is_stopped = self._is_stopped(port)
+        why = "the box has not heard it" if port not in self._read else "it reports STOP" if is_stopped else (
             "the box has just begun" if state is BoxState.PREPARE and now - resumed < HEARS_S else "")
         if why:
-            self._fail("robot told to move", f"{state.name} on port {port}: nobody let it go since the restart, and {why}")
+            self._fail("robot told to move", f"{state.name} on port {port}: nobody let it go since, and {why}")
 
     def _is_well(self, port, seconds):
         """Whether a robot and the box hear each other for so long."""
@@ -221,14 +224,15 @@ class Witness:
             self._well.setdefault(robot, now)
             if not is_busy:
                 self._check_robot(robot, now)
-        if has_runs and not is_busy and now > self.busy_until + PERIOD_S and now - ledger.resumed > PERIOD_S:
-            if now - self.beacon_at > PERIOD_S and not core.box.is_superseded:
-                self._fail("beacon", f"there is none since {self.beacon_at:.2f}")
+        is_due = has_runs and not is_busy and now > self.busy_until + PERIOD_S and now - ledger.resumed > PERIOD_S
+        if is_due and now - self.beacon_at > PERIOD_S and not core.box.is_superseded:
+            self._fail("beacon", f"there is none since {self.beacon_at:.2f}")
 
     def _hear_each_other(self, robot):
         world = self._world
         weathers = [world.air.weather[host] for host in (robot.computer.host, world.box.computer.host)]
-        return all(weather.is_good and not weather.late for weather in weathers) and not world.box.process.is_busy(world.scheduler.now)
+        is_good = all(weather.is_good and not weather.late for weather in weathers)
+        return is_good and not world.box.process.is_busy(world.scheduler.now)
 
     def _check_member(self, core, zone, member, believed, now):
         world, port, told = self._world, member.port, self.told[member.port]
@@ -249,7 +253,8 @@ class Witness:
 
     def _check_seen(self, port, seen, now):
         """What the box shows of a robot was said by it, in this run, not long ago."""
-        latest = max(LATE_S, now - self._world.ledger.resumed + LATE_S if now - self._world.ledger.resumed < 2.0 else 0.0)
+        resumed_s = now - self._world.ledger.resumed
+        latest = LATE_S + (resumed_s if resumed_s < 2.0 else 0.0)
         latest += max(0.0, self.busy_until + 0.5 - now) and 12.0
         reports, until = self.reports[port], None
         for at, state in reversed(reports):
@@ -265,7 +270,8 @@ class Witness:
         if believed is None or not robot.is_running:
             return
         since = max(believed.changed, self._well[robot], self._world.ledger.resumed + FOLLOWS_S, self.busy_until)
-        if believed.phase is Phase.RUNNING or believed.reason is EndReason.COMPLETED:  # only STOP never waits for the disk
+        # Only STOP never waits for the disk.
+        if believed.phase is Phase.RUNNING or believed.reason is EndReason.COMPLETED:
             since = max(since, self._world.storage.frozen_until)
         if now - since < TOLD_S:
             return
@@ -273,15 +279,15 @@ class Witness:
         if is_moving and believed.phase is not Phase.RUNNING:
             self._fail("robot moves", f"{robot.name} is in {robot.state.name}, and {believed.identity} is over since "
                                       f"{believed.changed:.2f}")
-        is_alone = believed.event.team != "ALL"
+        is_alone = believed.event.team != "ALL" and believed.phase is Phase.RUNNING
         reports = self.reports[link.port]
         has_said = bool(reports) and reports[-1][1] is robot.state and now - reports[-1][0] > TOLD_S
         is_heard = robot.name not in self._world.clocks_were_set  # a clock that was set back is heard later
-        if robot.state is RobotState.RESULT_TX and has_said and is_heard and believed.phase is Phase.RUNNING and is_alone:
+        if robot.state is RobotState.RESULT_TX and has_said and is_heard and is_alone:
             self._fail("completed", f"{robot.name} has completed {believed.identity}, which continues")
         must_save = believed.event.benchmark.profile.offline_data
-        is_executing = must_save and robot.state is RobotState.EXECUTING and bool(reports) and reports[-1][1] is robot.state
-        if robot.saves_nothing and is_executing and believed.phase is Phase.RUNNING and is_alone and (
+        is_executing = robot.state is RobotState.EXECUTING and bool(reports) and reports[-1][1] is robot.state
+        if must_save and not robot.client.messages_saved and is_executing and is_alone and (
                 now - max(since, reports[-1][0]) > SAVES_S):
             self._fail("offline data", f"{robot.name} saves none, and {believed.identity} continues")
         if not is_moving and believed.phase is Phase.RUNNING and not believed.is_doubted:
