@@ -72,7 +72,8 @@ class Witness:
     def _on_read(self, host, port, datagram, source):
         if host == self._world.box.computer.host and source in self._robots and port in self.runs_at:
             self._read.setdefault(port, self._world.scheduler.now)
-            self._did.setdefault(port, self._robots[source].state)
+            if self._robots[source].is_running:  # otherwise somebody else sends what it said before
+                self._did.setdefault(port, self._robots[source].state)
             self.recorded[source].append(datagram)
 
     def add(self, robot):
