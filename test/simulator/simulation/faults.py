@@ -69,7 +69,7 @@ FAULTS = (
     Fault("a pause is forgotten in a restart", "core/runs/clock.py",
           "        self.state = state or CountdownState()\n",
           "        self.state = state or CountdownState()\n        self.state.paused_at = None\n"),
-    Fault("the limit counts anew from each start", "core/runs/clock.py",
+    Fault("the limit counts again from each start", "core/runs/clock.py",
           "        super().start(now)\n        if self._stops",
           "        self.state.deadline = None\n        super().start(now)\n        if self._stops"),
     Fault("a withdrawal in a finished run is not recorded", "core/scoring/desk.py",
@@ -77,7 +77,7 @@ FAULTS = (
           "        run.withdraw_score(now, by, number)\n"),
     Fault("a sign-off is not waited for", "model/actions.py",
           "of a run that is over becomes final\"), durable=True", "of a run that is over becomes final\")"),
-    Fault("a restarted core does not tell robots", "core/runs/run.py",
+    Fault("a restarted core sends robots nothing", "core/runs/run.py",
           "        self.state.doubted = self._is_in_progress\n        self.send(How.CHANGE)\n",
           "        self.state.doubted = self._is_in_progress\n"),
     # -- box and standby

@@ -17,7 +17,7 @@ from .scheduler import Ended
 
 # Within this time, the box counts a run's time as a watch does. More, where one computer's clock stands for another's.
 CLOCK_S, OTHER_CLOCK_S = 0.1, 0.4
-# Commands with which a zone goes to another run or event, and with which a run begins, or may be asked to go on.
+# Commands with which a zone goes to another run or event, and with which a run begins, or may be asked to continue.
 LEAVE = {"disconnect", "next", "previous", "no_show", "withdrawn", "connect", "open_sheet"}
 GO = {"start", "continue"}
 PHASES = {"next_phase": 1, "previous_phase": -1}
@@ -35,7 +35,7 @@ class Act:
     def __init__(self, at, zone, identity, name, given, who):
         self.at, self.zone, self.identity, self.name, self.given, self.who = at, zone, identity, name, given, who
         self.has_run, self.event = False, None  # whether its zone had one, and at which event it was
-        self.is_confirmed = False  # the referee was told that it is saved
+        self.is_confirmed = False  # the answer was that it is saved
 
 
 class Kept:
@@ -94,7 +94,7 @@ class Believed:
         return not self.is_left or self.went > 0.0 or bool(self.taken) or self.phase is not Phase.CONNECTED
 
     def turn(self, now):
-        """The time goes on, or does not any more."""
+        """The time passes, or does not any more."""
         is_open, rules = self.phase is Phase.CONNECTED and not self.is_left, self.event.benchmark.rules
         self.watch.turn(now, self.counts)
         self.setup.turn(now, is_open and bool(rules.setup_time))

@@ -103,7 +103,7 @@ class Oracles:
     # -- the disks ----------------------------------------------------------------------------------
 
     def answers(self, box, act):
-        """A referee is told that an entry is saved: then it is on the disk, and with `durable: two` on both."""
+        """A referee is answered that an entry is saved: then it is on the disk, and with `durable: two` on both."""
         if not box.storage.has(act.who):
             self.fail("answer before the disk", f"{act.name} of {act.who}")
         standby = self._world.standby
@@ -184,7 +184,7 @@ class Oracles:
         for zone in core.box.zones.values():
             run = zone.run
             for member in () if run is None else run.members():
-                if not self._world.witness.was_told(member.port, run.identity):
+                if not self._world.witness.was_sent(member.port, run.identity):
                     continue  # nothing has left
                 if self._ports.setdefault(member.port, run.identity) != run.identity:
                     self.fail("port", f"{member.port} was used by {self._ports[member.port]} and {run.identity}")

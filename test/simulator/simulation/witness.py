@@ -19,20 +19,20 @@ PUBLIC_PORT = 6666
 AT_ONCE_S = 0.01
 # A box repeats its state each second, its first one to a tenth of a second early. After a restart it is sent at once.
 PERIOD_S, RESUMED_S, UNSURE_S = 1.4, 0.5, 3.0
-# Within this time, a robot that hears its box does as it is told; a client first waits for an old box.
-TOLD_S = 4.0
+# Within this time, a robot that hears its box does as it is asked; a client first waits for an old box.
+OBEYS_S = 4.0
 FOLLOWS_S = 9.0
 LOOK_S = 0.25
 LATE_S = 3.1  # a datagram comes so late, at most
-# A robot moves because of what a box said lately. In the first seconds after a restart, none is told to prepare.
+# A robot moves because of what a box said lately. In the first seconds after a restart, none is asked to prepare.
 MOVES_S, HEARS_S = 12.0, 2.0
 SAVES_S = 7.0  # a run does not continue while a robot executes for so long, and saves no offline data
 # A robot that says nothing for so long is shown as silent, even if its last datagram was late.
 SILENT_S = 4.5 + LATE_S
 
 
-class Told:
-    """What a robot was told in a run."""
+class Sent:
+    """What a robot was sent in a run."""
 
     def __init__(self):
         self.at = float("-inf")
@@ -47,7 +47,7 @@ class Witness:
         self._fail = world.oracles.fail
         self._keys = [Key(password) for password in world.config.passwords.values()]
         self.reports = collections.defaultdict(list)  # by port: (time, state) of each change that its robot reported
-        self.told = collections.defaultdict(Told)  # by port
+        self.sent = collections.defaultdict(Sent)  # by port
         self.beacon_at = float("-inf")
         self._robots = {}  # by address
         self._heard = collections.defaultdict(float)  # when the robot of a port said something last
@@ -90,7 +90,7 @@ class Witness:
             elif port in self.runs_at:
                 self._box_says(port, datagram)
             else:
-                self.told[port].at = now
+                self.sent[port].at = now
         elif source in self._robots and port != PUBLIC_PORT:
             state, reports = self._robots[source].state, self.reports[port]
             self._heard[port] = now
@@ -99,18 +99,18 @@ class Witness:
                 # One that hung reads what waited for it.
                 moved = max(self._go_at[port], self._well.get(self._robots[source], now))
                 if reports[-2:-1] == [(reports[-2:][0][0], RobotState.STOP)] and now - moved > MOVES_S:
-                    self._fail("robot moves", f"that of port {port} leaves STOP, and nothing told it to")
+                    self._fail("robot moves", f"that of port {port} leaves STOP, and nothing asked it to")
 
     def _box_says(self, port, datagram):
         believed, now = self.runs_at[port], self._world.scheduler.now
         message = self._decoded(datagram)
-        state, told = BoxState(message.benchmark_state), self.told[port]
+        state, sent = BoxState(message.benchmark_state), self.sent[port]
         self._go_at[port] = self._go_at[port] if state is BoxState.STOP else now
         if state is BoxState.STOP:
             self._due = [due for due in self._due if due[1] != port]
         else:
             self._check_go(port, believed, state)
-        told.at, told.state = now, state
+        sent.at, sent.state = now, state
 
     def _decoded(self, datagram):
         for key in self._keys:
@@ -131,7 +131,7 @@ class Witness:
         if believed.reason is EndReason.COMPLETED and robot is not None and robot.state is RobotState.RESULT_TX:
             return  # it does not move, and the STOP that takes its result waits for the disk
         if believed.phase is not Phase.RUNNING or believed.is_left:
-            self._fail("robot told to move", f"{state.name} on port {port}, and {believed.identity} is over")
+            self._fail("robot asked to move", f"{state.name} on port {port}, and {believed.identity} is over")
         resumed = world.ledger.resumed
         if believed.went >= resumed:
             return
@@ -139,7 +139,7 @@ class Witness:
         why = "the box has not heard it" if port not in self._read else "it reports STOP" if is_stopped else (
             "the box has just begun" if state is BoxState.PREPARE and now - resumed < HEARS_S else "")
         if why:
-            self._fail("robot told to move", f"{state.name} on port {port}: nobody let it go since, and {why}")
+            self._fail("robot asked to move", f"{state.name} on port {port}: nobody let it go since, and {why}")
 
     def _is_well(self, port, seconds):
         """Whether a robot and the box hear each other for so long."""
@@ -159,7 +159,7 @@ class Witness:
         early, self._early = self._early, []
         for port, believed, state, is_stopped in early:
             if is_stopped:
-                self._fail("robot told to move", f"that of port {port} reports STOP, and after a restart it is sent "
+                self._fail("robot asked to move", f"that of port {port} reports STOP, and after a restart it is sent "
                                                  f"{state.name}")
             self._check_go(port, believed, state)
 
@@ -173,9 +173,9 @@ class Witness:
         """For how long the robot of a port has said nothing to the present box."""
         return self._world.scheduler.now - max(self._heard[port], self._world.ledger.resumed)
 
-    def was_told(self, port, identity):
+    def was_sent(self, port, identity):
         """Whether a box has said something to the robot of this run."""
-        return self.told[port].at >= self._world.ledger.runs[identity].now
+        return self.sent[port].at >= self._world.ledger.runs[identity].now
 
     def _robot_at(self, port):
         return next((robot for robot in self._world.robots if robot.link is not None and robot.link.port == port), None)
@@ -186,7 +186,7 @@ class Witness:
         """A run in progress was ended just now: STOP leaves at once."""
         now = self._world.scheduler.now
         for member in members(run):
-            if member.robot_state is not None and self.told[member.port].state is not BoxState.STOP:
+            if member.robot_state is not None and self.sent[member.port].state is not BoxState.STOP:
                 self._due.append((now, member.port))
 
     def is_unseen(self, run):
@@ -236,7 +236,7 @@ class Witness:
         return is_good and not world.box.process.is_busy(world.scheduler.now)
 
     def _check_member(self, core, zone, member, believed, now):
-        world, port, told = self._world, member.port, self.told[member.port]
+        world, port, sent = self._world, member.port, self.sent[member.port]
         seen = member.robot_state
         is_new = seen is not None and seen is not self._seen.get(port) and not core.box.is_superseded
         if is_new and now - self._world.ledger.resumed > 2 * LOOK_S:
@@ -249,8 +249,8 @@ class Witness:
             robot = self._robot_at(port)
             is_heard = now - self._read.get(port, now) > UNSURE_S and self._is_well(port, UNSURE_S)
             most = UNSURE_S if is_heard and robot.name not in world.clocks_were_set else float("inf")
-        if now - told.at > PERIOD_S and now - max(resumed, self.busy_until, world.storage.frozen_until) > most:
-            self._fail("robot is not told", f"nothing was sent to port {port} since {told.at:.2f}")
+        if now - sent.at > PERIOD_S and now - max(resumed, self.busy_until, world.storage.frozen_until) > most:
+            self._fail("nothing is sent", f"nothing was sent to port {port} since {sent.at:.2f}")
 
     def _check_seen(self, port, seen, now):
         """What the box shows of a robot was said by it, in this run, not long ago."""
@@ -265,7 +265,7 @@ class Witness:
         self._fail("robot's state", f"the box shows {seen.name} on port {port}, and the robot said {reports[-3:]}")
 
     def _check_robot(self, robot, now):
-        """A robot that hears its box does as its referee was told."""
+        """A robot that hears its box does as its referee was answered."""
         link = robot.link
         believed = None if link is None else self.runs_at.get(link.port)
         if believed is None or not robot.is_running:
@@ -274,7 +274,7 @@ class Witness:
         # Only STOP never waits for the disk.
         if believed.phase is Phase.RUNNING or believed.reason is EndReason.COMPLETED:
             since = max(since, self._world.storage.frozen_until)
-        if now - since < TOLD_S:
+        if now - since < OBEYS_S:
             return
         is_moving = robot.state is not RobotState.STOP
         if is_moving and believed.phase is not Phase.RUNNING:
@@ -282,7 +282,7 @@ class Witness:
                                       f"{believed.changed:.2f}")
         is_alone = believed.event.team != "ALL" and believed.phase is Phase.RUNNING
         reports = self.reports[link.port]
-        has_said = bool(reports) and reports[-1][1] is robot.state and now - reports[-1][0] > TOLD_S
+        has_said = bool(reports) and reports[-1][1] is robot.state and now - reports[-1][0] > OBEYS_S
         is_heard = robot.name not in self._world.clocks_were_set  # a clock that was set back is heard later
         if robot.state is RobotState.RESULT_TX and has_said and is_heard and is_alone:
             self._fail("completed", f"{robot.name} has completed {believed.identity}, which continues")
