@@ -270,7 +270,9 @@ class Witness:
         believed = None if link is None else self.runs_at.get(link.port)
         if believed is None or not robot.is_running:
             return
-        since = max(believed.changed, self._well[robot], self._world.ledger.resumed + FOLLOWS_S, self.busy_until)
+        finds_s = FOLLOWS_S if len(self._world.boxes) > 1 else 0.0  # the other box, when it has lost the old one
+        since = max(believed.changed, self._well[robot] + finds_s, self._world.ledger.resumed + FOLLOWS_S,
+                    self.busy_until)
         # Only STOP never waits for the disk.
         if believed.phase is Phase.RUNNING or believed.reason is EndReason.COMPLETED:
             since = max(since, self._world.storage.frozen_until)
