@@ -100,7 +100,7 @@ test-ros2: build ## the packages for teams with ROS 2, in an environment from Py
 test-net: build ## runs on a bad network (test/net/README.md); make test-net NET="--all --seed 2"
 	@$(BUILT); $(PYTHON) -m pytest test/net $(NET)
 
-simulate: build ## the whole box with random troubles, in simulated time (test/simulator/README.md)
+simulate: ## the whole box with random troubles, in simulated time (test/simulator/README.md)
 	@$(PYTHON) test/simulator/simulate.py $(SIMULATE)
 
 screenshots: build ## the pictures in docs/images, from a fake core on a virtual display

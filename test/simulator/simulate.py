@@ -10,9 +10,9 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-GENERATED = ROOT / "build" / "pb" / f"python{sys.version_info[0]}.{sys.version_info[1]}"
-sys.path[:0] = [str(ROOT / "src"), str(ROOT / "test" / "pure"), str(ROOT / "test" / "simulator")]
+sys.path.insert(0, str(ROOT / "test"))
 
+import conftest  # noqa: E402, F401  (prepares what the tests need, also in a fresh clone)
 import roah_rsbb  # noqa: E402  (only now can it be found)
 
 SEEDS = 2**31
@@ -66,7 +66,7 @@ def _search(options):
 def main():
     """Run the program."""
     options = _options()
-    roah_rsbb.__path__ = [options.source, str(GENERATED)]
+    roah_rsbb.__path__[0] = options.source
     try:
         sys.exit(_search(options) if options.seed is None else _show(options.seed))
     except KeyboardInterrupt:

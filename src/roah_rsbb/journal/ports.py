@@ -1,8 +1,10 @@
 """The record of used private ports, so that none is used twice in a competition, even across restarts.
 
 It is a text file in the log directory with one port a line. A thread appends a port when it is used (docs/protocol.md,
-"Channels"), because a slow disk must not delay the box. The journal has it, too, before it is used. A line that a power
-failure truncated contains a smaller number, or is empty. Both are harmless, because only the largest number counts.
+"Channels"), because a slow disk must not delay the box. The journal has it, too, before it is used: it is written, and
+synced within 0.05 s and the time of the disk. A power failure meanwhile may take the record of a connect, and so its
+port. A line that a power failure truncated contains a smaller number, or is empty. Both are harmless, because only the
+largest number counts.
 """
 
 import os

@@ -10,7 +10,7 @@ BROADCAST = "10.255.255.255"
 SHORTEST_S, SHORT_S = 0.0005, 0.003
 # Datagrams that wait at a socket. The kernel drops more.
 MOST_WAITING = 100
-KEPT = 60
+KEPT = 5000
 
 
 class Weather:
@@ -36,6 +36,7 @@ class Air:
         self.weather = collections.defaultdict(Weather)
         self.sent = collections.deque(maxlen=KEPT)  # (host, port, datagram, receiver) of datagrams lately
         self.watchers = []  # called with (source host, port, datagram, receiver's host)
+        self.readers = []  # called with (receiver's host, port, datagram, source host) when a program reads it
         self._trace = trace
         self._peers = collections.defaultdict(list)  # by port
 
@@ -48,12 +49,13 @@ class Air:
             return peer
         return make
 
-    def send(self, source, port, datagram, host):
-        """A datagram leaves the host `source`, truly or forged."""
-        self.sent.append((source, port, datagram, host))
+    def send(self, source, port, datagram, host, is_forged=True):
+        """A datagram leaves the host `source`, or seems to."""
         self._trace.datagram(source, port, datagram, host)
-        for watch in self.watchers:
-            watch(source, port, datagram, host)
+        if not is_forged:
+            self.sent.append((source, port, datagram, host))
+            for watch in self.watchers:
+                watch(source, port, datagram, host)
         for peer in self._peers[port]:
             if peer.host != source and host in (peer.host, BROADCAST):
                 for delay in self._delays(source, peer.host):
@@ -110,7 +112,7 @@ class Peer:
         if len(datagram) > self._max_datagram:
             self._on_complaint(f"could not send a datagram to {host}:{self.port}: it has {len(datagram)} bytes")
             return False
-        self._air.send(self.host, self.port, datagram, host)
+        self._air.send(self.host, self.port, datagram, host, is_forged=False)
         return True
 
     def arrive(self, datagram, sender):
@@ -130,4 +132,6 @@ class Peer:
         self._is_reading = False
         while self._waiting and self.is_open:
             datagram, sender, self.received_utc = self._waiting.popleft()
+            for read in self._air.readers:
+                read(self.host, self.port, datagram, sender[0])
             self._on_datagram(datagram, sender)

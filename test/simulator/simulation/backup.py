@@ -19,18 +19,18 @@ class Backup:
 
     def __init__(self, standby, box):
         self._standby, self._box, self._world = standby, box, box.world
-        self._process = Process(box.computer, f"backup of {box.computer.name}")
+        self.process = Process(box.computer, f"backup of {box.computer.name}")
         self._follower = Follower(box.storage.folder, self._open, now=box.computer.mono, on_answer=self._answer)
         self._is_stepping = self._is_asked = False
         self._stops = {}  # that the box has sent
         self._began = box.computer.mono()
         self._planned = None
-        self._process.soon(self._step)
-        self._process.soon(self._report)
+        self.process.soon(self._step)
+        self.process.soon(self._report)
 
     def end(self):
         """The computer loses its power."""
-        self._process.end()
+        self.process.end()
 
     def ask(self, core, ticket):
         """The core asks whether the standby has everything up to a ticket."""
@@ -50,7 +50,7 @@ class Backup:
             self._is_asked = True
             if not self._is_stepping and not self._follower.progress.trouble:
                 self._plan(0.0)
-        self._world.scheduler.after(self._way_s(), lambda: self._process.soon(arrive))
+        self._world.scheduler.after(self._way_s(), lambda: self.process.soon(arrive))
 
     def _answer(self, question):
         core, journal, ticket = question
@@ -66,7 +66,7 @@ class Backup:
         self._world.scheduler.after(self._way_s(), lambda: process.soon(act))
 
     def _report(self):
-        self._process.loop.call_later(REPORT_S, self._report)
+        self.process.loop.call_later(REPORT_S, self._report)
         core, progress = self._box.core, self._follower.progress
         if core is None:
             return
@@ -82,7 +82,7 @@ class Backup:
     def _plan(self, seconds):
         if self._planned is not None:
             self._planned.cancel()
-        self._planned = self._process.loop.call_later(seconds, self._step)
+        self._planned = self.process.loop.call_later(seconds, self._step)
 
     def _step(self):
         """What the thread of the follower does."""
@@ -99,7 +99,7 @@ class Backup:
         """Send a request to the standby, and wait for the answer."""
         answers = []
         self._standby.request(encode(message), self._box.computer.host, answers.append)
-        self._process.wait(TIMEOUT_S, lambda: bool(answers))
+        self.process.wait(TIMEOUT_S, lambda: bool(answers))
         if not answers or answers[0] is None:
             raise CannotWriteCopy("the standby is not connected")
         return decode(answers[0])

@@ -95,7 +95,8 @@ class Box:
             computer.boot_id, self.starts, f"uuid {computer.name} {self.starts}", computer.mono, computer.utc,
             computer.mono, world.random_bytes, Seen(SEEN_BITS), world.can_wait, lambda work: work())
         network = Network(BROADCAST, 6666, computer.host, Cipher.AES_128_CBC, False, 1024)
-        outputs = Outputs(lambda: None, lambda: None, lambda wish: None, self._log, self._bug)
+        outputs = Outputs(lambda: None, lambda: None, lambda wish: None, self._log, self._bug,
+                          lambda: self.oracles.happened(self))
         ports = PortRecord(self.storage.folder, lambda work: process.loop.call_later(self.storage.sync_s(), work))
         self.memory.begin()
         place = BoxPlace(self.storage.folder, network, self.standby_port)
@@ -128,7 +129,13 @@ class Box:
         core.unsaved()
         if number % TICKS_A_SECOND == 0:
             core.each_second()
-            self.world.documents.append(repr(self._documents.look(core.now())).replace(self.world.folder, ""))
+            if process.is_ended:  # while it waited for the disk
+                return
+            document = self._documents.look(core.now(), unsaved=core.unsaved())
+            if self is self.world.box:
+                self.world.shown.look(core, document)
+            if self.world.is_compared:
+                self.world.documents.append(repr(document).replace(self.world.folder, ""))
 
     def kill(self, restart_s, power=False):
         """The process is killed, or the computer loses its power; it is started again after so many seconds."""
@@ -156,8 +163,10 @@ class Box:
             self.backup.pass_stops(stops)
 
     def _end_superseded(self, away_s, host):
-        self.world.trace.note(f"{self.computer.name}: ends, superseded by {host} after {away_s:.1f} s")
+        self.world.trace.note(f"{self.computer.name}: ends, superseded by {host}")
         self.process.end()
+        self.core = None
+        self.world.scheduler.after(1.0, self.start)
         raise Ended
 
     def _log(self, level, text):

@@ -19,6 +19,13 @@ from .scheduler import Ended
 
 SECTOR = 512
 SHORTEST_S, LONGEST_S = 0.0003, 0.003
+# What a power failure may take (docs/architecture.md, "Write first, then act"), and when the box has written what
+# waited.
+LOST_S, TRIES_AGAIN_S = 0.12, 2.5
+
+
+class NotYet(Exception):
+    """A thread still waits for the disk."""
 
 
 class _Inode:
@@ -83,6 +90,8 @@ class Storage:
         self.slow_until = self.broken_until = self.full_until = 0.0  # true time
         self.slow_s = 1.0
         self.frozen_until = 0.0  # true time until which it takes no writes, as while a snapshot is taken
+        self._troubled = self._blocked = 0.0  # since when there is trouble, and since when it takes nothing
+        self.patient_until = 0.0  # the process's time until which a thread waits for a sync
         self._lock: Optional[int] = None  # of the journal, which the present core has
         self._journal: Optional[Journal] = None  # of the present core
         self._folders: Dict[str, _Folder] = {}
@@ -112,7 +121,33 @@ class Storage:
     def is_in_trouble(self):
         """Whether what was written lately may not be on it."""
         ends = self.slow_until, self.broken_until, self.full_until, self.frozen_until
-        return self.scheduler.now < max(ends) + self.slow_s
+        return self.scheduler.now < max(ends) + max(self.slow_s, TRIES_AGAIN_S)
+
+    def fail(self, seconds, **until):
+        """A trouble begins, and lasts so long. `until`: which ones."""
+        now = self.scheduler.now
+        self._troubled = self._troubled if self.is_in_trouble else now
+        self._blocked = self._blocked if self.blocked_s() else now
+        for name in until:
+            setattr(self, name, now + seconds)
+
+    def end_troubles(self):
+        """All troubles end now."""
+        for name in ("slow_until", "broken_until", "full_until", "frozen_until"):
+            setattr(self, name, min(getattr(self, name), self.scheduler.now))
+
+    def kept_until(self, killed_at, power):
+        """Until when a process that was killed then must have kept what happened."""
+        since = self._troubled if self.is_in_trouble else killed_at
+        if power:
+            return since - LOST_S
+        is_blocked = self.scheduler.now < max(self.full_until, self.frozen_until, self.broken_until) + TRIES_AGAIN_S
+        return since if is_blocked else float("inf")
+
+    def blocked_s(self):
+        """For how long it has taken nothing; 0: it does."""
+        is_blocked = self.scheduler.now < max(self.full_until, self.frozen_until, self.broken_until)
+        return self.scheduler.now - self._blocked if is_blocked else 0.0
 
     def sync_s(self):
         """How long a sync takes now."""
@@ -148,6 +183,15 @@ class Storage:
             for name, inode in folder.names.items():
                 with open(os.path.join(path, name), "wb") as file:
                     file.write(inode.after_power(self.random))
+
+    def has(self, text, is_certain=True):
+        """Whether a text is in a segment of the journal. `is_certain`: a power failure now would leave it there."""
+        path, text = os.path.join(self.folder, "roah_rsbb_journal"), text.encode()
+        folder = self._folders.get(path, _Folder())
+        for inode in reversed(list((folder.synced if is_certain else folder.names).values())):
+            if text in inode.synced or (not is_certain and any(text in content for _, content in inode.written)):
+                return True
+        return False
 
     def records(self):
         """Return the numbers of all records, and what is damaged."""
@@ -280,7 +324,7 @@ class Syncer:
 
     def __init__(self, process, storage, work, group_s):
         self._process, self._storage, self._work, self._group_s = process, storage, work, group_s
-        self._is_wanted = self._is_planned = self._is_working = False
+        self._is_wanted = self._is_planned = self._is_hurried = self._is_working = False
 
     def wake(self):
         """Work soon."""
@@ -294,6 +338,15 @@ class Syncer:
             self._run()
         return is_done()
 
+    def wait(self, is_done, timeout):
+        """Work now. Raises `NotYet` in place of a wait."""
+        if not is_done() and self._is_wanted and not self._is_hurried:
+            self._is_hurried = True
+            self._process.scheduler.after(0.0, self._run)
+        if not is_done() and self._process.loop.time() < self._storage.patient_until:
+            raise NotYet
+        return is_done()
+
     def end(self):
         """Nothing: a simulated core is always killed."""
 
@@ -303,10 +356,8 @@ class Syncer:
             self._process.scheduler.after(seconds, self._run)
 
     def _run(self):
-        if self._process.is_ended or self._process.scheduler.bugs or self._is_working:
-            return
-        self._is_planned = False
-        if not self._is_wanted:
+        self._is_planned = self._is_hurried = False
+        if not self._is_wanted or self._is_working or self._process.is_ended or self._process.scheduler.bugs:
             return
         if self._storage.write_s():
             self._plan(self._storage.write_s())

@@ -60,7 +60,35 @@ FAULTS = (
           "max(last_ports), version)", "0, version)"),
     Fault("a restarted core does not use the time that passed", "model/saved.py",
           "        return now.mono - passed - self.mono\n", "        return now.mono - self.mono\n"),
+    # -- what a referee relies on
+    Fault("STOP is ignored for a silent robot", "core/runs/run.py",
+          "        self._end(now, EndReason.STOPPED, by=by)\n",
+          "        if not self.link.is_silent(now):\n            self._end(now, EndReason.STOPPED, by=by)\n"),
+    Fault("a pause does not stop the clock", "core/runs/run.py",
+          "        self.clock.set_paused(now, paused)\n", ""),
+    Fault("a pause is forgotten in a restart", "core/runs/clock.py",
+          "        self.state = state or CountdownState()\n",
+          "        self.state = state or CountdownState()\n        self.state.paused_at = None\n"),
+    Fault("the limit counts again from each start", "core/runs/clock.py",
+          "        super().start(now)\n        if self._stops",
+          "        self.state.deadline = None\n        super().start(now)\n        if self._stops"),
+    Fault("a withdrawal in a finished run is not recorded", "core/scoring/desk.py",
+          "        self.report_correction(run, run.withdraw_score(now, by, number))\n",
+          "        run.withdraw_score(now, by, number)\n"),
+    Fault("a sign-off is not waited for", "model/actions.py",
+          "of a run that is over becomes final\"), durable=True", "of a run that is over becomes final\")"),
+    Fault("a restarted core sends robots nothing", "core/runs/run.py",
+          "        self.state.doubted = self._is_in_progress\n        self.send(How.CHANGE)\n",
+          "        self.state.doubted = self._is_in_progress\n"),
     # -- box and standby
+    Fault("a copy lacks the last bytes of a segment that ended", "copies/follower.py",
+          "in present.items():\n            for part",
+          "in list(present.items())[-1 if self._sizes else 0:]:\n            for part"),
+    Fault("a standby answers before its disk", "copies/folder.py",
+          "                    platform.sync(file.fileno())\n", "                    pass\n"),
+    Fault("of two boxes with one epoch, the wrong one stops", "standby/pair.py",
+          "self.epoch, self.side is Side.STANDBY", "self.epoch, self.side is Side.BOX"),
+    Fault("a box that slept does not ask", "box/fence.py", "if away_s >= AWAY_S and", "if away_s >= 99.0 and"),
     Fault("an entry does not wait for the standby", "box/standby_answers.py",
           "        waiting = ticket, answer\n",
           "        waiting = ticket, answer\n        answer.set_result(\"\")\n        return answer\n"),
@@ -98,10 +126,16 @@ FAULTS = (
 )
 
 
-def plant(fault, source):
-    """Put a fault into a copy of the source. Raises ValueError if it does not fit any more."""
+def planted(fault, source):
+    """Return the file in the source, and its text with a fault. Raises ValueError if it does not fit any more."""
     path = pathlib.Path(source) / fault.file
     text = path.read_text("utf-8")
     if text.count(fault.right) != 1:
         raise ValueError(f"'{fault.name}': {fault.file} does not contain this once: {fault.right}")
-    path.write_text(text.replace(fault.right, fault.wrong), "utf-8")
+    return path, text.replace(fault.right, fault.wrong)
+
+
+def plant(fault, source):
+    """Put a fault into a copy of the source. Raises ValueError."""
+    path, text = planted(fault, source)
+    path.write_text(text, "utf-8")

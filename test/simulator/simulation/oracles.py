@@ -2,19 +2,17 @@
 
 import json
 import sys
-from decimal import Decimal
 
 from roah_rsbb.box.journal import ZONE_STATE
 from roah_rsbb.core.runs.run import Run
-from roah_rsbb.model.records import Phase
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.saved import freeze
-from roah_rsbb.protocol import RobotState, wire_ns
+from roah_rsbb.protocol import wire_ns
 from roah_rsbb.rulebook.benchmarks import Durable
+
+from .witness import LOOK_S
 
 # Within this time on a good network, a robot obeys a STOP, or the box says that it does not.
 STOP_S = 3.0
-LOOK_S = 0.25
 STANDBY_PORT = 8083
 # Two boxes that send to one robot.
 BOTH_S = 1.0
@@ -37,12 +35,12 @@ class Oracles:
         self._world = world
         self._before = {}  # what a killed core had written, by computer
         self._acknowledged = {}  # newest time, by computer and port
-        self._moving = {}  # since when a robot moves in a run that is over, by robot
-        self.corrected = set()  # identities of runs of which entries were withdrawn
         self._ports = {}  # identity of the run, by port
-        self._clocks = {}  # (true time, elapsed seconds, whether they count), by identity and start of a run
         self.clock_was_set = False  # the box's
+        self._killed_at = None  # the core, and the next one has not resumed yet
+        self._is_other_clock = False  # the clock of another computer, or start of it, counts from now on
 
+        self._superseded = set()  # boxes that know it
         self._sent = {}  # when a box sent last to robots, by its host
         self._both_since = None
         self._is_other = False  # whether another box took over
@@ -57,13 +55,11 @@ class Oracles:
     def taken_over(self):
         """A standby takes over."""
         self._is_other = True
-        self._clocks.clear()
+        self._world.witness.lost()
         self._ports.clear()
-        world = self._world
-        if world.config.durable is not Durable.TWO:  # then a confirmed entry may be on one computer only
-            world.referee.confirmed.clear()
-            world.referee.signed.clear()
-            self.corrected.update(name.identity for name, _ in world.referee.marks.values())
+        self._is_other_clock = True
+        self._world.ledger.lost(self._world.standby.copied_until, self._world.config.durable is Durable.TWO,
+                                self._world.standby.has_heard)
 
     def _on_datagram(self, source, port, _datagram, _host):
         if self._is_other and port != STANDBY_PORT and source in self._hosts():
@@ -99,71 +95,34 @@ class Oracles:
         """The core reports an internal error."""
         self.fail("internal error", f"{text}: {sys.exc_info()[1]!r}")
 
-    def refused(self, what, refused):
-        """A command was refused."""
-        if not refused.reasons or not all(refused.reasons):
-            self.fail("refusal without a reason", what)
+    def happened(self, box):
+        """Something happened in a box."""
+        if box is self._world.box and box.core is not None:
+            self._world.ledger.look(box.core)
 
-    def after_call(self, box, core):
-        """A referee's call was carried out."""
-        if box.core is core:  # the power did not fail meanwhile
-            self._check_runs(box, core)
+    # -- the disks ----------------------------------------------------------------------------------
 
-    # -- marks --------------------------------------------------------------------------------------
-
-    def confirmed(self, number):
-        """A referee got the answer that a mark is saved."""
-        box = self._world.box
-        if box.core is not None:
-            self._check_mark(box.core, number)
-
-    def _check_marks(self, core):
-        for number in self._world.referee.confirmed:
-            self._check_mark(core, number)
-        signed = {record.identity for record in core.box.scores.records(core.now()) if record.sign_off is not None}
-        for identity in self._world.referee.signed - signed:
-            self.fail("confirmed entry is missing", f"the sign-off of {identity}")
-
-    def _check_mark(self, core, number):
-        name = self._world.referee.confirmed[number]
-        try:
-            record = core.box.scores.record_of(core.now(), name)
-        except Refused as refused:
-            self.fail("confirmed entry is missing", f"mark {number}: {refused}")
-            return
-        count = sum(line.endswith(f" {number}") for line in record.marks.splitlines())
-        if count != 1:
-            self.fail("confirmed entry is missing" if not count else "entry is doubled", f"mark {number} of {name}")
-
-    def _check_sums(self, core, record):
-        """Items that are only added to: the sum of what was confirmed, and of what may have arrived."""
-        referee = self._world.referee
-        if record.identity in self.corrected:
-            return
-        for item in record.items:
-            sure = possible = 0
-            for number, (name, mark) in referee.marks.items():
-                if name.identity != record.identity or (mark.group, mark.desc) != (item.group, item.desc):
-                    continue
-                if not mark.added:
-                    break
-                possible += int(mark.added)
-                sure += int(mark.added) if number in referee.confirmed else 0
-            else:
-                if not sure <= item.value <= possible:
-                    self.fail("sum of marks", f"{item.desc} of {record.identity} is {item.value}, and {sure} to "
-                                              f"{possible} were added")
+    def answers(self, box, act):
+        """A referee is answered that an entry is saved: then it is on the disk, and with `durable: two` on both."""
+        if not box.storage.has(act.who):
+            self.fail("answer before the disk", f"{act.name} of {act.who}")
+        standby = self._world.standby
+        if self._world.config.durable is Durable.TWO and not self._is_other and not standby.has(act.who):
+            self.fail("answer before the standby's disk", f"{act.name} of {act.who}")
 
     # -- restarts -----------------------------------------------------------------------------------
 
     def killed(self, box, power):
         """A core was killed."""
-        core = box.core
+        core, now = box.core, self._world.scheduler.now
         self._before.pop(box, None)
-        if core is not None and box.storage.is_in_trouble:
-            kept = core.store.saved if power else core.store.committed
-            if kept < core.journal._ticket:
-                self._clocks.clear()  # a pause may be lost, however long it was
+        if box is self._world.box:
+            self._world.witness.lost()
+        if box is self._world.box:
+            if core is not None or self._killed_at is None:
+                self._killed_at = now
+            self._is_other_clock = self._is_other_clock or power
+            self._world.ledger.lost(box.storage.kept_until(self._killed_at, power), keeps_stop=lambda at: not power)
         if core is None or power or core.store.committed < core.journal._ticket or core.box.is_superseded:
             return
         self._before[box] = {zone.name: _lasting(freeze(zone.saved())) for zone in core.box.zones.values()}
@@ -181,12 +140,19 @@ class Oracles:
 
     def resumed(self, box, core):
         """A core continues."""
+        if box in self._superseded and not core.box.is_superseded:
+            self.fail("superseded", f"{box.computer.name} is not any more after its restart")
         if box is not self._world.box:
             return
         for kind in [key for key in self._acknowledged if key[0] is box]:
             del self._acknowledged[kind]
-        self._check_marks(core)
+        self._world.ledger.continues(core, self._is_other_clock, self.clock_was_set)
+        self._killed_at, self._is_other_clock = None, False
+        # A run that a power failure may take has its port no more.
+        self._ports = {port: run for port, run in self._ports.items() if run in self._world.ledger.runs}
+        self._world.ledger.check_all(core)
         self._check_runs(box, core)
+        self._world.witness.resumed()
 
     # -- the truth about robots ---------------------------------------------------------------------
 
@@ -194,76 +160,36 @@ class Oracles:
         world = self._world
         world.scheduler.after(LOOK_S, self._look)
         core = world.box.core
+        if world.standby is not None:
+            world.standby.look()
+        for box in world.boxes:
+            if box.core is not None and box.core.box.is_superseded and not box.storage.is_in_trouble and (
+                    not box.process.is_busy(world.scheduler.now)):
+                self._superseded.add(box)
         if core is None:
             self._both_since = None
             return
+        if world.ledger.is_acting:
+            return  # what it does is not known yet
         self._check_runs(world.box, core)
         self._check_two_boxes()
-        for robot in world.robots:
-            self._check_stopped(robot, core)
-
-    def _check_stopped(self, robot, core):
-        """A robot that moves in a run that is over is not shown as stopped, or as silent. One that still follows a
-        box from which another took over is silent."""
-        link, now = robot.link, self._world.scheduler.now
-        run = None if link is None else core.box.zones.run_at(link.port)
-        is_wrong = (
-            run is not None and run.phase is not Phase.RUNNING and robot.state is not RobotState.STOP
-            and robot.is_running and run.robot_state is RobotState.STOP and not run.link.is_silent(core.now())
-            and not world_is_bad(self._world, robot))
-        if not is_wrong:
-            self._moving.pop(robot, None)
-        elif now - self._moving.setdefault(robot, now) > STOP_S:
-            self.fail("STOP", f"{robot.name} is in {robot.state.name} since {self._moving[robot]:.2f}, its run is "
-                              "over, and the box shows STOP")
+        world.witness.look(core)
 
     # -- runs ---------------------------------------------------------------------------------------
 
     def _check_runs(self, box, core):
-        now = core.now()
         if box is not self._world.box:
             return  # another one took over
+        self._world.ledger.look_closely(core)
         for zone in core.box.zones.values():
             run = zone.run
-            if run is None:
-                continue
-            record = run.record(now)
-            self._check_points(record)
-            self._check_sums(core, record)
-            self._check_clock(run, record)
-            for member in run.members():
-                if self._ports.setdefault(member.port, record.identity) != record.identity:
-                    self.fail("port", f"{member.port} was used by {self._ports[member.port]} and {record.identity}")
+            for member in () if run is None else run.members():
+                if not self._world.witness.was_sent(member.port, run.identity):
+                    continue  # nothing has left
+                if self._ports.setdefault(member.port, run.identity) != run.identity:
+                    self.fail("port", f"{member.port} was used by {self._ports[member.port]} and {run.identity}")
                 if isinstance(member, Run):
                     self._check_acknowledgement(box, member)
-
-    def _check_clock(self, run, record):
-        """The time of a running run passes as the true time, also during a restart, and does not pass its limit."""
-        key, now = (record.identity, record.started_utc), self._world.scheduler.now
-        counts = run.phase is Phase.RUNNING and not run.times.state.paused
-        before = self._clocks.get(key)
-        self._clocks[key] = now, record.elapsed_s, counts
-        if before is None or not counts or not before[2]:
-            return
-        passed, counted = now - before[0], record.elapsed_s - before[1]
-        if abs(passed - counted) > CLOCK_S and not self.clock_was_set:
-            self.fail("clock", f"in {record.identity}, {counted:.3f} s were counted of {passed:.3f} s")
-        if record.elapsed_s > run.event.benchmark.total_timeout + CLOCK_S:
-            self.fail("timeout", f"{record.identity} runs since {record.elapsed_s:.1f} s")
-
-    def _check_points(self, record):
-        if record.points is None:
-            return
-        total = sum((Decimal(item.points) for item in record.items if item.points), Decimal(0))
-        if total != Decimal(record.points.total):
-            self.fail("points", f"{record.identity}: the items give {total}, the sheet {record.points.total}")
-        for item in record.items:
-            value = 0
-            for entry in record.history:
-                if (entry.group, entry.desc) == (item.group, item.desc) and not entry.withdrawn_utc:
-                    value = value + int(entry.added) if entry.added else entry.value
-            if value != item.value:
-                self.fail("points", f"{record.identity}: {item.desc} is {item.value}, its history gives {value}")
 
     def _check_acknowledgement(self, box, run):
         key, time = (box, run.port), wire_ns(run.message.acknowledgement)
@@ -278,15 +204,7 @@ class Oracles:
         if core is None:
             self.fail("no box", "none runs at the end")
             return
-        self._check_marks(core)
-        for record in core.box.scores.records(core.now()):
-            self._check_points(record)
-            self._check_sums(core, record)
-        for robot in world.robots:
-            link = robot.link
-            run = None if link is None else core.box.zones.run_at(link.port)
-            if run is not None and run.phase is Phase.ENDED and robot.state is not RobotState.STOP:
-                self.fail("STOP", f"{robot.name} is in {robot.state.name} at the end, and its run is over")
+        world.ledger.check_all(core)
         numbers, holes = world.box.storage.records()
         if holes or numbers != list(range(1, len(numbers) + 1)):
             self.fail("numbers", f"the journal has holes: {holes}")

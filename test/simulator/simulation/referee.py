@@ -2,14 +2,17 @@
 
 import itertools
 
-from helpers.commands import COMMANDS, given_with, mark_with
-from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.scoring.sheet import Mark
+from helpers.commands import COMMANDS, given_with
+from roah_rsbb.box.calls import BoxCalls, Disks
+from roah_rsbb.document.calls import Caller, Waiting, carried_out, waited
 from roah_rsbb.journal.store import SYNC_TIMEOUT_S
+from roah_rsbb.model.reason import decode
 from roah_rsbb.model.records import Phase
-from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.model.scoring import ScoreKind
 from roah_rsbb.rulebook.benchmarks import Durable
+
+from .disk import NotYet
+from .ledger import DURABLE, Act
 
 # How long a call takes on its way, each way.
 SHORTEST_S, LONGEST_S = 0.001, 0.01
@@ -20,7 +23,7 @@ LOOK_S = 0.01
 
 
 class Referee:
-    """All referees of a box. What they were answered is in `confirmed`, by the identity of the mark."""
+    """All referees of a box. Each call has a name of its own, by which it is found again."""
 
     def __init__(self, world, box, random):
         self.world, self.box, self.random = world, box, random
@@ -28,9 +31,6 @@ class Referee:
         self.is_at_work = True
         self.on_entry = []  # what happens soon after the next entry
         self._numbers = itertools.count(1)
-        self.marks = {}  # by id: (run, mark)
-        self.confirmed = {}  # by id: run
-        self.signed = set()  # identities of runs
         self._seen = {}  # identities of the runs that this referee knows, by zone, the newest first
 
     def begin(self):
@@ -52,9 +52,9 @@ class Referee:
         if run is not None and run.identity not in self._seen.setdefault(zone, []):
             self._seen[zone].insert(0, run.identity)
         what = random.random()
-        if what < 0.5 and self._seen.get(zone):
+        if what < 0.45 and self._seen.get(zone):
             self._mark(zone, run)
-        elif what < 0.56 and self._seen.get(zone):
+        elif what < 0.53 and self._seen.get(zone):
             self._correct(zone)
         elif what < 0.95:
             self._sensible(box, zone, run)
@@ -63,77 +63,73 @@ class Referee:
 
     def _sensible(self, box, zone, run):
         """Press a button that leads somewhere."""
+        choose = self.random.choice
         if run is None:
-            self._command(zone, self.random.choice(("connect", "connect", "connect", "next", "previous", "open_sheet")))
+            self._command(zone, choose(("connect", "connect", "connect", "next", "previous", "open_sheet", "no_show")))
         elif run.phase is Phase.RUNNING:
-            if self.random.random() < 0.3:
-                self._command(zone, self.random.choice(("stop", "pause", "resume", "next_phase")))
+            if run.why_paused and self.random.random() < 0.5:
+                self._command(zone, choose(("resume", "continue", "stop")))
+            elif self.random.random() < 0.35:
+                self._command(zone, choose(("stop", "stop", "pause", "resume", "next_phase")), run.identity)
         elif run.phase is Phase.ENDED:
-            self._command(zone, self.random.choice(("disconnect", "disconnect", "start")))
+            self._command(zone, choose(("disconnect", "disconnect", "start")))
         else:
             self._command(zone, "start")
 
-    def _command(self, zone, command):
-        def call(core):
-            team = core.box.zones[zone].event.team
-            return core.box.act, (Target(zone), command, "Anna", given_with(command, team))
-        self._call(f"{command} {zone}", call)
+    def _command(self, zone, command, identity=""):
+        """Press a button. STOP has a call of its own, too."""
+        given = given_with(command, self.box.core.box.zones[zone].event.team)
+        is_lane = command == "stop" and identity and self.random.random() < 0.7
+        self._call(command, zone, identity if is_lane else "", given, "stop" if is_lane else "act")
 
     def _mark(self, zone, run):
         """Mark an item of a run, mostly of the present one, and repeat it until there is an answer."""
         random = self.random
         identity = self._seen[zone][0] if random.random() < 0.8 else random.choice(self._seen[zone])
-        name = RunName(zone, identity)
-        event = (run or self.box.core.box.zones[zone]).event
-        item = random.choice(event.benchmark.scoring)
-        number = str(next(self._numbers))
+        item = random.choice((run or self.box.core.box.zones[zone]).event.benchmark.scoring)
+        given = {"group": item.group, "desc": item.desc, "id": str(next(self._numbers)), "role": "referee"}
         if item.kind is ScoreKind.UINT and random.random() < 0.7:
-            mark = Mark(item.group, item.desc, added=random.choice(("1", "1", "2")), id=number, role="referee")
+            given["added"] = random.choice(("1", "1", "2"))
         else:
-            value = random.randint(0, 1 if item.kind is ScoreKind.BOOL else 5)
-            mark = Mark(item.group, item.desc, value, id=number, role="referee")
-        self.marks[number] = name, mark
-        self._send_mark(number)
+            given["value"] = random.randint(0, 1 if item.kind is ScoreKind.BOOL else 5)
+        self._send_mark(zone, identity, given)
 
-    def _send_mark(self, number):
-        name, mark = self.marks[number]
-
+    def _send_mark(self, zone, identity, given):
         def answered(why):
             if why is None:
-                self.world.scheduler.after(AGAIN_S, lambda: self._send_mark(number))
-            elif not why:
-                self.confirmed[number] = name
-                self.world.oracles.confirmed(number)
-        self._call(f"mark {number} in {name.identity}", _enter(name, "mark", mark_with(mark)),
-                   answered, is_durable=True)
+                self.world.scheduler.after(AGAIN_S, lambda: self._send_mark(zone, identity, given))
+        self._call("mark", zone, identity, given, answered=answered)
 
     def _correct(self, zone):
-        name = RunName(zone, self.random.choice(self._seen[zone]))
-        what = self.random.random()
-        self.world.oracles.corrected.add(name.identity)
+        """Correct a run, or sign it off."""
+        random = self.random
+        identity, what = random.choice(self._seen[zone]), random.random()
+        run = self.world.ledger.runs.get(identity)
         if what < 0.4:
-            number = self.random.randint(1, 4)
-            self._call(f"withdraw {number} of {name.identity}",
-                       _enter(name, "withdraw", {"entry": number}), is_durable=True)
-        elif what < 0.7 and self.marks:
-            mark = self.random.choice([number for number, (run, _) in self.marks.items() if run == name] or ["0"])
-            self._call(f"take back {mark}", _enter(name, "take_back", {"id": mark}),
-                       is_durable=True)
+            self._call("withdraw", zone, identity, {"entry": random.randint(1, 4)})
+        elif what < 0.6 and run is not None and run.entries:
+            self._call("take_back", zone, identity, {"id": random.choice(run.entries).act.given["id"]})
+        elif what < 0.75:
+            self._call("stop_reason", zone, identity, {"reason": f"because of {next(self._numbers)}"})
         else:
-            def answered(why):
-                if why == "":
-                    self.signed.add(name.identity)
-            self._call(f"sign off {name.identity}", _enter(name, "sign_off", {}), answered,
-                       is_durable=True)
+            self._call("sign_off", zone, identity, {})
 
     # -- calls --------------------------------------------------------------------------------------
 
-    def _call(self, text, method, answered=lambda why: None, is_durable=False):
-        """Call a service of the core. `answered` gets why it failed; empty: it did not, None: nobody answered."""
-        scheduler, box = self.world.scheduler, self.box
-        process = box.process
+    def _call(self, name, zone, identity, given, call="act", answered=lambda why: None):
+        """Make a call through the door of the box. `answered` gets why it failed; empty: it did not, None: nobody
+        answered."""
+        scheduler, box, process = self.world.scheduler, self.box, self.box.process
+        who = f"Anna {next(self._numbers)}"
+        text = f"{name} {' '.join(map(str, given.values()))} {identity or zone}"
+        arguments = {"zone": zone, "run": identity, "by": who}
+        if call == "act":
+            arguments.update(action=name, given=given)
+        done = Act(None, zone, identity, name, given, who)
 
         def answer(why):
+            if why == "" and name in DURABLE and not process.is_ended:
+                self.world.oracles.answers(box, done)
             scheduler.after(self._way_s(), lambda: arrive(why))
 
         def arrive(why):
@@ -141,6 +137,7 @@ class Referee:
             if process.is_ended or is_other:
                 why = None  # the connection ended with it, or the referee uses another box now
             self.world.trace.note(f"{text}: {'no answer' if why is None else why or 'done'}")
+            done.is_confirmed = done.is_confirmed or why == ""
             answered(why)
 
         def act():
@@ -148,33 +145,44 @@ class Referee:
             if core is None or box.process is not process:
                 answer(None)
                 return
-            try:
-                core.event(*_flat(method(core)))
-            except Refused as refused:
-                self.world.oracles.refused(text, refused)
-                answer("; ".join(refused.reasons))
-                return
-            finally:
-                self.world.oracles.after_call(box, core)
-                self._called(is_durable)
-            if is_durable:
-                ticket = core.journal.ticket()
-                of_standby = None if ticket is None else core.standby.ask(ticket)
-                wait(core, ticket, of_standby, process.loop.time() + SYNC_TIMEOUT_S)
-            else:
-                answer("")
+            questions = []
+            until = process.loop.time() + SYNC_TIMEOUT_S
 
-        def wait(core, ticket, of_standby, until):
-            if ticket is None:
-                answer("not recorded")
-            elif core.store.saved >= ticket and of_standby is not None and not of_standby.done():
-                process.loop.call_later(LOOK_S, wait, core, ticket, of_standby, float("inf"))
-            elif core.store.saved >= ticket:
-                answer("" if of_standby is None or not of_standby.result() else "not confirmed by the standby")
-            elif process.loop.time() >= until:
-                answer("not saved")
+            def why_not_saved(ticket):
+                box.storage.patient_until = until
+                try:
+                    why = core.store.why_not_saved(ticket)
+                finally:
+                    box.storage.patient_until = 0.0
+                if not why and questions and not questions[0].done():
+                    raise NotYet
+                return why
+
+            def ask_standby(ticket):
+                questions.extend(filter(None, [core.standby.ask(ticket)]))
+                return questions[0] if questions else None
+
+            def wait(found):
+                try:
+                    reasons = _texts(waited(found))
+                except NotYet:
+                    process.loop.call_later(LOOK_S, wait, found)
+                else:
+                    answer("; ".join(reasons))
+
+            done.at = scheduler.now
+            calls = BoxCalls(core.box, core.event, Disks(
+                core.journal.ticket, why_not_saved, ask_standby, core.why_not_recorded)).named()
+            with self.world.ledger.acting(done, core.box.zones[zone].event):
+                found = carried_out(calls[call], arguments, Caller("referee"))
+                reasons = () if isinstance(found, Waiting) else _texts(found)
+                if box.core is core and box is self.world.box:
+                    self.world.ledger.done(core, done, reasons)
+            self._called(name in DURABLE)
+            if isinstance(found, Waiting):
+                wait(found)
             else:
-                process.loop.call_later(LOOK_S, wait, core, ticket, of_standby, until)
+                answer("; ".join(reasons))
 
         if process is None or process.is_ended:
             answered(None)
@@ -190,11 +198,6 @@ class Referee:
         return self.random.uniform(SHORTEST_S, LONGEST_S)
 
 
-def _flat(call):
-    method, arguments = call
-    return (method, *arguments)
-
-
-def _enter(run, entry, given):
-    """Return what to call in a core to enter something for a run."""
-    return lambda core: (core.box.act, (Target(*run), entry, "Anna", given))
+def _texts(answer):
+    """Why a call was refused; empty: it was not."""
+    return [str(decode(reason)) for reason in answer.get("refused", ())]

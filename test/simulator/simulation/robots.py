@@ -15,6 +15,7 @@ class Robot:
         self.world, self.computer, self.team, self.name = world, computer, team, name
         self._password, self._options = password, options
         self.starts = 0
+        self.saves_nothing = False  # its offline data
         self.process = self.client = None
 
     def start(self):
@@ -28,7 +29,7 @@ class Robot:
             self.team, self._password, DummyRobot(options), self.name, BROADCAST, 6666, self.computer.host,
             clock=self.computer.utc, make_peer=self.world.air.peer_maker(self.process),
             random_bytes=self.world.random_bytes)
-        self.client.messages_saved = 1
+        self.client.messages_saved = 0 if self.saves_nothing else 1
         self.process.loop.create_task(self.client.run())
 
     def crash(self, restart_s):

@@ -5,8 +5,11 @@ and `RemoteCopy` on the box, `Receiver` on the standby. The files of both ends o
 writes them. A takeover does what `standby takeover` does.
 """
 
+import contextlib
 import os
+import stat
 
+from roah_rsbb import platform
 from roah_rsbb.copies.folder import drop_drafts
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME
@@ -29,14 +32,56 @@ SHORTEST_S, LONGEST_S = 0.0005, 0.01
 DISK_S = (0.002, 0.01, 0.05, 0.2)
 
 
+# A copy that nothing disturbs for so long lacks less than the second time.
+UNDISTURBED_S, BEHIND_S = 8.0, 1.0
+
+
+class StandbyDisk:
+    """What a power failure of the standby would leave: what was synced, of files whose names were."""
+
+    def __init__(self, path):
+        self._path = path
+        self._sizes, self._named = {}, set()  # by number of the file
+
+    @contextlib.contextmanager
+    def watched(self):
+        """Note what is synced in this block."""
+        sync, platform.sync = platform.sync, self._sync
+        try:
+            yield
+        finally:
+            platform.sync = sync
+
+    def _sync(self, fd):
+        found = os.fstat(fd)
+        if stat.S_ISDIR(found.st_mode):
+            self._named.update(entry.inode() for entry in os.scandir(fd))
+        else:
+            self._sizes[found.st_ino] = found.st_size
+
+    def has(self, text):
+        """Whether a text is in a segment, and on the disk."""
+        with contextlib.suppress(FileNotFoundError):
+            for name in sorted(os.listdir(self._path), reverse=True):
+                with open(os.path.join(self._path, name), "rb") as file:
+                    number = os.fstat(file.fileno()).st_ino
+                    if number in self._named and text.encode() in file.read(self._sizes.get(number, 0)):
+                        return True
+        return False
+
+
 class Standby:
     """The second computer."""
 
     def __init__(self, world, computer, folder, box):
         self.world, self.computer, self.folder, self._box = world, computer, folder, box
         self.has_taken_over = False
-        self._heard = world.scheduler.now
+        self.copied_until = 0.0  # what was before is in the copy
+        self._disturbed = self._heard = world.scheduler.now
+        self._apart = [world.scheduler.now]  # moments at which the two computers did not work together
         os.makedirs(folder)
+        self._disk = StandbyDisk(os.path.join(folder, FILE_NAME))
+        self.has = self._disk.has
         os.makedirs(box.storage.folder, exist_ok=True)
         write_standby(box.storage.folder, PairedStandby("standby", hashed(KEY), computer.host, PORT))
         write_box(folder, PairedBox(box.computer.host, PORT, "00", KEY))
@@ -70,7 +115,8 @@ class Standby:
 
         def act():
             self._heard = world.scheduler.now
-            answer = encode(self._receiver.answer(decode(data)))
+            with self._disk.watched():
+                answer = encode(self._receiver.answer(decode(data)))
             seconds = world.air.random.choice(DISK_S)
             world.scheduler.after(seconds, lambda: self._if_connected(host, lambda: on_answer(answer)))
         self._if_connected(host, arrive)
@@ -83,6 +129,25 @@ class Standby:
         for weather in weathers:
             seconds += 0.2 if self.world.air.random.random() < weather.loss else 0.0  # sent again
         self.world.scheduler.after(seconds, function)
+
+    def look(self):
+        """Look whether anything disturbs the copy."""
+        world, now = self.world, self.world.scheduler.now
+        box, weathers = self._box, [world.air.weather[each] for each in (self._box.computer.host, self.computer.host)]
+        is_quiet = all(not weather.is_cut and not weather.loss and not weather.late for weather in weathers)
+        is_apart = not is_quiet or box.core is None or any(
+            process.is_ended or process.is_hanging() for process in (box.process, self._process))
+        if is_apart:
+            self._apart.append(now)
+        if is_apart or box.storage.is_in_trouble or any(
+                process.is_busy(now) for process in (box.process, self._process)):
+            self._disturbed = now
+        elif now - self._disturbed > UNDISTURBED_S:
+            self.copied_until = now - BEHIND_S
+
+    def has_heard(self, at):
+        """Whether the box's STOP of a moment has come: it is sent at once, also before it is in the journal."""
+        return not any(at - BEHIND_S < moment < at + BEHIND_S for moment in self._apart)
 
     def _hear(self, source, _port, _datagram, host):
         weathers = [self.world.air.weather[each] for each in (source, self.computer.host)]

@@ -1,5 +1,6 @@
 """What goes wrong: a list of troubles, each with its moment, which can be shortened."""
 
+import functools
 from typing import NamedTuple, Tuple
 
 from roah_rsbb.comm.ciphers import Cipher
@@ -52,7 +53,7 @@ KINDS = {
     "late": lambda w, r: (_host(w, r), r.choice((0.05, 0.3)), r.choice((0.05, 0.5, 3.0)), r.uniform(1.0, 15.0)),
     "double": lambda w, r: (_host(w, r), r.choice((0.1, 0.5)), r.uniform(1.0, 15.0)),
     "cut off": lambda w, r: (_host(w, r), r.choice((0.5, 2.0, 6.0, 12.0))),
-    "take over": lambda w, r: (r.choice(("box burns", "box is cut off", "box hangs", "")), r.uniform(0.0, 6.0)),
+    "take over": lambda w, r: (r.choice(("box burns", "box is cut off", "box sleeps", "")), r.uniform(0.0, 6.0)),
     "standby restarts": lambda w, r: (),
     "standby hangs": lambda w, r: (r.choice((0.3, 1.0, 4.0)),),
     "kill": lambda w, r: (r.uniform(0.3, 3.0),),
@@ -65,23 +66,27 @@ KINDS = {
     "slow disk": lambda w, r: (r.choice((0.5, 1.5, 4.0)), r.uniform(1.0, 10.0)),
     "slow disk, then power": lambda w, r: (r.choice((0.3, 1.0)), r.uniform(0.3, 2.5), r.uniform(2.0, 4.0)),
     "broken disk": lambda w, r: (r.uniform(0.5, 8.0),),
+    "frozen disk": lambda w, r: (r.choice((0.3, 1.0, 4.0)),),
     "full disk": lambda w, r: (r.uniform(0.5, 8.0),),
     "box's clock": lambda w, r: (r.choice((-3600.0, -1.0, -0.2, 0.2, 1.0, 3600.0)),),
     "robot's clock": lambda w, r: (_robot(w, r), r.choice((-10.0, -0.5, 0.05, 10.0))),
     "robot crashes": lambda w, r: (_robot(w, r), r.uniform(0.5, 5.0)),
     "robot hangs": lambda w, r: (_robot(w, r), r.choice((0.5, 3.0, 8.0))),
-    "replay": lambda w, r: (r.randrange(1000), r.choice(("same", STRANGER))),
+    "replay": lambda w, r: (r.random(), r.choice((1, 1, 20)), r.choice(("same", STRANGER))),
     "garbage": lambda w, r: (_host(w, r), r.randrange(1 << 32)),
     "forged beacon": lambda w, r: (_robot(w, r), r.choice(("same", STRANGER)), r.choice((-5.0, 0.0, 5.0))),
     "forged box": lambda w, r: (),
+    "old box restarts": lambda w, r: (r.uniform(0.3, 3.0), r.random() < 0.5),
+    "attack": lambda w, r: (_robot(w, r), r.choice((0.0, 3.0, 6.0)), r.choice(("same", STRANGER))),
+    "attack after a loss": lambda w, r: (_robot(w, r), r.choice(("same", STRANGER))),
 }
 
 
 DISK = ("kill", "kill at an entry", "kill, then kill", "kill, then power", "power", "power at an entry", "slow disk",
-        "slow disk, then power", "broken disk", "full disk", "hang")
-OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off")
-NETWORK = ("loss", "late", "double", "cut off", "kill", "replay", "garbage", "forged beacon", "robot crashes",
-           "robot hangs", "robot's clock")
+        "slow disk, then power", "broken disk", "frozen disk", "full disk", "hang")
+OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off", "old box restarts")
+NETWORK = ("loss", "late", "double", "cut off", "kill", "attack", "attack after a loss", "replay", "garbage",
+           "forged beacon", "robot crashes", "robot hangs", "robot's clock")
 
 
 class Troubles:
@@ -101,7 +106,7 @@ class Troubles:
         for weather in world.air.weather.values():
             weather.loss = weather.late = weather.double = 0.0
             weather.is_cut = False
-        world.storage.slow_until = world.storage.broken_until = world.storage.full_until = 0.0
+        world.storage.end_troubles()
         world.referee.on_entry.clear()
 
     def _for(self, seconds, host, **changes):
@@ -156,8 +161,10 @@ class Troubles:
             world.referee.on_entry.append(lambda: self._burn(box))
         elif how == "box is cut off":
             self._cut_off(box.computer.host, 4.0 + seconds)
-        elif how == "box hangs" and box.process is not None:
-            box.process.hang(4.0 + seconds)
+        elif how == "box sleeps":
+            for process in (box.process, box.backup.process):
+                if process is not None:
+                    process.hang(4.0 + seconds)
         self._try_to_take_over()
 
     def _burn(self, box):
@@ -182,18 +189,21 @@ class Troubles:
             self._world.standby.hang(seconds)
 
     def _slow_disk(self, slow_s, seconds):
-        storage = self._world.storage
-        storage.slow_s, storage.slow_until = slow_s, self._world.scheduler.now + seconds
+        self._world.storage.fail(seconds, slow_until=True)
+        self._world.storage.slow_s = slow_s
 
     def _slow_disk__then_power(self, slow_s, after_s, restart_s):
         self._slow_disk(slow_s, after_s)
         self._world.scheduler.after(after_s, lambda: self._world.box.kill(restart_s, power=True))
 
     def _broken_disk(self, seconds):
-        self._world.storage.broken_until = self._world.scheduler.now + seconds
+        self._world.storage.fail(seconds, broken_until=True)
+
+    def _frozen_disk(self, seconds):
+        self._world.storage.fail(seconds, frozen_until=True)
 
     def _full_disk(self, seconds):
-        self._world.storage.full_until = self._world.scheduler.now + seconds
+        self._world.storage.fail(seconds, full_until=True)
 
     def _box_s_clock(self, seconds):
         self._world.oracles.clock_was_set = True
@@ -210,11 +220,41 @@ class Troubles:
     def _robot_hangs(self, number, seconds):
         self._world.robots[number].hang(seconds)
 
-    def _replay(self, number, host):
-        sent = self._world.air.sent
-        if sent:
-            source, port, datagram, receiver = sent[number % len(sent)]
-            self._world.air.send(source if host == "same" else host, port, datagram, receiver)
+    def _replay(self, share, count, host):
+        """Somebody sends again, one after the other, what was sent at some time since the beginning."""
+        air = self._world.air
+        begin = int(share * len(air.sent))
+        for number, (source, port, datagram, receiver) in enumerate(list(air.sent)[begin:begin + count]):
+            self._world.scheduler.after(0.1 * number, functools.partial(
+                air.send, source if host == "same" else host, port, datagram, receiver))
+
+    def _attack(self, number, silent_s, host):
+        """Somebody sends again what the box has taken from a robot in all its runs, at its present channel, perhaps
+        while the robot is silent."""
+        robot, world = self._world.robots[number], self._world
+        link = robot.link
+        if link is None:
+            return
+        robot.hang(silent_s + 6.0 if silent_s else 0.0)
+        recorded = world.witness.recorded[robot.computer.host]
+        recorded = recorded[:20] + recorded[-20:]
+        for at, datagram in enumerate(recorded):
+            world.scheduler.after(silent_s + 0.1 * at, functools.partial(
+                world.air.send, robot.computer.host if host == "same" else host, link.port, datagram,
+                world.box.computer.host))
+
+    def _attack_after_a_loss(self, number, host):
+        """The same after a restart of the box."""
+        self._world.box.kill(0.5)
+        self._attack(number, 3.5, host)
+
+    def _old_box_restarts(self, restart_s, is_alone):
+        """The box from which a standby took over starts again, perhaps where it hears nobody."""
+        box, world = self._world.boxes[0], self._world
+        if box is not world.box and not box.is_lost:
+            if is_alone:
+                self._cut_off(box.computer.host, restart_s + 3.0)
+            box.kill(restart_s)
 
     def _garbage(self, host, number):
         sent = self._world.air.sent

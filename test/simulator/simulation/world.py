@@ -15,15 +15,20 @@ from roah_rsbb.rulebook.benchmarks import Durable, EventRules, PhaseRule, Restar
 from .air import Air
 from .box import Box
 from .disk import Storage
+from .ledger import Ledger
 from .oracles import Oracles
 from .referee import Referee
 from .robots import Robot
 from .scheduler import UTC0, Computer, Scheduler
+from .shown import Shown
 from .standby import PORT, Standby
 from .trace import Trace
 from .troubles import Troubles, plan_of
+from .witness import Witness
 
 BOX_HOST, STANDBY_HOST = "10.0.0.1", "10.0.0.50"
+# Of so many seeds, one runs a second time without the short way of datagrams.
+BOTH_WAYS = 4
 # Seconds without troubles and without referees at the end.
 CALM_S = 12.0
 SCORING = (
@@ -31,11 +36,7 @@ SCORING = (
     ScoringItem("Achievements", "changed objects", ScoreKind.UINT, Decimal("2.5")),
     ScoringItem("Penalized", "bumps", ScoreKind.UINT, Decimal("-3")),
 )
-RULES = (
-    EventRules(),
-    EventRules(restarts=Restarts.CLOCK_STOPS, pause=True),
-    EventRules(pause=True, phases=(PhaseRule("first", 5.0), PhaseRule("second", 10.0))),
-)
+PHASES = (PhaseRule("first", 5.0), PhaseRule("second", 10.0), PhaseRule("third"))
 
 
 class _Errors(logging.Handler):
@@ -68,12 +69,14 @@ class World:
             self.config = replace(self.config, durable=Durable.TWO)
         self.length_s = draw.uniform(20.0, 60.0)
         self.robots = []
-        self.documents = []  # of all boxes, once a second
+        self.is_compared = seed % BOTH_WAYS == 0  # with a second pass
+        self.documents = []  # of all boxes, once a second, if they are compared
         self.journal = {}  # of the first box at the end: bytes by path
         computer = Computer(self.scheduler, "box", BOX_HOST, draw.uniform(-5e-5, 5e-5), draw.uniform(-0.03, 0.03))
         self.storage = Storage(os.path.join(folder, "log"), self.scheduler, random.Random(f"{seed} disk"),
                                self.random_bytes)
         self.oracles = Oracles(self)
+        self.ledger, self.witness, self.shown = Ledger(self), Witness(self), Shown(self)
         self.standby = None
         self.box = Box(self, computer, self.storage, self.config, PORT if has_standby else 0)
         self.boxes = [self.box]
@@ -104,7 +107,10 @@ class World:
                             draw.uniform(-0.03, 0.03))
         options = {"prepare_duration": draw.uniform(0.0, 3.0), "execute_duration": draw.uniform(0.5, 8.0),
                    "never_end": draw.random() < 0.2}
-        self.robots.append(Robot(self, computer, team, f"r{number}", self.config.passwords[team], options))
+        robot = Robot(self, computer, team, f"r{number}", self.config.passwords[team], options)
+        robot.saves_nothing = draw.random() < 0.1
+        self.robots.append(robot)
+        self.witness.add(robot)
 
     def random_bytes(self, count):
         """Stands for os.urandom."""
@@ -157,10 +163,17 @@ def _competition(draw):
     for name in ("a", "b")[:draw.choice((1, 1, 2))]:
         zones[name] = tuple(
             ScheduledEvent(benchmark(draw.choice(codes), draw.choice((10.0, 30.0, 600.0)), scoring=SCORING,
-                                     rules=draw.choice(RULES)),
+                                     rules=_rules(draw)),
                            draw.choice(teams) if draw.random() < 0.9 else "ALL", 1, number, UTC0 + 60.0 * number)
             for number in range(1, draw.randint(2, 5)))
     return competition(teams=teams, **zones)
+
+
+def _rules(draw):
+    return EventRules(
+        setup_time=draw.choice((0.0, 0.0, 6.0)), attempts=draw.choice((0, 0, 0, 1, 2)), pause=draw.random() < 0.7,
+        restarts=draw.choice((Restarts.CLOCK_RUNS, Restarts.CLOCK_STOPS, Restarts.NOT_ALLOWED)),
+        phases=draw.choice(((), PHASES)))
 
 
 def simulate(seed, plan=None, can_wait=True):

@@ -1,0 +1,525 @@
+"""What referees may rely on: what they did and were answered, and so what each run must be.
+
+It follows docs/referee.md, benchmarks.md, organiser.md ("Time and attempts"), journal.md and standby.md, and knows
+nothing of how the box does it. A run changes because of a referee, its robot or its time, and because of nothing else.
+"""
+
+import contextlib
+import re
+from decimal import Decimal
+
+from roah_rsbb.core.runs.run import Run
+from roah_rsbb.model.records import EndReason, Phase
+from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.rulebook.benchmarks import Restarts
+
+from .scheduler import Ended
+
+# Within this time, the box counts a run's time as a watch does. More, where one computer's clock stands for another's.
+CLOCK_S, OTHER_CLOCK_S = 0.1, 0.4
+# Commands with which a zone goes to another run or event, and with which a run begins, or may be asked to continue.
+LEAVE = {"disconnect", "next", "previous", "no_show", "withdrawn", "connect", "open_sheet"}
+GO = {"start", "continue"}
+PHASES = {"next_phase": 1, "previous_phase": -1}
+# Entries whose answer waits for the disk, or for both.
+DURABLE = {"mark", "withdraw", "take_back", "stop_reason", "sign_off"}
+ENDED_BY = {
+    EndReason.STOPPED: {"stop", *LEAVE}, EndReason.NO_SHOW: {"no_show"}, EndReason.WITHDRAWN: {"withdrawn"},
+}
+TO_THE_NEXT = (EndReason.COMPLETED, EndReason.NO_SHOW, EndReason.WITHDRAWN)
+
+
+class Act:
+    """Something that a referee does in a zone, or with a run."""
+
+    def __init__(self, at, zone, identity, name, given, who):
+        self.at, self.zone, self.identity, self.name, self.given, self.who = at, zone, identity, name, given, who
+        self.has_run, self.event = False, None  # whether its zone had one, and at which event it was
+        self.is_confirmed = False  # the answer was that it is saved
+
+
+class Kept:
+    """Something that must not be lost: what it is, and who did it."""
+
+    def __init__(self, act):
+        self.act = act
+        self.withdrawn = None  # the act that did
+        given = act.given
+        self.key = given.get("group"), given.get("desc")
+        self.value, self.added = given.get("value"), given.get("added")
+
+
+class Watch:
+    """Counts the true time while it runs. How much it may be wrong: `unsure_s`."""
+
+    def __init__(self):
+        self.counted, self.since, self.unsure_s = 0.0, None, 0.0
+
+    def turn(self, now, runs):
+        """It runs from now on, or does not."""
+        self.counted = self.read(now)
+        self.since = now if runs else None
+
+    def read(self, now):
+        return self.counted + (0.0 if self.since is None else now - self.since)
+
+
+class Believed:
+    """A run, as its referees believe it to be."""
+
+    def __init__(self, run, zone, now):
+        self.identity, self.zone, self.event, self.now = run.identity, zone, run.event, now
+        self.phase, self.reason, self.is_paused = Phase.CONNECTED, None, False
+        self.changed = self.stopped = float("-inf")  # when: the last change, the last end by a referee
+        self.went = float("-inf")  # when a referee let the robot go, for the last time
+        self.watch, self.setup = Watch(), Watch()
+        self.phases, self.place = [], 0  # the watches of its phases, and the number of the present one
+        self.entries, self.sign_off, self.reasons = [], None, {}
+        self.ever = []  # all entries, also those that were lost: a copy may still have them
+        self.taken = {}  # marks by their ids, also those that changed nothing
+        self.final = None  # its time at its last end; None: not known any more
+        self.is_left = self.is_doubted = False
+        self.record = None  # as it was seen last
+
+    @property
+    def counts(self):
+        """Whether its time passes."""
+        if self.phase is Phase.ENDED:  # it was started
+            return self.went > 0.0 and self.event.benchmark.rules.restarts is Restarts.CLOCK_RUNS
+        return self.phase is Phase.RUNNING and not self.is_paused
+
+    @property
+    def is_something(self):
+        """Whether it began, or was scored. Otherwise it may be forgotten when it is left."""
+        return not self.is_left or self.went > 0.0 or bool(self.taken) or self.phase is not Phase.CONNECTED
+
+    def turn(self, now):
+        """The time passes, or does not any more."""
+        is_open, rules = self.phase is Phase.CONNECTED and not self.is_left, self.event.benchmark.rules
+        self.watch.turn(now, self.counts)
+        self.setup.turn(now, is_open and bool(rules.setup_time))
+        for number, watch in enumerate(self.phases, 1):
+            watch.turn(now, number == self.place and self.phase is Phase.RUNNING and not self.is_paused)
+
+    def go_to_phase(self, now, number):
+        """A referee moves it to a phase."""
+        self.phases += [Watch()] if number > len(self.phases) else []
+        self.place, self.changed = number, now
+        self.turn(now)
+
+    def values(self):
+        """Those of all items that were marked."""
+        values = {}
+        for kept in self.entries:
+            if kept.withdrawn is None:
+                values[kept.key] = values.get(kept.key, 0) + int(kept.added) if kept.added else kept.value
+        return values
+
+
+class Ledger:
+    """The book of all referees of a world."""
+
+    def __init__(self, world):
+        self._world = world
+        self._fail = world.oracles.fail
+        self.runs = {}  # all by identity
+        self.current = {}  # by zone
+        self.absent = []  # what was done when a team without a run did not appear
+        self.has_lost = False
+        self._acting = None
+        self._interrupted = []  # what was carried out when the core was killed
+        self._sure = None  # after a loss: until when everything must be there, and whether that was confirmed must
+        self.resumed = 0.0  # when the present box began
+        self._keeps_stop = []  # after losses: whether a STOP of a moment must be known
+
+    # -- what referees do ---------------------------------------------------------------------------
+
+    @contextlib.contextmanager
+    def acting(self, act, event):
+        """Something is carried out, while the zone is at an event. The block gives the answer to `done`."""
+        self._acting, act.has_run, act.event = act, act.zone in self.current, event
+        try:
+            yield
+        except Ended:  # the core was killed meanwhile, and may have recorded it
+            self._interrupted.append(act)
+            self.lost(act.at)
+            raise
+        finally:
+            self._acting = None
+
+    @property
+    def is_acting(self):
+        """Whether something is carried out, perhaps for long."""
+        return self._acting is not None
+
+    def lets_go(self, believed):
+        """Whether a referee lets the robot of a run go just now."""
+        acting = self._acting
+        return acting is not None and acting.name in GO and acting.zone == believed.zone
+
+    def done(self, core, act, reasons):
+        """What was carried out, and why it was refused; none: it was not."""
+        run = self.runs.get(act.identity) if act.identity else self.current.get(act.zone)
+        if act.name in ("no_show", "withdrawn") and not act.has_run and not reasons:
+            self.absent.append(act)
+        if reasons:
+            self._check_refusal(core, act, run, reasons)
+            return
+        if act.name in DURABLE:
+            self._entered(act, run)
+            self._check_record(core, run)
+        elif act.name == "stop" and run is not None and run.phase is Phase.RUNNING:
+            self._fail("STOP", f"{run.identity} was stopped, and runs")
+        elif act.name in ("pause", "resume"):
+            run.is_paused, run.changed = act.name == "pause", act.at
+            run.turn(act.at)
+            if bool(core.box.zones[act.zone].run.why_paused) is not run.is_paused:
+                self._fail("pause", f"{run.identity}: after {act.name}, the box shows something else")
+            if not run.event.benchmark.rules.pause:
+                self._fail("pause", f"{act.name} of {run.identity}, which its rules do not allow")
+        elif act.name in PHASES:
+            run.go_to_phase(act.at, run.place + PHASES[act.name])
+            if not 1 <= run.place <= len(run.event.benchmark.rules.phases):
+                self._fail("phases", f"{run.identity} went to phase {run.place}")
+        elif act.name in GO:
+            run.went = act.at
+        self.look(core)
+
+    def _check_refusal(self, core, act, run, reasons):
+        if not all(reasons):
+            self._fail("refusal without a reason", f"{act.name} {act.zone}")
+        if core.box.is_superseded or run is None:
+            return
+        if act.name == "stop" and run.phase is Phase.RUNNING:
+            self._fail("STOP", f"refused for {run.identity}: {reasons}")
+        if act.name == "mark" and run.sign_off is None and (run.phase is not Phase.CONNECTED or not run.is_left):
+            self._fail("mark refused", f"{run.identity}: {reasons}")
+
+    def _entered(self, act, run):
+        """An entry was made."""
+        if run is None:
+            self._fail("entry", f"{act.name} in {act.identity}, which is not known")
+            return
+        if run.sign_off is not None and act.name != "sign_off" and not self._is_repeated(act, run):
+            self._fail("sign-off", f"{act.name} in {run.identity}, which is signed off")
+        entries = run.entries
+        if act.name == "mark":
+            kept = Kept(act)
+            if not self._is_repeated(act, run) and (kept.added or kept.value != run.values().get(kept.key, 0)):
+                entries.append(kept)
+                # A mark that was lost and is sent again is there once.
+                run.ever = [each for each in run.ever if each.act.given["id"] != act.given["id"]] + [kept]
+            run.taken.setdefault(act.given["id"], act)
+        elif act.name == "withdraw":
+            entries[act.given["entry"] - 1].withdrawn = act
+        elif act.name == "take_back":
+            kept = next((kept for kept in entries if kept.act.given["id"] == act.given["id"]), None)
+            if kept is not None and kept.withdrawn is None:
+                kept.withdrawn = act
+        elif act.name == "sign_off":
+            run.sign_off = run.sign_off or act
+            if not run.is_left and run.phase is Phase.RUNNING:
+                self._fail("sign-off", f"{run.identity} is not over")
+        elif act.name == "stop_reason":
+            run.reasons["last"] = act
+
+    @staticmethod
+    def _is_repeated(act, run):
+        """Whether it changes nothing, because it was done before."""
+        if act.name == "take_back":
+            return all(kept.withdrawn is not None for kept in run.entries if kept.act.given["id"] == act.given["id"])
+        return act.name == "mark" and act.given["id"] in run.taken
+
+    # -- what the box shows -------------------------------------------------------------------------
+
+    def look(self, core):
+        """Something may have happened."""
+        for zone in core.box.zones.values():
+            run, believed = zone.run, self.current.get(zone.name)
+            if believed is not None and (run is None or run.identity != believed.identity):
+                self._left(core, zone, believed)
+                believed = None
+            if run is None:
+                continue
+            if believed is None:
+                believed = self._connected(zone, run)
+            if run.phase is not believed.phase or run.end_reason is not believed.reason:
+                self._changed(core, run, believed)
+            believed.is_doubted = run.is_doubted
+
+    def look_closely(self, core):
+        """Now and then: the times and sheets of runs."""
+        self.look(core)
+        for zone in core.box.zones.values():
+            if zone.run is not None:
+                believed = self.current[zone.name]
+                record = believed.record = zone.run.record(core.now())
+                self._check_watch(zone.run, believed, record)
+                if believed.phase is Phase.ENDED and believed.final is not None and believed.went > 0.0 and abs(
+                        min(believed.final, zone.run.event.benchmark.total_timeout) - record.elapsed_s) > (
+                        CLOCK_S + believed.watch.unsure_s):
+                    self._fail("clock", f"{believed.identity} ended after {believed.final:.2f} s, and has "
+                                        f"{record.elapsed_s:.2f} s")
+                self._check_sheet(believed, record)
+
+    def _connected(self, zone, run):
+        now = self._world.scheduler.now
+        known = self.runs.get(run.identity)
+        if known is not None and known.is_left and self._sure is None:
+            self._fail("run", f"{run.identity} was left, and is there again")
+        if self._acting is None and self._sure is None:
+            self._fail("run", f"{run.identity} began, and nobody connected")
+        believed = self.current[zone.name] = self.runs[run.identity] = known or Believed(run, zone.name, now)
+        believed.is_left = False
+        believed.changed = now
+        believed.turn(now if self._acting is None else self._acting.at)  # it may have waited for the disk
+        self._world.witness.runs_at.update((member.port, believed) for member in members(run))
+        most = run.event.benchmark.rules.attempts
+        started = [each for each in self.runs.values() if each.event is run.event and each.went > 0.0 and each.is_left]
+        if known is None and most and len(started) >= most:
+            self._fail("attempts", f"{run.identity} is one too many: {most} are allowed")
+        return believed
+
+    def _left(self, core, zone, believed):
+        now, name = self._world.scheduler.now, zone.name
+        acting = self._acting
+        if self._sure is None and (acting is None or acting.zone != name or acting.name not in LEAVE):
+            self._fail("run", f"{believed.identity} is gone, and nobody left it")
+        if believed.phase is Phase.RUNNING and self._sure is None:
+            record = _record_of(core, believed)
+            if record is not None and not record.end_reason:
+                self._fail("run", f"{believed.identity} was left, and has no end")
+            believed.phase, believed.reason = Phase.ENDED, EndReason.STOPPED
+        believed.turn(now)
+        believed.is_left, believed.changed = True, now
+        del self.current[name]
+        if acting is not None and acting.name == "disconnect":
+            self._check_next(zone, believed)
+
+    def _check_next(self, zone, believed):
+        """After a run that is completed, the zone goes to the next event that still needs a run."""
+        events = list(zone.planned)
+        at, place = events.index(believed.event), events.index(zone.event)
+        had_run = [any(run.event is event and run.is_left for run in self.runs.values())
+                   or any(act.event is event for act in self.absent) for event in events]
+        is_right = place == at
+        if believed.reason in TO_THE_NEXT:
+            later = range(at + 1, place if place > at else len(events))
+            is_right = place >= at and all(had_run[skipped] for skipped in later)
+        if not is_right:
+            self._fail("next event", f"after {believed.identity} ({believed.reason}), {zone.name} is at {place + 1}")
+
+    def _changed(self, core, run, believed):
+        """The phase of a run has changed."""
+        now, acting = self._world.scheduler.now, self._acting
+        name = acting.name if acting is not None and acting.zone == run.zone else ""
+        why = ""
+        if run.phase is Phase.RUNNING and believed.phase is not Phase.RUNNING:
+            believed.went = now if name else believed.went
+            if name != "start":
+                why = "runs, and nobody started it"
+            elif believed.phase is Phase.ENDED and run.event.benchmark.rules.restarts is Restarts.NOT_ALLOWED:
+                why = "was started again, which its rules do not allow"
+            elif believed.reason is EndReason.TIMEOUT:
+                why = "was started again after its timeout"
+        elif run.phase is Phase.ENDED and believed.phase is Phase.RUNNING:
+            why = self._why_not_over(run, believed, name, now)
+        elif run.phase is Phase.ENDED:
+            if name not in ENDED_BY.get(run.end_reason, ()):
+                why = f"is over ({run.end_reason}), and was not in progress"
+        else:
+            why = f"is {run.phase} after {believed.phase}"
+        # The box has a note of STOP for a run with robots; one by hand is only in the journal.
+        is_known = members(run) and run.phase is Phase.RUNNING and believed.stopped == believed.changed and all(
+            keeps(believed.stopped) for keeps in self._keeps_stop)
+        if why and (is_known or not self._may_be_lost(believed)):
+            self._fail("phase", f"{run.identity} {why}")
+        before = believed.phase
+        believed.phase, believed.reason, believed.changed = run.phase, run.end_reason, now
+        # While the box was away, the robot may have completed its task: these seconds are not counted.
+        is_unseen = run.end_reason is EndReason.COMPLETED and self._world.witness.is_unseen(run)
+        believed.final = None if is_unseen else believed.watch.read(now)
+        believed.is_paused = False
+        believed.place, believed.phases = 0, []
+        believed.turn(now)
+        if run.phase is Phase.RUNNING and run.event.benchmark.rules.phases:
+            believed.go_to_phase(now, 1)
+        if run.phase is Phase.ENDED:
+            believed.stopped = now if name else believed.stopped
+            if before is Phase.RUNNING and run.end_reason is not EndReason.COMPLETED and self.resumed != now:
+                self._world.witness.stops(run)
+
+    def _why_not_over(self, run, believed, name, now):
+        reason, limit = run.end_reason, run.event.benchmark.total_timeout
+        counted = believed.watch.read(now)
+        if reason is EndReason.TIMEOUT:
+            return "" if counted > limit - CLOCK_S - believed.watch.unsure_s else f"timed out after {counted:.2f} s"
+        if reason is EndReason.COMPLETED:
+            return "" if self._world.witness.completed(run, believed.went) else "is completed, but not by its robot"
+        if reason is EndReason.NO_MESSAGES_SAVED:
+            return "" if any(robot.saves_nothing for robot in self._world.robots) else "is over, but its robot saves"
+        return "" if name in ENDED_BY.get(reason, ()) else f"is over ({reason}), and nobody ended it"
+
+    def _check_watch(self, run, believed, record):
+        if believed.phase is not Phase.RUNNING:
+            return
+        now, limit = self._world.scheduler.now, run.event.benchmark.total_timeout
+        counted, most = believed.watch.read(now), CLOCK_S + believed.watch.unsure_s
+        if believed.is_paused is not bool(run.why_paused) and not self._may_be_lost(believed):
+            self._fail("pause", f"{run.identity} is {'' if run.why_paused else 'not '}paused, and nobody did that")
+        if abs(min(counted, limit) - record.elapsed_s) > most:
+            self._fail("clock", f"in {run.identity}, {record.elapsed_s:.3f} s were counted of {counted:.3f} s")
+        if counted > limit + most and not self._world.box.process.is_busy(now):
+            self._fail("timeout", f"{run.identity} runs since {counted:.1f} s")
+
+    # -- sheets -------------------------------------------------------------------------------------
+
+    def check_all(self, core):
+        """The records of all runs."""
+        for believed in list(self.runs.values()):
+            self._check_record(core, believed)
+
+    def _check_record(self, core, believed):
+        record = _record_of(core, believed)
+        if record is None:
+            if believed.is_something:
+                self._fail("confirmed entry is missing", f"{believed.identity} is not known")
+            return
+        before = believed.record
+        if before is not None and believed.is_left and before.closed_utc:
+            same = "elapsed_s", "end_reason", "started_utc", "closed_utc", "robots"
+            for name in same:
+                if getattr(before, name) != getattr(record, name):
+                    self._fail("result", f"{name} of {believed.identity} was {getattr(before, name)}, and is "
+                                         f"{getattr(record, name)}")
+        if believed.is_left and not record.closed_utc:
+            self._fail("result", f"{believed.identity} was left, and is shown as connected")
+        believed.record = record
+        self._check_sheet(believed, record)
+
+    def _check_sheet(self, believed, record):
+        """A sheet has what was entered, and nothing else."""
+        identity, history = believed.identity, record.history
+        if len(history) != len(believed.entries):
+            self._fail("entries", f"{identity} has {len(history)} instead of {len(believed.entries)}")
+            return
+        for entry, kept in zip(history, believed.entries):
+            if (entry.group, entry.desc) != kept.key or entry.who != kept.act.who or (
+                    (entry.added or "") != (kept.added or "")):
+                self._fail("entries", f"{identity}: {entry} instead of {kept.act.given}")
+            if bool(entry.withdrawn_utc) is not (kept.withdrawn is not None):
+                self._fail("withdrawal", f"{identity}: entry {entry.number} is {'' if entry.withdrawn_utc else 'not '}"
+                                         "withdrawn")
+        values, total = believed.values(), Decimal(0)
+        for item in record.items:
+            if item.value != values.get(item.key, 0):
+                self._fail("points", f"{identity}: {item.desc} is {item.value} instead of {values.get(item.key, 0)}")
+            points = next(each.points for each in believed.event.benchmark.scoring if each.key == item.key)
+            total += points * values.get(item.key, 0)
+        if record.points is not None and total != Decimal(record.points.total):
+            self._fail("points", f"{identity} has {record.points.total} instead of {total}")
+        if (record.sign_off is not None) is not (believed.sign_off is not None):
+            self._fail("sign-off", f"{identity} is {'' if record.sign_off else 'not '}signed off")
+        given = believed.reasons.get("last")
+        if given is not None and given.given["reason"] not in [stop.reason for stop in record.stops]:
+            self._fail("reason", f"{identity} has no {given.given['reason']!r}")
+
+    # -- losses -------------------------------------------------------------------------------------
+
+    def lost(self, sure, has_confirmed=True, keeps_stop=lambda at: True):
+        """A box was lost. What happened up to `sure` (true time) must be there again, with `has_confirmed` also
+        what was confirmed, and a STOP of a moment for which `keeps_stop` holds."""
+        before = self._sure
+        self._keeps_stop.append(keeps_stop)
+        self.has_lost = self.has_lost or sure < self._world.scheduler.now
+        if sure >= self._world.scheduler.now and before is None:
+            return
+        self._sure = (sure, has_confirmed) if before is None else (min(sure, before[0]), has_confirmed and before[1])
+
+    def continues(self, core, is_other_clock, was_set):
+        """The next box has resumed. `was_set`: somebody has set its clock."""
+        now = self.resumed = self._world.scheduler.now
+        if is_other_clock:
+            for believed in self.current.values():
+                believed.watch.unsure_s = float("inf") if was_set else OTHER_CLOCK_S
+        if self._sure is None:
+            self._keeps_stop.clear()
+            self.look(core)
+            return
+        for act in self._interrupted:
+            self._take_interrupted(core, act)
+        self._interrupted.clear()
+        for believed in list(self.runs.values()):
+            self._reconcile(core, believed)
+        self.look(core)
+        for believed in self.current.values():
+            if believed.changed >= self._sure[0]:
+                self._adopt(core, believed, now)
+        self._sure = None
+        self._keeps_stop.clear()
+
+    def _take_interrupted(self, core, act):
+        run = self.runs.get(act.identity) if act.identity else self.current.get(act.zone)
+        if run is not None and act.name not in DURABLE:
+            run.changed = act.at + CLOCK_S
+        elif run is not None and re.search(rf"\b{act.who}\b", repr(_record_of(core, run))):
+            self._entered(act, run)
+
+    def _must_be_there(self, act):
+        sure, has_confirmed = self._sure
+        return act.at <= sure or (has_confirmed and act.is_confirmed)
+
+    def _may_be_lost(self, believed):
+        return self._sure is not None and believed.changed > self._sure[0]
+
+    def _reconcile(self, core, believed):
+        """Forget what may be lost, and is."""
+        record = _record_of(core, believed)
+        if record is None:
+            if not any(self._must_be_there(kept.act) for kept in believed.entries) and (
+                    believed.now > self._sure[0]):
+                del self.runs[believed.identity]
+                self.current = {zone: each for zone, each in self.current.items() if each is not believed}
+            return
+        there = {line.rsplit(" ", 1)[-1] for line in record.marks.splitlines()}
+        believed.entries = [kept for kept in believed.ever if kept.act.given["id"] in there or (
+            kept in believed.entries and self._must_be_there(kept.act))]
+        believed.taken = {id: act for id, act in believed.taken.items() if id in there}
+        for kept, entry in zip(believed.entries, record.history):
+            if kept.withdrawn is not None and not entry.withdrawn_utc and not self._must_be_there(kept.withdrawn):
+                kept.withdrawn = None
+        if believed.sign_off is not None and record.sign_off is None and not self._must_be_there(believed.sign_off):
+            believed.sign_off = None
+        for name in [name for name, act in believed.reasons.items() if not self._must_be_there(act)]:
+            del believed.reasons[name]
+        if believed.changed > self._sure[0]:
+            believed.record = None
+
+    def _adopt(self, core, believed, now):
+        """Take the state of a run from the box that has lost its newest changes."""
+        run, watch = core.box.zones[believed.zone].run, believed.watch
+        if not (believed.phase is Phase.ENDED and believed.stopped == believed.changed and all(
+                keeps(believed.stopped) for keeps in self._keeps_stop)):
+            believed.final = None
+        believed.is_paused = run.times.state.paused
+        if run.phase is not Phase.ENDED:
+            record = run.record(core.now())
+            watch.counted, watch.since = record.elapsed_s, None
+            believed.phases, believed.place = [Watch() for _ in record.phases], run.times.state.phase
+            for phase, found in zip(believed.phases, record.phases):
+                phase.counted = found.elapsed_s
+        else:
+            watch.unsure_s = float("inf")  # it may have ended and begun again
+        believed.setup.unsure_s = float("inf")
+        believed.turn(now)
+
+
+def _record_of(core, believed):
+    with contextlib.suppress(Refused):
+        return core.box.scores.record_of(core.now(), RunName(believed.zone, believed.identity))
+    return None
+
+
+def members(run):
+    """The robots of a run with their ports; none in a run by hand."""
+    return [member for member in run.members() if isinstance(member, Run)]
