@@ -22,7 +22,7 @@ from roah_rsbb.srv import Bool, Percentage
 from roah_rsbb.wording.whole_box.devices import NO_DEVICES
 
 PLAYED = pathlib.Path(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros"))) / "played"
-NODE, SOUNDS = "/roah_devices", "/roah_rsbb_sounds"
+NODE, CORE = "/roah_devices", "/roah_rsbb_core"
 SWITCHES, PERCENTAGES = ("switch_1", "switch_2", "switch_3"), ("dimmer", "blinds")
 # docs/ros_interface.md, "Devices node".
 SERVICES = {
@@ -136,7 +136,7 @@ class TestBell(DevicesCase):
     def setUp(self):
         super().setUp()
         wait_sends(NODE, self.bell)
-        wait_follows(NODE, "/devices/bell", SOUNDS)
+        wait_follows(NODE, "/devices/bell", CORE)
 
     def played(self, what):
         return PLAYED.read_text(encoding="utf-8").split().count(what) if PLAYED.exists() else 0
@@ -161,14 +161,6 @@ class TestBell(DevicesCase):
         ring()
         wait_until(lambda: self.state.bell > before and self.rings == rings + 1 and self.played("bell") > heard,
                    lambda: f"a ring; state:\n{self.state}\nrings {self.rings}, played {self.played('bell')}")
-
-    def test_the_timeout_is_heard(self):
-        heard = self.played("timeout")
-        publisher = rospy.Publisher("/timeout", Empty, queue_size=1)
-        self.addCleanup(publisher.unregister)
-        wait_follows(rospy.get_name(), "/timeout", SOUNDS)
-        publisher.publish(Empty())
-        wait_until(lambda: self.played("timeout") > heard, "the sound is played")
 
 
 class TestCatering(DevicesCase):

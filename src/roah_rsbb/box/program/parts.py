@@ -1,4 +1,4 @@
-"""What a box without ROS has around it in its process: modules, home devices, sounds, pages."""
+"""The neighbours that a box has in its process, with ROS and without: modules, home devices, sounds, pages."""
 
 import asyncio
 import concurrent.futures
@@ -21,6 +21,7 @@ from roah_rsbb.document.calls import Call, Caller, InThread
 from roah_rsbb.in_loop import call_in_loop
 from roah_rsbb.model.modules import ModulesState
 from roah_rsbb.model.web_calls import PAIR
+from roah_rsbb.params import Params
 from roah_rsbb.platform import end_loop, new_loop
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.shipped import shipped_folder
@@ -80,10 +81,10 @@ class DrivenModules:
 class Sounds:
     """The sounds of the bell and of timeouts."""
 
-    def __init__(self, settings: BoxSettings) -> None:
+    def __init__(self, params: Params) -> None:
         """Raises `BadParams`."""
-        self._bell = _sound(settings, "bell_ring_command", BELL)
-        self._timeout = _sound(settings, "timeout_ring_command", TIMEOUT)
+        self._bell = _sound(params, "bell_ring_command", BELL)
+        self._timeout = _sound(params, "timeout_ring_command", TIMEOUT)
 
     def ring_bell(self) -> None:
         """Somebody is at the door."""
@@ -99,8 +100,8 @@ class Sounds:
         self._timeout.close()
 
 
-def _sound(settings: BoxSettings, name: str, file: str) -> Sound:
-    return Sound(name.partition("_")[0], command_of(settings, name, file), lambda text: _log.warning("%s", text))
+def _sound(params: Params, name: str, file: str) -> Sound:
+    return Sound(name.partition("_")[0], command_of(params, name, file), lambda text: _log.warning("%s", text))
 
 
 class ControlledDevices:

@@ -4,7 +4,7 @@ Parameters (private; docs/ros_interface.md, "Parameters" explains them): rsbb_ho
 benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, public_provisional, public_robot_texts,
 standings_file, rsbb_cypher, private_mode, robot_timeout, allowed_skew, after_stop_duration, check_messages_saved,
 check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_duration, take_over, backup_dir,
-standby_port, end_launch.
+standby_port, end_launch. Of its neighbours: bell_ring_command, timeout_ring_command.
 """
 
 import asyncio
@@ -19,6 +19,7 @@ from roah_rsbb import platform
 from roah_rsbb.box.calls import exit_call
 from roah_rsbb.box.parameters import read_parameters
 from roah_rsbb.box.program.main import log_to_terminal
+from roah_rsbb.box.program.parts import Sounds
 from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
 from roah_rsbb.core.effects import SetDevice
@@ -51,6 +52,7 @@ class CoreNode:
     def __init__(self, params: Params, run_id: str, hosts: DoorHosts, lifeline: Lifeline) -> None:
         """`run_id`: of the launch. rospy need not be initialised."""
         found = read_parameters(params)
+        self._sounds = Sounds(params)
         lifeline.use(found.log_dir)
 
         def is_ended() -> bool:
@@ -87,6 +89,7 @@ class CoreNode:
         self._published.close()
         if self._ros is not None:
             self._ros.close_services()
+        self._sounds.close()
         self.running.close()
         if self._ros is not None:
             self._ros.close(self._why)
@@ -102,7 +105,7 @@ class CoreNode:
             from roah_rsbb.nodes.core import ros_side
 
             ros_side.join()
-            side = ros_side.RosSide(self.loop, self.running)
+            side = ros_side.RosSide(self.loop, self.running, self._sounds.ring_bell)
             call_in_loop(self.loop, lambda: self._use(side))
             self._published.publish()
         except Exception:
@@ -112,7 +115,7 @@ class CoreNode:
         self._ros = side
         side.use()
         if self._rang:
-            self._ring()
+            side.publish_timeout()
         for wish in self._devices.values():
             self._set_device(wish)
         if self._is_warned:
@@ -124,9 +127,10 @@ class CoreNode:
             self.running.event(self.running.box.on_trouble, NO_MASTER)
 
     def _ring(self) -> None:
+        self._sounds.ring_timeout()
         self._rang = self._ros is None
         if self._ros is not None:
-            self._ros.bell.ring()
+            self._ros.publish_timeout()
 
     def _set_device(self, wish: SetDevice) -> None:
         if self._ros is not None:
@@ -165,9 +169,10 @@ def main() -> None:
             ros_side.join(lifeline.wait)
             params = NodeParams()
             run_id, hosts = ros_side.start_of_node()
-            read_parameters(params)
+        node = CoreNode(params, run_id, DoorHosts(*hosts), lifeline)
+        if not kept:
             lifeline.keep(ROS_START, json.dumps([params.values, run_id, hosts]))
-        CoreNode(params, run_id, DoorHosts(*hosts), lifeline).run()
+        node.run()
     except (BadParams, config.ConfigErrors, DamagedJournal, OSError) as error:
         for line in str(error).splitlines():
             _log.critical("%s", line)

@@ -1,10 +1,8 @@
-"""The original's topics that the core publishes: for panels, for the public display, and when a run times out."""
+"""The original's topics that the core publishes for panels and for the public display."""
 
-import asyncio
 from typing import Any, Callable, List, Optional
 
 import rospy
-from std_msgs.msg import Empty
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.views import views
@@ -18,11 +16,6 @@ from roah_rsbb.wording.times import formatted
 
 # Instead of the time. The original's public display shows it.
 NOT_LIVE = "not live"
-# Seconds. After a restart, the nodes that play sounds need a moment to find the core again.
-HEARD_AFTER_S = 2.0
-# Seconds. On a busy computer they need longer. Without any of them, nobody hears the sound.
-LISTENERS_S = 10.0
-LOOK_FOR_LISTENERS_S = 0.2
 
 
 class ToPublic:
@@ -83,33 +76,6 @@ class OriginalTopics:
         """Publish for the public display, twice a second."""
         if self._public.is_wanted:
             publish(self._public, self._to_public.message(self._now()))
-
-
-class TimeoutBell:
-    """The topic /timeout, for the nodes that play sounds. Call everything in the loop's thread."""
-
-    def __init__(self, loop: asyncio.AbstractEventLoop, check: Callable[[], None]) -> None:
-        """`check` is called before anything leaves: see `Fence.check`."""
-        self._loop, self._check = loop, check
-        self._heard_from = loop.time() + HEARD_AFTER_S
-        self._topic: Optional[rospy.Publisher] = None
-
-    def open(self) -> None:
-        """Create the topic."""
-        self._topic = rospy.Publisher("/timeout", Empty, queue_size=1)
-
-    def ring(self) -> None:
-        """Ring at once, unless the core has just started: a run may have timed out while it was down."""
-        self._loop.call_at(self._heard_from, self._ring_if_heard)
-
-    def _ring_if_heard(self) -> None:
-        """Ring. Shortly after the start, wait for the first node that listens."""
-        self._check()
-        is_late = self._loop.time() > self._heard_from + LISTENERS_S
-        if self._topic is not None and (self._topic.get_num_connections() > 0 or is_late):
-            publish(self._topic, Empty())
-        else:
-            self._loop.call_later(LOOK_FOR_LISTENERS_S, self._ring_if_heard)
 
 
 def publish(topic: Any, message: object) -> None:

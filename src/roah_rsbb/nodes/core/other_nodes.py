@@ -1,8 +1,9 @@
 """What the core exchanges with the box's other nodes: home devices, benchmarking modules."""
 
-from typing import Optional
+from typing import Callable, Optional
 
 import rospy
+from std_msgs.msg import Empty
 
 from roah_rsbb.box.running import RunningBox
 from roah_rsbb.core.effects import SetDevice
@@ -18,8 +19,9 @@ from roah_rsbb.ros.newest import Newest
 class OtherNodes:
     """The topics of the other nodes. What they say becomes events of the box."""
 
-    def __init__(self, ros: RosLoop) -> None:
-        self._ros = ros
+    def __init__(self, ros: RosLoop, on_bell: Callable[[], object]) -> None:
+        """`on_bell` is called in a thread of rospy when the bell rings."""
+        self._ros, self._on_bell = ros, on_bell
         self._running: Optional[RunningBox] = None
         self._devices = DeviceCalls(self._on_device_refused)
 
@@ -29,6 +31,7 @@ class OtherNodes:
         self._modules = Newest(self._ros.post, self._take_modules, MAX_NODES)
         self._module_runs = rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
+        rospy.Subscriber("/devices/bell", Empty, lambda _: self._on_bell(), queue_size=10)
         rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
         rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
 

@@ -11,13 +11,14 @@ from typing import Callable, List, Tuple
 
 import rosgraph
 import rospy
+from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.box.running import PERIOD_S, RunningBox
 from roah_rsbb.in_loop import call_in_loop
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.nodes.core.door_place import DoorHosts, hosts_of_node
-from roah_rsbb.nodes.core.original_topics import OriginalTopics, TimeoutBell
+from roah_rsbb.nodes.core.original_topics import OriginalTopics, publish
 from roah_rsbb.nodes.core.other_nodes import OtherNodes
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.ros import connections
@@ -63,13 +64,13 @@ def start_of_node() -> Tuple[str, DoorHosts]:
 class RosSide:
     """Topics and services. Make it in a thread after `join`; call everything else in the loop's thread."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, running: RunningBox) -> None:
+    def __init__(self, loop: asyncio.AbstractEventLoop, running: RunningBox, on_bell: Callable[[], object]) -> None:
+        """`on_bell` is called in any thread when the bell rings."""
         self._ros = ros = RosLoop(loop)
         self._running = running
         self._public_due = 0.0  # monotonic (s)
-        self.bell = TimeoutBell(loop, running.core.fence.check)
-        self.bell.open()
-        self.others = OtherNodes(ros)
+        self._timeout = rospy.Publisher("/timeout", Empty, queue_size=1)
+        self.others = OtherNodes(ros, on_bell)
         self.others.open(running)
         self._topics = OriginalTopics(ros, running.box, running.now, running.door.publish)
         self._services = call_in_loop(loop, lambda: LoopServices(loop, running.core.fence.check))
@@ -80,6 +81,11 @@ class RosSide:
         self._running.look(self._look, lambda: GUI_PERIOD_S if self._topics.are_wanted else PERIOD_S)
         self.others.publish_module_runs()
         self._ros.end_with_node()
+
+    def publish_timeout(self) -> None:
+        """A run timed out."""
+        self._running.core.fence.check()
+        publish(self._timeout, Empty())
 
     def close_services(self) -> None:
         """Take no more calls."""

@@ -1,5 +1,7 @@
 """Problems in a run, over real sockets: timeouts, passwords, what cannot be read."""
 
+import os
+import pathlib
 import socket
 
 from support.box_case import BoxCase
@@ -9,6 +11,7 @@ from support.waiting import wait_until
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.effects import Problem
 
+PLAYED = pathlib.Path(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros"))) / "played"
 STOP, PREPARE, WAITING_RESULT = BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT
 
 
@@ -23,6 +26,7 @@ class TestTime(BoxCase):
         box.start("Timeout")
         box.wait_text("Timeout", "Stopped due to timeout")
         wait_until(lambda: box.timeouts == 1, "/timeout is published once")
+        wait_until(PLAYED.exists, "its sound is played")
         robot.wait_did("stop")
         box.wait_details("Timeout", lambda d: (d.phase, d.end_reason, d.box_state) == ("ended", "timeout", "STOP"),
                          "the run ended by timeout")
