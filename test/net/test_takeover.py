@@ -325,7 +325,7 @@ def test_a_robot_that_was_stopped_stays_stopped(pair: Pair, loss: str) -> None:
         time.sleep(dies_after_s)  # the moment that is tested
         os.kill(core, signal.SIGKILL)
         pair.lose_box()
-    asked, known = "reports STOP, and after its restart", "Benchmark stopped by the referee"
+    asked, known = "reports STOP, and the box cannot know", "Benchmark stopped by the referee"
     shown = pair.standby.wait_shows((asked, known), "status", ALPHA)
     pair.release()
     pair.standby.wait_shows("Benchmark completed by the robot", "status", zone_of("Beta"))
