@@ -4561,13 +4561,13 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/runs/run.py"/>
-        <source>The robot reports STOP after a restart of the box: the referee decides</source>
-        <translation>Der Roboter meldet nach einem Neustart der Box STOP: Der Schiedsrichter entscheidet</translation>
+        <source>The robot reports STOP, and the box cannot know why: the referee decides</source>
+        <translation>Der Roboter meldet STOP, und die Box kann nicht wissen, warum: Der Schiedsrichter entscheidet</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/runs/run.py"/>
-        <source>The robot reports STOP, and after its restart the box cannot know why. If the run was stopped, press STOP. If it was not, continue the run: then the robot prepares again, and may move</source>
-        <translation>Der Roboter meldet STOP, und die Box kann nach ihrem Neustart nicht wissen, warum. Wurde der Lauf gestoppt, drücken Sie STOP. Wenn nicht, setzen Sie ihn fort: Dann bereitet sich der Roboter wieder vor und kann sich bewegen</translation>
+        <source>The robot reports STOP, and the box cannot know why: it was restarted, or does not reach its standby. If the run was stopped, press STOP. If it was not, continue the run: then the robot prepares again, and may move</source>
+        <translation>Der Roboter meldet STOP, und die Box kann nicht wissen, warum: Sie wurde neu gestartet oder erreicht ihren Standby nicht. Wurde der Lauf gestoppt, drücken Sie STOP. Wenn nicht, setzen Sie ihn fort: Dann bereitet sich der Roboter wieder vor und kann sich bewegen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/runs/run.py"/>

@@ -78,7 +78,7 @@ class Box:
         # What changes runs.
         self._connections = Connections(
             settings, zones, self.robots, self._modules, self.tablet, self.watches, self.finished, self.heard,
-            outbox, beacon_size, last_port,
+            self.copies, outbox, beacon_size, last_port,
         )
         self._connections.version = version
         self._reload = Reload(zones, self.robots, self.finished, self._connections, self.copies, outbox,

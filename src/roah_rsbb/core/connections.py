@@ -11,6 +11,7 @@ from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence
 from roah_rsbb.core import effects
 from roah_rsbb.core.capacity import LAST_PORT, Capacity, ports_warning
 from roah_rsbb.core.effects import How, Level, Outbox
+from roah_rsbb.core.copies import Copies
 from roah_rsbb.core.link.heard import Heard
 from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.robots import MAX_ROBOTS, ActiveRobot, ActiveRobots, RobotId
@@ -47,6 +48,7 @@ class Connections:
         watches: Watches,
         finished: FinishedRuns,
         heard: Heard,
+        copies: Copies,
         outbox: Outbox,
         beacon_size: Callable[[Beacon], int],
         last_port: Optional[int],
@@ -60,6 +62,7 @@ class Connections:
         self._watches = watches
         self._finished = finished
         self._heard = heard
+        self._copies = copies
         self._outbox = outbox
         self._beacon_size = beacon_size
         self._last_port = max(settings.rsbb_port, last_port or 0)
@@ -182,7 +185,7 @@ class Connections:
     def _context(self, zone: str) -> RunContext:
         last_beacon = self._robots.last_beacon if self.hears_beacons else None
         return RunContext(self._settings, self._outbox.of_zone(zone), functools.partial(self._outbox.revision_of, zone),
-                          self._show_map, last_beacon, self._heard)
+                          self._show_map, last_beacon, self._heard, self._copies.may_be_replaced)
 
     def _show_map(self, display_map: bool) -> bool:
         is_change = display_map != self._tablet.display_map

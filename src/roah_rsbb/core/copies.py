@@ -17,6 +17,9 @@ STANDBY = "standby"
 MAX_COPIES = 8
 # A copy that is further behind is reported.
 LATE_S = 3.0
+# A standby that lacks what is newer than this may have taken over: it does so when it has heard nothing for 2 s, or
+# later.
+REPLACED_S = 2.0
 # The node that copies reports once a second.
 SILENT_S = 10.0
 # An answer to a referee waits for the standby for at most this long. Faces wait for an answer for 5 s.
@@ -65,6 +68,7 @@ class _Copy:
     def __init__(self, now: Now, is_expected: bool) -> None:
         self.is_expected = is_expected
         self.complete_mono = now.mono
+        self.was_complete = False
         self.heard_mono = now.mono
         self.report: Optional[CopyReport] = None
         self.warning = ""  # the last one that was logged
@@ -114,6 +118,7 @@ class Copies:
             copy = self._copies[report.place] = _Copy(now, is_expected=False)
         copy.heard_mono, copy.report = now.mono, report
         if report.is_of_this_box:
+            copy.was_complete = copy.was_complete or report.behind_s < REPLACED_S
             copy.complete_mono = max(copy.complete_mono, now.mono - max(0.0, report.behind_s))
         warning = copy.why_behind(now) if self._is_late(now, copy) else ""
         before, copy.warning = copy.warning, warning
@@ -144,6 +149,11 @@ class Copies:
         copy = self._copies.get(STANDBY)
         is_young = copy is not None and copy.report is None and now.mono - copy.heard_mono < SILENT_S
         return None if is_young else copy is not None and copy.is_connected(now)
+
+    def may_be_replaced(self, now: Now) -> bool:
+        """Whether the standby may have taken over, and may command the same robots, without a word from it here."""
+        copy = self._copies.get(STANDBY)
+        return copy is not None and copy.was_complete and now.mono - copy.complete_mono >= REPLACED_S
 
     @property
     def answered(self) -> int:

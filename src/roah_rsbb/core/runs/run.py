@@ -60,9 +60,10 @@ WAITING = say("Connected: waiting for the robot's first message")
 PREPARING = say("Robot preparing for the task")
 EXECUTING = say("Robot prepared, executing (no explicit goal)")
 FELL_BACK = say("Robot fell back to {state}: preparing again")
-ASKS = say("The robot reports STOP after a restart of the box: the referee decides")
-STOPPED_ITSELF = say("The robot reports STOP, and after its restart the box cannot know why. If the run was stopped, "
-                     "press STOP. If it was not, continue the run: then the robot prepares again, and may move")
+ASKS = say("The robot reports STOP, and the box cannot know why: the referee decides")
+STOPPED_ITSELF = say("The robot reports STOP, and the box cannot know why: it was restarted, or does not reach its "
+                     "standby. If the run was stopped, press STOP. If it was not, continue the run: then the robot "
+                     "prepares again, and may move")
 UNHEARD = say("The box was restarted, and has not heard the robot since: it may have been stopped, or still be moving. "
               "If the run was stopped, press STOP. If it was not, continue the run: then the robot may move")
 CONTINUED = say("The referee continues the run")
@@ -146,7 +147,9 @@ class RunState:
     strings: Strings = field(default_factory=dict)
     said: List[Said] = field(default_factory=list)  # the newest texts of the robot since the start of the run
     times: TimesState = field(default_factory=TimesState)
-    doubted: bool = False  # in progress since before a restart: a robot that stopped is not asked to prepare again
+    # In progress since before a restart, or another box may command it: a robot that stopped is not asked to prepare
+    # again.
+    doubted: bool = False
     away_s: float = 0.0  # for so long the box was away since the robot's last message (s)
     asks: bool = False  # the robot reported STOP in such a run: the referee decides
 
@@ -192,6 +195,7 @@ class RunContext(NamedTuple):
     show_map: Callable[[bool], bool]  # sets the tablet's view (True: map); returns whether it showed the other one
     last_beacon: Optional[Callable[[RobotId], Optional[float]]]  # see `ActiveRobots.last_beacon`; None: not known
     heard: Heard
+    may_be_replaced: Callable[[Now], bool]  # see `Copies`
 
 
 class ZoneRun(abc.ABC):
@@ -530,6 +534,7 @@ class Run(ZoneRun):
         self.devices = DeviceCommands(self.event.benchmark, self.state.devices)
         self._is_replayed = last_beacon is None
         self._show_map = context.show_map
+        self._may_be_replaced = context.may_be_replaced
         self._strings_budget = StringsBudget()
         self._unused_strings = assignment.event.benchmark.unused_strings  # the referee was not warned about these yet
         self._dropped_strings = self._unread = 0
@@ -708,6 +713,9 @@ class Run(ZoneRun):
         self._log_report(report)
         has_strings = self._take_strings(now, report)
         self._take_commands(now, report)
+        if (report.state is RobotState.STOP and heard.state_changed and self._is_in_progress
+                and before.state is not BoxState.STOP and self._may_be_replaced(now)):
+            self.state.doubted = self._is_heard = True
         if self.state.doubted:
             self._look_whether_it_continues(now, report)
         self._step(now, report)

@@ -1,6 +1,7 @@
 """After a restart or a takeover, a robot that was stopped stays stopped until a referee says otherwise.
 
 The box before may have sent STOP after the last state that this one knows: to a robot of any state, without a trace.
+So may a box that took over while this one lives on.
 """
 
 import itertools
@@ -11,6 +12,7 @@ from helpers.box_driver import MONO0, BoxDriver
 from helpers.competition import competition, event
 from helpers.module_player import FakeModules
 from roah_rsbb.core import effects
+from roah_rsbb.core.copies import REPLACED_S, STANDBY, CopyReport
 from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.core.runs.run import SETTLED_S, UnrecordedStop
 from roah_rsbb.model.clock import Now
@@ -23,7 +25,7 @@ from roah_rsbb.robot.machine import box_transition
 TASK, GOALS, ALL = "HGTKMH", "HNF", "HSUF"
 MOVES = (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING, RobotState.RESULT_TX)
 GOAL = {"timeout": 60.0, "goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}
-STOPPED_ITSELF, UNHEARD = "The robot reports STOP, and after its restart", "The box was restarted, and has not heard"
+STOPPED_ITSELF, UNHEARD = "The robot reports STOP, and the box cannot know", "The box was restarted, and has not heard"
 
 
 def config(code):
@@ -233,6 +235,30 @@ def test_the_next_restart_knows_that_the_referee_has_not_decided():
     assert STOPPED_ITSELF in third.view().warnings[0]
     third.taken_over(robot).lives(10.0)
     assert set(third.sent) == {BoxState.STOP}
+
+
+@pytest.mark.parametrize("has_copy", [True, False])
+@pytest.mark.parametrize("code, state", SAVED)
+def test_a_standby_that_may_have_taken_over_may_have_stopped_the_robot(code, state, has_copy):
+    """A robot that hears both boxes obeys both, as the original ones do."""
+    driver, robot, _ = saved_in(code, state)
+    driver.event(driver.box.on_copy_report, CopyReport(STANDBY, True, 0.1, 0, ""))
+    robot.says(RobotState.PREPARING if state is BoxState.PREPARE else RobotState.EXECUTING)
+    robot.lives(REPLACED_S)
+    driver.event(driver.box.on_copy_report, CopyReport(STANDBY, True, 0.1 if has_copy else REPLACED_S, 0, ""))
+    robot.says(RobotState.STOP)
+    robot.lives(10.0)
+    run, = driver.run_in().members()
+    asks = not has_copy and state is not BoxState.STOP  # which is this box's own
+    assert any(STOPPED_ITSELF in text for text in driver.view().warnings) == asks
+    if asks:
+        assert run.message.state is BoxState.STOP
+        driver.command("continue")
+    assert run.message.state is (BoxState.STOP if state is BoxState.STOP else BoxState.PREPARE)
+    if asks:
+        robot.says(RobotState.PREPARING)
+        robot.says(RobotState.STOP)
+        assert run.message.state is BoxState.STOP
 
 
 def test_a_robot_that_was_left_out_does_not_join_the_others_after_a_restart():
