@@ -16,8 +16,11 @@ from addresses import BOX_HOST, BROADCAST
 from fleet import Fleet
 from processes import ROOT, Box, Measured, wait
 
+from roah_rsbb.arguments import without_ros
+from roah_rsbb.box.program.supervisor import COPIES
 from roah_rsbb.copies.copy import CannotReadJournal
 from roah_rsbb.copies.segments import JournalSegments
+from roah_rsbb.copies.settings import CopySettings
 from roah_rsbb.journal import log
 from roah_rsbb.journal.contents import open_journal
 from roah_rsbb.journal.file import FILE_NAME
@@ -63,17 +66,16 @@ class Cost(NamedTuple):
 def standby(log_dir: pathlib.Path, passwords: pathlib.Path) -> Iterator["Standby"]:
     """A standby of the box that has its journal there, in two processes as usual."""
     with tempfile.TemporaryDirectory(prefix="roah_rsbb_bench.") as far, contextlib.ExitStack() as cleanup:
-        settings: Dict[str, object] = {"log_dir": log_dir, "standby_port": PORT, "bind_host": BOX_HOST,
-                                       "rsbb_host": BROADCAST, "passwords_file": passwords}
-        node = Measured(str(ROOT / "scripts" / "roah_rsbb_backup"), *(f"_{k}:={v}" for k, v in settings.items()))
-        cleanup.callback(node.close)
-        wait(lambda: "For a code, enter" in node.text, "a standby can be paired")
+        settings = CopySettings(str(log_dir), "", PORT, BOX_HOST, str(passwords), BROADCAST, 6666, "")
+        copying = Measured(*without_ros(COPIES, *settings.words))
+        cleanup.callback(copying.close)
+        wait(lambda: "For a code, enter" in copying.text, "a standby can be paired")
         code = make_code(str(log_dir))
         follower = Measured(str(ROOT / "scripts" / "standby"), "follow", BOX_HOST, "--port", str(PORT), "--code", code,
                             "--log-dir", far, f"bind_host:={STANDBY_HOST}")
         cleanup.callback(follower.close)
-        wait(lambda: "is connected from" in node.text, "the standby is connected", COPIED_S)
-        yield Standby(pathlib.Path(far), [node, follower])
+        wait(lambda: "is connected from" in copying.text, "the standby is connected", COPIED_S)
+        yield Standby(pathlib.Path(far), [copying, follower])
 
 
 class Lag:

@@ -4031,13 +4031,13 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>
-        <source>the program that copies it does not report. See the terminal of the box; with ROS it is the node roah_rsbb_backup</source>
-        <translation>Das Programm, das es kopiert, meldet sich nicht. Sehen Sie im Terminal der Box nach; mit ROS ist es der Knoten roah_rsbb_backup</translation>
+        <source>the program that copies it does not report. See the terminal of the box</source>
+        <translation>Das Programm, das es kopiert, meldet sich nicht. Sehen Sie im Terminal der Box nach</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>
-        <source>the journal of this core is not copied yet. If this lasts, the program that copies it has another log_dir: end it, and start it with that of the core</source>
-        <translation>das Journal dieses Cores wird noch nicht kopiert. Wenn das so bleibt, hat das Programm, das es kopiert, ein anderes log_dir: beenden Sie es, und starten Sie es mit dem des Cores</translation>
+        <source>the journal of this core is not copied yet. If this lasts, the program that copies it has another log_dir: end it, and the box starts it again</source>
+        <translation>das Journal dieses Cores wird noch nicht kopiert. Wenn das so bleibt, hat das Programm, das es kopiert, ein anderes log_dir: beenden Sie es, und die Box startet es neu</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>

@@ -9,8 +9,14 @@ from typing import Any, Callable, List, NoReturn, TypeVar
 T = TypeVar("T")
 
 
+# In the environment of what a box with ROS starts.
+WITH_ROS = "ROAH_RSBB_WITH_ROS"
+
+
 def is_without_ros() -> bool:
-    """Whether this program is a command of `roah-rsbb`, which pip installed."""
+    """Whether users start this program, or the one that started it, as a command of `roah-rsbb`, which pip installed."""
+    if WITH_ROS in os.environ:
+        return False
     # team.py is that of `python -m roah_rsbb.tools.team`; also roah-rsbb.exe, roah-rsbb.pyz.
     program = os.path.basename(sys.argv[0])
     return program == "team.py" or program.partition(".")[0] == "roah-rsbb"

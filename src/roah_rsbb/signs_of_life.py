@@ -97,6 +97,11 @@ class Lifeline:
         self._sizes = {name: _size(name, value) for name, value in self.kept.items()}
         self.use(log_dir or self.kept.get(LOG_DIR, ""))
 
+    @property
+    def has_supervisor(self) -> bool:
+        """Whether something starts the core again."""
+        return self._supervisor is not None
+
     def use(self, log_dir: str) -> None:
         """Be the core of this log_dir; empty: it is not known yet."""
         self._log_dir = log_dir

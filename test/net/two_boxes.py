@@ -215,7 +215,7 @@ class Computer:
 
     def let_only_copy(self) -> None:
         """Stop all its processes, except the one that copies the journal."""
-        self.signal(signal.SIGSTOP, *(["copies"] if self.kind == WITHOUT_ROS else ["__name:=roah_rsbb_backup"]))
+        self.signal(signal.SIGSTOP, "copies")
 
     @property
     def restarts(self) -> str:

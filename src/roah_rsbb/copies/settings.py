@@ -24,9 +24,6 @@ class CopySettings(NamedTuple):
         return [f"{name}:={value}" for name, value in values] if self.backup_dir or self.standby_port else []
 
 
-NOTHING = CopySettings("", "", 0, "", "", "", 0, "")
-
-
 def copy_settings(params: Params) -> CopySettings:
     """Read them. Raises `BadParams`."""
     found = CopySettings(

@@ -4,6 +4,7 @@ import contextlib
 import os
 import pathlib
 import re
+import signal
 import socket
 import tempfile
 from typing import Any, Dict, Iterable, List
@@ -15,13 +16,14 @@ from support.box_client import BoxClient, Refusal
 from support.own_core import OTHER, OTHER_CORE, PARAMS, Core, OwnCoreCase
 from support.programs import Program, own, run
 from support.referee_program import called
-from support.robots import BOX, BROADCAST, RSBB_PORT
+from support.robots import BOX, RSBB_PORT
 from support.waiting import LIMIT_S, wait_until
 
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError
 from roah_rsbb.msg import CoreToPublic
+from roah_rsbb.standby.program.copying import LOCK
 
 ZONE = "Home"
 PORT = RSBB_PORT + 94
@@ -55,23 +57,19 @@ class TestBackup(OwnCoreCase):
         self.stick.mkdir()
 
     def start_with(self, durable: str = "", **params: Any) -> None:
-        """Start the core and the node that copies, both with these parameters. `durable`: what the schedule says."""
+        """Start the core, which starts the program that copies. `durable`: what the schedule says."""
         self.schedule = self.folder / "schedule.yaml"
         text = PARAMS["schedule_file"].read_text("utf-8")
         self.schedule.write_text(text + (f"- durable: {durable}\n" if durable else ""), "utf-8")
         # Parameters stay on the master after a test.
         params = {"backup_dir": "none", "standby_port": 0, **params}
         self.start_core(self.log_dir, schedule_file=self.schedule, **params)
-        self.start_backup(**params)
-
-    def start_backup(self, **params: Any) -> None:
-        """Start the node that copies."""
-        params = {"log_dir": self.log_dir, "bind_host": BOX, "passwords_file": PARAMS["passwords_file"],
-                  "rsbb_host": BROADCAST, "rsbb_port": RSBB_PORT, **params}
-        self.backup = self._leaving(Program(
-            own("roah_rsbb_backup"), *(f"_{name}:={value}" for name, value in params.items())))
         if params["standby_port"]:
-            self.backup.wait_printed("can be paired on TCP port")
+            self.core.wait_printed("can be paired on TCP port")
+
+    def end_copying(self) -> None:
+        """End the program that copies. The core starts it again, if it runs."""
+        os.kill(int((self.log_dir / LOCK).read_text("ascii").split()[0]), signal.SIGTERM)
 
     def wait_copied(self, text: str, folder: pathlib.Path) -> None:
         """Wait until the copy in a folder has an entry."""
@@ -105,7 +103,7 @@ class TestBackup(OwnCoreCase):
         # The box hangs, and its standby takes over.
         self.core.stop()
         self.addCleanup(self.core.proceed)
-        self.backup.close()
+        self.end_copying()
         taken = self.take_over(far)
         follower.wait_ended()
         other = self.start_other_core(taken)
@@ -197,7 +195,7 @@ class TestBackup(OwnCoreCase):
 
         # When it is lost, STOP and the end of the run are as always.
         follower.close()
-        self.backup.wait_printed("the standby is not connected")
+        self.core.wait_printed("the standby is not connected")
         wait_until(lambda: self.enter(0), "the loss was seen")
         self.assertIn("the standby is not connected. It connects by itself: check that it runs", self.enter(1))
         self.box.command("stop", ZONE)
@@ -229,21 +227,19 @@ class TestBackup(OwnCoreCase):
         name = socket.gethostname()
         warning = self.wait_warned(f"instead of {name} at {BOX}")
         self.assertIn(f"The standby is {name} at ", warning)
-        wait_until(lambda: any("instead of" in line for line in logged), "the log has it, too")
+        self.core.wait_printed("instead of")
         unused = self.code()
-        self.backup.close()
-        self.start_backup(standby_port=PORT)
-        for text in (*logged, str(self.box.document), self.backup.text, self.core.text):
+        self.end_copying()
+        self.core.wait_printed("can be paired on TCP port", times=2)
+        for text in (*logged, str(self.box.document), self.core.text):
             self.assertNotIn(code, text)
             self.assertNotIn(unused, text)
 
     def test_others_may_read_neither_journal_nor_copies(self) -> None:
-        """Also if the node that copies is the first one that needs log_dir."""
         far = self.folder / "far"
-        settings = {"backup_dir": self.stick, "standby_port": PORT}
-        self.start_backup(**settings)
+        self.start_core(self.log_dir, backup_dir=self.stick, standby_port=PORT)
+        self.core.wait_printed("can be paired on TCP port")
         self.assertEqual(mode_of(self.log_dir), 0o750)
-        self.start_core(self.log_dir, **settings)
         self.start_standby(far).wait_printed("The copy is kept")
         self.wait_no_warning(COPY)
         self.assertEqual(mode_of(far), 0o750)

@@ -20,6 +20,7 @@ from support.waiting import wait_until
 from roah_rsbb.document.place import read_place
 from roah_rsbb.journal.file import holder_of
 from roah_rsbb.nodes.core.node import NO_MASTER
+from roah_rsbb.standby.program.copying import LOCK
 
 NODE = "/field/other_core"
 
@@ -28,13 +29,15 @@ class TestSupervisedCore(OwnCoreCase):
     def test_the_node_is_started_again_with_all_that_it_was_given(self) -> None:
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        log_dir = str(pathlib.Path(folder.name, "log"))
+        log_dir, stick = (pathlib.Path(folder.name, name) for name in ("log", "stick"))
+        stick.mkdir()
         program = self._leaving(Program(own("roah_rsbb_core"), *OTHER_CORE, *(
-            f"_{name}:={value}" for name, value in {**PARAMS, "log_dir": log_dir}.items()), ROS_NAMESPACE="/field"))
-        parent, before = program.pid, [0]
+            f"_{name}:={value}" for name, value in {**PARAMS, "log_dir": log_dir, "backup_dir": stick}.items()),
+            ROS_NAMESPACE="/field"))
+        parent, before, copying = program.pid, [0], set()
 
         def next_core() -> int:
-            pid = holder_of(log_dir) if os.path.isdir(log_dir) else 0
+            pid = holder_of(str(log_dir)) if log_dir.is_dir() else 0
             return pid if pid not in before and process_of(NODE) == pid else 0
 
         for number in (0, signal.SIGKILL, signal.SIGTERM):
@@ -49,8 +52,13 @@ class TestSupervisedCore(OwnCoreCase):
             self.assertEqual(rosservice.get_service_node("/other/core/stop"), NODE)
             wait_until(lambda: rospy.has_param("/other/roah_rsbb_door"), "the door is published")
             rospy.delete_param("/other/roah_rsbb_door")  # the next node publishes it again, when it handles signals
+            wait_until(lambda: list(stick.rglob("*.log")), "the journal is copied")
+            copying.add((log_dir / LOCK).read_text("ascii"))
         self.assertEqual(program.wait_ended(), 0, "as without a supervisor: roslaunch starts the next one")
         self.assertIn("The box has ended unexpectedly (-9)", program.text)
+        pid, of = copying.pop().split()
+        self.assertEqual((int(of), copying), (parent, set()), "one program copies for all cores")
+        self.assertFalse(os.path.exists(f"/proc/{pid}"), "and ends with the supervisor")
 
     def test_nothing_is_left_of_a_program_that_is_killed_or_interrupted(self) -> None:
         for number in (signal.SIGKILL, signal.SIGINT, signal.SIGTERM, signal.SIGHUP):

@@ -64,6 +64,7 @@ class TestNewCompetition(NetworkCase):
         self.assertLessEqual({"configuration.json", "used_private_ports"}, set(modes))
         for name in os.listdir(os.path.join(log_dir, FILE_NAME)):
             modes[name] = os.stat(os.path.join(log_dir, FILE_NAME, name)).st_mode & 0o777
+        self.assertEqual(modes.pop("door.json"), 0o600)
         self.assertEqual(set(modes.values()), {0o640}, modes)
 
     def test_from_nothing_to_a_robot_in_a_run(self) -> None:

@@ -138,7 +138,8 @@ def main(arguments: Optional[List[str]] = None) -> None:
 
         log_to_terminal()
         command = without_ros("run", *given, ALONE)
-        sys.exit(supervise(command, [*command, SILENT], lambda: copy_settings(_settings(options.folder, given))))
+        sys.exit(supervise(
+            command, [*command, SILENT], lambda memory: copy_settings(_settings(options.folder, given))))
     gc.disable()  # what is imported is no garbage, and to search it again and again takes a fifth of the start
     import asyncio
 

@@ -56,6 +56,7 @@ class BoxProgram:
         self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
         self._sounds = Sounds(settings)
         _make_folder(params.log_dir)
+        copying = copy_settings(settings)
         lifeline, self._parent = Lifeline(params.log_dir), os.getppid()
 
         def is_left() -> bool:
@@ -74,7 +75,7 @@ class BoxProgram:
         if settings.flag("web", True) and not settings.given("web_cert"):
             lifeline.keep(WEB_PORT, str(settings.whole("web_port", 8081, 0, 65535)))
         self._web = WebParts(loop, settings, self.running, make_peer)
-        self._copying = CopyingProcess(copy_settings(settings))
+        self._copying = CopyingProcess(lambda: copying)
         self._door_files: List[str] = []
         self._tasks: List[asyncio.Task] = []  # a loop does not keep them
         self._loop, self._params, self._is_supervised = loop, params, bool(launch)

@@ -6,8 +6,8 @@ After `MOST_FAILURES` that were started in vain, the barest core is what is left
 connected, which takes over. The same holds while a box that was killed cannot end because its disk hangs: it still has
 the lock of the journal and the ports.
 
-Beside the box without ROS runs the program that copies the journal, if it is to be copied: when the box does not
-answer, that one hands over to the standby.
+Beside the box runs the program that copies the journal, if it is to be copied: when the box does not answer, that one
+hands over to the standby.
 """
 
 import logging
@@ -17,7 +17,7 @@ import signal
 import subprocess
 import time
 import uuid
-from typing import Callable, Mapping, Optional, Sequence
+from typing import Callable, List, Mapping, Optional, Sequence
 
 from roah_rsbb.arguments import without_ros
 from roah_rsbb.copies.settings import CopySettings
@@ -55,17 +55,27 @@ _log = logging.getLogger(__name__)
 class CopyingProcess:
     """The program that copies the journal, started again when it ends. Call `look` often."""
 
-    def __init__(self, settings: CopySettings) -> None:
-        """It is never started if nothing is to be copied."""
-        self._command = without_ros(COPIES, *settings.words) if settings.words else []
+    def __init__(self, read: Callable[[], Optional[CopySettings]]) -> None:
+        """`read` returns the settings, and None as long as they are not known; it may raise `BadParams`. The program is
+        never started if nothing is to be copied."""
+        self._read = read
+        self._words: Optional[List[str]] = None
         self._process: Optional[subprocess.Popen] = None
         self._due_mono = float("-inf")
 
+    def read(self) -> List[str]:
+        """Return the settings as the program gets them; empty: it is not to be started, or not yet."""
+        if self._words is None:
+            settings = self._read()
+            self._words = None if settings is None else settings.words
+        return self._words or []
+
     def look(self) -> None:
         """Start it, if that is due."""
-        if self._command and time.monotonic() >= self._due_mono and (
+        if self.read() and time.monotonic() >= self._due_mono and (
                 self._process is None or self._process.poll() is not None):
-            self._process, self._due_mono = subprocess.Popen(self._command), time.monotonic() + COPYING_PAUSE_S
+            self._process = subprocess.Popen(without_ros(COPIES, *self.read()))
+            self._due_mono = time.monotonic() + COPYING_PAUSE_S
 
     def end(self) -> None:
         """Let it copy what the box wrote last, and end it."""
@@ -128,12 +138,13 @@ class _Course:
         return 2.0 ** max(0, min(math.ceil(self._left()), MOST_FAILURES) - 1)
 
 
-def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], CopySettings],
-              start_s: float = START_S) -> int:
+def supervise(command: Sequence[str], again: Sequence[str],
+              read: Callable[[Mapping[str, str]], Optional[CopySettings]], start_s: float = START_S) -> int:
     """Run a box until somebody ends it through its door or this process is interrupted; returns its exit status.
 
     `command` starts it for the first time, which may take `start_s` seconds, and `again` continues its runs. `read`
-    reads its settings, or raises `BadParams`: the box then says what is wrong, and ends.
+    reads its settings, of which its memory may say more (None: not yet), or raises `BadParams`: the box then says what
+    is wrong, and ends.
     """
     environment = {**os.environ, LAUNCH: str(uuid.uuid4())}
     wishes: list = []  # signals that this process got
@@ -142,8 +153,9 @@ def supervise(command: Sequence[str], again: Sequence[str], read: Callable[[], C
     ignore_stops()
     core, course = Supervision(time.monotonic), _Course(start_s)
     box = core.start(command, environment)
+    copying = CopyingProcess(lambda: read(core.memory))
     try:
-        copying = CopyingProcess(read())
+        copying.read()
     except BadParams:
         return box.wait()
     try:

@@ -8,7 +8,7 @@ import time
 from typing import Callable, NamedTuple, Sequence
 
 from roah_rsbb.box.box_door import BoxDoor
-from roah_rsbb.client.places import PARAM, file_of
+from roah_rsbb.client.places import PARAM, door_file_in, file_of
 from roah_rsbb.document.place import NotFound, read_place, write_place
 from roah_rsbb.web.serving import ANY_HOST, ServeError
 
@@ -22,7 +22,7 @@ class DoorHosts(NamedTuple):
 
     bind: str
     remote: str  # its name for other computers
-    master_uri: str  # empty: the box has no file, because it is not the only one at this master
+    master_uri: str  # empty: the box has no file for it, because it is not the only one at this master
 
 
 def hosts_of_node() -> DoorHosts:
@@ -38,15 +38,16 @@ class PublishedDoor:
     """The door of a node's box, and where it is. Only `publish` needs ROS."""
 
     def __init__(self, door: BoxDoor, hosts: DoorHosts, known: Sequence[str] = (),
-                 on_path: Callable[[str], object] = lambda path: None) -> None:
-        """`known`: the path of the file, if the box had one before. `on_path` gets the path, in a thread."""
-        self._door, self._hosts, self._on_path = door, hosts, on_path
-        self._known, self._path = known, ""  # of the file
+                 on_paths: Callable[[Sequence[str]], object] = lambda paths: None, log_dir: str = "") -> None:
+        """`known`: the paths of the files, if the box had them before. `on_paths` gets them, in a thread. `log_dir`:
+        there is another file, for what belongs to the box; empty: there is none."""
+        self._door, self._hosts, self._on_paths, self._log_dir = door, hosts, on_paths, log_dir
+        self._paths: Sequence[str] = known
         self._port = 0
         self._is_closed = False
 
     def open(self) -> None:
-        """Let clients in, and say in the file where. Logs what prevents it, with the remedy: the original interface
+        """Let clients in, and say in files where. Logs what prevents it, with the remedy: the original interface
         remains."""
         host = self._hosts.bind
         try:
@@ -54,8 +55,8 @@ class PublishedDoor:
         except ServeError as error:
             _log.error("No panel can follow this box: %s", error)
             return
-        if self._hosts.master_uri:
-            self._publish(lambda: self._write_place(_url("127.0.0.1" if host == ANY_HOST else host, self._port)))
+        if self._hosts.master_uri or self._log_dir:
+            self._publish(lambda: self._write_places(_url("127.0.0.1" if host == ANY_HOST else host, self._port)))
 
     def publish(self) -> None:
         """Set the parameter. In any thread, after `open` and `rospy.init_node`."""
@@ -65,20 +66,22 @@ class PublishedDoor:
             self._publish(lambda: rospy.set_param(
                 PARAM, {"url": _url(self._hosts.remote, self._port), "token": self._door.token}))
 
-    def _write_place(self, url: str) -> None:
-        self._path = self._known[0] if self._known else file_of(self._hosts.master_uri)
-        if self._path:
-            write_place(self._path, url, self._door.token)
-            self._on_path(self._path)
+    def _write_places(self, url: str) -> None:
+        self._paths = self._paths or [path for path in (
+            file_of(self._hosts.master_uri) if self._hosts.master_uri else "",
+            door_file_in(self._log_dir) if self._log_dir else "") if path]
+        for path in self._paths:
+            write_place(path, url, self._door.token)
+        self._on_paths(self._paths)
 
     def close(self) -> None:
         """End all connections. The file goes, so that nobody looks for a box that is over."""
         self._is_closed = True
         self._door.close()
-        if self._path:
+        for path in self._paths:
             with contextlib.suppress(OSError, NotFound):
-                if read_place(self._path).token == self._door.token:  # another box may have written its own
-                    os.unlink(self._path)
+                if read_place(path).token == self._door.token:  # another box may have written its own
+                    os.unlink(path)
 
     def _publish(self, where: Callable[[], object]) -> None:
         """Publish where the door is, until it succeeds. In a thread, because a disk or a master may hang."""

@@ -4,7 +4,7 @@ Parameters (private; docs/ros_interface.md, "Parameters" explains them): rsbb_ho
 benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, public_provisional, public_robot_texts,
 standings_file, rsbb_cypher, private_mode, robot_timeout, allowed_skew, after_stop_duration, check_messages_saved,
 check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_duration, take_over, backup_dir,
-standby_port, end_launch. Of its neighbours: bell_ring_command, timeout_ring_command.
+standby_port, end_launch. Of its neighbours: bell_ring_command, timeout_ring_command; modules_dir, for a standby.
 """
 
 import asyncio
@@ -20,8 +20,10 @@ from roah_rsbb.box.calls import exit_call
 from roah_rsbb.box.parameters import read_parameters
 from roah_rsbb.box.program.main import log_to_terminal
 from roah_rsbb.box.program.parts import Sounds
+from roah_rsbb.box.program.supervisor import CopyingProcess
 from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
+from roah_rsbb.copies.settings import copy_settings
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.document.calls import EXIT, InThread
 from roah_rsbb.durable import close_to_others
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
 
 # Until referees are warned, if the node is not registered at the ROS master. On a slow computer, rospy takes seconds.
 MASTER_S = 10.0
+LOOK_S = 1.0
 NO_MASTER = ("The ROS master does not answer, or not completely: robots, pages and terminals are served, but no node "
              "of ROS. Check roscore or the roslaunch that started it")
 MASTER_ANSWERS = "The ROS master answers again"
@@ -53,6 +56,8 @@ class CoreNode:
         """`run_id`: of the launch. rospy need not be initialised."""
         found = read_parameters(params)
         self._sounds = Sounds(params)
+        copying = copy_settings(params)
+        self._copying = CopyingProcess(lambda: copying)
         lifeline.use(found.log_dir)
 
         def is_ended() -> bool:
@@ -69,7 +74,8 @@ class CoreNode:
         running.door.add_calls({EXIT: exit_call(running.door.publish, lambda: InThread(_exit))})
         self._published = PublishedDoor(
             running.door, hosts, json.loads(lifeline.kept.get(DOORS, "[]")),
-            lambda path: self.loop.call_soon_threadsafe(lifeline.keep, DOORS, json.dumps([path])))
+            lambda paths: self.loop.call_soon_threadsafe(lifeline.keep, DOORS, json.dumps(paths)), found.log_dir)
+        self._is_supervised = lifeline.has_supervisor
         self._ros: Optional[RosSide] = None
         self._rang = False
         self._devices: Dict[str, SetDevice] = {}
@@ -83,6 +89,8 @@ class CoreNode:
         self.loop.call_soon(self._published.open)  # it serves in the loop that is running
         threading.Thread(target=self._join_ros, name="ROS", daemon=True).start()
         self.loop.call_later(MASTER_S, self._warn)
+        if not self._is_supervised:
+            self._keep_copying()
         for number in (signal.SIGINT, signal.SIGTERM):
             self.loop.add_signal_handler(number, self._stop, f"signal {number}")
         self.loop.run_forever()
@@ -91,10 +99,16 @@ class CoreNode:
             self._ros.close_services()
         self._sounds.close()
         self.running.close()
+        self._copying.end()
         if self._ros is not None:
             self._ros.close(self._why)
         else:
             platform.end_loop(self.loop)
+
+    def _keep_copying(self) -> None:
+        """Copy the journal; of a node with a supervisor, that one does."""
+        self.loop.call_later(LOOK_S, self._keep_copying)
+        self._copying.look()
 
     def _stop(self, why: str) -> None:
         self._why = why

@@ -34,6 +34,8 @@ SHUTDOWN = "roah_rsbb_shutdown"  # the service of the node that ends the launch
 # Seconds. The node that ends the launch may still be starting, and ending takes some time.
 END_LAUNCH_S = 10.0
 MASTER_LOOK_S = 0.5
+# Seconds in which programs on a busy computer find the topics of a core that follows another one.
+LISTENERS_S = 10.0
 
 
 def join(on_look: Callable[[], object] = lambda: None) -> None:
@@ -69,7 +71,7 @@ class RosSide:
         self._ros = ros = RosLoop(loop)
         self._running = running
         self._public_due = 0.0  # monotonic (s)
-        self._timeout = rospy.Publisher("/timeout", Empty, queue_size=1)
+        self._timeout, self._listeners_until = rospy.Publisher("/timeout", Empty, queue_size=1), loop.time() + LISTENERS_S
         self.others = OtherNodes(ros, on_bell)
         self.others.open(running)
         self._topics = OriginalTopics(ros, running.box, running.now, running.door.publish)
@@ -83,9 +85,13 @@ class RosSide:
         self._ros.end_with_node()
 
     def publish_timeout(self) -> None:
-        """A run timed out."""
+        """A run timed out, maybe while the core was down: shortly after the start, wait for the first one to listen."""
         self._running.core.fence.check()
-        publish(self._timeout, Empty())
+        loop = self._ros.loop
+        if self._timeout.get_num_connections() > 0 or loop.time() > self._listeners_until:
+            publish(self._timeout, Empty())
+        else:
+            loop.call_later(PERIOD_S, self.publish_timeout)
 
     def close_services(self) -> None:
         """Take no more calls."""

@@ -6,10 +6,15 @@ as if it was this one. If this process is killed, the node ends, too, and roslau
 """
 
 import gc
+import json
 import os
 import sys
+from typing import Mapping, Optional
 
-from roah_rsbb.signs_of_life import LIFELINE
+from roah_rsbb.arguments import WITH_ROS
+from roah_rsbb.copies.settings import CopySettings, copy_settings
+from roah_rsbb.params import KnownParams
+from roah_rsbb.signs_of_life import LIFELINE, ROS_START
 
 
 def main() -> None:
@@ -17,6 +22,7 @@ def main() -> None:
     from roah_rsbb.box.program.main import ALONE, log_to_terminal
 
     is_alone = ALONE in sys.argv
+    os.environ[WITH_ROS] = "1"
     if LIFELINE in os.environ or is_alone:
         gc.disable()  # what is imported is no garbage, and to search it again and again takes a fifth of the start
         from roah_rsbb.nodes.core.node import main as run_node
@@ -31,11 +37,17 @@ def main() -> None:
         run_node()
         return
     from roah_rsbb.box.program.supervisor import supervise
-    from roah_rsbb.copies.settings import NOTHING
     from roah_rsbb.durable import close_to_others
 
     close_to_others()
     log_to_terminal()
     command = [sys.executable, *sys.argv]
-    # The first one may wait for a master as long as it likes. The node roah_rsbb_backup copies.
-    sys.exit(supervise(command, command, lambda: NOTHING, float("inf")))
+    # The first one may wait for a master as long as it likes.
+    sys.exit(supervise(command, command, _copies, float("inf")))
+
+
+def _copies(memory: Mapping[str, str]) -> Optional[CopySettings]:
+    """Return what is to be copied, once the node knows its parameters."""
+    if ROS_START not in memory:
+        return None
+    return copy_settings(KnownParams(json.loads(memory[ROS_START])[0]))

@@ -1,9 +1,9 @@
 """The program that copies the journal, continuously: to a second folder, such as a USB stick (docs/backup.md), and to a
 standby, which is a second computer (docs/standby.md).
 
-It reads the journal in log_dir, which the core writes. The core never waits for it: it is a process of its own, with
-ROS the node roah_rsbb_backup (`nodes/backup.py`), without ROS a child of the box's supervisor. Through the door of the
-box it says once a second how complete each copy is, and the core warns the referees if one is behind.
+It reads the journal in log_dir, which the core writes. The core never waits for it: it is a process of its own, a child
+of the box's supervisor. Through the door of the box it says once a second how complete each copy is, and the core warns
+the referees if one is behind.
 """
 
 import contextlib
@@ -215,7 +215,7 @@ def _only_one(log_dir: str) -> IO[str]:
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> None:
-    """Copy the journal of a box without ROS. `arguments`: `CopySettings.words`."""
+    """Copy the journal of a box. `arguments`: `CopySettings.words`."""
     close_to_others()
     log_to_terminal()
     ended, parent = threading.Event(), os.getppid()

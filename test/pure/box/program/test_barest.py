@@ -48,7 +48,6 @@ main()
 SUPERVISOR = """
 import sys
 from roah_rsbb.box.program import supervisor
-from roah_rsbb.copies.settings import NOTHING
 supervisor.PAUSE_S, supervisor.STEADY_S = 0.0, 1e6
 # Nobody waits long for a box that failed before, but the barest core for as long as a busy computer takes.
 supervisor._Course.patience_s = property(lambda self: 60.0 if self.is_barest else 0.2)
@@ -56,7 +55,7 @@ start_s = float(sys.argv[2])
 supervisor._Course.start_s = property(lambda self: 60.0 if self.is_barest or not self.failures else start_s)
 supervisor.without_ros = lambda *words: [sys.executable, "-c", sys.argv[1], *words]
 command = [sys.executable, "-c", open("box.py").read()]
-sys.exit(supervisor.supervise(command, command, lambda: NOTHING))
+sys.exit(supervisor.supervise(command, command, lambda memory: None))
 """
 BOX_PROGRAM = """
 import json, os, signal, sys, time

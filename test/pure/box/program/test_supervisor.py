@@ -25,7 +25,7 @@ command, copies = ([sys.executable, "-c", open(name).read()] for name in ("box.p
 supervisor.without_ros = lambda *words: copies if words[0] == "copies" else [*command, *words]
 supervisor.COPYING_PAUSE_S = supervisor.PAUSE_S = 0.0
 settings = CopySettings(".", "stick", 0, "0.0.0.0", "none", "127.255.255.255", 6666, "")
-sys.exit(supervisor.supervise(command, [*command, "again"], lambda: settings))
+sys.exit(supervisor.supervise(command, [*command, "again"], lambda memory: settings))
 """
 
 
