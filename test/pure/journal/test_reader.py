@@ -189,8 +189,8 @@ def test_what_cannot_be_read_is_said_with_the_remedy(writer, tmp_path, monkeypat
     assert "this folder has no journal" in error_of(tmp_path / "empty")
     writer.close()
     text = tmp_path / "text"
-    text.write_text("no database, but a text that is long enough to be one\n" * 100)
-    assert "or not a journal" in error_of(text)
+    text.write_text("a text\n" * 100)
+    assert "this is a file, and a journal is a folder" in error_of(text)
     monkeypatch.setattr(log, "VERSION", log.VERSION - 1)
     assert "a newer version of roah_rsbb" in error_of(writer.path)
 

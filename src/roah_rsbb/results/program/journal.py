@@ -52,12 +52,8 @@ def open_journal(options: argparse.Namespace, checks_all: bool = True) -> Journa
     """Open the journal. `checks_all`: check all of a large one for damage, which takes seconds."""
     path = options.journal or journal_in(os.path.expanduser(options.log_dir))
     reader = JournalReader(path, checks_all, lambda text: _warn_of_damage(reader, [text]))
-    try:
-        _warn_of_damage(reader, reader.damage)
-        _warn_of_fork(reader)
-    except JournalError:
-        reader.close()
-        raise
+    _warn_of_damage(reader, reader.damage)
+    _warn_of_fork(reader)
     return reader
 
 

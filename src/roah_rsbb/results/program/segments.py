@@ -16,8 +16,7 @@ def journals(options: argparse.Namespace) -> int:
     """The command of this name."""
     log_dir = os.path.expanduser(options.log_dir)
     found = glob.glob(os.path.join(glob.escape(log_dir), f"{FILE_NAME}*"))
-    # Those of earlier versions are files.
-    paths = sorted(path for path in found if os.path.isdir(path) or path.endswith(".sqlite3"))
+    paths = sorted(path for path in found if os.path.isdir(path))
     if not paths:
         raise Usage(f"there are no journals in {log_dir}: give the box's log_dir with --log-dir DIR")
     for path in paths:
@@ -34,11 +33,10 @@ def _print_journal(reader: JournalReader, in_utc: bool) -> None:
     begun = f"started {date_time(sessions[0].utc, in_utc)}" if sessions else "empty"
     last = f", last connected {date_time(known[-1].opened_utc, in_utc)}" if known else ""
     print(f"{reader.path}: {begun}, {len(known)} runs{last}")
-    if os.path.isdir(reader.path):
-        for segment in reader.segments():
-            begin = "no records" if not segment.count else f"from {date_time(segment.utc, in_utc)}"
-            print(f"  {segment.name}: {segment.bytes / 1e6:.1f} MB, {segment.count} records, {begin}"
-                  f"{', damaged' if segment.damage else ''}")
+    for segment in reader.segments():
+        begin = "no records" if not segment.count else f"from {date_time(segment.utc, in_utc)}"
+        print(f"  {segment.name}: {segment.bytes / 1e6:.1f} MB, {segment.count} records, {begin}"
+              f"{', damaged' if segment.damage else ''}")
     for text in reader.damage:
         print(f"  damaged: {text}")
 

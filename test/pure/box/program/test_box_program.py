@@ -366,7 +366,6 @@ def test_referees_are_warned_when_nobody_watches_the_box(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("module, unneeded", [
     ("box.settings", {"yaml", "asyncio"}),  # the supervisor reads the settings
-    ("journal.store", {"sqlite3"}),
     ("web.gateway", {"xml.etree.ElementTree"}),
 ])
 def test_a_process_imports_nothing_that_it_hardly_ever_needs(module, unneeded):

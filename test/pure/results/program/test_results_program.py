@@ -299,11 +299,9 @@ def test_a_data_set(run, journal, tmp_path):
 def test_the_journals_of_a_log_dir(run, journal, tmp_path):
     Writer(tmp_path).close()
     shutil.copytree(journal, tmp_path / "roah_rsbb_journal_aside_2025-11-22_10-00-00")
-    (tmp_path / "roah_rsbb_journal.sqlite3").write_text("no journal " * 1000)
     status, out, _ = run("journals", "--utc", "--log-dir", tmp_path, source=())
     assert status == 0
-    first, segment, old, aside, *_ = out.splitlines()
-    assert "or not a journal" in old
+    first, segment, aside, *_ = out.splitlines()
     assert aside.endswith("started 2025-11-21 11:00:00Z, 5 runs, last connected 2025-11-21 16:00:00Z")
     assert first.endswith("roah_rsbb_journal: started 2025-11-21 11:00:00Z, 0 runs")
     assert "journal-000001-" in segment and segment.endswith("1 records, from 2025-11-21 11:00:00Z")
