@@ -69,7 +69,7 @@ def lock(log_dir: str) -> Lock:
         fd = _locked(path)
         with contextlib.suppress(OSError):  # a full or read-only disk
             os.ftruncate(fd, 0)
-            platform.write_at(fd, f"{os.getpid()}\n".encode("ascii"), 0)
+            os.pwrite(fd, f"{os.getpid()}\n".encode("ascii"), 0)
     except OSError as error:
         if _may_be_there(path):
             raise DamagedJournal(_unusable(path, error)) from None
@@ -112,7 +112,7 @@ def _in_use(path: str, fd: int) -> str:
 
 
 def _pid_in(fd: int) -> int:
-    text = platform.read_at(fd, 20, 0).decode("ascii", errors="replace").strip()
+    text = os.pread(fd, 20, 0).decode("ascii", errors="replace").strip()
     return int(text) if text.isdigit() else 0
 
 
@@ -136,10 +136,10 @@ def _locked(path: str) -> int:
 
 def _lock_file(path: str) -> int:
     try:
-        return platform.open_file(path, os.O_RDWR | os.O_CREAT, 0o644)
+        return os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
     except OSError as error:
         with contextlib.suppress(OSError):  # a read-only file is enough for a lock
-            return platform.open_file(path, os.O_RDONLY)
+            return os.open(path, os.O_RDONLY)
         raise error
 
 

@@ -10,8 +10,6 @@ import pickle
 import signal
 from typing import BinaryIO, Callable, ContextManager, Iterator, List, NamedTuple, Sequence, TypeVar
 
-from roah_rsbb import platform
-
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 # Makes the function that does an item, once in each process.
@@ -32,7 +30,7 @@ class _Worker(NamedTuple):
 
 def usable_processors() -> int:
     """Return how many processes work at the same time on this computer."""
-    return min(MOST_PROCESSES, platform.processors())
+    return min(MOST_PROCESSES, len(os.sched_getaffinity(0)))
 
 
 @contextlib.contextmanager

@@ -360,8 +360,8 @@ class JournalReader:
                 "name it with --journal FOLDER"
             )
         if not os.path.isdir(self.path):
-            raise JournalError(f"{self.path}: this is a file, and a journal is a folder: name the folder {FILE_NAME} of "
-                               "a box's log_dir, or another copy of it")
+            raise JournalError(f"{self.path}: this is a file, and a journal is a folder: name the folder {FILE_NAME} "
+                               "of a box's log_dir, or another copy of it")
         try:
             for _ in range(ATTEMPTS):
                 found = open_journal(self.path)

@@ -52,13 +52,12 @@ def test_the_last_of_the_disk_belongs_to_the_journal(path, monkeypatch):
 
 KILLED = """
 import os, signal, sys
-from roah_rsbb import platform
 from roah_rsbb.run_logs.bag_file import write_bag
 step = sys.argv[2]
 def kill(*_):
     os.kill(os.getpid(), signal.SIGKILL)
 if step == "sync":
-    platform.sync = kill
+    os.fsync = kill
 else:
     os.replace = kill
 write_bag(sys.argv[1], [("/notification", "x" * 100, 1e9)] * 1000)

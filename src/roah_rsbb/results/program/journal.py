@@ -6,7 +6,7 @@ import sys
 from typing import List, Optional
 
 from roah_rsbb.journal.in_force import read_in_force
-from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
+from roah_rsbb.journal.reader import JournalReader, journal_in
 from roah_rsbb.results.runs import RunResult, find_record, run_result
 from roah_rsbb.wording import times
 from roah_rsbb.wording.texts import visible
