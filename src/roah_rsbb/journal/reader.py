@@ -137,12 +137,6 @@ class JournalReader:
         self._last = 0 if self._opened.newest is None else self._opened.newest.last
         self._checks_all = checks_all or self._is_small()
 
-    def __enter__(self) -> "JournalReader":
-        return self
-
-    def __exit__(self, *_exception: object) -> None:
-        pass
-
     # -- contents -----------------------------------------------------------------------------------
 
     def sessions(self) -> List[JournalSession]:

@@ -205,7 +205,8 @@ def read_steps(data: bytes) -> Iterator[Step]:
 
 
 def _read(path: str) -> None:
-    with contextlib.suppress(JournalError), JournalReader(path) as reader:
+    with contextlib.suppress(JournalError):
+        reader = JournalReader(path)
         reader.sessions()
         for run in reader.runs():
             reader.run(run.identity)

@@ -21,8 +21,7 @@ def journals(options: argparse.Namespace) -> int:
         raise Usage(f"there are no journals in {log_dir}: give the box's log_dir with --log-dir DIR")
     for path in paths:
         try:
-            with JournalReader(path) as reader:
-                _print_journal(reader, options.utc)
+            _print_journal(JournalReader(path), options.utc)
         except JournalError as error:
             print(error)
     return 0
@@ -43,18 +42,18 @@ def _print_journal(reader: JournalReader, in_utc: bool) -> None:
 
 def verify(options: argparse.Namespace) -> int:
     """The command of this name. The status is 1 if something is damaged or missing."""
-    with open_journal(options) as reader:
-        segments, damage = reader.segments(), reader.damage
-        if not damage:
-            count = sum(segment.count for segment in segments)
-            print(f"{reader.path}: all {count} records in {len(segments)} segments are intact")
-        return 1 if damage else 0
+    reader = open_journal(options)
+    segments, damage = reader.segments(), reader.damage
+    if not damage:
+        count = sum(segment.count for segment in segments)
+        print(f"{reader.path}: all {count} records in {len(segments)} segments are intact")
+    return 1 if damage else 0
 
 
 def dump(options: argparse.Namespace) -> int:
     """The command of this name."""
-    with open_journal(options, checks_all=False) as reader:
-        identity = find_record(reader, options.run, warn)[1].identity if options.run else ""
-        for text in reader.dump(identity):
-            print(visible(text))
+    reader = open_journal(options, checks_all=False)
+    identity = find_record(reader, options.run, warn)[1].identity if options.run else ""
+    for text in reader.dump(identity):
+        print(visible(text))
     return 0

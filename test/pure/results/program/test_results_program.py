@@ -68,11 +68,11 @@ def test_list_and_show(run):
 
 
 def test_the_list_of_heads_is_that_of_the_records(journal):
-    with JournalReader(journal) as reader:
-        known = records(reader, print)
-        assert list(list_lines(heads(reader, print), True)) == list(list_lines(known, True))
-        for number, record in enumerate(known, 1):
-            assert find_record(reader, str(number), print) == (number, record)
+    reader = JournalReader(journal)
+    known = records(reader, print)
+    assert list(list_lines(heads(reader, print), True)) == list(list_lines(known, True))
+    for number, record in enumerate(known, 1):
+        assert find_record(reader, str(number), print) == (number, record)
 
 
 @pytest.mark.parametrize("change", ({"elapsed_s": "long"}, {"started_utc": [1]}))
