@@ -245,7 +245,7 @@ def name_steps(data: bytes) -> Iterator[Step]:
     yield make
     assert os.path.basename(name) == name
     assert "\0" not in name
-    assert len(os.fsencode(name)) <= 240, "there must be room for .active, and for a port"
+    assert len(os.fsencode(name)) <= 240, "a port must fit, too"
 
 
 # -- inputs to begin with ---------------------------------------------------------------------------------
