@@ -29,8 +29,7 @@ RUNTIME = "protobuf>=3.20.2,<8"
 COMPILER = "grpcio-tools>=1.62,<1.63; python_version<'3.13'"
 
 REQUIRES = {"robot": [RUNTIME, "cryptography>=2.8"],
-            "check": ["PyYAML>=5.3.1", "python-dateutil>=2.7; python_version<'3.9'",
-                      "tzdata; platform_system=='Windows'"],
+            "check": ["PyYAML>=5.3.1", "python-dateutil>=2.7; python_version<'3.9'"],
             "box": ["tornado>=6", "qrcode>=6"]}
 # Before Python 3.12, PySide6 6.12.0 ends each program with windows: it releases None too often.
 EXTRAS = {"box": {"window": ["PySide6-Essentials; python_version>='3.12'",

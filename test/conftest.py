@@ -54,7 +54,7 @@ def pytest_configure(config):
     config.addinivalue_line("markers", "long: takes long and depends on no version; a second Python leaves it out")
 
 
-# Folders of test/pure whose subjects need a library, such as SQLite: its versions differ as well as Python's.
+# Folders of test/pure whose subjects need a library: its versions differ as well as Python's.
 WITH_LIBRARIES = ("comm", "journal", "robot", "rulebook", "web")
 PURE = ROOT / "test" / "pure"
 

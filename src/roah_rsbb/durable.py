@@ -5,8 +5,6 @@ import errno
 import os
 import shutil
 
-from roah_rsbb import platform
-
 # Only the owner may read the file.
 PRIVATE = 0o600
 # As the user's umask says.
@@ -27,10 +25,10 @@ def write_file(path: str, content: bytes, mode: int = PRIVATE) -> None:
     if not os.path.islink(draft):
         with contextlib.suppress(FileNotFoundError):
             os.unlink(draft)  # it may have other permissions
-    with open(platform.open_file(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as file:
+    with open(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as file:
         file.write(content)
         file.flush()
-        platform.sync(file.fileno())
+        os.fsync(file.fileno())
     os.replace(draft, path)
     sync(os.path.dirname(path) or ".")
 
@@ -51,10 +49,8 @@ def is_full(error: Exception) -> bool:
 
 def sync(path: str) -> None:
     """Sync a file, or the names in a folder, to the disk. Raises OSError."""
-    fd = platform.open_to_sync(path)
-    if fd is None:
-        return
+    fd = os.open(path, os.O_RDONLY)
     try:
-        platform.sync(fd)
+        os.fsync(fd)
     finally:
         os.close(fd)

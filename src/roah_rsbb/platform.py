@@ -1,13 +1,7 @@
-"""All in which operating systems differ, for the programs that need no ROS.
-
-The box is developed and tested on Linux. What Windows and macOS do differently was written from their documentation and
-was not tried there (docs/architecture.md, "Windows and macOS"). What needs ROS runs on Linux only, and calls the system
-itself.
-"""
+"""What the programs ask of the operating system, which is Linux."""
 
 import contextlib
-import errno
-import importlib
+import fcntl
 import os
 import shutil
 import signal
@@ -15,30 +9,12 @@ import socket
 import stat
 import struct
 import subprocess
-import sys
 import threading
 import time
-from typing import IO, TYPE_CHECKING, Any, Awaitable, Callable, List, Optional, Tuple, TypeVar
+from typing import IO, TYPE_CHECKING, Any, Callable, List, Optional, Tuple
 
 if TYPE_CHECKING:
     import asyncio
-
-Result = TypeVar("Result")
-
-WINDOWS = os.name == "nt"
-MACOS = sys.platform == "darwin"
-
-
-def _module(name: str) -> Any:
-    """A module of the standard library; None: this system does not have it."""
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        return None
-
-
-fcntl, msvcrt, _winapi = _module("fcntl"), _module("msvcrt"), _module("_winapi")
-
 
 # -- time -------------------------------------------------------------------------------------------
 
@@ -51,7 +27,7 @@ def time_zone() -> str:
         try:
             name = os.readlink("/etc/localtime")
         except FileNotFoundError:
-            name = "" if WINDOWS else "UTC"
+            name = "UTC"
         except OSError:  # a copy, which has no name
             name = ""
     return name.rpartition("zoneinfo/")[2]
@@ -59,56 +35,20 @@ def time_zone() -> str:
 
 # -- files ------------------------------------------------------------------------------------------
 
-# Arguments of CreateFile that Python has no names for.
-_READ, _WRITE, _SHARE_ALL = 0x80000000, 0x40000000, 0x1 | 0x2 | 0x4
-_CREATE_NEW, _CREATE_ALWAYS, _OPEN_EXISTING, _OPEN_ALWAYS, _TRUNCATE_EXISTING = 1, 2, 3, 4, 5
-_NORMAL_FILE = 0x80
-# Windows lets nobody else read a locked byte, so it is one that no file has.
-_LOCKED_BYTE = 1 << 40
-_PIECE_BYTES = 1 << 20
-_position = threading.Lock()
-
-
-def open_file(path: str, flags: int, mode: int = 0o666) -> int:
-    """As `os.open`, for bytes. The file can be renamed and removed while it is open, also on Windows. Raises OSError.
-
-    It can be the `opener` of `open`.
-    """
-    if _winapi is None:
-        return os.open(path, flags, mode)
-    access = {os.O_RDONLY: _READ, os.O_WRONLY: _WRITE}.get(flags & (os.O_WRONLY | os.O_RDWR), _READ | _WRITE)
-    if flags & os.O_CREAT:
-        how = _CREATE_NEW if flags & os.O_EXCL else _CREATE_ALWAYS if flags & os.O_TRUNC else _OPEN_ALWAYS
-    else:
-        how = _TRUNCATE_EXISTING if flags & os.O_TRUNC else _OPEN_EXISTING
-    handle = _winapi.CreateFile(path, access, _SHARE_ALL, 0, how, _NORMAL_FILE, 0)
-    fd: int = msvcrt.open_osfhandle(handle, flags & os.O_APPEND)
-    return fd
-
 
 def lock(fd: int) -> None:
     """Lock an open file until it is closed, without waiting.
 
     Raises BlockingIOError if it is locked already, and another OSError if the file system has no locks.
     """
-    if fcntl is not None:
-        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        return
-    at = os.lseek(fd, 0, os.SEEK_CUR)
-    os.lseek(fd, _LOCKED_BYTE, os.SEEK_SET)
-    try:
-        msvcrt.locking(fd, msvcrt.LK_NBLCK, 1)
-    except PermissionError:
-        raise BlockingIOError(errno.EWOULDBLOCK, os.strerror(errno.EWOULDBLOCK)) from None
-    finally:
-        os.lseek(fd, at, os.SEEK_SET)
+    fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def is_locked(path: str) -> bool:
     """Whether a program has locked a file. False also if there is no such file, or if nobody can say."""
     try:
         # NFS locks only what may be written.
-        with open(path, "r+b" if os.access(path, os.W_OK) else "rb", opener=open_file) as file:
+        with open(path, "r+b" if os.access(path, os.W_OK) else "rb") as file:
             lock(file.fileno())
     except BlockingIOError:
         return True
@@ -117,67 +57,19 @@ def is_locked(path: str) -> bool:
     return False
 
 
-def read_at(fd: int, count: int, at: int) -> bytes:
-    """Read up to so many bytes at this place of a file, whose position nothing else uses. Raises OSError."""
-    if hasattr(os, "pread"):
-        return os.pread(fd, count, at)
-    with _position:
-        os.lseek(fd, at, os.SEEK_SET)
-        return os.read(fd, count)
-
-
-def write_at(fd: int, content: "bytes | memoryview", at: int) -> int:
-    """Write at this place of a file, as `read_at`; returns how many bytes were written. Raises OSError."""
-    if hasattr(os, "pwrite"):
-        return os.pwrite(fd, content, at)
-    with _position:
-        os.lseek(fd, at, os.SEEK_SET)
-        return os.write(fd, content)
-
-
-def sync(fd: int) -> None:
-    """Sync an open file to the disk. Raises OSError."""
-    # On macOS, fsync leaves the content in the memory of the disk, which a power failure takes.
-    if hasattr(fcntl, "F_FULLFSYNC"):
-        try:
-            fcntl.fcntl(fd, fcntl.F_FULLFSYNC)
-            return
-        except OSError as error:
-            if error.errno not in (errno.ENOTSUP, errno.EINVAL, errno.ENOTTY):  # the file system does not know it
-                raise
-    os.fsync(fd)
-
-
-def open_to_sync(path: str) -> Optional[int]:
-    """Open a file or folder for `sync`; None: a folder on Windows, whose file system keeps the names itself. Raises
-    OSError."""
-    if not WINDOWS:
-        return os.open(path, os.O_RDONLY)
-    return None if os.path.isdir(path) else open_file(path, os.O_RDWR)  # only a writer may sync
-
-
 def open_to_others(path: str) -> int:
-    """The permissions of a file that others than its owner may read; 0: they may not, or the system has no such
-    permissions. Raises OSError or ValueError."""
+    """The permissions of a file that others than its owner may read; 0: they may not. Raises OSError or ValueError."""
     mode = stat.S_IMODE(os.stat(path).st_mode)
-    return mode if mode & (stat.S_IRGRP | stat.S_IROTH) and not WINDOWS else 0
+    return mode if mode & (stat.S_IRGRP | stat.S_IROTH) else 0
 
 
 # -- the computer and its processes -----------------------------------------------------------------
 
-_BOOT_STEP_S = 60.0
 _PR_SET_PDEATHSIG = 1
 
 
 def boot_id() -> str:
     """The id of the computer's start; empty if unknown."""
-    if WINDOWS:
-        # The monotonic clock counts from the start. An id that changes with the system clock only means that times are
-        # taken from that, as after a start.
-        return f"started {round((time.time() - time.monotonic()) / _BOOT_STEP_S)}"
-    if MACOS:
-        asked = subprocess.run(["sysctl", "-n", "kern.bootsessionuuid"], stdout=subprocess.PIPE, check=False)
-        return asked.stdout.decode("ascii", errors="replace").strip()
     try:
         with open("/proc/sys/kernel/random/boot_id", encoding="ascii") as file:
             return file.read().strip()
@@ -187,15 +79,11 @@ def boot_id() -> str:
 
 def running_s() -> float:
     """Seconds of a clock that also runs while the computer sleeps."""
-    for name in ("CLOCK_BOOTTIME", "CLOCK_MONOTONIC_RAW"):  # of Linux, of macOS
-        if hasattr(time, name):
-            return time.clock_gettime(getattr(time, name))
-    return time.monotonic()  # that of Windows does
+    return time.clock_gettime(time.CLOCK_BOOTTIME)
 
 
 def status_of(pid: int) -> List[str]:
-    """The fields of a process's status from its state on; an empty one: there is no process, or the system is not
-    Linux."""
+    """The fields of a process's status from its state on; an empty one: there is no process."""
     try:
         with open(f"/proc/{pid}/stat", encoding="ascii", errors="replace") as file:
             return file.read().rpartition(")")[2].split() or [""]
@@ -204,27 +92,19 @@ def status_of(pid: int) -> List[str]:
 
 
 def end_with_parent() -> None:
-    """End this process when its parent ends. Only Linux can do that."""
-    if sys.platform.startswith("linux"):
-        import ctypes
+    """End this process when its parent ends."""
+    import ctypes
 
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def allow_many_files() -> None:
     """Let this process open as many files as the system allows: the journal keeps its files open."""
-    with contextlib.suppress(ImportError, ValueError, OSError):
-        import resource
+    import resource  # only the box needs it
 
+    with contextlib.suppress(ValueError, OSError):
         _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
         resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
-
-
-def processors() -> int:
-    """How many processes of a program work at the same time; 1 on Windows, where a process cannot be forked."""
-    if not hasattr(os, "fork"):
-        return 1
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def with_low_priority(command: List[str]) -> List[str]:
@@ -233,31 +113,15 @@ def with_low_priority(command: List[str]) -> List[str]:
     return command if nice is None else [nice, "-n", "19", *command]
 
 
-def is_root() -> bool:
-    """Whether this process is the superuser's."""
-    return hasattr(os, "geteuid") and os.geteuid() == 0
-
-
 def end_with_children(process: "subprocess.Popen[Any]") -> None:
     """End a process at once, with the processes that it started. It was started with `start_new_session`."""
-    if hasattr(os, "killpg"):
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-        return
-    with contextlib.suppress(OSError):
-        subprocess.run(["taskkill", "/F", "/T", "/PID", str(process.pid)], stdin=subprocess.DEVNULL,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
-    process.kill()
-
-
-def signal_named(name: str) -> Optional[signal.Signals]:
-    """A signal by its name, such as SIGHUP; None: this system does not have it."""
-    return getattr(signal, name, None)
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
 
 
 def has_display() -> bool:
     """Whether there is a screen for windows."""
-    return WINDOWS or MACOS or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 LEADS_S = 60.0  # so long a browser may take to start
@@ -295,15 +159,7 @@ def open_in_browser(url: str) -> bool:
 # -- the loop ---------------------------------------------------------------------------------------
 
 END_S = 1.0  # for what is cancelled at the end
-_WAKE_S = 0.2  # so late a program notices Ctrl-C on Windows
 _READ_BYTES = 4096
-
-
-def new_loop() -> "asyncio.AbstractEventLoop":
-    """A loop that can wait for sockets (`add_reader`), which the usual one of Windows cannot."""
-    import asyncio  # it takes long, and most programs with this file need no loop
-
-    return asyncio.SelectorEventLoop()
 
 
 def end_loop(loop: "asyncio.AbstractEventLoop") -> None:
@@ -318,44 +174,22 @@ def end_loop(loop: "asyncio.AbstractEventLoop") -> None:
     loop.close()
 
 
-def run(work: "Awaitable[Result]") -> Result:
-    """As `asyncio.run`, in a loop as `new_loop` makes it."""
-    import asyncio
-
-    if WINDOWS:
-        policy: Any = asyncio  # the checker of types knows the policy on Windows only
-        asyncio.set_event_loop_policy(policy.WindowsSelectorEventLoopPolicy())
-    return asyncio.run(work)  # type: ignore[arg-type]
-
-
 def ending_signals() -> List[int]:
     """The signals with which a process is asked to end. Under nohup, a terminal that is closed ends nothing."""
-    named = [signal.SIGINT, signal.SIGTERM, *filter(None, map(signal_named, ("SIGHUP", "SIGQUIT")))]
-    return [number for number in named if signal.getsignal(number) is not signal.SIG_IGN]
+    asked = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+    return [number for number in asked if signal.getsignal(number) is not signal.SIG_IGN]
 
 
 def ignore_stops() -> None:
     """Let no terminal stop this process and those that it starts: neither Ctrl-Z, nor in the background."""
-    for name in ("SIGTSTP", "SIGTTIN", "SIGTTOU"):
-        number = signal_named(name)
-        if number is not None:
-            signal.signal(number, signal.SIG_IGN)
+    for number in (signal.SIGTSTP, signal.SIGTTIN, signal.SIGTTOU):
+        signal.signal(number, signal.SIG_IGN)
 
 
 def on_end(loop: "asyncio.AbstractEventLoop", callback: Callable[[], object]) -> None:
     """Call this in the loop when the process is to end: see `ending_signals`. In the main thread."""
-    try:
-        for number in ending_signals():
-            loop.add_signal_handler(number, callback)
-    except NotImplementedError:
-        for number in ending_signals():
-            signal.signal(number, lambda *_: loop.call_soon_threadsafe(callback))
-        _wake(loop)
-
-
-def _wake(loop: "asyncio.AbstractEventLoop") -> None:
-    """Python handles signals between two steps of a program, and a loop that waits on Windows does none."""
-    loop.call_later(_WAKE_S, _wake, loop)
+    for number in ending_signals():
+        loop.add_signal_handler(number, callback)
 
 
 def on_input(loop: "asyncio.AbstractEventLoop", file: Optional[IO[Any]], callback: Callable[[bytes], None]) -> None:
@@ -373,29 +207,16 @@ def on_input(loop: "asyncio.AbstractEventLoop", file: Optional[IO[Any]], callbac
             loop.remove_reader(fd)
         callback(data)
 
-    def follow() -> None:
-        data = b"nothing yet"
-        with contextlib.suppress(RuntimeError):  # the loop was closed
-            while data:
-                data = os.read(fd, _READ_BYTES)
-                loop.call_soon_threadsafe(callback, data)
-
-    if WINDOWS:  # a loop waits for sockets only
-        threading.Thread(target=follow, name="input", daemon=True).start()
-    else:
-        loop.add_reader(fd, read)
+    loop.add_reader(fd, read)
 
 
 # -- sockets ----------------------------------------------------------------------------------------
 
-_ANY_HOST = "0.0.0.0"
 _LARGEST_DATAGRAM = 65535
 # Option of Linux for which Python has no name, and the type of the message with the time.
 _SO_TIMESTAMPNS = 35
 _TIMESPEC = struct.Struct("@ll")  # seconds and nanoseconds
-# Whether the system says when it received a datagram.
-HAS_TIMES = sys.platform.startswith("linux") and hasattr(socket, "CMSG_SPACE")
-_TIME_SPACE = socket.CMSG_SPACE(_TIMESPEC.size) if HAS_TIMES else 0
+_TIME_SPACE = socket.CMSG_SPACE(_TIMESPEC.size)
 
 
 def set_up(endpoint: socket.socket, shared: bool) -> None:
@@ -403,35 +224,14 @@ def set_up(endpoint: socket.socket, shared: bool) -> None:
     Asks the system for the times of datagrams. Raises OSError."""
     if shared:
         endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        if MACOS:  # on Linux, only one socket would get a broadcast with it
-            endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
-    elif hasattr(socket, "SO_EXCLUSIVEADDRUSE"):  # Windows: otherwise, a program that shares may take the port
-        endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
-    if HAS_TIMES:
-        endpoint.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
-
-
-def is_in_use(error: OSError) -> bool:
-    """Whether a socket cannot be bound because another one has the address and port."""
-    return error.errno == errno.EADDRINUSE or (WINDOWS and error.errno == errno.EACCES)  # a port for itself only
-
-
-def reason_of(error: OSError) -> str:
-    """What an error of a socket means, in the system's words."""
-    return str(error.strerror) if WINDOWS else os.strerror(error.errno or 0)  # Windows has numbers without words
+    endpoint.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
 
 
 def receive(endpoint: socket.socket) -> Tuple[bytes, Tuple[str, int], Optional[float]]:
-    """Read a datagram: its bytes, its sender, and when the system received it (UTC seconds).
+    """Read a datagram: its bytes, its sender, and when the system received it (UTC seconds; None: not said).
 
-    The last is None where the system does not say it. A busy process reads later than the system receives. Raises
-    OSError, also if no datagram is there.
+    A busy process reads later than the system receives. Raises OSError, also if no datagram is there.
     """
-    if not HAS_TIMES:
-        while True:
-            # Windows reports here that an earlier datagram did not arrive. It says nothing about the next one.
-            with contextlib.suppress(ConnectionResetError):
-                return (*endpoint.recvfrom(_LARGEST_DATAGRAM), None)
     datagram, notes, _, sender = endpoint.recvmsg(_LARGEST_DATAGRAM, _TIME_SPACE)
     if not notes:
         return datagram, sender, None
@@ -439,39 +239,19 @@ def receive(endpoint: socket.socket) -> Tuple[bytes, Tuple[str, int], Optional[f
     return datagram, sender, seconds + nanoseconds / 1e9
 
 
-def host_for_broadcasts(broadcast: str) -> str:
-    """The address that a socket must be bound to so that it receives broadcasts: the broadcast address, which Windows
-    does not allow."""
-    return _ANY_HOST if WINDOWS else broadcast
-
-
-def names_senders() -> bool:
-    """Whether there are sockets for datagrams between processes of this computer, whose senders the system names: only
-    Linux has them."""
-    return hasattr(socket, "SO_PASSCRED")
-
-
-def local_socket() -> Optional[socket.socket]:
-    """Such a socket; None: the system has none."""
-    if not names_senders():
-        return None
+def local_socket() -> socket.socket:
+    """A socket for datagrams between processes of this computer, whose senders the system names."""
     opened = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     opened.setblocking(False)
     return opened
 
 
 # Requests for the address and the broadcast address of an interface.
-_ASK_INTERFACE = (0xC0206921, 0xC0206923) if MACOS else (0x8915, 0x8919)
+_ASK_INTERFACE = (0x8915, 0x8919)
 
 
 def interfaces() -> List[Tuple[str, str, str]]:
-    """Name, IPv4 address and broadcast address of the interfaces of this computer. On Windows, the name is that of the
-    computer and the broadcast address is empty."""
-    if fcntl is None:
-        name = socket.gethostname()
-        with contextlib.suppress(OSError):
-            return [(name, address, "") for address in ("127.0.0.1", *socket.gethostbyname_ex(name)[2])]
-        return [(name, "127.0.0.1", "")]
+    """Name, IPv4 address and broadcast address of the interfaces of this computer."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
         return [(name, *(_address(asking, name, what) for what in _ASK_INTERFACE))  # type: ignore[misc]
                 for _, name in socket.if_nameindex()]

@@ -6,8 +6,6 @@ else can write to either. A process that only exists sends no sign: one that is 
 loop does not end.
 
 Over the same pair the supervisor keeps a few texts for the next core, such as which channels are open: its *memory*.
-
-Only Linux has such sockets. On other systems nothing is sent, and nobody who watches ever sees a core.
 """
 
 import contextlib
@@ -114,7 +112,7 @@ class Lifeline:
             self._send_unsent()
             with contextlib.suppress(OSError):
                 self._supervisor.send(sign)
-        if self._copier is None or not self._log_dir:
+        if not self._log_dir:
             return
         try:
             self._copier.send(sign)
@@ -210,8 +208,6 @@ class Supervision:
         """Start the next core. It has the memory before it does anything."""
         self.close()
         self.silence = CoreSilence()
-        if not platform.names_senders():
-            return subprocess.Popen(command, env=environment)
         self._socket, inherited = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._socket.setblocking(False)
         self._socket.send(json.dumps(self.memory).encode())
@@ -243,11 +239,6 @@ class Supervision:
         if self._socket is not None:
             self._socket.close()
             self._socket = None
-
-    @property
-    def can_hear(self) -> bool:
-        """Whether signs of life can be heard on this system."""
-        return self._socket is not None
 
     def _remember(self, name: str, value: Optional[str]) -> None:
         self.memory.pop(name, None)
@@ -321,8 +312,6 @@ class Watch:
     def _open(self) -> bool:
         """Open the socket. Another process may have it for a moment, such as a node that is just ending."""
         opened = platform.local_socket()
-        if opened is None:
-            return False
         opened.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
         try:
             with _address(self._log_dir) as address:

@@ -91,8 +91,8 @@ class Box(DoorClient):
 
     def has_all_logs(self) -> bool:
         """Whether all runs that are over have their logs."""
-        with JournalReader(journal_in(str(self.log_dir)), checks_all=False) as reader:
-            return not missing_bags(reader)
+        reader = JournalReader(journal_in(str(self.log_dir)), checks_all=False)
+        return not missing_bags(reader)
 
     def logs_of(self, code: str, number: int) -> List[pathlib.Path]:
         """The run logs of a benchmark in a round."""

@@ -28,12 +28,12 @@ def export(journal, folder):
 
 def logged(journal):
     """The entries of the log of each robot in each run, with run number and port."""
-    with JournalReader(journal) as reader:
-        return [
-            (number, member.port, [(KINDS[e.kind].value, e.kind, e.utc, e.value)
-                                   for e in reader.entries(identity) if e.port == member.port and e.kind in KINDS])
-            for number, identity in enumerate(reader.identities(), 1) for member in reader.members(identity)
-        ]
+    reader = JournalReader(journal)
+    return [
+        (number, member.port, [(KINDS[e.kind].value, e.kind, e.utc, e.value)
+                               for e in reader.entries(identity) if e.port == member.port and e.kind in KINDS])
+        for number, identity in enumerate(reader.identities(), 1) for member in reader.members(identity)
+    ]
 
 
 def main():

@@ -2,7 +2,6 @@
 
 from typing import List, NamedTuple, Optional
 
-from roah_rsbb import platform
 from roah_rsbb.box.settings import BoxSettings, of_box
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.core.copies import STANDBY
@@ -60,8 +59,6 @@ def parameters_of(settings: BoxSettings) -> BoxParameters:
     and for what such a box cannot do."""
     params = read_parameters(settings)
     wrong = settings.unknown(list(of_box()))
-    if params.standby_port and not platform.names_senders():
-        wrong.append("standby_port: only a box on Linux can have a standby: leave it out")
     if wrong:
         raise BadParams("\n".join(wrong))
     return params

@@ -356,7 +356,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     except (ValueError, ConfigErrors, NotShipped) as error:
         parser.error(str(error))
     try:
-        sys.exit(platform.run(_start(options, password, benchmark, parameters)))
+        sys.exit(asyncio.run(_start(options, password, benchmark, parameters)))
     except OSError as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
         sys.exit(DummyExit.NOT_STARTED)

@@ -232,7 +232,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
         return
     scenarios = scenarios_of(Depth(given.level), options.benchmarks, given.only)
     try:
-        check = platform.run(_check(options, given.level, scenarios))
+        check = asyncio.run(_check(options, given.level, scenarios))
         print()
         print("\n".join(report.table_lines(check, pages_folder())))
         _write(given.json, report.as_json, check)

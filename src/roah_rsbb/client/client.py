@@ -17,7 +17,6 @@ from typing import Any, Awaitable, Callable, Dict, Generic, Mapping, NamedTuple,
 
 from tornado import httpclient, websocket
 
-from roah_rsbb import platform
 from roah_rsbb.box_clock import BoxClock
 from roah_rsbb.document.calls import MAX_MESSAGE_BYTES as MAX_SENT_BYTES
 from roah_rsbb.document.calls import Call, Caller, InThread, Waiting, carried_out, waited
@@ -149,7 +148,7 @@ class Client(Generic[D]):
         # Loops look at it: `wait_for` loses a cancellation that comes together with a result.
         self._is_closed = False
         self._tasks: Set[asyncio.Task[Any]] = set()
-        self._loop = loop if loop is not None else platform.new_loop()
+        self._loop = loop if loop is not None else asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run_loop, name="client", daemon=True) if loop is None else None
 
     def start(self) -> None:

@@ -3,6 +3,7 @@
 import asyncio
 import errno
 import logging
+import os
 import select
 import socket
 import time
@@ -40,9 +41,7 @@ class Peer:
 
     On 0.0.0.0, one socket is enough. On a specific address, so that several participants can share a machine, the peer
     needs a second socket on the broadcast address, because a socket bound to one address receives no broadcasts. The
-    peer ignores its own broadcasts. On Windows the second socket is on 0.0.0.0: it also receives the broadcasts of
-    other networks, what is sent to an address of this machine on which no participant is, and perhaps what the first
-    one receives, too.
+    peer ignores its own broadcasts.
 
     With `apart`, the peer shares the machine, and even the address, with another participant. It sends from a different
     port, because the other participant ignores datagrams from its own port. It receives only broadcasts, because only
@@ -118,7 +117,7 @@ class Peer:
     def _listen_to_broadcasts(self) -> None:
         host = sockets.broadcast_host(self._bind_host, self.rsbb_host)
         if host is not None:
-            self._sockets.append(sockets.listen(platform.host_for_broadcasts(host), self.port, shared=True))
+            self._sockets.append(sockets.listen(host, self.port, shared=True))
             return
         text = (f"no broadcasts can be received on {self._bind_host}:{self.port}: {self.rsbb_host} is not a broadcast "
                 "address of this machine. Set rsbb_host to one ('ip -4 addr' shows them as brd)")
@@ -150,7 +149,7 @@ class Peer:
             self._sockets[0].sendto(datagram, (host, self.port))
         except OSError as error:
             remedy = _SEND_REMEDY.get(error.errno or 0, "check the network")
-            return self._not_sent(host, f"{platform.reason_of(error)}. Remedy: {remedy}")
+            return self._not_sent(host, f"{os.strerror(error.errno or 0)}. Remedy: {remedy}")
         return True
 
     def wait(self, seconds: float) -> None:

@@ -2,6 +2,7 @@
 
 import errno
 import ipaddress
+import os
 import re
 import socket
 from typing import Optional
@@ -60,14 +61,14 @@ def _bound(host: str, port: int, shared: bool) -> socket.socket:
 
 
 def _bind_remedy(error: OSError, host: str, port: int) -> str:
-    if platform.is_in_use(error):
+    if error.errno == errno.EADDRINUSE:
         return ("in use by another program, perhaps a second copy of this one: end it "
                 f"('ss -ulpn sport = :{port}' shows it), or give each program its own {BIND_HOST}")
     if error.errno == errno.EADDRNOTAVAIL:
         return f"{host} is not an address of this machine ('ip -4 addr' lists them): correct {BIND_HOST}"
     if error.errno == errno.EACCES:
         return "not permitted: choose an rsbb_port above 1023"
-    return platform.reason_of(error)
+    return os.strerror(error.errno or 0)
 
 
 def resolve(host: str, parameter: str) -> str:

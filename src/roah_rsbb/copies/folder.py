@@ -22,7 +22,7 @@ import os
 import shutil
 from typing import Iterator, Optional, Set
 
-from roah_rsbb import durable, platform
+from roah_rsbb import durable
 from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent, Held, Part, crc_of, intact_size
 from roah_rsbb.copies.segments import identity_in
 from roah_rsbb.journal import file as files
@@ -118,7 +118,7 @@ class CopyFolder(Copy):
             with open(path + log.DRAFT if is_new else path, "r+b" if part.at else "wb", buffering=0) as file:
                 _put(file.fileno(), part)
                 with _syncing(path):
-                    platform.sync(file.fileno())
+                    os.fsync(file.fileno())
             self.note(part)
             if is_new and part.is_last:
                 with _syncing(path):

@@ -3,7 +3,6 @@
 import shlex
 import shutil
 import subprocess
-import sys
 import threading
 from typing import Callable, List, Optional, Sequence, Set
 
@@ -13,8 +12,7 @@ from roah_rsbb.shipped import shipped_folder
 
 BELL, TIMEOUT = "bell.wav", "timeout.wav"
 # The first one that is installed plays the included sounds. aplay is in package alsa-utils of Debian and Ubuntu.
-_LINUX = (("aplay", "-q"), ("paplay",), ("pw-play",), ("ffplay", "-nodisp", "-autoexit"))
-_WINDOWS = "import sys, winsound; winsound.PlaySound(sys.argv[1], winsound.SND_FILENAME)"
+_PLAYERS = (("aplay", "-q"), ("paplay",), ("pw-play",), ("ffplay", "-nodisp", "-autoexit"))
 # Time limit for playing, so that a hanging player does not block the next ring.
 LIMIT_S = 20.0
 END_S = 2.0
@@ -87,13 +85,9 @@ class Sound:
             self._on_problem(f"{self._name} cannot be heard: {text}")
 
 
-def words_of(command: str, system: str = sys.platform) -> List[str]:
+def words_of(command: str) -> List[str]:
     """Split a command into words, with quotes as in a shell. Raises ValueError for an unclosed quote or no words."""
-    lexer = shlex.shlex(command, posix=True)
-    lexer.whitespace_split, lexer.commenters = True, ""
-    if system == "win32":
-        lexer.escape = ""  # the backslashes of paths
-    words = list(lexer)
+    words = shlex.split(command)
     if not words:
         raise ValueError("the command is empty")
     return words
@@ -110,13 +104,7 @@ def command_of(params: Params, name: str, file: str) -> List[str]:
         raise BadParams(f"parameter {where}: found {command!r}, expected a command ({error})") from None
 
 
-def default_command(
-    file: str, system: str = sys.platform, which: Callable[[str], Optional[str]] = shutil.which,
-) -> List[str]:
+def default_command(file: str) -> List[str]:
     """The command that plays an included sound, `BELL` or `TIMEOUT`. Raises `NotShipped`."""
     path = str(shipped_folder().parent / "resource" / "sounds" / file)
-    if system == "win32":
-        return [sys.executable, "-c", _WINDOWS, path]
-    if system == "darwin":
-        return ["afplay", path]
-    return [*next((player for player in _LINUX if which(player[0])), _LINUX[0]), path]
+    return [*next((player for player in _PLAYERS if shutil.which(player[0])), _PLAYERS[0]), path]

@@ -11,7 +11,7 @@ from typing import Any, List, NamedTuple, Tuple
 
 from roah_rsbb import platform
 from roah_rsbb.journal.contents import Contents, Opened, no_journal, open_journal
-from roah_rsbb.journal.log import NEWEST, Files, NewerFormat, identity
+from roah_rsbb.journal.log import NEWEST, NewerFormat, identity
 from roah_rsbb.platform import boot_id
 
 __all__ = [
@@ -21,8 +21,6 @@ __all__ = [
 
 # The folder of the segments, in log_dir.
 FILE_NAME = "roah_rsbb_journal"
-# That of an earlier version.
-OLD_FILE_NAME = f"{FILE_NAME}.sqlite3"
 
 
 class CannotWriteJournal(Exception):
@@ -71,9 +69,9 @@ def lock(log_dir: str) -> Lock:
         fd = _locked(path)
         with contextlib.suppress(OSError):  # a full or read-only disk
             os.ftruncate(fd, 0)
-            platform.write_at(fd, f"{os.getpid()}\n".encode("ascii"), 0)
+            os.pwrite(fd, f"{os.getpid()}\n".encode("ascii"), 0)
     except OSError as error:
-        if _may_be_there(path) or _may_be_there(os.path.join(log_dir, OLD_FILE_NAME)):
+        if _may_be_there(path):
             raise DamagedJournal(_unusable(path, error)) from None
         raise CannotWriteJournal(f"{log_dir}: {error.strerror}") from None
     return Lock(path, fd)
@@ -114,7 +112,7 @@ def _in_use(path: str, fd: int) -> str:
 
 
 def _pid_in(fd: int) -> int:
-    text = platform.read_at(fd, 20, 0).decode("ascii", errors="replace").strip()
+    text = os.pread(fd, 20, 0).decode("ascii", errors="replace").strip()
     return int(text) if text.isdigit() else 0
 
 
@@ -138,10 +136,10 @@ def _locked(path: str) -> int:
 
 def _lock_file(path: str) -> int:
     try:
-        return platform.open_file(path, os.O_RDWR | os.O_CREAT, 0o644)
+        return os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
     except OSError as error:
         with contextlib.suppress(OSError):  # a read-only file is enough for a lock
-            return platform.open_file(path, os.O_RDONLY)
+            return os.open(path, os.O_RDONLY)
         raise error
 
 
@@ -152,15 +150,12 @@ _NOT_EMPTY = ("Put the newest copy of the journal in its place (docs/backup.md),
 
 
 def open_folder(
-    log_dir: str, competition: List[Any], resume: Resume, launch: str, file_operations: Files, late: bool = False,
+    log_dir: str, competition: List[Any], resume: Resume, launch: str, late: bool = False,
 ) -> Tuple[Opened, List[str]]:
     """Open the journal in a locked folder for a competition (a list of its events, each a list). Nothing is written
-    unless it must be imported or set aside. `late`: the core already runs without it, so it is set aside. Returns it,
+    unless it must be set aside. `late`: the core already runs without it, so it is set aside. Returns it,
     empty if a new one begins, and warnings. Raises `CannotWriteJournal` or `DamagedJournal`, or OSError."""
     path, warnings = os.path.join(log_dir, FILE_NAME), []
-    old = os.path.join(log_dir, OLD_FILE_NAME)
-    if not os.path.exists(path) and os.path.isfile(old) and resume is not Resume.NEVER:
-        warnings += _import(old, path, file_operations)
     try:
         found = _opened(path)
         why = _why_not_resumed(found.contents, competition, resume, launch, late) if found.segments else ""
@@ -190,27 +185,6 @@ def _opened(path: str) -> Opened:
         return open_journal(path)
     except OSError as error:
         raise DamagedJournal(_unusable(path, error)) from None
-
-
-def _import(old: str, path: str, file_operations: Files) -> List[str]:
-    """Import the journal of an earlier version. Returns warnings. Raises `DamagedJournal`, also while a core of that
-    version runs."""
-    from roah_rsbb.journal.old import CannotImport, import_journal  # imported late: nearly no box needs SQLite
-
-    try:
-        fd = _locked(old)
-    except JournalInUse as error:
-        raise DamagedJournal(str(error)) from None
-    try:
-        damage = import_journal(old, path, file_operations)
-    except CannotImport as error:
-        raise DamagedJournal(
-            f"The journal {old} cannot be imported: {error}. The core does not begin an empty one beside it. "
-            f"{_NOT_EMPTY}") from None
-    finally:
-        os.close(fd)
-    return [f"The journal {old} is damaged, and the box resumes from what could be imported. Lost: "
-            f"{'; '.join(damage)}. The old file stays as it was"] if damage else []
 
 
 def set_aside(path: str) -> str:

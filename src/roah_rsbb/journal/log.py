@@ -52,7 +52,7 @@ from typing import (
     Union,
 )
 
-from roah_rsbb import durable, platform
+from roah_rsbb import durable
 
 VERSION = 1
 _HEAD = struct.Struct("<8sII16sQQQII")
@@ -154,20 +154,20 @@ class Files:
     @staticmethod
     def create(path: str) -> int:
         """Create a file that does not exist; returns its descriptor."""
-        return platform.open_file(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o644)
+        return os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o644)
 
     @staticmethod
     def write(fd: int, content: bytes, at: int) -> None:
         """Write all of the content at this place."""
         view = memoryview(content)
         while view:
-            count = platform.write_at(fd, view, at)
+            count = os.pwrite(fd, view, at)
             view, at = view[count:], at + count
 
     @staticmethod
     def sync(fd: int) -> None:
         """Sync a file to the disk."""
-        platform.sync(fd)
+        os.fsync(fd)
 
     @staticmethod
     def close(fd: int) -> None:
@@ -283,7 +283,7 @@ def payloads_at(path: str, salt: int, places: Iterable[int]) -> Iterator[Optiona
 
 
 def _payload(fd: int, salt: int, at: int) -> Optional[bytes]:
-    content = platform.read_at(fd, _USUAL_BYTES, at)
+    content = os.pread(fd, _USUAL_BYTES, at)
     if len(content) < FRAME_BYTES:
         return None
     _, length, _, _, crc, own = _FRAME.unpack_from(content)
@@ -291,7 +291,7 @@ def _payload(fd: int, salt: int, at: int) -> Optional[bytes]:
         return None
     payload = content[FRAME_BYTES:FRAME_BYTES + length]
     if len(payload) < length:
-        payload += platform.read_at(fd, length - len(payload), at + len(content))
+        payload += os.pread(fd, length - len(payload), at + len(content))
     return payload if zlib.crc32(payload) == crc else None
 
 
@@ -487,7 +487,7 @@ class Log:
         segment = segments[-1]
         for each in segments[-MOST_KEPT:]:
             with contextlib.suppress(OSError):
-                self._kept.append((each, platform.open_file(each.path, os.O_RDONLY)))
+                self._kept.append((each, os.open(each.path, os.O_RDONLY)))
         self.uuid, self.epoch = segment.head.uuid, segment.head.epoch
         self._before, self._before_end, self._proven = segment, found.proven_end, found.proven
         self.last = self.written = found.last
@@ -668,7 +668,7 @@ def identity(file: Union[str, int]) -> Tuple[int, int]:
 def _content(fd: int) -> bytes:
     parts, at = [], 0
     while True:
-        parts.append(platform.read_at(fd, 1 << 24, at))
+        parts.append(os.pread(fd, 1 << 24, at))
         if not parts[-1]:
             return b"".join(parts)
         at += len(parts[-1])

@@ -11,8 +11,6 @@ import os
 import threading
 from typing import Callable, List, Optional, Tuple
 
-from roah_rsbb import platform
-
 FILE_NAME = "used_private_ports"
 LARGEST_PORT = 65535
 _DIGITS = 5
@@ -55,11 +53,11 @@ class PortRecord:
 def _append(path: str, port: int, on_problem: Callable[[OSError], None]) -> None:
     """Append a port to the file, and sync that to the disk."""
     try:
-        fd = platform.open_file(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
+        fd = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
         try:
             # Begin with a line break, in case the previous line is truncated.
             os.write(fd, f"\n{port}\n".encode("ascii"))
-            platform.sync(fd)
+            os.fsync(fd)
         finally:
             os.close(fd)
     except OSError as error:

@@ -8,14 +8,10 @@ import contextlib
 import os
 import pickle
 import signal
-from typing import BinaryIO, Callable, ContextManager, Iterator, List, NamedTuple, Sequence, TypeVar
-
-from roah_rsbb import platform
+from typing import BinaryIO, Callable, Iterator, List, NamedTuple, Sequence, TypeVar
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-# Makes the function that does an item, once in each process.
-Make = Callable[[], ContextManager[Callable[[Item], Result]]]
 
 # More processes take more memory than a report may take.
 MOST_PROCESSES = 3
@@ -32,25 +28,26 @@ class _Worker(NamedTuple):
 
 def usable_processors() -> int:
     """Return how many processes work at the same time on this computer."""
-    return min(MOST_PROCESSES, platform.processors())
+    return min(MOST_PROCESSES, len(os.sched_getaffinity(0)))
 
 
 @contextlib.contextmanager
-def shared_out(make: "Make[Item, Result]", items: Sequence[Item], processes: int) -> Iterator[Iterator[Result]]:
-    """Return the result of each item, in order. Errors are raised at the item at which they occurred.
+def shared_out(
+    work: Callable[[Item], Result], items: Sequence[Item], processes: int
+) -> Iterator[Iterator[Result]]:
+    """Return what the work makes of each item, in order. Errors are raised at the item at which they occurred.
 
     The work begins at once, in other processes if these are more than one. Results must be of types that `pickle`
     knows. Raises ProcessEnded.
     """
     count = min(processes, len(items))
     if count < 2:
-        with make() as work:
-            yield map(work, items)
+        yield map(work, items)
         return
     workers: List[_Worker] = []
     try:
         for number in range(count):
-            workers.append(_start(make, items[number::count], workers))
+            workers.append(_start(work, items[number::count], workers))
         yield (_result(workers[place % count]) for place in range(len(items)))
     finally:
         for worker in workers:
@@ -60,7 +57,7 @@ def shared_out(make: "Make[Item, Result]", items: Sequence[Item], processes: int
             os.waitpid(worker.pid, 0)
 
 
-def _start(make: "Make[Item, Result]", items: Sequence[Item], others: Sequence[_Worker]) -> _Worker:
+def _start(work: Callable[[Item], Result], items: Sequence[Item], others: Sequence[_Worker]) -> _Worker:
     reading, writing = os.pipe()
     pid = os.fork()
     if pid == 0:
@@ -70,21 +67,20 @@ def _start(make: "Make[Item, Result]", items: Sequence[Item], others: Sequence[_
                 worker.results.close()
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends the others
             with open(writing, "wb") as results:
-                _serve(make, items, results)
+                _serve(work, items, results)
         finally:
             os._exit(0)  # nothing of the first process is cleaned up here
     os.close(writing)
     return _Worker(pid, open(reading, "rb"))
 
 
-def _serve(make: "Make[Item, Result]", items: Sequence[Item], results: BinaryIO) -> None:
+def _serve(work: Callable[[Item], Result], items: Sequence[Item], results: BinaryIO) -> None:
     """Do items in a worker; the last result may be an error."""
     with contextlib.suppress(BrokenPipeError):
         try:
-            with make() as work:
-                for item in items:
-                    pickle.dump((work(item), None), results)
-                    results.flush()
+            for item in items:
+                pickle.dump((work(item), None), results)
+                results.flush()
         except BrokenPipeError:
             raise
         except Exception as error:

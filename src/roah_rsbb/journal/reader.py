@@ -1,20 +1,18 @@
 """Reads the journal of the present or a past competition, or a copy of one. It never changes the journal.
 
-It shows the journal as it was when it was opened, also while the box runs. The journal of an earlier version, which is
-one SQLite file, is imported into a temporary folder first.
+It shows the journal as it was when it was opened, also while the box runs.
 """
 
 import contextlib
 import os
-import tempfile
 import time
 from typing import Any, Callable, Collection, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb import platform
 from roah_rsbb.journal import kinds, records
 from roah_rsbb.journal.contents import DAMAGED, Opened, RunEntry, holes_of, open_journal, utc_text
-from roah_rsbb.journal.file import FILE_NAME, OLD_FILE_NAME
-from roah_rsbb.journal.log import Files, Frame, NewerFormat, Scan, Segment, scan_at, scans
+from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log import Frame, NewerFormat, Scan, Segment, scan_at, scans
 from roah_rsbb.journal.records import Top, line_of, top_of
 from roah_rsbb.journal.standing import BoxEpoch
 
@@ -28,9 +26,8 @@ _MOST_LOADED = 2
 
 
 def journal_in(log_dir: str) -> str:
-    """Return the path of the journal in a log_dir: also that of an earlier version, if there is no other."""
-    path, old = os.path.join(log_dir, FILE_NAME), os.path.join(log_dir, OLD_FILE_NAME)
-    return old if os.path.isfile(old) and not os.path.isdir(path) else path
+    """Return the path of the journal in a log_dir."""
+    return os.path.join(log_dir, FILE_NAME)
 
 
 class JournalError(Exception):
@@ -129,32 +126,16 @@ class JournalReader:
     def __init__(
         self, path: str, checks_all: bool = True, on_damage: Callable[[str], None] = lambda text: None,
     ) -> None:
-        """`path`: the folder of the journal, or the file of an earlier version. `checks_all`: check all of a large
+        """`path`: the folder of the journal. `checks_all`: check all of a large
         journal, which takes seconds. A small one is always checked. Otherwise `on_damage` is called with each damaged
         record of a run that is read."""
         self._on_damage = on_damage
         self.path = path.rstrip(os.sep) or path
-        self._cleanup = contextlib.ExitStack()
-        self._import_damage: List[str] = []
         self._loaded: Dict[int, _Loaded] = {}  # the latest last
-        try:
-            self._opened = self._open()
-        except BaseException:
-            self._cleanup.close()
-            raise
+        self._opened = self._open()
         self._contents = self._opened.contents
         self._last = 0 if self._opened.newest is None else self._opened.newest.last
         self._checks_all = checks_all or self._is_small()
-
-    def __enter__(self) -> "JournalReader":
-        return self
-
-    def __exit__(self, *_exception: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Remove temporary files."""
-        self._cleanup.close()
 
     # -- contents -----------------------------------------------------------------------------------
 
@@ -254,7 +235,7 @@ class JournalReader:
 
         Of a journal that is not checked completely, this is what is after the newest summary; `damage_of` checks a run.
         """
-        found = self._import_damage + self._opened.problems + ([self._opened.torn] if self._opened.torn else [])
+        found = self._opened.problems + ([self._opened.torn] if self._opened.torn else [])
         if self._checks_all:
             return found + [text for segment in self.segments() for text in segment.damage]
         return found + self._opened.holes
@@ -372,13 +353,15 @@ class JournalReader:
                 f"{self.path}: the journal is missing. A box creates its journal in its log_dir at its first start: "
                 "name it with --journal FOLDER"
             )
-        folder = self.path if os.path.isdir(self.path) else self._imported()
+        if not os.path.isdir(self.path):
+            raise JournalError(f"{self.path}: this is a file, and a journal is a folder: name the folder {FILE_NAME} "
+                               "of a box's log_dir, or another copy of it")
         try:
             for _ in range(ATTEMPTS):
-                found = open_journal(folder)
+                found = open_journal(self.path)
                 if not (found.problems or found.holes or found.torn):
                     break
-                if platform.is_locked(f"{folder}.lock"):  # a box writes it
+                if platform.is_locked(f"{self.path}.lock"):  # a box writes it
                     time.sleep(PAUSE_S)
         except NewerFormat as error:
             raise JournalError(f"{self.path}: {error}: read it with that version") from None
@@ -390,23 +373,9 @@ class JournalReader:
                                "a box's log_dir, or another copy of it")
         return found
 
-    def _imported(self) -> str:
-        from roah_rsbb.journal.old import CannotImport, import_journal  # imported late: nearly nobody needs SQLite
-
-        folder = os.path.join(self._cleanup.enter_context(
-            tempfile.TemporaryDirectory(prefix="roah_rsbb_journal_")), FILE_NAME)
-        try:
-            self._import_damage = import_journal(self.path, folder, Files())
-        except CannotImport as error:
-            raise JournalError(f"{self.path}: this file is no journal of an earlier version that can be read: {error}. "
-                               "Look for another copy of it. The run logs (.bag) are separate files") from None
-        except OSError as error:
-            raise self._unreadable(error) from None
-        return folder
-
     def _unreadable(self, error: OSError) -> JournalError:
-        return JournalError(f"{error.filename or self.path}: cannot be read: {error.strerror}. Its owner can make it "
-                            f"readable; a file of an earlier version also needs space in {tempfile.gettempdir()}")
+        return JournalError(
+            f"{error.filename or self.path}: cannot be read: {error.strerror}. Its owner can make it readable")
 
 
 def _fields(outcome: Any, fields: Sequence[str]) -> List[Any]:

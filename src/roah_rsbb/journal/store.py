@@ -292,7 +292,7 @@ class Journal:
         if self._lock is None:
             self._take_lock()
         opened, warnings = files.open_folder(
-            self._log_dir, self._competition, self._resume, self._session.launch, self._files, self._is_running)
+            self._log_dir, self._competition, self._resume, self._session.launch, self._is_running)
         self._found = opened._replace(newest=None)  # its records need memory
         self.previous, problems = read_previous_session(opened)
         if problems:

@@ -155,9 +155,9 @@ def main() -> None:
     """Run the program."""
     options = _options(rospy.myargv()[1:])
     try:
-        with JournalReader(options.journal) as reader:
-            warnings: List[str] = []
-            run = read_run(reader, options.run, warnings)
+        reader = JournalReader(options.journal)
+        warnings: List[str] = []
+        run = read_run(reader, options.run, warnings)
         log_dir = os.path.dirname(os.path.abspath(options.journal))
         shown = ReplayedBox(run, configuration(log_dir, run, options.benchmarks_file, options.schedule_file))
         for text in warnings:

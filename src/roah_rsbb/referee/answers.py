@@ -9,7 +9,6 @@ import threading
 import time
 from typing import Callable, List, Optional
 
-from roah_rsbb import platform
 from roah_rsbb.model.actions import ACTIONS, Row
 from roah_rsbb.model.fields import Choice
 from roah_rsbb.model.referee import Refused
@@ -182,9 +181,8 @@ class Keyboard:
         self.is_terminal = sys.stdin.isatty()
 
     def __enter__(self) -> "Keyboard":
-        in_background = platform.signal_named("SIGTTIN")
-        if self.is_terminal and in_background is not None:
-            signal.signal(in_background, signal.SIG_IGN)  # in the background, reading fails and does not suspend
+        if self.is_terminal:
+            signal.signal(signal.SIGTTIN, signal.SIG_IGN)  # in the background, reading fails and does not suspend
         threading.Thread(target=self._work, name="keyboard", daemon=True).start()
         return self
 

@@ -83,16 +83,13 @@ def main(arguments: Optional[List[str]] = None) -> None:
     except KeyboardInterrupt:
         sys.exit(int(Exit.NO_CORE))
 
-    from roah_rsbb import platform
-
     options = options_of(words, sent)
     interrupt = Interrupts()
     for number in (signal.SIGINT, signal.SIGTERM):
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, interrupt)
-    hang_up = platform.signal_named("SIGHUP")
-    if hang_up is not None and signal.getsignal(hang_up) is signal.SIG_DFL:  # not under nohup
-        signal.signal(hang_up, _hang_up)
+    if signal.getsignal(signal.SIGHUP) is signal.SIG_DFL:  # not under nohup
+        signal.signal(signal.SIGHUP, _hang_up)
     status = carry_out(options)
     for stream in (sys.stdout, sys.stderr):  # Python 3.8 buffers both, unless they are a terminal
         with contextlib.suppress(OSError):

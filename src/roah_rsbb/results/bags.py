@@ -49,7 +49,7 @@ def missing_bags(reader: JournalReader) -> Dict[Tuple[str, int], str]:
 @contextlib.contextmanager
 def making_bags(reader: JournalReader) -> Iterator[bool]:
     """Let no other process make bags beside this journal; returns whether this one may. Raises OSError."""
-    fd = platform.open_file(os.path.join(os.path.dirname(reader.path), LOCK), os.O_RDWR | os.O_CREAT, 0o644)
+    fd = os.open(os.path.join(os.path.dirname(reader.path), LOCK), os.O_RDWR | os.O_CREAT, 0o644)
     may_make = True
     try:
         with contextlib.suppress(OSError):  # some network file systems have no locks

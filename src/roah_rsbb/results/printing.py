@@ -39,8 +39,6 @@ class CannotPrint(Exception):
 
 def browser() -> str:
     """Return the browser's path; raises `CannotPrint`."""
-    if platform.WINDOWS:  # a browser is given its two pipes by a shell
-        raise CannotPrint("no PDF can be made on Windows: export with --html and print the pages in any browser")
     found = next((path for path in map(shutil.which, BROWSERS) if path), None)
     if found is None:
         raise CannotPrint(
@@ -81,7 +79,7 @@ class Printer:
             self._program, "--headless", "--disable-gpu", "--remote-debugging-pipe",
             f"--user-data-dir={os.path.join(self._folder.name, 'profile')}", "about:blank",
         ]
-        if platform.is_root():
+        if os.geteuid() == 0:
             command.insert(1, "--no-sandbox")  # the sandbox does not work for root; the page runs no code
         commands, self._commands = os.pipe()
         self._answers, answers = os.pipe()

@@ -290,6 +290,6 @@ def main(arguments: Optional[List[str]] = None) -> None:
             options.team, _password(options), options.robot, behaviour,
             options.host, options.port, options.bind, options.cipher,
         )
-        platform.run(_run(client))
+        asyncio.run(_run(client))
     except (ValueError, OSError) as error:
         sys.exit(f"{PROGRAM}: {error}")

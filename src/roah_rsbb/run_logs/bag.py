@@ -4,13 +4,12 @@ A bag is a sequence of records. Each has a header of named fields, and data, wit
 chunk are records themselves: messages, and before the first one of a topic its connection, which says what its messages
 are. After each chunk comes an index of it, and at the end of the file one of all connections and chunks.
 
-What this writes has the same bytes as what rosbag writes (tested). Everything is written at once, so what a killed
-process has written can be read (`salvage.py`).
+What this writes has the same bytes as what rosbag writes (tested).
 """
 
 import bisect
 import struct
-from typing import IO, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import Dict, List, Mapping, NamedTuple, Tuple, Union
 
 MAGIC = b"#ROSBAG V2.0\n"
 MSG_DATA, FILE_HEADER, INDEX_DATA, CHUNK, CHUNK_INFO, CONNECTION = 0x02, 0x03, 0x04, 0x05, 0x06, 0x07
@@ -18,8 +17,10 @@ LENGTH = struct.Struct("<L")
 STAMP = struct.Struct("<LL")
 # A chunk ends when it is longer (bytes).
 CHUNK_SIZE = 768 * 1024
-# The header of the file is filled up to this size, so that it can be written again in its place (bytes).
+# The header of the file is filled up to this size (bytes).
 _HEADER_SIZE = 4096
+# Where the first chunk begins.
+_BEGIN = len(MAGIC) + 2 * LENGTH.size + _HEADER_SIZE
 _LONG = struct.Struct("<Q")
 _ENTRY = struct.Struct("<LLL")
 _COUNT = struct.Struct("<LL")
@@ -49,86 +50,65 @@ class _Chunk:
         self.begin, self.end = min(self.begin, stamp), max(self.end, stamp)
 
 
-class BagWriter:
-    """Writes a bag into an empty file. All methods raise OSError."""
+class Bag:
+    """A bag in memory: one of an hour has a few megabytes."""
 
-    def __init__(self, file: IO[bytes]) -> None:
-        """`file`: open for writing in binary, and seekable. It stays open."""
-        self._file = file
+    def __init__(self) -> None:
         self._connections: Dict[str, Tuple[int, bytes]] = {}  # by topic: number, and record
         self._chunks: List[_Chunk] = []
-        self._chunk: Optional[_Chunk] = None  # the one that is being written
-        self._begin = 0  # of its data, in the file
-        file.write(MAGIC)
-        self._write_header(index_at=0)
+        self._content = bytearray()  # all that follows the header
+        self._data = bytearray()  # of the chunk that is being written
 
     def write(self, topic: str, stamp: Stamp, data: bytes, kind: Mapping[str, Union[str, bytes]]) -> None:
         """Append a message. `data`: as ROS serialises it; `kind`: what the connection of its topic says."""
-        chunk = self._chunk or self._begin_chunk(stamp)
+        if not self._data:
+            self._chunks.append(_Chunk(_BEGIN + len(self._content), stamp))
         conn, record = self._connections.get(topic, (len(self._connections), b""))
         if not record:
             said = {"topic": topic, **kind}
             record = _record(
                 {"op": bytes([CONNECTION]), "topic": topic.encode(), "conn": LENGTH.pack(conn)}, _fields(said))
             self._connections[topic] = conn, record
-            self._file.write(record)
-        chunk.add(conn, stamp, self._file.tell() - self._begin)
+            self._data += record
+        self._chunks[-1].add(conn, stamp, len(self._data))
         header = {"op": bytes([MSG_DATA]), "conn": LENGTH.pack(conn), "time": STAMP.pack(*stamp)}
-        self._file.write(_record(header, data))
-        if self._file.tell() - self._begin > CHUNK_SIZE:
-            self.end_chunk()
+        self._data += _record(header, data)
+        if len(self._data) > CHUNK_SIZE:
+            self._end_chunk()
 
-    def end_chunk(self) -> None:
-        """Write the index of what was written since the last call."""
-        chunk, self._chunk = self._chunk, None
-        if chunk is None:
-            return
-        end = self._file.tell()
-        self._file.seek(chunk.at)
-        self._file.write(_chunk_header(end - self._begin))
-        self._file.seek(end)
-        for conn, entries in chunk.entries.items():
-            self._file.write(_record(
-                {"op": bytes([INDEX_DATA]), "conn": LENGTH.pack(conn), "ver": _VERSION,
-                 "count": LENGTH.pack(len(entries))},
-                b"".join(_ENTRY.pack(*entry.stamp, entry.offset) for entry in entries)))
-
-    def close(self) -> None:
-        """Write the index of the file. Nothing can be written afterwards."""
-        self.end_chunk()
-        index_at = self._file.tell()
+    def content(self) -> bytes:
+        """Return the file. Nothing can be written afterwards."""
+        self._end_chunk()
+        index_at = _BEGIN + len(self._content)
         for _, record in self._connections.values():
-            self._file.write(record)
+            self._content += record
         for chunk in self._chunks:
             counts = b"".join(_COUNT.pack(conn, len(entries)) for conn, entries in chunk.entries.items())
-            self._file.write(_record(
+            self._content += _record(
                 {"op": bytes([CHUNK_INFO]), "ver": _VERSION, "chunk_pos": _LONG.pack(chunk.at),
                  "start_time": STAMP.pack(*chunk.begin), "end_time": STAMP.pack(*chunk.end),
-                 "count": LENGTH.pack(len(chunk.entries))}, counts))
-        self._file.seek(len(MAGIC))
-        self._write_header(index_at)
-
-    def _begin_chunk(self, stamp: Stamp) -> _Chunk:
-        chunk = self._chunk = _Chunk(self._file.tell(), stamp)
-        self._chunks.append(chunk)
-        self._file.write(_chunk_header(0))
-        self._begin = self._file.tell()
-        return chunk
-
-    def _write_header(self, index_at: int) -> None:
-        header = _fields({
+                 "count": LENGTH.pack(len(chunk.entries))}, counts)
+        header = {
             "op": bytes([FILE_HEADER]), "index_pos": _LONG.pack(index_at),
-            "conn_count": LENGTH.pack(len(self._connections)), "chunk_count": LENGTH.pack(len(self._chunks))})
-        space = b" " * (_HEADER_SIZE - len(header))
-        self._file.write(LENGTH.pack(len(header)) + header + LENGTH.pack(len(space)) + space)
+            "conn_count": LENGTH.pack(len(self._connections)), "chunk_count": LENGTH.pack(len(self._chunks))}
+        space = b" " * (_HEADER_SIZE - len(_fields(header)))
+        return MAGIC + _record(header, space) + self._content
+
+    def _end_chunk(self) -> None:
+        """Write the chunk and its index."""
+        if not self._data:
+            return
+        header = {"op": bytes([CHUNK]), "compression": b"none", "size": LENGTH.pack(len(self._data))}
+        self._content += _record(header, self._data)
+        self._data = bytearray()
+        for conn, entries in self._chunks[-1].entries.items():
+            self._content += _record(
+                {"op": bytes([INDEX_DATA]), "conn": LENGTH.pack(conn), "ver": _VERSION,
+                 "count": LENGTH.pack(len(entries))},
+                b"".join(_ENTRY.pack(*entry.stamp, entry.offset) for entry in entries))
 
 
-def _chunk_header(size: int) -> bytes:
-    header = _fields({"op": bytes([CHUNK]), "compression": b"none", "size": LENGTH.pack(size)})
-    return LENGTH.pack(len(header)) + header + LENGTH.pack(size)
-
-
-def _record(header: Mapping[str, Union[str, bytes]], data: bytes) -> bytes:
+def _record(header: Mapping[str, Union[str, bytes]], data: Union[bytes, bytearray]) -> bytes:
     fields = _fields(header)
     return LENGTH.pack(len(fields)) + fields + LENGTH.pack(len(data)) + data
 

@@ -2,23 +2,21 @@
 
 import contextlib
 import errno
-import io
 import os
 from typing import Dict, Iterable, Mapping, Tuple
 
 from roah_rsbb.durable import USUAL, has_space, write_file
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.run_log import KINDS
-from roah_rsbb.run_logs.bag import BagWriter
+from roah_rsbb.run_logs.bag import Bag
 from roah_rsbb.run_logs.messages import BadEntry, LogEntry, message_of
 
 
-class _Bag:
-    """A bag in memory: one of an hour has a few megabytes."""
+class _RunLog:
+    """The bag of a robot in a run."""
 
     def __init__(self) -> None:
-        self._content = io.BytesIO()
-        self._bag = BagWriter(self._content)
+        self._bag = Bag()
         self._stamp = (0, 0)
         self._same = 0
 
@@ -36,8 +34,7 @@ class _Bag:
 
     def write(self, path: str) -> None:
         """Write the file, whole or not at all. The last of the disk belongs to the journal. Raises OSError."""
-        self._bag.close()
-        content = self._content.getvalue()
+        content = self._bag.content()
         if not has_space(os.path.dirname(path), len(content)):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), path)
         write_file(path, content, USUAL)
@@ -45,7 +42,7 @@ class _Bag:
 
 def write_bag(path: str, entries: Iterable[LogEntry]) -> None:
     """Write the log of a robot in a run, whole or not at all. Raises OSError."""
-    bag = _Bag()
+    bag = _RunLog()
     for entry in entries:
         bag.add(entry)
     bag.write(path)
@@ -54,7 +51,7 @@ def write_bag(path: str, entries: Iterable[LogEntry]) -> None:
 def write_bags(reader: JournalReader, paths: Mapping[Tuple[str, int], str]) -> None:
     """Write the logs of robots to these paths, by the identities of their runs and their ports. This reads the journal
     once. Raises OSError and `JournalError`."""
-    bags: Dict[Tuple[str, int], _Bag] = {which: _Bag() for which in paths}
+    bags: Dict[Tuple[str, int], _RunLog] = {which: _RunLog() for which in paths}
     for entry in reader.entries_of({identity for identity, _ in paths}):
         bag = bags.get((entry.identity, entry.port or 0))
         if bag is not None and entry.kind in KINDS:

@@ -185,7 +185,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     options = _parser().parse_args([argument for argument in given if ":=" not in argument])
     logging.basicConfig(level=logging.INFO, stream=sys.stdout, format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
     try:
-        status = platform.run(_run(options))
+        status = asyncio.run(_run(options))
     except OSError as error:
         sys.exit(f"{PROGRAM}: {error}")
     sys.exit(status)

@@ -1,5 +1,4 @@
-"""Finds the TCP ports on which a computer with Linux accepts connections, from /proc, as far as this user may read
-it. On other systems it finds none."""
+"""Finds the TCP ports on which this computer accepts connections, from /proc, as far as this user may read it."""
 
 import contextlib
 import os
@@ -7,8 +6,6 @@ import pathlib
 import socket
 import struct
 from typing import Dict, Iterator, List, NamedTuple
-
-from roah_rsbb import platform
 
 _LISTEN = "0A"
 _EVERYWHERE = ("0.0.0.0", "::")
@@ -37,9 +34,7 @@ def listeners() -> List[Listener]:
 
 def command_that_shows(protocol: str, port: int) -> str:
     """Return the command that shows which program uses a port. `protocol`: tcp or udp."""
-    if platform.WINDOWS:
-        return f"netstat -ano -p {protocol}"
-    return f"lsof -i {protocol}:{port}" if platform.MACOS else f"ss -{protocol[0]}lpn sport = :{port}"
+    return f"ss -{protocol[0]}lpn sport = :{port}"
 
 
 def open_to(found: List[Listener], address: str) -> List[Listener]:

@@ -9,7 +9,6 @@ import os
 import sys
 from typing import List, NamedTuple, Optional
 
-from roah_rsbb import platform
 from roah_rsbb.arguments import Parser, called, is_without_ros, number
 from roah_rsbb.box.parameters import BoxParameters, parameters_of, read_parameters
 from roah_rsbb.box.settings import of_competition, of_words
@@ -111,19 +110,17 @@ def findings(settings: CheckedSettings, folder: str, listen_s: float) -> List[Re
     network, port = settings.box.network, settings.box.network.rsbb_port
     # Pages are for this computer only if robots are on it, and have nothing to do with bind_host.
     pages_host = LOOPBACK if network.rsbb_host.startswith("127.") else ANY_HOST
-    is_linux = not (platform.WINDOWS or platform.MACOS)
     own = interfaces()
     reaches_robots = checks.check_network(network.rsbb_host, own)
     cannot_bind = checks.check_bind(network.bind_host, port)
     found = [reaches_robots, *(cannot_bind or checks.check_ports(network.bind_host, port))]
-    if is_linux:
-        firewall_file = os.path.join(folder or "COMPETITION", FIREWALL)
-        found += checks.check_exposure(network.rsbb_host, own, listeners(), checks.list_firewall(), firewall_file)
+    firewall_file = os.path.join(folder or "COMPETITION", FIREWALL)
+    found += checks.check_exposure(network.rsbb_host, own, listeners(), checks.list_firewall(), firewall_file)
     if listen_s and not cannot_bind and reaches_robots.level is not Severity.FAILED:
         found.append(checks.check_other_box(network.rsbb_host, port, network.bind_host, listen_s))
     if is_without_ros():
         found.append(checks.check_door(local_door_file()))
-    found.append(checks.check_clock(checks.is_synchronised()) if is_linux else checks.check_elsewhere(port))
+    found.append(checks.check_clock(checks.is_synchronised()))
     found += checks.check_log_dir(settings.box.log_dir)
     found += checks.check_configuration(files, settings.modules_dir)
     loaded = venue.loaded_config(files)
@@ -137,7 +134,7 @@ def findings(settings: CheckedSettings, folder: str, listen_s: float) -> List[Re
     if settings.web_port:
         found.append(venue.check_web_port(pages_host, settings.web_port))
     found += [checks.check_player(player) for player in settings.players]
-    return found + (_check_display() if is_linux else [])
+    return found + _check_display()
 
 
 def _look() -> Optional[venue.Look]:

@@ -4,15 +4,16 @@ A check returns its findings and raises nothing. `roah_rsbb.tools.preflight` is 
 `check_clock` are for Linux only.
 """
 
+import asyncio
 import ctypes
 import enum
+import errno
 import os
 import shutil
 import subprocess
 import tempfile
 from typing import Callable, Dict, List, NamedTuple, Optional
 
-from roah_rsbb import platform
 from roah_rsbb.arguments import is_without_ros
 from roah_rsbb.client.places import OWN_VARIABLE, is_answering
 from roah_rsbb.comm import sockets
@@ -63,9 +64,6 @@ def check_network(rsbb_host: str, found: List[Interface]) -> Remark:
                 return Remark(Severity.WARNING, f"rsbb_host {rsbb_host} reaches this computer only",
                               f"good for a test; for robots in a network, use its broadcast address: {there_are}")
             return Remark(Severity.OK, f"rsbb_host {rsbb_host} is the broadcast address of {interface.name}")
-    if platform.WINDOWS:
-        return Remark(Severity.WARNING, f"rsbb_host {rsbb_host} was not checked: Windows does not report broadcast "
-                      "addresses", "compare it with the address and the subnet mask that ipconfig shows")
     return Remark(Severity.FAILED, f"rsbb_host {rsbb_host} is not a broadcast address of this computer's networks",
                   f"connect the network with the robots, or set rsbb_host to one of: {there_are}")
 
@@ -112,21 +110,13 @@ def check_exposure(
     return [Remark(Severity.WARNING, text, remedy)]
 
 
-def check_elsewhere(rsbb_port: int) -> Remark:
-    """Say what is not checked on other systems than Linux."""
-    return Remark(Severity.WARNING, "firewall, open TCP ports and clock are checked on Linux only",
-                  f"let this system's firewall accept UDP ports {rsbb_port} to {rsbb_port + PORTS} and the TCP ports "
-                  "of tablet and web pages, close all others to the robots' network, and synchronise the clock with "
-                  "the robots' NTP server")
-
-
 def check_bind(bind_host: str, port: int) -> List[Remark]:
     """Check that nothing but another program can keep the box from opening its UDP ports."""
     for number in (port, port + PORTS):
         try:
             sockets.listen(bind_host, number, shared=False).close()
         except OSError as error:
-            if not platform.is_in_use(error):
+            if error.errno != errno.EADDRINUSE:
                 return [Remark(Severity.FAILED, str(error).replace(sockets.BIND_HOST, "bind_host"))]
     return []
 
@@ -149,14 +139,14 @@ def _is_free(bind_host: str, port: int) -> bool:
     try:
         sockets.listen(bind_host, port, shared=False).close()
     except OSError as error:
-        return not platform.is_in_use(error)
+        return error.errno != errno.EADDRINUSE
     return True
 
 
 def check_other_box(rsbb_host: str, port: int, bind_host: str, seconds: float) -> Remark:
     """Check that no other box transmits: listen for `seconds`, as the box itself does."""
     heard: List[str] = []
-    loop = platform.new_loop()
+    loop = asyncio.new_event_loop()
 
     def on_message(message: object, sender: tuple) -> None:
         if isinstance(message, pb.RoahRsbbBeacon):

@@ -3,11 +3,11 @@
 Each check looks only at what the schedule needs. It returns its findings and raises nothing.
 """
 
+import errno
 import os
 import socket
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
-from roah_rsbb import platform
 from roah_rsbb.arguments import is_without_ros
 from roah_rsbb.bmbox.framework.ground_truth import Source
 from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruthConfig, load
@@ -60,14 +60,13 @@ def check_web_port(host: str, port: int) -> Remark:
 
 def _check_tcp_port(host: str, port: int, what: str, parameter: str, level: Severity, purpose: str) -> Remark:
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as trial:
-        if not platform.WINDOWS:  # there, it would be bound beside the other program
-            trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             trial.bind((host, port))
         except OSError as error:
             in_use = f"end the program that uses it ('{command_that_shows('tcp', port)}' shows it), or "
-            return Remark(level, f"TCP port {port} of {what} cannot be used: {platform.reason_of(error)}",
-                          f"{in_use if platform.is_in_use(error) else ''}choose another {parameter}{purpose}")
+            return Remark(level, f"TCP port {port} of {what} cannot be used: {os.strerror(error.errno or 0)}",
+                          f"{in_use if error.errno == errno.EADDRINUSE else ''}choose another {parameter}{purpose}")
     return Remark(Severity.OK, f"TCP port {port} of {what} is free")
 
 

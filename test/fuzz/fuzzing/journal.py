@@ -7,7 +7,6 @@ import functools
 import os
 import pathlib
 import shutil
-import sqlite3
 import tempfile
 from typing import Any, Dict, Iterator, List, Tuple
 
@@ -18,7 +17,6 @@ from helpers.competition import competition, event
 from helpers.forms import form
 from helpers.journaled import JournaledDriver
 from helpers.module_player import FakeModules
-from helpers.old_journals import TABLES, write_old
 from roah_rsbb.box.journal import competition as competition_of
 from roah_rsbb.box.journal import saved_state
 from roah_rsbb.core.actions import table
@@ -26,7 +24,7 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.batch import Batch
 from roah_rsbb.journal.contents import open_journal
-from roah_rsbb.journal.file import FILE_NAME, OLD_FILE_NAME, CoreSession, DamagedJournal, Resume
+from roah_rsbb.journal.file import FILE_NAME, CoreSession, DamagedJournal, Resume
 from roah_rsbb.journal.ports import FILE_NAME as PORTS_FILE
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.reader import JournalError, JournalReader
@@ -41,7 +39,7 @@ _VALUES: Tuple[Any, ...] = (
     "[[{}]]", '["a"]', "{", b"", b"\xff", "[" * 5000, '{"event": {}}', "PREPARE", "RUNNING", True, False, "é" * 50,
     "\ud800",
 )
-_TABLES = ("meta", "sessions", "runs", "members", "entries", "links", "states")
+
 _CONFIG = competition(
     catering=["HCFGAC"], waypoints=[event("HNF", team="Gamma", timeout=60.0)], switches=[event("HOMF", team="Beta")],
     all=[event("HSUF", team="ALL", timeout=30.0)],
@@ -92,15 +90,6 @@ def _good() -> Dict[str, bytes]:
     return {path.name: path.read_bytes() for path in (folder / "1" / FILE_NAME).glob("*.log")}
 
 
-@functools.lru_cache(maxsize=None)
-def _old() -> bytes:
-    """The same in the format of version 1, whose rows had no checksums."""
-    folder = _FOLDERS.fresh()
-    _put(folder / FILE_NAME, _good())
-    write_old(str(folder / FILE_NAME), str(folder / OLD_FILE_NAME), 1)
-    return (folder / OLD_FILE_NAME).read_bytes()
-
-
 def _put(path: pathlib.Path, segments: Dict[str, bytes]) -> None:
     path.mkdir()
     for name, content in segments.items():
@@ -113,16 +102,7 @@ def _put(path: pathlib.Path, segments: Dict[str, bytes]) -> None:
 def _written(folder: pathlib.Path, data: bytes) -> pathlib.Path:
     """Write a journal that is damaged in one of several ways that the input selects; returns its path."""
     reader = Reader(data)
-    way = reader.choice((_whole, _bytes, _torn, _rows, _rows, _schema, _state, _state, _bytes))
-    old = folder / OLD_FILE_NAME
-    if way in (_rows, _schema):
-        old.write_bytes(_old())
-        with contextlib.closing(sqlite3.connect(str(old), isolation_level=None)) as connection:
-            way(connection, reader)
-        return old
-    if way is not _state and reader.byte() > 200:
-        old.write_bytes(way(_old(), reader))
-        return old
+    way = reader.choice((_whole, _bytes, _bytes, _torn, _state, _state))
     segments = dict(_good())
     if way is not _state:
         name = reader.choice(sorted(segments))
@@ -152,33 +132,6 @@ def _torn(good: bytes, reader: Reader) -> bytes:
     """Its end is missing, or is nothing."""
     size = int.from_bytes(reader.take(3), "big") % len(good)
     return good[:size] + (bytes(len(good) - size) if reader.flag() else b"")
-
-
-def _try(connection: sqlite3.Connection, statement: str, *values: object) -> None:
-    """Ignore statements that SQLite refuses."""
-    with contextlib.suppress(sqlite3.Error, UnicodeEncodeError, OverflowError):
-        connection.execute(statement, values)
-
-
-def _rows(connection: sqlite3.Connection, reader: Reader) -> None:
-    """Values in the tables are others, of other types."""
-    while reader:
-        table = reader.choice(_TABLES)
-        columns = [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
-        column, value = reader.choice(columns), reader.choice(_VALUES)
-        _try(connection, f"UPDATE OR REPLACE {table} SET {column} = ?", value)
-
-
-def _schema(connection: sqlite3.Connection, reader: Reader) -> None:
-    """Tables are missing, or others; the numbers in the file's header are others."""
-    while reader:
-        table, number = reader.choice(_TABLES), reader.integer(size=4)
-        _try(connection, reader.choice((
-            f"DROP TABLE {table}", f"DELETE FROM {table}", f"ALTER TABLE {table} ADD COLUMN more{number % 9} TEXT",
-            f"ALTER TABLE {table} RENAME TO other", f"PRAGMA user_version = {number}",
-            f"PRAGMA application_id = {number}", f"CREATE VIEW view{number % 9} AS SELECT * FROM {table}",
-            f"CREATE TRIGGER t{number % 9} BEFORE INSERT ON {table} BEGIN SELECT RAISE(ABORT, 'no'); END",
-        )))
 
 
 def _state(folder: pathlib.Path, reader: Reader) -> None:
@@ -252,7 +205,8 @@ def read_steps(data: bytes) -> Iterator[Step]:
 
 
 def _read(path: str) -> None:
-    with contextlib.suppress(JournalError), JournalReader(path) as reader:
+    with contextlib.suppress(JournalError):
+        reader = JournalReader(path)
         reader.sessions()
         for run in reader.runs():
             reader.run(run.identity)
@@ -291,7 +245,7 @@ def name_steps(data: bytes) -> Iterator[Step]:
     yield make
     assert os.path.basename(name) == name
     assert "\0" not in name
-    assert len(os.fsencode(name)) <= 240, "there must be room for .active, and for a port"
+    assert len(os.fsencode(name)) <= 240, "a port must fit, too"
 
 
 # -- inputs to begin with ---------------------------------------------------------------------------------
@@ -299,22 +253,14 @@ def name_steps(data: bytes) -> Iterator[Step]:
 
 def journal_seeds() -> List[bytes]:
     """Each way of damage, a few times."""
-    each_value = [
-        bytes([3, table, column, value])
-        for table, name in enumerate(_TABLES) for column in range(TABLES[name].count(",") + 1)
-        for value in range(len(_VALUES))
-    ]
     first = next(iter(_good().values()))
     return [
-        b"\x00\x00", b"\x00\xff\x00SQLite format 3\0", b"\x00\x00\x00" + first[:100], b"\x00\x00\x00" + bytes(5000),
-        b"\x00\xff\x00not a database" * 20,
-        b"\x01\0\0\0\0\x12\1\xff\xff", b"\x01\0\1\0\x10\x00\x0fxxxxxxxxxxxxxxxx",
-        b"\x01\xff\0\0\x64\x0f" + b"\xff" * 16,
-        *(b"\x02" + bytes([old, 1]) + size.to_bytes(3, "big") + bytes([zero])
-          for size in (0, 1, 99, 4096, 20_000) for zero in (0, 1) for old in (0, 255)),
-        *(bytes([5, table, 0, act]) for table in range(len(_TABLES)) for act in range(8)),
-        b"\x05\0\x05\4", b"\x05\0\xc0\xff\xff\xff\xff\4", b"\x05\0\x01\5", b"\x05\0\0\5", b"\x06\1\2\3\4",
-    ] + each_value[::29]
+        b"\x00\x00", b"\x00\x00" + first[:100], b"\x00\x00" + bytes(5000), b"\x00\x00not a journal" * 20,
+        b"\x01\0\0\0\x12\1\xff\xff", b"\x01\0\0\x10\x00\x0fxxxxxxxxxxxxxxxx", b"\x01\0\0\x64\x0f" + b"\xff" * 16,
+        *(b"\x03\0" + size.to_bytes(3, "big") + bytes([zero]) for size in (0, 1, 99, 4096, 20_000) for zero in (0, 1)),
+        *(bytes([4, name, way, value]) for name in range(8) for way in (0, 5) for value in range(0, len(_VALUES), 4)),
+        b"\x04\0\xff\xff\xff\xff\4", b"\x05\1\2\3\4",
+    ]
 
 
 def read_seeds() -> List[bytes]:

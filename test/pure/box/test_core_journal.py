@@ -339,8 +339,8 @@ def test_who_said_what(tmp_path):
     driver = box(tmp_path)
     robot = driver.connected("tbm")
     driver.event(driver.box.act, Target("tbm"), "start", "/referee_2")
-    with JournalReader(driver.journal.path) as reader:
-        entries = reader.entries(driver.run_in("tbm").identity)
+    reader = JournalReader(driver.journal.path)
+    entries = reader.entries(driver.run_in("tbm").identity)
     said = {entry.who for entry in entries if entry.kind == run_log.CLIENT_STATE}
     assert said == {robot.host}
     commands = [(entry.who, entry.value) for entry in entries if entry.kind == "command"]
@@ -428,10 +428,10 @@ def test_a_run_by_hand_continues_after_a_kill_and_is_in_the_journal(tmp_path):
     ends = [(record.end_reason, record.robots) for record in driver.box.finished.records()]
     assert ends == [("no_show", ()), ("stopped", ())]
     driver.journal.close()
-    with JournalReader(driver.journal.path) as reader:
-        runs = reader.runs()
-        assert [run.outcome["end_reason"] for run in runs] == ["stopped", "no_show"]
-        assert reader.members(runs[0].identity) == []
+    reader = JournalReader(driver.journal.path)
+    runs = reader.runs()
+    assert [run.outcome["end_reason"] for run in runs] == ["stopped", "no_show"]
+    assert reader.members(runs[0].identity) == []
 
 
 def test_a_core_that_ended_before_it_resumed_changes_no_times(tmp_path):

@@ -14,11 +14,11 @@ from roah_rsbb.protocol import RobotState
 def states_of(path):
     """The states of all runs in a journal: by identity, (UTC, state) in order."""
     found = {}
-    with JournalReader(str(path)) as journal:
-        for run in journal.runs():
-            reader = ChangesReader()
-            found[run.identity] = [(entry.utc, reader.take(entry.value)) for entry in journal.states(run.identity)]
-            assert not any(entry.kind == kinds.STATE for entry in journal.entries(run.identity))
+    journal = JournalReader(str(path))
+    for run in journal.runs():
+        reader = ChangesReader()
+        found[run.identity] = [(entry.utc, reader.take(entry.value)) for entry in journal.states(run.identity)]
+        assert not any(entry.kind == kinds.STATE for entry in journal.entries(run.identity))
     return found
 
 

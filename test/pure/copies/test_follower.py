@@ -80,9 +80,9 @@ def test_the_copy_is_a_journal_with_all_data(copied):
     (copied.log_dir / "used_private_ports").write_text("6667\n")
     (copied.log_dir / "configuration.json").write_text("{}")
     assert copied.step()
-    with JournalReader(str(copied.stick / FILE_NAME)) as reader:
-        assert reader.runs()[0].outcome
-        assert not reader.damage
+    reader = JournalReader(str(copied.stick / FILE_NAME))
+    assert reader.runs()[0].outcome
+    assert not reader.damage
     assert (copied.stick / "used_private_ports").read_text() == "6667\n"
     assert (copied.stick / "configuration.json").read_text() == "{}"
 

@@ -29,8 +29,8 @@ from typing import Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
 BLOCK = 512
 # Blocks that are written together.
 SECTORS = (1, 8)
-# SQLite makes these again; a lock has no content.
-NOT_KEPT = ("-shm", ".lock")
+# A lock has no content.
+NOT_KEPT = (".lock",)
 _HEAD = struct.Struct("=cQqII")
 _SOURCE = os.path.join(os.path.dirname(__file__), "recorded_writes.c")
 

@@ -140,9 +140,9 @@ class Journal:
         problems = [text for text in (*troubles, *journal.warnings) if text and "as after a power failure" not in text]
         if problems:
             return Found([], "; ".join(problems))
-        with JournalReader(journal.path) as reader:
-            numbers = [number_of(entry.value) for entry in reader.entries("run")]
-            return Found(numbers, str(reader.damage or ""), number_of(journal.previous.states.get("zone:Home", "")))
+        reader = JournalReader(journal.path)
+        numbers = [number_of(entry.value) for entry in reader.entries("run")]
+        return Found(numbers, str(reader.damage or ""), number_of(journal.previous.states.get("zone:Home", "")))
 
 
 class SealsPageCache(Journal):

@@ -15,7 +15,7 @@ class CannotMount(Exception):
 class SmallDisk:
     """A disk mounted where only the holder's mount namespace sees it, at `mount_point`.
 
-    `path` leads there from outside; but not SQLite, which follows symbolic links by itself. What a command does with
+    `path` leads there from outside. What a command does with
     `inside` before it happens there, too.
 
     One that `breaks` is an ext4 in a file beside it, at least 2 MB, with blocks of 1 kB; else it is a tmpfs. Raises

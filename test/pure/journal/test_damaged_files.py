@@ -55,9 +55,9 @@ def everything(folders):
     """All records of the journal by number, and all records of each run."""
     payloads = {frame.number: frame.payload for _, found in scans(read_chain(str(folders[0] / FILE_NAME)).segments)
                 for frame in found.records}
-    with JournalReader(str(folders[0] / FILE_NAME)) as reader:
-        assert reader.damage == []
-        runs = {run.identity: run for run in reader.runs()}
+    reader = JournalReader(str(folders[0] / FILE_NAME))
+    assert reader.damage == []
+    runs = {run.identity: run for run in reader.runs()}
     assert len(runs) == LIVES * RUNS and list(payloads) == list(range(1, len(payloads) + 1))
     return payloads, runs
 
@@ -77,12 +77,12 @@ def check(path, everything):
     chain = read_chain(path)
     found = {frame.number: frame.payload for _, part in scans(chain.segments) for frame in part.records}
     assert found.items() <= payloads.items()
-    with JournalReader(path) as reader:
-        damage = reader.damage
-        for run in reader.runs():
-            assert run[:8] == runs[run.identity][:8] or not run.zone
-            assert run.outcome in ({}, runs[run.identity].outcome) or run.closed_utc is None or damage
-            assert reader.entries(run.identity) is not None
+    reader = JournalReader(path)
+    damage = reader.damage
+    for run in reader.runs():
+        assert run[:8] == runs[run.identity][:8] or not run.zone
+        assert run.outcome in ({}, runs[run.identity].outcome) or run.closed_utc is None or damage
+        assert reader.entries(run.identity) is not None
     named = {number for text in damage for match in re.finditer(r"records? (\d+)(?: to (\d+))? damaged", text)
              for number in range(int(match[1]), int(match[2] or match[1]) + 1)}
     missing = {number for number in payloads if number not in found and number < max(found, default=0)}

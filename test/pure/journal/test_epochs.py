@@ -38,8 +38,8 @@ class Box:
         return open_journal(self.path).newest.last
 
     def only_here(self):
-        with JournalReader(self.path) as reader:
-            return reader.only_here()
+        reader = JournalReader(self.path)
+        return reader.only_here()
 
 
 @pytest.fixture

@@ -60,8 +60,8 @@ def test_what_was_written_is_there(tmp_path):
         process.send_signal(signal.SIGKILL)
         announced = process.communicate()[0].decode().split("\n")[:-1]
         written = int(announced[-1]) if announced else found
-    with JournalReader(str(tmp_path / "roah_rsbb_journal")) as reader:
-        assert reader.damage == []
-        numbers = [entry.value for entry in reader.entries("run")]
+    reader = JournalReader(str(tmp_path / "roah_rsbb_journal"))
+    assert reader.damage == []
+    numbers = [entry.value for entry in reader.entries("run")]
     assert numbers == list(range(1, len(numbers) + 1)) and len(numbers) >= written
     print(f"{len(numbers)} events, {KILLS} kills")

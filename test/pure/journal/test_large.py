@@ -6,7 +6,6 @@ import shutil
 
 from helpers.journals import Writer
 from helpers.results_of import task_record
-from roah_rsbb import platform
 from roah_rsbb.journal import contents
 from roah_rsbb.journal.batch import Batch, LinkRow, NewEntry, OutcomeRow
 from roah_rsbb.model.saved import freeze
@@ -44,7 +43,7 @@ def write_killed(before, log_dir):
 def test_a_start_reads_the_newest_segment_once_and_the_newest_records_of_runs(tmp_path, monkeypatch):
     seconds = write_killed(tmp_path / "before", tmp_path / "log")
     taken = collections.Counter()
-    read, read_at = contents.read, platform.read_at
+    read, read_at = contents.read, os.pread
 
     def count_read(path):
         content = read(path)
@@ -57,7 +56,7 @@ def test_a_start_reads_the_newest_segment_once_and_the_newest_records_of_runs(tm
         return content
 
     monkeypatch.setattr(contents, "read", count_read)
-    monkeypatch.setattr(platform, "read_at", count_read_at)
+    monkeypatch.setattr(os, "pread", count_read_at)
     after = Writer(tmp_path / "log")
     previous = after.journal.previous
     assert max(state["second"] for state in previous.states.values()) == seconds

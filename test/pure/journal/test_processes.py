@@ -1,6 +1,5 @@
 """Work that several processes share."""
 
-import contextlib
 import os
 import signal
 
@@ -10,11 +9,7 @@ from roah_rsbb.journal.processes import ProcessEnded, shared_out
 
 
 def shared(work, items, processes):
-    @contextlib.contextmanager
-    def make():
-        yield work
-
-    with shared_out(make, items, processes) as results:
+    with shared_out(work, items, processes) as results:
         yield from results
 
 

@@ -37,8 +37,8 @@ def files_beside(path):
 
 
 def identities(path):
-    with JournalReader(str(path)) as reader:
-        return [run.identity for run in reader.runs()]
+    reader = JournalReader(str(path))
+    return [run.identity for run in reader.runs()]
 
 
 def segments(path):
@@ -46,48 +46,48 @@ def segments(path):
 
 
 def test_what_is_in_it(writer):
-    with JournalReader(writer.path) as reader:
-        [run] = reader.runs()
-        assert run == JournalRun(*RECORD[:8], None, {**run.outcome})
-        assert run.outcome["team"] == "Alpha"
-        assert reader.run(RECORD.identity) == run
-        assert reader.run("another") is None
-        assert reader.members(RECORD.identity) == [
-            JournalMember(6667, RECORD.identity, "Alpha", "r1", "/logs/6667.bag")
-        ]
-        state, start = reader.entries(RECORD.identity)
-        assert (state.kind, state.value, state.port, state.utc, state.session) == (
-            "/rsbb_log/rsbb_state", 1, 6667, UTC0 + 1.0, 1
-        )
-        assert (start.who, start.value, start.number) == ("/referee", {"command": "start"}, state.number + 1)
-        assert [c.value.get("refused") for c in reader.commands("tbm")] == [["no"]]
-        assert [c.value for c in reader.commands("fbm")] == [{"command": "start"}]
-        assert [e.value for e in reader.entries("")] == [c.value for c in reader.commands("tbm")]
-        [link] = reader.links(6667)
-        assert (link.sample, link.utc) == ({"seconds": 1.0, "received": 1}, UTC0 + 4.0)
-        assert reader.links(6668) == []
-        [session] = reader.sessions()
-        assert (session.box_uuid, session.pid) == ("uuid", 1234)
+    reader = JournalReader(writer.path)
+    [run] = reader.runs()
+    assert run == JournalRun(*RECORD[:8], None, {**run.outcome})
+    assert run.outcome["team"] == "Alpha"
+    assert reader.run(RECORD.identity) == run
+    assert reader.run("another") is None
+    assert reader.members(RECORD.identity) == [
+        JournalMember(6667, RECORD.identity, "Alpha", "r1", "/logs/6667.bag")
+    ]
+    state, start = reader.entries(RECORD.identity)
+    assert (state.kind, state.value, state.port, state.utc, state.session) == (
+        "/rsbb_log/rsbb_state", 1, 6667, UTC0 + 1.0, 1
+    )
+    assert (start.who, start.value, start.number) == ("/referee", {"command": "start"}, state.number + 1)
+    assert [c.value.get("refused") for c in reader.commands("tbm")] == [["no"]]
+    assert [c.value for c in reader.commands("fbm")] == [{"command": "start"}]
+    assert [e.value for e in reader.entries("")] == [c.value for c in reader.commands("tbm")]
+    [link] = reader.links(6667)
+    assert (link.sample, link.utc) == ({"seconds": 1.0, "received": 1}, UTC0 + 4.0)
+    assert reader.links(6668) == []
+    [session] = reader.sessions()
+    assert (session.box_uuid, session.pid) == ("uuid", 1234)
 
 
 def test_a_run_that_is_over(writer):
     writer.outcome(RECORD._replace(closed_utc=UTC0 + 60.0))
-    with JournalReader(writer.path) as reader:
-        assert reader.run(RECORD.identity).closed_utc == UTC0 + 60.0
+    reader = JournalReader(writer.path)
+    assert reader.run(RECORD.identity).closed_utc == UTC0 + 60.0
 
 
 def test_while_the_box_writes_it_is_of_one_moment(writer):
-    with JournalReader(writer.path) as reader:
-        writer.run(RECORD._replace(identity="later"), ())
-        assert [run.identity for run in reader.runs()] == [RECORD.identity]
+    reader = JournalReader(writer.path)
+    writer.run(RECORD._replace(identity="later"), ())
+    assert [run.identity for run in reader.runs()] == [RECORD.identity]
     assert identities(writer.path) == [RECORD.identity, "later"]
 
 
 def test_the_box_can_write_while_it_is_read(writer):
-    with JournalReader(writer.path) as reader:
-        writer.entry("notice", {})
-        writer.close()
-        assert len(reader.runs()) == 1
+    reader = JournalReader(writer.path)
+    writer.entry("notice", {})
+    writer.close()
+    assert len(reader.runs()) == 1
 
 
 def test_it_is_whole_while_segments_follow_each_other(writer, monkeypatch):
@@ -103,9 +103,9 @@ def test_it_is_whole_while_segments_follow_each_other(writer, monkeypatch):
     thread, counts = threading.Thread(target=write), []
     thread.start()
     while thread.is_alive() or not counts:
-        with JournalReader(writer.path) as reader:
-            numbers = [entry.number for entry in reader.entries(RECORD.identity)]
-            assert (reader.damage, numbers) == ([], [1, 2, *range(4, numbers[-1] + 1)])  # 3 is of no run
+        reader = JournalReader(writer.path)
+        numbers = [entry.number for entry in reader.entries(RECORD.identity)]
+        assert (reader.damage, numbers) == ([], [1, 2, *range(4, numbers[-1] + 1)])  # 3 is of no run
         counts.append(len(numbers))
     thread.join()
     assert counts == sorted(counts) and len(segments(writer.path)) > 5
@@ -128,9 +128,9 @@ def test_a_torn_end_of_a_running_box_is_no_damage(writer):
     segment = segments(writer.path)[-1]
     with open(segment, "ab") as file:
         file.write(b"RsbR" + bytes(20))
-    with JournalReader(writer.path) as reader:
-        assert reader.identities() == [RECORD.identity]
-        found, = reader.damage
+    reader = JournalReader(writer.path)
+    assert reader.identities() == [RECORD.identity]
+    found, = reader.damage
     assert "torn or damaged: what happened after record" in found and UTC_END in found
 
 
@@ -175,7 +175,8 @@ def test_a_directory_that_cannot_be_written(writer, monkeypatch):
 
 
 def error_of(path):
-    with pytest.raises(JournalError) as caught, JournalReader(str(path)) as reader:
+    with pytest.raises(JournalError) as caught:
+        reader = JournalReader(str(path))
         reader.runs()
         reader.entries(RECORD.identity)
         reader.links(6667)
@@ -189,8 +190,8 @@ def test_what_cannot_be_read_is_said_with_the_remedy(writer, tmp_path, monkeypat
     assert "this folder has no journal" in error_of(tmp_path / "empty")
     writer.close()
     text = tmp_path / "text"
-    text.write_text("no database, but a text that is long enough to be one\n" * 100)
-    assert "or not a journal" in error_of(text)
+    text.write_text("a text\n" * 100)
+    assert "this is a file, and a journal is a folder" in error_of(text)
     monkeypatch.setattr(log, "VERSION", log.VERSION - 1)
     assert "a newer version of roah_rsbb" in error_of(writer.path)
 
@@ -203,9 +204,9 @@ def test_a_segment_that_lost_its_end(writer, keep):
     writer.close()
     segment, = segments(writer.path)
     os.truncate(segment, int(os.path.getsize(segment) * keep))
-    with JournalReader(writer.path) as reader:
-        numbers = [entry.number for entry in reader.entries(RECORD.identity)]
-        assert reader.damage
+    reader = JournalReader(writer.path)
+    numbers = [entry.number for entry in reader.entries(RECORD.identity)]
+    assert reader.damage
     assert 300 * (keep - 0.2) < len(numbers) < 300 * (keep + 0.2)
     assert numbers == sorted(numbers)
 
@@ -217,21 +218,21 @@ def test_no_damage(writer):
 
 
 def reader_damage(path):
-    with JournalReader(path) as reader:
-        return reader.damage
+    reader = JournalReader(path)
+    return reader.damage
 
 
 def test_damage_is_reported_with_its_times(writer):
     for i in range(5):
         writer.entry("notice", {"text": f"number {i}"}, RECORD.identity)
     writer.close()
-    with JournalReader(writer.path) as reader:
-        times = [entry.utc for entry in reader.entries(RECORD.identity)]
+    reader = JournalReader(writer.path)
+    times = [entry.utc for entry in reader.entries(RECORD.identity)]
     spoil(writer.path, b"number 2")
     spoil(writer.path, b"number 3")
-    with JournalReader(writer.path) as reader:
-        found, = reader.damage
-        left = [entry.utc for entry in reader.entries(RECORD.identity)]
+    reader = JournalReader(writer.path)
+    found, = reader.damage
+    left = [entry.utc for entry in reader.entries(RECORD.identity)]
     assert left == times[:-3] + times[-1:]
     assert re.match(r"records \d+ to \d+ damaged or missing, between ", found)
     assert f"between {utc_text(times[-4])} and {utc_text(times[-1])}" in found
@@ -241,9 +242,9 @@ def test_an_earlier_record_of_a_run_counts_if_the_newest_is_damaged(writer):
     writer.outcome(RECORD._replace(team="Delta"))
     writer.close()
     spoil(writer.path, b"Delta")
-    with JournalReader(writer.path) as reader:
-        assert reader.run(RECORD.identity).outcome["team"] == "Alpha"
-        assert len(reader.damage) == 1
+    reader = JournalReader(writer.path)
+    assert reader.run(RECORD.identity).outcome["team"] == "Alpha"
+    assert len(reader.damage) == 1
 
 
 # -- large journals ---------------------------------------------------------------------------------
@@ -272,21 +273,21 @@ def large(writer, monkeypatch):
 def test_a_large_journal_is_checked_where_it_is_read(large, changed, of_run):
     spoil(large, changed)
     reported = []
-    with JournalReader(large, checks_all=False, on_damage=reported.append) as reader:
-        assert reader.damage == []
-        assert len(reader.damage_of(OTHER.identity)) == of_run
-        assert [bool(run.outcome) for run in reader.runs()] == [True, b"o{" not in changed]
+    reader = JournalReader(large, checks_all=False, on_damage=reported.append)
+    assert reader.damage == []
+    assert len(reader.damage_of(OTHER.identity)) == of_run
+    assert [bool(run.outcome) for run in reader.runs()] == [True, b"o{" not in changed]
     assert len(reported) == (b"o{" in changed) and all(OTHER.identity in text for text in reported)
-    with JournalReader(large, on_damage=reported.append) as reader:
-        assert len(reader.damage) == 1, "all of it is checked"
-        assert reader.damage_of(OTHER.identity) == [], "it is reported once"
-        assert len(reader.runs()) == 2 and len(reported) <= 1
+    reader = JournalReader(large, on_damage=reported.append)
+    assert len(reader.damage) == 1, "all of it is checked"
+    assert reader.damage_of(OTHER.identity) == [], "it is reported once"
+    assert len(reader.runs()) == 2 and len(reported) <= 1
 
 
 def test_outlines_and_identities(large):
-    with JournalReader(large) as reader:
-        assert reader.identities() == [RECORD.identity, OTHER.identity]
-        first, second = reader.outlines(("started_utc", "sign_off.who"))
+    reader = JournalReader(large)
+    assert reader.identities() == [RECORD.identity, OTHER.identity]
+    first, second = reader.outlines(("started_utc", "sign_off.who"))
     assert first == (*RECORD[:8], None, None)
     assert second[:1] == (OTHER.identity,)
 
@@ -294,7 +295,7 @@ def test_outlines_and_identities(large):
 def test_runs_of_many_segments(large, monkeypatch):
     """Only some segments are in memory at the same time."""
     monkeypatch.setattr("roah_rsbb.journal.reader._MOST_LOADED", 1)
-    with JournalReader(large) as reader:
-        for _ in range(2):
-            assert [e.value["text"] for run in (RECORD, OTHER) for e in reader.entries(run.identity)
-                    if e.kind == "notice"] == ["first", "second"]
+    reader = JournalReader(large)
+    for _ in range(2):
+        assert [e.value["text"] for run in (RECORD, OTHER) for e in reader.entries(run.identity)
+                if e.kind == "notice"] == ["first", "second"]

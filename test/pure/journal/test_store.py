@@ -69,8 +69,8 @@ def records_of(journal):
 
 
 def entries(journal):
-    with JournalReader(journal.path) as reader:
-        return [(entry.number, *entry[2:]) for entry in reader.entries("HNF-6667-1")]
+    reader = JournalReader(journal.path)
+    return [(entry.number, *entry[2:]) for entry in reader.entries("HNF-6667-1")]
 
 
 def test_data_is_written_before_write_returns(journals):
@@ -78,8 +78,8 @@ def test_data_is_written_before_write_returns(journals):
     assert journal.previous == NOTHING
     journal.write(BATCH)
     assert entries(journal) == [(1, *ENTRY)]
-    with JournalReader(journal.path) as reader:
-        assert [(member.port, member.log_file) for member in reader.all_members()] == [(6667, "/logs/run.bag")]
+    reader = JournalReader(journal.path)
+    assert [(member.port, member.log_file) for member in reader.all_members()] == [(6667, "/logs/run.bag")]
 
 
 def test_the_state_from_which_the_next_start_continues(journals):
@@ -303,8 +303,8 @@ def test_all_segments_of_a_removed_folder_are_written_again(journals, tmp_path):
             journal.close()
     shutil.rmtree(tmp_path / "log" / FILE_NAME)
     journal.look()
-    with JournalReader(journal.path) as reader:
-        assert reader.damage == []
+    reader = JournalReader(journal.path)
+    assert reader.damage == []
     assert [entry[-1] for entry in entries(journal)] == [0, 1, 2]
 
 
@@ -485,8 +485,8 @@ def test_parts_of_two_copies_in_one_folder_are_named(journals, tmp_path):
     (path / later.name).write_bytes(other)
     warning, = journals().warnings
     assert f"{later.name} does not belong to the newest segments, and 1 of its records does not count" in warning
-    with JournalReader(str(path)) as reader:
-        assert any("Parts of two copies are in one folder" in damage for damage in reader.damage)
+    reader = JournalReader(str(path))
+    assert any("Parts of two copies are in one folder" in damage for damage in reader.damage)
 
 
 def test_a_journal_of_another_competition_is_set_aside(journals, tmp_path):

@@ -30,8 +30,8 @@ TIMES = {"clock", "robot"}
 def played(tmp_path_factory):
     driver = ReplayedCompetition(tmp_path_factory.mktemp("replayed"))
     path = driver.play()
-    with JournalReader(path) as reader:
-        yield driver, reader
+    reader = JournalReader(path)
+    yield driver, reader
 
 
 def replayed(played, word="1"):
@@ -103,8 +103,8 @@ def test_a_step_of_the_clock_changes_no_time_of_a_replay(tmp_path, seconds):
     runs = []
     for folder, step in (("plain", 0.0), ("set", seconds)):
         driver = SetClock(tmp_path / folder, step)
-        with JournalReader(driver.play()) as reader:
-            runs.append(read_run(reader, "1", []))
+        reader = JournalReader(driver.play())
+        runs.append(read_run(reader, "1", []))
     plain, begins = (
         {change.phase: change.utc for change in reversed(run.changes) if change.zone == "tbm"} for run in runs)
     assert begins == pytest.approx(plain, abs=0.001)
@@ -174,8 +174,8 @@ class JudgedCompetition(JournaledDriver):
 
 def test_judges_are_shown_as_they_were(tmp_path):
     driver = JudgedCompetition(tmp_path)
-    with JournalReader(driver.play()) as reader:
-        box = ReplayedBox(read_run(reader, "1", []), driver.config)
+    reader = JournalReader(driver.play())
+    box = ReplayedBox(read_run(reader, "1", []), driver.config)
     shown = [judging for _, seen in driver.noted for judging in seen]
     assert [len(judging.active) for judging in shown] == [0, 1, 2, 2, 2, 2, 2]
     assert [judging.is_complete for judging in shown] == [False] * 4 + [True] * 3
@@ -195,8 +195,8 @@ def test_a_run_without_states_is_refused_with_the_remedy(tmp_path):
     writer = Writer(tmp_path)
     write_full_run(writer)
     writer.close()
-    with JournalReader(writer.path) as reader, pytest.raises(CannotReplay, match="results replay 1"):
-        read_run(reader, "1", [])
+    with pytest.raises(CannotReplay, match="results replay 1"):
+        read_run(JournalReader(writer.path), "1", [])
 
 
 def test_missing_and_other_files_are_refused_with_the_remedy(played, tmp_path):

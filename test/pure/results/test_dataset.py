@@ -28,10 +28,10 @@ def journal(tmp_path_factory):
 def written(journal, folder, anonymous=False, **options):
     """Write the data set of a journal; returns the rows by table, and the description."""
     folder.mkdir(exist_ok=True)
-    with JournalReader(journal) as reader:
-        names = names_of(reader) if anonymous else None
-        results = (run_result(reader, number, record, print) for number, record in enumerate(records(reader, print), 1))
-        write_dataset(str(folder), results, DatasetOptions(names, **options))
+    reader = JournalReader(journal)
+    names = names_of(reader) if anonymous else None
+    results = (run_result(reader, number, record, print) for number, record in enumerate(records(reader, print), 1))
+    write_dataset(str(folder), results, DatasetOptions(names, **options))
     assert sorted(os.listdir(str(folder))) == sorted(FILES)
     tables = {}
     for table in TABLES:

@@ -13,7 +13,7 @@ from helpers.journaled import NO_LISTENING, JournaledDriver
 from roah_rsbb.core.scoring.counting import ANY, Why
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views.schedule import schedule
-from roah_rsbb.journal.file import OLD_FILE_NAME
+from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import Phase
 from roah_rsbb.model.referee import RunName
@@ -22,7 +22,8 @@ from roah_rsbb.results.standings import standings
 from roah_rsbb.rulebook.standing_rules import DEFAULT
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-OLD = ROOT / "test" / "data" / "journal_2026-11-23.sqlite3.xz"
+OLD = ROOT / "test" / "data" / "journal_2026-11-23.log.xz"
+SEGMENT = "journal-000001-a49f4ed9.log"
 # When that core ended.
 ENDED = Now(1147.527, UTC0 + 147.527)
 # Its runs, the oldest first, and what today's rules make of them. The last one is in progress.
@@ -54,9 +55,9 @@ def _config():
 
 @pytest.fixture
 def folder(tmp_path):
-    directory = tmp_path / "0"
-    directory.mkdir()
-    (directory / OLD_FILE_NAME).write_bytes(lzma.decompress(OLD.read_bytes()))
+    directory = tmp_path / "0" / FILE_NAME
+    directory.mkdir(parents=True)
+    (directory / SEGMENT).write_bytes(lzma.decompress(OLD.read_bytes()))
     return tmp_path
 
 
@@ -114,14 +115,14 @@ def test_standings_are_made_of_the_old_runs(driver):
 
 def _results(folder, capsys, *arguments):
     with pytest.raises(SystemExit) as ended:
-        program.main(["--journal", str(folder / "0" / OLD_FILE_NAME), *arguments])
+        program.main(["--journal", str(folder / "0" / FILE_NAME), *arguments])
     found = capsys.readouterr()
     assert (ended.value.code, found.err) == (0, "")
     return found.out
 
 
 def test_results_reads_it(folder, capsys):
-    before = (folder / "0" / OLD_FILE_NAME).read_bytes()
+    before = (folder / "0" / FILE_NAME / SEGMENT).read_bytes()
     listed = _results(folder, capsys, "list").splitlines()
     assert len(listed) == 1 + len(RUNS)
     runs = json.loads(_results(folder, capsys, "export", "--json", "-"))["runs"]
@@ -131,4 +132,4 @@ def test_results_reads_it(folder, capsys):
         shown = _results(folder, capsys, "show", identity)
         assert identity in shown
         assert (f"signed off by {who}" in shown) is bool(who)
-    assert (folder / "0" / OLD_FILE_NAME).read_bytes() == before, "reading changes nothing"
+    assert (folder / "0" / FILE_NAME / SEGMENT).read_bytes() == before, "reading changes nothing"

@@ -140,11 +140,11 @@ def test_all_say_the_same_of_each_run(tmp_path_factory, actions, rules):
         organised.act(*action)
     driver, config = organised.driver, organised.config()
     choice = RunChoice(events=dict(zip(CODES, rules)))
-    with JournalReader(driver.journal.path) as reader:
-        known = records(reader, pytest.fail)
-        truth = {ruling.record.identity: ruling for ruling in rulings(known, RANKING, choice)}
-        found = [run_result(reader, number, record, pytest.fail)._replace(counts=truth[record.identity].why.value)
-                 for number, record in enumerate(known, 1)]
+    reader = JournalReader(driver.journal.path)
+    known = records(reader, pytest.fail)
+    truth = {ruling.record.identity: ruling for ruling in rulings(known, RANKING, choice)}
+    found = [run_result(reader, number, record, pytest.fail)._replace(counts=truth[record.identity].why.value)
+             for number, record in enumerate(known, 1)]
     check_sense(known, truth, dict(zip(CODES, rules)))
     check_box(driver, truth)
     check_public(driver, truth, choice)

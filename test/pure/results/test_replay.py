@@ -34,8 +34,8 @@ def data_of(reader, number):
 def played(request, tmp_path_factory):
     driver = ReplayedCompetition(tmp_path_factory.mktemp("replayed"), request.param)
     path = driver.play()
-    with JournalReader(path) as reader:
-        yield driver, reader
+    reader = JournalReader(path)
+    yield driver, reader
 
 
 def value_at(track, at):
@@ -114,10 +114,10 @@ def test_clocks_that_only_pass_are_not_repeated(played):
 def test_the_same_journal_makes_the_same_bytes(played, tmp_path):
     driver, reader = played
     again = ReplayedCompetition(tmp_path, driver.seed)
-    with JournalReader(again.play()) as other:
-        for number in (1, 2):
-            pages = {_page(each, number) for each in (reader, reader, other)}
-            assert len(pages) == 1
+    other = JournalReader(again.play())
+    for number in (1, 2):
+        pages = {_page(each, number) for each in (reader, reader, other)}
+        assert len(pages) == 1
 
 
 def _page(reader, number, **options):
@@ -132,9 +132,9 @@ def _page(reader, number, **options):
 def test_a_step_of_the_clock_does_not_change_the_times_of_a_replay(tmp_path, seconds):
     pages, plots = [], []
     for folder, step in (("plain", 0.0), ("set", seconds)):
-        with JournalReader(SetClock(tmp_path / folder, step).play()) as reader:
-            pages.append([data_of(reader, number)[0] for number in (1, 2)])
-            plots.append(_link_plot(reader))
+        reader = JournalReader(SetClock(tmp_path / folder, step).play())
+        pages.append([data_of(reader, number)[0] for number in (1, 2)])
+        plots.append(_link_plot(reader))
     for plain, data in zip(*pages):
         assert len(plain["clock"]) > 2 < len(plain["robots"][0]["box"])
         for name in ("length", "desc", "phase", "clock", "values", "points", "module"):
@@ -208,8 +208,8 @@ def test_a_journal_of_an_earlier_version_has_events_but_no_clock(tmp_path):
     writer = Writer(tmp_path)
     record = write_full_run(writer)
     writer.close()
-    with JournalReader(writer.path) as reader:
-        data, _ = data_of(reader, 1)
+    reader = JournalReader(writer.path)
+    data, _ = data_of(reader, 1)
     assert (data["clock"], data["values"][0], data["points"]) == ([], [], [])
     assert data["phase"] == [[round((record.closed_utc - record.opened_utc) * 1000), ["disconnected", "stopped"]]]
     assert len(data["events"]) > 10
@@ -224,8 +224,8 @@ def test_a_damaged_state_makes_a_gap_and_is_reported(tmp_path):
         writer.entry("state", value, identity=record.identity)
     writer.close()
     reported = []
-    with JournalReader(writer.path) as reader:
-        moments = run_moments(reader, record.identity, reported.append)
+    reader = JournalReader(writer.path)
+    moments = run_moments(reader, record.identity, reported.append)
     assert [moment.clock for moment in moments] == [{"counting": True}]
     assert reported == [f"1 states of run {record.identity} cannot be read: its replay has gaps"]
 

@@ -32,9 +32,9 @@ def lisbon():
 def read(writer, place=0):
     """A run of the journal, read back."""
     warnings = []
-    with JournalReader(writer.path) as reader:
-        known = records(reader, warnings.append)
-        result = run_result(reader, place + 1, known[place], warnings.append)
+    reader = JournalReader(writer.path)
+    known = records(reader, warnings.append)
+    result = run_result(reader, place + 1, known[place], warnings.append)
     assert not warnings
     return result
 
@@ -113,8 +113,8 @@ def test_a_record_that_cannot_be_read_costs_only_itself(writer):
     for record, value in ((task_record("Alpha", 1), {"team": 3}), (task_record("Beta", 2), None)):
         writer.journal.write(Batch(outcomes={record.identity: OutcomeRow(record.closed_utc, value)}))
     warnings = []
-    with JournalReader(writer.path) as reader:
-        found = records(reader, warnings.append)
+    reader = JournalReader(writer.path)
+    found = records(reader, warnings.append)
     assert [(r.team, r.round, r.items, r.closed_utc) for r in found] == [
         ("Alpha", 1, (), task_record("Alpha", 1).closed_utc), ("Beta", 1, (), task_record("Beta", 2).closed_utc)
     ]

@@ -32,9 +32,9 @@ def jury(tmp_path):
 
 
 def _read(jury, then):
-    with JournalReader(jury.driver.journal.path) as reader:
-        (record,) = records(reader, print)
-        return then(run_result(reader, 1, record, print), reader)
+    reader = JournalReader(jury.driver.journal.path)
+    (record,) = records(reader, print)
+    return then(run_result(reader, 1, record, print), reader)
 
 
 def _texts(result, _reader=None):

@@ -33,23 +33,21 @@ def ros_message(logged):
     return TYPES[kind](*fields), genpy.Time.from_sec(utc)
 
 
-@pytest.mark.parametrize("count, chunk", [(0, 1), (1, 1), (300, 7), (300, 1000), (4000, 10_000)])
-def test_it_has_the_bytes_of_rosbag(tmp_path, count, chunk):
+@pytest.mark.parametrize("count, chunk", [(0, 1), (1, 1), (300, 1), (300, 10_000), (4000, bag.CHUNK_SIZE)])
+def test_it_has_the_bytes_of_rosbag(tmp_path, monkeypatch, count, chunk):
+    """`chunk`: bytes after which one ends."""
+    monkeypatch.setattr(bag, "CHUNK_SIZE", chunk)
     rng = random.Random(count + chunk)
-    ours, theirs = io.BytesIO(), tmp_path / "theirs.bag"
-    writer = bag.BagWriter(ours)
-    with rosbag.Bag(str(theirs), "w") as other:
+    ours, theirs = bag.Bag(), tmp_path / "theirs.bag"
+    with rosbag.Bag(str(theirs), "w", chunk_threshold=chunk) as other:
         for number in range(count):
             logged = entry(rng, number)
             made, (message, time) = message_of(logged), ros_message(logged)
-            writer.write(made.topic, made.stamp, made.data, made.kind)
+            ours.write(made.topic, made.stamp, made.data, made.kind)
             other.write(logged[0], message, time)
-            if number % chunk == chunk - 1:
-                writer.end_chunk()
-                other.flush()
-    writer.close()
-    assert ours.getvalue() == theirs.read_bytes()
-    assert count < 4000 or len(ours.getvalue()) > 2 * bag.CHUNK_SIZE
+    content = ours.content()
+    assert content == theirs.read_bytes()
+    assert count < 4000 or len(content) > 2 * chunk
 
 
 @pytest.mark.parametrize("kind", LogKind)

@@ -52,13 +52,12 @@ def test_the_last_of_the_disk_belongs_to_the_journal(path, monkeypatch):
 
 KILLED = """
 import os, signal, sys
-from roah_rsbb import platform
 from roah_rsbb.run_logs.bag_file import write_bag
 step = sys.argv[2]
 def kill(*_):
     os.kill(os.getpid(), signal.SIGKILL)
 if step == "sync":
-    platform.sync = kill
+    os.fsync = kill
 else:
     os.replace = kill
 write_bag(sys.argv[1], [("/notification", "x" * 100, 1e9)] * 1000)
@@ -86,12 +85,12 @@ def test_many_bags_take_one_reading_of_the_journal(tmp_path, monkeypatch):
             writer.entry("command", {"command": "start"}, record.identity, port=port)
         writer.journal.why_not_saved(writer.journal.write(contents.records.Batch(states={"box": number})))
     writer.close()
-    with readers.JournalReader(writer.path, checks_all=False) as reader:
-        read_segments, scan = [], readers.scan_at
-        monkeypatch.setattr(
-            readers, "scan_at", lambda segments, place: read_segments.append(place) or scan(segments, place))
-        paths = {(record.identity, port): str(tmp_path / f"{port}.bag") for port, record in zip(ports, records)}
-        write_bags(reader, paths)
+    reader = readers.JournalReader(writer.path, checks_all=False)
+    read_segments, scan = [], readers.scan_at
+    monkeypatch.setattr(
+        readers, "scan_at", lambda segments, place: read_segments.append(place) or scan(segments, place))
+    paths = {(record.identity, port): str(tmp_path / f"{port}.bag") for port, record in zip(ports, records)}
+    write_bags(reader, paths)
     assert len(read_segments) == len(set(read_segments)) > 2
     for port in ports:
         found = read(tmp_path / f"{port}.bag")

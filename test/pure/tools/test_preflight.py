@@ -1,16 +1,12 @@
-"""preflight: which settings it checks, with and without ROS, and on systems that are not Linux."""
+"""preflight: which settings it checks, with and without ROS."""
 
-import json
 import socket
-import subprocess
 import sys
 
 import pytest
 
-import roah_rsbb
 from helpers import slots
 from helpers.config_files import SHIPPED
-from roah_rsbb import platform
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
 from roah_rsbb.document.place import write_place
 from roah_rsbb.params import BadParams
@@ -181,53 +177,3 @@ def test_markers_are_looked_at_only_where_ros_is(missing, monkeypatch):
     monkeypatch.delitem(sys.modules, "roah_rsbb.nodes.modules.check_ground_truth", raising=False)
     monkeypatch.setitem(sys.modules, missing, None)
     assert preflight._look() is None
-
-
-def test_windows_does_not_say_which_addresses_are_for_broadcasts(monkeypatch):
-    monkeypatch.setattr(platform, "WINDOWS", True)
-    finding = preflight.checks.check_network("192.168.1.255", [])
-    assert (finding.level, "ipconfig" in finding.remedy) == (preflight.Severity.WARNING, True)
-
-
-# What is asked on Linux only must not be asked.
-ELSEWHERE = """
-import json, sys
-sys.path[:], roah_path, given = json.loads(sys.argv[1])
-import roah_rsbb
-roah_rsbb.__path__ = roah_path
-{system}
-from roah_rsbb.tools import preflight
-
-def never(*_):
-    raise AssertionError("it is asked on Linux only")
-
-preflight.listeners = preflight.checks.list_firewall = preflight.checks.is_synchronised = never
-preflight._check_display = never
-sys.argv = ["roah-rsbb"]
-preflight.main(given)
-"""
-SYSTEMS = {"Windows": "from helpers.as_on_windows import take_away; take_away()",
-           "macOS": "from roah_rsbb import platform; platform.MACOS = True"}
-
-
-@pytest.mark.parametrize("system", SYSTEMS)
-def test_on_other_systems_one_line_says_what_is_not_checked(folder, port, tmp_path, monkeypatch, system):
-    monkeypatch.setenv("HOME", str(tmp_path))
-    given = json.dumps([sys.path, list(roah_rsbb.__path__), on_loopback(folder, port)])
-    done = subprocess.run([sys.executable, "-c", ELSEWHERE.format(system=SYSTEMS[system]), given],
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
-    lines = done.stdout.splitlines()
-    assert lines.count("WARNING  firewall, open TCP ports and clock are checked on Linux only") == 1, done.stdout
-    assert "Traceback" not in done.stdout and lines[-1].endswith(" warnings"), done.stdout
-    assert f"ok       TCP port {port + 60} of the web pages is free" in lines, done.stdout
-
-
-@pytest.mark.parametrize("system, tcp, udp", [
-    ("", "ss -tlpn sport = :80", "ss -ulpn sport = :80"), ("MACOS", "lsof -i tcp:80", "lsof -i udp:80"),
-    ("WINDOWS", "netstat -ano -p tcp", "netstat -ano -p udp"),
-])
-def test_who_uses_a_port(monkeypatch, system, tcp, udp):
-    from roah_rsbb.tools.open_ports import command_that_shows
-    if system:
-        monkeypatch.setattr(platform, system, True)
-    assert (command_that_shows("tcp", 80), command_that_shows("udp", 80)) == (tcp, udp)

@@ -44,8 +44,8 @@ class ResultsCase(BoxCase):
 
     def links(self, port: int) -> List[Dict[str, Any]]:
         """The link record of a robot so far."""
-        with JournalReader(os.path.join(self.log_dir, FILE_NAME)) as reader:
-            return [link.sample for link in reader.links(port)]
+        reader = JournalReader(os.path.join(self.log_dir, FILE_NAME))
+        return [link.sample for link in reader.links(port)]
 
     def wait_link(self, port: int, **sums: int) -> None:
         """Wait until the link record has reached these counts."""

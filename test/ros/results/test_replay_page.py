@@ -71,11 +71,11 @@ class TestReplayPage(NeedsBrowser):
         cls.competition = ReplayedCompetition(cls.folder)
         cls.pages = []
         parts = page_parts(str(PROJECT / "resource" / "replay"))
-        with JournalReader(cls.competition.play()) as reader:
-            for number, record in enumerate(records(reader, _fail), 1):
-                path = cls.folder / replay_name(number, record)
-                path.write_text(replay_of(reader, run_result(reader, number, record, _fail), parts, True, _fail))
-                cls.pages.append(path)
+        reader = JournalReader(cls.competition.play())
+        for number, record in enumerate(records(reader, _fail), 1):
+            path = cls.folder / replay_name(number, record)
+            path.write_text(replay_of(reader, run_result(reader, number, record, _fail), parts, True, _fail))
+            cls.pages.append(path)
 
     def open(self, number: int, screen: str, dark: bool = False) -> Page:
         page = self.browser.page(self.pages[number].as_uri(), *SCREENS[screen])

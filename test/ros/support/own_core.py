@@ -67,7 +67,7 @@ class OwnCoreCase(NetworkCase):
 
     def journal(self, log_dir: pathlib.Path) -> JournalReader:
         """The present journal, as of a running box."""
-        return self._leaving(JournalReader(str(log_dir / FILE_NAME)))
+        return JournalReader(str(log_dir / FILE_NAME))
 
     def journaled(self, log_dir: pathlib.Path, port: int) -> List[Tuple[str, Any]]:
         """Return the journal's entries of a robot's run log: topic and value."""

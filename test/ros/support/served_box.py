@@ -13,7 +13,6 @@ from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
 from roah_rsbb.devices.dummy_server import DummyServer
 from roah_rsbb.model.document import Document
-from roah_rsbb.platform import new_loop
 from roah_rsbb.robot.dummy import DummyOptions, dummy_client
 from support.waiting import LIMIT_S, happened, wait_until
 
@@ -32,7 +31,7 @@ class ServedBox:
         self.controlled: List[str] = []  # what the controller reports
         self.controller = DummyServer(LOOPBACK, 0, lambda text: self.controlled.append(text) or happened())
         self._has_devices = has_devices
-        self._loop = new_loop()
+        self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run, name="box", daemon=True)
         self._thread.start()
         self._folder = folder

@@ -85,7 +85,7 @@ FAULTS = (
           "in present.items():\n            for part",
           "in list(present.items())[-1 if self._sizes else 0:]:\n            for part"),
     Fault("a standby answers before its disk", "copies/folder.py",
-          "                    platform.sync(file.fileno())\n", "                    pass\n"),
+          "                    os.fsync(file.fileno())\n", "                    pass\n"),
     Fault("of two boxes with one epoch, the wrong one stops", "standby/pair.py",
           "self.epoch, self.side is Side.STANDBY", "self.epoch, self.side is Side.BOX"),
     Fault("a box that slept does not ask", "box/fence.py", "if away_s >= AWAY_S and", "if away_s >= 99.0 and"),

@@ -9,7 +9,6 @@ import contextlib
 import os
 import stat
 
-from roah_rsbb import platform
 from roah_rsbb.copies.folder import drop_drafts
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME
@@ -46,11 +45,11 @@ class StandbyDisk:
     @contextlib.contextmanager
     def watched(self):
         """Note what is synced in this block."""
-        sync, platform.sync = platform.sync, self._sync
+        sync, os.fsync = os.fsync, self._sync
         try:
             yield
         finally:
-            platform.sync = sync
+            os.fsync = sync
 
     def _sync(self, fd):
         found = os.fstat(fd)

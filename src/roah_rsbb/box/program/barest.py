@@ -145,7 +145,7 @@ def main(_arguments: object = None) -> None:
     logging.raiseExceptions = False
     platform.ignore_stops()
     platform.end_with_parent()  # the program that follows it may start a full core
-    loop, lifeline = platform.new_loop(), Lifeline()
+    loop, lifeline = asyncio.new_event_loop(), Lifeline()
     asyncio.set_event_loop(loop)
     robots = open_robots(loop, lifeline.kept)
     doors: List[str] = json.loads(lifeline.kept.get(DOORS, "[]"))

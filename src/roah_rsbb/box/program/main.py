@@ -91,10 +91,10 @@ def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[An
     import asyncio
 
     from roah_rsbb.journal.file import DamagedJournal
-    from roah_rsbb.platform import end_loop, new_loop, on_end
+    from roah_rsbb.platform import end_loop, on_end
     from roah_rsbb.rulebook.errors import ConfigErrors
 
-    loop = new_loop()
+    loop = asyncio.new_event_loop()
     asyncio.set_event_loop(loop)  # tornado uses the thread's loop
     try:
         program = make(loop)

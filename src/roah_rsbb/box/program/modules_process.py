@@ -54,8 +54,8 @@ PAUSE_S = 1.0
 # Whose message ends a run in the place of a process that cannot.
 OWN_NODE = "the box"
 HUNG, CRASHED = say("its rules do not answer ({place})"), say("its rules end their process ({place})")
-# What ends a process from outside: a person, or a computer whose memory is full (SIGKILL, which Windows does not have).
-_FROM_OUTSIDE = (-signal.SIGTERM, -9)
+# What ends a process from outside: a person, or a computer whose memory is full.
+_FROM_OUTSIDE = (-signal.SIGTERM, -signal.SIGKILL)
 # For the process to end by itself, seconds.
 END_S = 1.0
 
@@ -252,7 +252,7 @@ class Traces:
         """In the process: the rules of this run are called now. Returns what was entered before."""
         before, self._entered = self._entered, run
         with contextlib.suppress(OSError):
-            platform.write_at(self._run, run.encode()[:self._BYTES].ljust(self._BYTES), 0)
+            os.pwrite(self._run, run.encode()[:self._BYTES].ljust(self._BYTES), 0)
         return before
 
     def live(self) -> None:
@@ -361,7 +361,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     reading, writing = _private_streams()
     output = _Output(writing)
     logging.basicConfig(level=logging.INFO, handlers=[output], format="%(message)s")
-    loop = platform.new_loop()
+    loop = asyncio.new_event_loop()
     asyncio.set_event_loop(loop)
     traces = Traces(options.traces)
     traces.open()

@@ -22,7 +22,7 @@ from roah_rsbb.in_loop import call_in_loop
 from roah_rsbb.model.modules import ModulesState
 from roah_rsbb.model.web_calls import PAIR
 from roah_rsbb.params import Params
-from roah_rsbb.platform import end_loop, new_loop
+from roah_rsbb.platform import end_loop
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.shipped import shipped_folder
 from roah_rsbb.tablet.tablet_page import TabletPage
@@ -157,7 +157,7 @@ class WebParts:
     def __init__(self, box_loop: asyncio.AbstractEventLoop, settings: BoxSettings, running: RunningBox,
                  make_peer: MakePeer) -> None:
         """Raises `BadParams`."""
-        self._running, self._box_loop, self._loop = running, box_loop, new_loop()
+        self._running, self._box_loop, self._loop = running, box_loop, asyncio.new_event_loop()
         self._calls: Mapping[str, Call] = {}
         self.url: concurrent.futures.Future[str] = concurrent.futures.Future()
         """Of the web pages on this computer, once they are served."""

@@ -206,7 +206,7 @@ def _lock_port(network: Network) -> Optional[BinaryIO]:
 
 def _locked(path: str, network: Network) -> BinaryIO:
     """Lock a file; returns it. Raises `BadParams` if another box has it, or OSError."""
-    file = open(path, "ab", opener=platform.open_file)  # noqa: SIM115
+    file = open(path, "ab")  # noqa: SIM115
     try:
         platform.lock(file.fileno())
     except BlockingIOError:

@@ -19,7 +19,7 @@ from tornado import web
 from roah_rsbb.arguments import without_ros
 from roah_rsbb.box.settings import LAUNCH
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE
-from roah_rsbb.platform import new_loop, on_end, open_in_browser
+from roah_rsbb.platform import on_end, open_in_browser
 from roah_rsbb.shipped import shipped_folder
 from roah_rsbb.web.serving import BoundedServer, bind
 from roah_rsbb.wording import catalogues
@@ -261,7 +261,7 @@ class _Handler(web.RequestHandler):
 
 def main(arguments: Optional[List[str]] = None) -> None:
     """Serve the page until Ctrl-C."""
-    loop = new_loop()
+    loop = asyncio.new_event_loop()
     asyncio.set_event_loop(loop)
     page = StartPage()
     url = loop.run_until_complete(_open(page))

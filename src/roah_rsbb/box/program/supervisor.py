@@ -168,8 +168,7 @@ def supervise(command: Sequence[str], again: Sequence[str],
             if wishes or (status == 0 and not course.is_barest) or (status in FAILED and not course.was_heard):
                 return 0 if wishes else status
             course.ended(is_ended or not course.is_heard or status not in KILLED)
-            course.is_barest |= (
-                course.failures > MOST_FAILURES and core.can_hear and STANDBY not in core.memory)
+            course.is_barest |= course.failures > MOST_FAILURES and STANDBY not in core.memory
             _log.error("The box has ended unexpectedly (%s): %s%s", status,
                        "it failed too often, and only sends STOP from now on" if course.is_barest
                        else "the next one continues its runs",
@@ -223,7 +222,7 @@ def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Cour
             return True
         if signs is None and LOG_DIR in core.memory:
             signs = Lifeline(core.memory[LOG_DIR])
-        if course.is_heard or not core.can_hear:
+        if course.is_heard:
             copying.look()
         elif core.is_waiting:
             heard_by_mono = time.monotonic() + course.start_s

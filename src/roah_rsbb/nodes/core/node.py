@@ -67,7 +67,7 @@ class CoreNode:
 
         wait_for_takeover(found.log_dir, is_ended)
         lock = wait_for_journal(found.log_dir, is_ended)
-        self.loop = platform.new_loop()
+        self.loop = asyncio.new_event_loop()
         self.running = running = RunningBox(
             self.loop, found, run_id, lock,
             Peripherals(self._ring, self._publish_module_runs, self._set_device), lifeline)

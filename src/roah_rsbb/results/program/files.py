@@ -1,12 +1,10 @@
 """Commands of `results` that rank runs and write files. Loading what they need takes longer than to list all runs."""
 
 import argparse
-import contextlib
 import json
 import os
 import sys
-from functools import partial
-from typing import Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Set, TextIO, Tuple
+from typing import Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Set, TextIO
 
 from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.journal.log import names_in
@@ -61,40 +59,40 @@ def export(options: argparse.Namespace) -> int:
     if options.mcap:
         library()
     _competition(options)
-    with open_journal(options) as reader:
-        as_of = reader.as_of()
-        known = known_records(options, reader)
-        why = why_of(options, known)
-        identities = [record.identity for record in known]
-        places = sorted({find(identities, word) for word in options.runs}) if options.runs else range(len(known))
-        chosen = [(place + 1, known[place]) for place in places]
-        ranked = _ranked(options, known)
-        if options.csv:
-            rows = result_rows((r for _, r in chosen), options.utc, why)
-            _write(options.csv, lambda file: write_table(
-                file, RESULT_COLUMNS, rows, options.decimal_comma), "utf-8-sig")
+    reader = open_journal(options)
+    as_of = reader.as_of()
+    known = known_records(options, reader)
+    why = why_of(options, known)
+    identities = [record.identity for record in known]
+    places = sorted({find(identities, word) for word in options.runs}) if options.runs else range(len(known))
+    chosen = [(place + 1, known[place]) for place in places]
+    ranked = _ranked(options, known)
+    if options.csv:
+        rows = result_rows((r for _, r in chosen), options.utc, why)
+        _write(options.csv, lambda file: write_table(
+            file, RESULT_COLUMNS, rows, options.decimal_comma), "utf-8-sig")
 
-        def results() -> Iterator[RunResult]:
-            return (run_result(reader, number, record, warn)._replace(counts=why[record.identity].value)
-                    for number, record in chosen)
+    def results() -> Iterator[RunResult]:
+        return (run_result(reader, number, record, warn)._replace(counts=why[record.identity].value)
+                for number, record in chosen)
 
-        if options.json:
-            value = exported(list(results()), ranked, reader.path, as_of)
-            _write(options.json, lambda file: _dump(value, file))
-        if options.dataset:
-            os.makedirs(options.dataset, exist_ok=True)
-            names = names_of(reader) if options.anonymous else None
-            write_dataset(options.dataset, results(), dataset.DatasetOptions(names, options.licence, options.title))
-            print(f"the data set of {len(chosen)} runs is in {options.dataset}")
-        if options.mcap:
-            os.makedirs(options.mcap, exist_ok=True)
-            written = [path for result in results() for path in write_mcap(result, options.mcap)]
-            print(f"the logs of {len(written)} robots in {len(chosen)} runs are in {options.mcap}")
-        if options.html:
-            _write_pages(options, options.html, "html", _write_html, results(), chosen, ranked, why, as_of)
-        if options.pdf:
-            with Printer() as printer:
-                _write_pages(options, options.pdf, "pdf", printer.print, results(), chosen, ranked, why, as_of)
+    if options.json:
+        value = exported(list(results()), ranked, reader.path, as_of)
+        _write(options.json, lambda file: _dump(value, file))
+    if options.dataset:
+        os.makedirs(options.dataset, exist_ok=True)
+        names = names_of(reader) if options.anonymous else None
+        write_dataset(options.dataset, results(), dataset.DatasetOptions(names, options.licence, options.title))
+        print(f"the data set of {len(chosen)} runs is in {options.dataset}")
+    if options.mcap:
+        os.makedirs(options.mcap, exist_ok=True)
+        written = [path for result in results() for path in write_mcap(result, options.mcap)]
+        print(f"the logs of {len(written)} robots in {len(chosen)} runs are in {options.mcap}")
+    if options.html:
+        _write_pages(options, options.html, "html", _write_html, results(), chosen, ranked, why, as_of)
+    if options.pdf:
+        with Printer() as printer:
+            _write_pages(options, options.pdf, "pdf", printer.print, results(), chosen, ranked, why, as_of)
     return 0
 
 
@@ -126,12 +124,12 @@ def replay(options: argparse.Namespace) -> int:
         raise Usage("--video needs exactly one RUN, because each run has its own video")
     parts = page_parts(_resource(options, "replay"))
     os.makedirs(options.html, exist_ok=True)
-    with open_journal(options) as reader:
-        for identity in options.runs or reader.identities():
-            result = run_result(reader, *find_record(reader, identity, warn), warn)
-            path = os.path.join(options.html, replay_name(result.number, result.record))
-            _write_html(replay_of(reader, result, parts, options.utc, warn, options.video), path)
-            print(path)
+    reader = open_journal(options)
+    for identity in options.runs or reader.identities():
+        result = run_result(reader, *find_record(reader, identity, warn), warn)
+        path = os.path.join(options.html, replay_name(result.number, result.record))
+        _write_html(replay_of(reader, result, parts, options.utc, warn, options.video), path)
+        print(path)
     return 0
 
 
@@ -191,22 +189,22 @@ def _write_site(
     sheets: Dict[str, str] = {}
     replays: Dict[str, str] = {}
     runs = []
-    with open_journal(options) as reader:
-        known = known_records(options, reader)
-        ranked = _ranked(options, known)
-        as_of = reader.as_of()
-        period_s = link_period_s(known, as_of)
-        about = _AboutRuns(
-            folder, of_rules, titles, competition, parts, options.utc, period_s, why_of(options, known))
-        with shared_out(partial(_run_pages, reader, about), list(enumerate(known, 1)),
-                        usable_processors()) as all_written:
-            for record, written in zip(known, all_written):
-                for text in written.warnings:
-                    warn(text)
-                runs.append(written.facts)
-                sheets[record.identity] = written.sheet
-                if written.replay:
-                    replays[record.identity] = written.replay
+    reader = open_journal(options)
+    known = known_records(options, reader)
+    ranked = _ranked(options, known)
+    as_of = reader.as_of()
+    period_s = link_period_s(known, as_of)
+    about = _AboutRuns(
+        folder, of_rules, titles, competition, parts, options.utc, period_s, why_of(options, known))
+    with shared_out(lambda item: _write_run(reader, about, *item), list(enumerate(known, 1)),
+                    usable_processors()) as all_written:
+        for record, written in zip(known, all_written):
+            for text in written.warnings:
+                warn(text)
+            runs.append(written.facts)
+            sheets[record.identity] = written.sheet
+            if written.replay:
+                replays[record.identity] = written.replay
     site = Site(runs, ranked, sheets, replays, titles, as_of, options.utc, shared, competition, home, period_s)
     for name, text in all_pages(site).items():
         _write_html(text, os.path.join(folder, name))
@@ -235,13 +233,8 @@ class _WrittenRun(NamedTuple):
     warnings: List[str]
 
 
-@contextlib.contextmanager
-def _run_pages(reader: JournalReader, about: _AboutRuns) -> Iterator[Callable[[Tuple[int, RunRecord]], _WrittenRun]]:
-    """Return a function that writes the pages of a run. Each process calls this."""
-    yield lambda item: _write_run(reader, about, *item)
-
-
 def _write_run(reader: JournalReader, about: _AboutRuns, number: int, record: RunRecord) -> _WrittenRun:
+    """Write the pages of a run, perhaps in another process."""
     warnings: List[str] = []
     result = run_result(reader, number, record, warnings.append, with_payloads=False)
     result = result._replace(counts=about.why[record.identity].value)
@@ -266,9 +259,9 @@ def _write_html(text: str, path: str) -> None:
 
 def standings(options: argparse.Namespace) -> int:
     """The command of this name."""
-    with open_journal(options, checks_all=False) as reader:
-        ranked = _ranked(options, known_records(options, reader))
-        path, as_of = reader.path, reader.as_of()
+    reader = open_journal(options, checks_all=False)
+    ranked = _ranked(options, known_records(options, reader))
+    path, as_of = reader.path, reader.as_of()
     codes = [standing.benchmark for standing in ranked]
     unknown = [code for code in options.benchmarks if code not in codes]
     if unknown:
@@ -315,8 +308,8 @@ def blank(options: argparse.Namespace) -> int:
 def checklist(options: argparse.Namespace) -> int:
     """The command of this name."""
     _, plans = config.load_schedule(file(options, BENCHMARKS_FILE), file(options, SCHEDULE_FILE))
-    with open_journal(options) as reader:
-        lines = checklists.checklist(plans, ruled(options, known_records(options, reader)), options.utc)
+    reader = open_journal(options)
+    lines = checklists.checklist(plans, ruled(options, known_records(options, reader)), options.utc)
     for text in checklists.check_lines(lines, options.utc, options.missing):
         print(text)
     return 0 if all(line.is_final for line in lines) else 1

@@ -6,7 +6,7 @@ import sys
 from typing import List, Optional
 
 from roah_rsbb.journal.in_force import read_in_force
-from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
+from roah_rsbb.journal.reader import JournalReader, journal_in
 from roah_rsbb.results.runs import RunResult, find_record, run_result
 from roah_rsbb.wording import times
 from roah_rsbb.wording.texts import visible
@@ -52,12 +52,8 @@ def open_journal(options: argparse.Namespace, checks_all: bool = True) -> Journa
     """Open the journal. `checks_all`: check all of a large one for damage, which takes seconds."""
     path = options.journal or journal_in(os.path.expanduser(options.log_dir))
     reader = JournalReader(path, checks_all, lambda text: _warn_of_damage(reader, [text]))
-    try:
-        _warn_of_damage(reader, reader.damage)
-        _warn_of_fork(reader)
-    except JournalError:
-        reader.close()
-        raise
+    _warn_of_damage(reader, reader.damage)
+    _warn_of_fork(reader)
     return reader
 
 

@@ -259,27 +259,27 @@ def _writing(name: str, module: str = "files") -> Callable[[argparse.Namespace],
 
 
 def _list(options: argparse.Namespace) -> int:
-    with open_journal(options, checks_all=False) as reader:
-        known = heads(reader, warn)
-        if not known:
-            print("There are no runs yet.")
-            return 0
-        from roah_rsbb.results.program.counting import words_of_heads  # imported late: it loads the rules of standings
+    reader = open_journal(options, checks_all=False)
+    known = heads(reader, warn)
+    if not known:
+        print("There are no runs yet.")
+        return 0
+    from roah_rsbb.results.program.counting import words_of_heads  # imported late: it loads the rules of standings
 
-        counts = words_of_heads(options, reader, known)
+    counts = words_of_heads(options, reader, known)
     print("\n".join(list_lines(known, options.utc, counts)))
     return 0
 
 
 def _show(options: argparse.Namespace) -> int:
-    with open_journal(options, checks_all=False) as reader:
-        result = one_run(reader, options.run)
-        # Imported late: they load the rules of standings.
-        from roah_rsbb.results.program.counting import words_of_heads
-        from roah_rsbb.results.sheet import sheet_lines
+    reader = open_journal(options, checks_all=False)
+    result = one_run(reader, options.run)
+    # Imported late: they load the rules of standings.
+    from roah_rsbb.results.program.counting import words_of_heads
+    from roah_rsbb.results.sheet import sheet_lines
 
-        counts = words_of_heads(options, reader, heads(reader, warn))
-        result = result._replace(counts=counts.get(result.record.identity, ""))
+    counts = words_of_heads(options, reader, heads(reader, warn))
+    result = result._replace(counts=counts.get(result.record.identity, ""))
     strike = sys.stdout.isatty()
     for text in sheet_lines(result, options.utc, strike):
         print(text)
@@ -287,20 +287,20 @@ def _show(options: argparse.Namespace) -> int:
 
 
 def _bag(options: argparse.Namespace) -> int:
-    with open_journal(options, checks_all=False) as reader:
-        count = _write_bag(one_run(reader, options.run), options.port, options.bag)
+    reader = open_journal(options, checks_all=False)
+    count = _write_bag(one_run(reader, options.run), options.port, options.bag)
     print(f"{options.bag}: {count} messages")
     return 0
 
 
 def _bags(options: argparse.Namespace) -> int:
-    with open_journal(options, checks_all=False) as reader:
-        if options.make:
-            with making_bags(reader) as may_make:
-                if not may_make:
-                    raise _NoBag("another program makes the bags just now: try again")
-                write_bags(reader, missing_bags(reader))
-        lines = list(bag_lines(reader))
+    reader = open_journal(options, checks_all=False)
+    if options.make:
+        with making_bags(reader) as may_make:
+            if not may_make:
+                raise _NoBag("another program makes the bags just now: try again")
+            write_bags(reader, missing_bags(reader))
+    lines = list(bag_lines(reader))
     for text in lines:
         print(text)
     return 0

@@ -12,6 +12,7 @@ import contextlib
 import datetime
 import json
 import os
+import pwd
 import shutil
 import signal
 import socket
@@ -179,8 +180,6 @@ def _check_owner(folder: str) -> None:
     """Refuse to write what the user of the box could not read."""
     owner = os.stat(folder).st_uid
     if owner != os.geteuid():
-        import pwd  # Windows has none
-
         try:
             name = pwd.getpwuid(owner).pw_name
         except KeyError:
@@ -696,8 +695,6 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
     durable.close_to_others()
     options = _options(sys.argv[1:] if arguments is None else arguments)
-    if not platform.names_senders():
-        sys.exit(f"{called(PROGRAM)}: both computers need Linux")
     if options.command == "rehearse":
         sys.exit(_rehearse())
     folder = _folder_of(options)

@@ -20,7 +20,6 @@ from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
 from roah_rsbb.document.place import OnlyStops, read_place
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.platform import run
 from roah_rsbb.protocol import BoxState, RobotState
 
 ROBOT, BOX = "127.0.0.31", "127.0.0.30"
@@ -131,7 +130,7 @@ def test_a_box_that_fails_again_and_again_stops_its_robots(box, tmp_path, fault,
         await asyncio.wait_for(robot.stopped, LIMIT_S)
         robot.channel.close()
         return robot.states
-    assert set(run(play())) == {BoxState.STOP}
+    assert set(asyncio.run(play())) == {BoxState.STOP}
     process.terminate()
     out, _ = process.communicate(timeout=LIMIT_S)
     assert process.returncode == 0
@@ -203,7 +202,7 @@ sys.exit(0)
             await asyncio.sleep(0.05)
         robot.channel.close()
         return robot.states
-    assert set(run(asyncio.wait_for(play(), LIMIT_S))) == {BoxState.STOP}
+    assert set(asyncio.run(asyncio.wait_for(play(), LIMIT_S))) == {BoxState.STOP}
     (tmp_path / "thawed").touch()
     out, _ = process.communicate(timeout=LIMIT_S)
     assert process.returncode == 0 and (tmp_path / "starts").read_text("utf-8") == "xx"

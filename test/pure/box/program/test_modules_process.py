@@ -10,7 +10,6 @@ import pytest
 from roah_rsbb.box.program import modules_process
 from roah_rsbb.box.program.modules_process import OWN_NODE, ModulesProcess, modules_command
 from roah_rsbb.model.modules import ModulesState, RunForModule
-from roah_rsbb.platform import run
 from roah_rsbb.shipped import shipped_folder
 
 LIMIT_S = 60.0
@@ -73,7 +72,7 @@ def test_it_drives_runs_and_its_log_is_that_of_the_box(folder, caplog):
             await hosted.until(lambda: hosted.states[-1].progress)
             return hosted.states[-1].progress[0]
     with caplog.at_level(logging.INFO):
-        progress = run(play())
+        progress = asyncio.run(play())
     assert progress.run == "HNF-1" and progress.request is not None
     assert any("Running modules HNF" in record.getMessage() for record in caplog.records)
 
@@ -96,7 +95,7 @@ def test_after_rules_that_end_their_process_the_next_one_gets_the_runs(folder, c
         async with Hosted(with_rules(folder, once.replace("END", f"exec({end!r}, globals())"))) as hosted:
             hosted.process.take([a_run()])
             await hosted.until(lambda: any(one.request for one in hosted.states[-1].progress))
-    run(play())
+    asyncio.run(play())
     assert "The rules of HNF in zone Home end their process with status 3" in caplog.text
 
 
@@ -117,7 +116,7 @@ def test_rules_that_end_their_process_at_import_are_named_and_left_out_until_the
             await hosted.until(lambda: not problems(hosted))
             hosted.process.take([a_run()])
             await hosted.until(lambda: any(one.request for one in hosted.states[-1].progress))
-    run(play())
+    asyncio.run(play())
     assert f"The rules in {rules} end their process with status 4 while they are loaded" in caplog.text
 
 
@@ -129,7 +128,7 @@ def test_whoever_ends_the_process_from_outside_blames_no_rules(folder, caplog, m
             hosted.process.take([a_run()])
             await hosted.until(lambda: len(hosted.nodes) >= 4)  # it got the run again, and was killed again
             assert OWN_NODE not in hosted.nodes
-    run(play())
+    asyncio.run(play())
     assert "The process of the benchmarking modules has ended (-9)" in caplog.text
 
 
@@ -141,7 +140,7 @@ def test_rules_that_crash_again_end_their_run(folder, caplog, monkeypatch):
             hosted.process.take([a_run()])
             await hosted.until(lambda: OWN_NODE in hosted.nodes)
             return next(state for state in hosted.states if state.node == OWN_NODE).progress
-    assert [one.failed for one in run(play())] == ["its rules end their process (HNF.py, line 9, execute)"]
+    assert [one.failed for one in asyncio.run(play())] == ["its rules end their process (HNF.py, line 9, execute)"]
 
 
 @pytest.mark.parametrize("missing", ["folder", "files"])
@@ -156,7 +155,7 @@ def test_on_a_full_disk_modules_run_without_traces(folder, monkeypatch, tmp_path
         async with Hosted(folder) as hosted:
             hosted.process.take([a_run()])
             await hosted.until(lambda: hosted.states[-1].progress)
-    run(play())
+    asyncio.run(play())
 
 
 @pytest.mark.parametrize("evil", ["while True: pass", HANG])
@@ -171,7 +170,7 @@ def test_rules_that_do_not_answer_are_replaced(folder, caplog, monkeypatch, evil
             hosted.process.take([])  # the referee leaves the run
             await hosted.until(lambda: hosted.states[-1].node != hung and len(hosted.states) > count + 2)
             assert ModulesState(hung, (), ()) in hosted.states, "the box knows at once that it is gone"
-    run(play())
+    asyncio.run(play())
     assert "The rules of HNF in zone Home do not answer (HNF.py, line 9, " in caplog.text
 
 
@@ -190,7 +189,7 @@ def test_a_run_whose_rules_hang_again_is_ended_because_others_wait(folder, caplo
             await hosted.until(lambda: hosted.states[-1].node != OWN_NODE and any(
                 one.run == "HNF-2" and one.request is not None for one in hosted.states[-1].progress))
             return failed
-    failed = run(play())
+    failed = asyncio.run(play())
     assert (failed.run, failed.attempt) == ("HNF-1", 1)
     assert failed.failed.startswith("its rules do not answer (HNF.py, line ")
 
@@ -201,7 +200,7 @@ def test_rules_that_read_the_input_take_nothing_from_the_box(folder):
             hosted.process.take([a_run()])
             await hosted.until(lambda: hosted.states[-1].progress)
             return hosted.states[-1].progress[0]
-    assert "nothing" in str(run(play()).request)
+    assert "nothing" in str(asyncio.run(play()).request)
 
 
 def test_a_computer_without_room_for_a_process_is_tried_again(folder, caplog, monkeypatch):
@@ -217,7 +216,7 @@ def test_a_computer_without_room_for_a_process_is_tried_again(folder, caplog, mo
     async def play():
         async with Hosted(folder):
             pass
-    run(play())
+    asyncio.run(play())
     assert "cannot be started" in caplog.text
 
 
@@ -227,4 +226,4 @@ def test_the_box_ends_although_rules_hang(folder, caplog):
             hosted.process.take([a_run()])
             await hosted.until(lambda: "hang now" in caplog.text)
             return hosted.process._process
-    assert run(play()).wait(LIMIT_S) is not None
+    assert asyncio.run(play()).wait(LIMIT_S) is not None

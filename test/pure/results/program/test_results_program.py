@@ -68,11 +68,11 @@ def test_list_and_show(run):
 
 
 def test_the_list_of_heads_is_that_of_the_records(journal):
-    with JournalReader(journal) as reader:
-        known = records(reader, print)
-        assert list(list_lines(heads(reader, print), True)) == list(list_lines(known, True))
-        for number, record in enumerate(known, 1):
-            assert find_record(reader, str(number), print) == (number, record)
+    reader = JournalReader(journal)
+    known = records(reader, print)
+    assert list(list_lines(heads(reader, print), True)) == list(list_lines(known, True))
+    for number, record in enumerate(known, 1):
+        assert find_record(reader, str(number), print) == (number, record)
 
 
 @pytest.mark.parametrize("change", ({"elapsed_s": "long"}, {"started_utc": [1]}))
@@ -299,11 +299,9 @@ def test_a_data_set(run, journal, tmp_path):
 def test_the_journals_of_a_log_dir(run, journal, tmp_path):
     Writer(tmp_path).close()
     shutil.copytree(journal, tmp_path / "roah_rsbb_journal_aside_2025-11-22_10-00-00")
-    (tmp_path / "roah_rsbb_journal.sqlite3").write_text("no journal " * 1000)
     status, out, _ = run("journals", "--utc", "--log-dir", tmp_path, source=())
     assert status == 0
-    first, segment, old, aside, *_ = out.splitlines()
-    assert "or not a journal" in old
+    first, segment, aside, *_ = out.splitlines()
     assert aside.endswith("started 2025-11-21 11:00:00Z, 5 runs, last connected 2025-11-21 16:00:00Z")
     assert first.endswith("roah_rsbb_journal: started 2025-11-21 11:00:00Z, 0 runs")
     assert "journal-000001-" in segment and segment.endswith("1 records, from 2025-11-21 11:00:00Z")

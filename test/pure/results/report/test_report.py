@@ -53,9 +53,9 @@ def report(journal, folder, *options):
 
 
 def facts(journal):
-    with JournalReader(journal) as reader:
-        known = records(reader, pytest.fail)
-        results = [run_result(reader, number, record, pytest.fail) for number, record in enumerate(known, 1)]
+    reader = JournalReader(journal)
+    known = records(reader, pytest.fail)
+    results = [run_result(reader, number, record, pytest.fail) for number, record in enumerate(known, 1)]
     return known, [
         facts_of(result, sum(event.bad for section in sections(result) for event in section.events))
         for result in results
@@ -270,8 +270,8 @@ def test_links_in_periods(tmp_path):
     for second in range(150):
         writer.link(LinkSample(1.0, received=9, lost=int(second == 70), gap_s=float(second == 130)))
     writer.close()
-    with JournalReader(writer.path) as reader:
-        found = facts_of(run_result(reader, 1, record, pytest.fail), 0, 60).link
+    reader = JournalReader(writer.path)
+    found = facts_of(run_result(reader, 1, record, pytest.fail), 0, 60).link
     assert {utc - UTC0: (link.received, link.lost, link.longest_gap_s, link.seconds) for (_, utc), link in found.items()
             } == {0.0: (540, 0, 0.0, 60.0), 60.0: (540, 1, 0.0, 60.0), 120.0: (270, 0, 1.0, 30.0)}
 
