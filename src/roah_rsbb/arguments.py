@@ -14,7 +14,7 @@ WITH_ROS = "ROAH_RSBB_WITH_ROS"
 
 
 def is_without_ros() -> bool:
-    """Whether users start this program, or the one that started it, as a command of `roah-rsbb`, which pip installed."""
+    """Whether users start this program, or the one that started it, as a command of `roah-rsbb`, installed by pip."""
     if WITH_ROS in os.environ:
         return False
     # team.py is that of `python -m roah_rsbb.tools.team`; also roah-rsbb.exe, roah-rsbb.pyz.

@@ -10,8 +10,8 @@ from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.capacity import LAST_PORT, Capacity, ports_warning
-from roah_rsbb.core.effects import How, Level, Outbox
 from roah_rsbb.core.copies import Copies
+from roah_rsbb.core.effects import How, Level, Outbox
 from roah_rsbb.core.link.heard import Heard
 from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.robots import MAX_ROBOTS, ActiveRobot, ActiveRobots, RobotId

@@ -132,8 +132,7 @@ class Box:
             if process.is_ended:  # while it waited for the disk
                 return
             document = self._documents.look(core.now(), unsaved=core.unsaved())
-            if self is self.world.box:
-                self.world.shown.look(core, document)
+            self.oracles.document(self, core, document)
             if self.world.is_compared:
                 self.world.documents.append(repr(document).replace(self.world.folder, ""))
 

@@ -100,6 +100,11 @@ class Oracles:
         if box is self._world.box and box.core is not None:
             self._world.ledger.look(box.core)
 
+    def document(self, box, core, document):
+        """A box shows its document."""
+        if box is self._world.box:
+            self._world.shown.look(core, document)
+
     # -- the disks ----------------------------------------------------------------------------------
 
     def answers(self, box, act):

@@ -71,7 +71,8 @@ class RosSide:
         self._ros = ros = RosLoop(loop)
         self._running = running
         self._public_due = 0.0  # monotonic (s)
-        self._timeout, self._listeners_until = rospy.Publisher("/timeout", Empty, queue_size=1), loop.time() + LISTENERS_S
+        self._timeout = rospy.Publisher("/timeout", Empty, queue_size=1)
+        self._listeners_until = loop.time() + LISTENERS_S
         self.others = OtherNodes(ros, on_bell)
         self.others.open(running)
         self._topics = OriginalTopics(ros, running.box, running.now, running.door.publish)
