@@ -133,8 +133,6 @@ class Box:
                 return
             document = self._documents.look(core.now(), unsaved=core.unsaved())
             self.oracles.document(self, core, document)
-            if self.world.is_compared:
-                self.world.documents.append(repr(document).replace(self.world.folder, ""))
 
     def kill(self, restart_s, power=False):
         """The process is killed, or the computer loses its power; it is started again after so many seconds."""
