@@ -19,6 +19,7 @@ from roah_rsbb.model.fields import (
     typed_number,
 )
 from roah_rsbb.model.scoring import MAX_VALUE, Entered, ScoreKind, ScoringItem
+from roah_rsbb.model.shown import Shown
 from roah_rsbb.model.zone import Event, SheetItem
 from roah_rsbb.referee.at_once import STOP, meant
 from roah_rsbb.wording.suggestions import did_you_mean
@@ -201,6 +202,11 @@ def given_in(line: str, fields: Sequence[Field]) -> Dict[str, Any]:
 def command_of(action: str) -> str:
     """Return the command of this terminal that does an action."""
     return PLACED.get(action) or (ACTIONS[action].words if action in ACTIONS else action)
+
+
+def to_confirm(action: Shown) -> Tuple[str, ...]:
+    """Return what an action asks, and how it is confirmed here; empty: it asks nothing."""
+    return (f"{action.question}. {GIVE_AGAIN}",) if action.question else ()
 
 
 def other_answer(fields: Sequence[Field]) -> Optional[Field]:
