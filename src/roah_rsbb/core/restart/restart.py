@@ -56,6 +56,7 @@ class Saved(NamedTuple):
     # By the identity of the run: the box before sent STOP, and its journal does not have it.
     stopped: Mapping[str, UnrecordedStop] = MappingProxyType({})
     mono: Optional[float] = None  # as `utc`, on the present monotonic clock (s); None: only UTC is known
+    before: Tuple[ZonePlan, ...] = ()  # the schedule that was in force, if another one is now
 
 
 class Restart:
@@ -82,6 +83,7 @@ class Restart:
                 self._lost(now, state, ZONE_GONE(zone=name))
             else:
                 self._try_to_resume(now, zone, state, saved.earlier.get(state.version))
+        self._follow_changes(saved)
         runs = self._zones.runs()
         for run in runs:
             if run.identity in saved.stopped and run.phase is Phase.RUNNING:
@@ -115,6 +117,16 @@ class Restart:
         place = self._outbox.place()
         self._connections.reopen(now, zone, state)
         self._outbox.drop_since(place)
+
+    def _follow_changes(self, saved: Saved) -> None:
+        """Do in each zone what a reload does, if the schedule was changed while no box ran."""
+        later = {}
+        for plan in saved.before:
+            was = Zone(plan)
+            if plan.name in self._zones and plan.name in saved.zones and was.resume_at(saved.zones[plan.name]):
+                later[plan.name] = was.later()
+                self._outbox.mark_changed(plan.name)
+        self._zones.go_back(later, self._finished.records())
 
     def _give_up(self, record: RunRecord, utc: float) -> None:
         """Close a run that cannot continue, at the time when the previous core ended. It can still be corrected."""
