@@ -135,11 +135,11 @@ class CoreAssembly:
             self.radio.close()  # or the runs, which are shown, would be sent to their robots
 
     def resume(
-        self, earlier: Callable[[Iterable[int]], Mapping[int, Config]], before: Tuple[ZonePlan, ...] = ()
+        self, earlier: Callable[[Iterable[int]], Mapping[int, Config]], planned: Tuple[ZonePlan, ...] = ()
     ) -> None:
         """Continue where the core was when it ended, if the journal has its state.
 
-        `earlier` returns those of these versions of the configuration that are no longer in force. `before`: see
+        `earlier` returns those of these versions of the configuration that are no longer in force. `planned`: see
         `Saved`.
         """
         previous, boot_id = self.store.previous, self._machine.boot_id
@@ -151,7 +151,7 @@ class CoreAssembly:
             self.event(self.box.on_notice, warning)
         self.journal.restore(saved.records)
         versions = {state.version for state in saved.zones.values() if state.has_run}
-        saved = saved._replace(earlier=earlier(versions), before=before)
+        saved = saved._replace(earlier=earlier(versions), planned=planned)
         for version, config in saved.earlier.items():
             self.radio.use_passwords(version, config.passwords)
         self.driver.resume(saved)

@@ -56,7 +56,7 @@ class Saved(NamedTuple):
     # By the identity of the run: the box before sent STOP, and its journal does not have it.
     stopped: Mapping[str, UnrecordedStop] = MappingProxyType({})
     mono: Optional[float] = None  # as `utc`, on the present monotonic clock (s); None: only UTC is known
-    before: Tuple[ZonePlan, ...] = ()  # the schedule that was in force, if another one is now
+    planned: Tuple[ZonePlan, ...] = ()  # the schedule that was in force, if another one is now
 
 
 class Restart:
@@ -121,7 +121,7 @@ class Restart:
     def _follow_changes(self, saved: Saved) -> None:
         """Do in each zone what a reload does, if the schedule was changed while no box ran."""
         later = {}
-        for plan in saved.before:
+        for plan in saved.planned:
             was = Zone(plan)
             if plan.name in self._zones and plan.name in saved.zones and was.resume_at(saved.zones[plan.name]):
                 later[plan.name] = was.later()

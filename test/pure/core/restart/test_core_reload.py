@@ -73,7 +73,7 @@ def changed_while_off(driver, config):
     states = {name: zone.saved() for name, zone in before.zones.items()}
     plans = tuple(ZonePlan(name, zone.planned) for name, zone in before.zones.items())
     records = before.scores.records(driver.now)
-    box.resume(driver.now, Saved(driver.now.utc, before.saved(), states, records, before=plans))
+    box.resume(driver.now, Saved(driver.now.utc, before.saved(), states, records, planned=plans))
     return box
 
 
