@@ -141,6 +141,18 @@ def test_modules_have_a_process_once_a_functionality_benchmark_is_scheduled(tmp_
     asyncio.run(play())
 
 
+def test_two_events_are_swapped_while_the_box_is_off(tmp_path):
+    async def shown(*codes):
+        events = ", ".join(f"{{id: {code}, benchmark: {code}, team: {TEAM}, round: 1, run: 1, scheduled_time: 2026-01-01 "
+                           f"{hour:02}:00:00}}" for hour, code in enumerate(codes))
+        (tmp_path / "schedule.yaml").write_text(f"- zone: {ZONE}\n  schedule: [{events}]\n", "utf-8")
+        async with Demonstration(tmp_path, schedule_file=str(tmp_path / "schedule.yaml")) as demo:
+            await demo.until(lambda zone: zone.event.code)
+            return demo.zone.event.code
+    days = ("HGTKMH", "HWV"), ("HWV", "HGTKMH"), ("HWV", "HGTKMH"), ("HWV", "HCFGAC", "HGTKMH")
+    assert [run(shown(*codes)) for codes in days] == ["HGTKMH", "HWV", "HWV", "HWV"]
+
+
 def test_a_run_continues_with_the_next_start(tmp_path):
     async def play(demo):
         async with demo:
