@@ -258,9 +258,10 @@ class Zones(Dict[str, Zone]):
         self._forget_runs()
         self.go_back(later, records)
 
-    def go_back(self, later: Mapping[str, Sequence[EventKey]], records: Iterable[RunRecord]) -> None:
+    def go_back(self, later: Mapping[str, Sequence[EventKey]], records: Iterable[RunRecord]) -> List[Zone]:
         """Go to the first event that is not over, of those that came `later` than the current one, and come before it
-        now; by zone. A zone with a run stays."""
+        now; by zone. A zone with a run stays. Return those that went."""
+        moved = []
         overtaking = {name: sorted(place for place in map(self[name].place_of, keys) if place is not None
                                    and place < self[name].index) for name, keys in later.items()}
         over = self.over(records) if any(overtaking.values()) else ()
@@ -268,6 +269,8 @@ class Zones(Dict[str, Zone]):
             place = next((place for place in places if (name, place) not in over), None)
             if place is not None and self[name].run is None:
                 self[name].move(place - self[name].index)
+                moved.append(self[name])
+        return moved
 
     def places_of(self, record: RunRecord) -> List[Tuple[str, int]]:
         """Return the zone and the place in its schedule of the event at which a run is an attempt. There is none if the

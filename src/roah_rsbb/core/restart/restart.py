@@ -34,6 +34,7 @@ LOST = say("The run of {benchmark}, team {team}, that was connected before the r
            "scores are in the journal: the program 'results' shows them")
 ZONE_GONE = say("zone '{zone}' is no longer in the schedule")
 EVENT_GONE = say("its event is no longer in the schedule of zone '{zone}'")
+GOES_BACK = say("The schedule was changed while no box ran: the zone goes to {code}, team {team}")
 INVALID = say("its saved state is invalid ({error})")
 
 
@@ -125,8 +126,9 @@ class Restart:
             was = Zone(plan)
             if plan.name in self._zones and plan.name in saved.zones and was.resume_at(saved.zones[plan.name]):
                 later[plan.name] = was.later()
-                self._outbox.mark_changed(plan.name)
-        self._zones.go_back(later, self._finished.records())
+        for zone in self._zones.go_back(later, self._finished.records()):
+            self._outbox.mark_changed(zone.name)
+            self._outbox.notice(Level.INFO, GOES_BACK(code=zone.event.benchmark.code, team=zone.event.team), zone.name)
 
     def _give_up(self, record: RunRecord, utc: float) -> None:
         """Close a run that cannot continue, at the time when the previous core ended. It can still be corrected."""
