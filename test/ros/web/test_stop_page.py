@@ -634,7 +634,10 @@ class TestLeaving(PhoneCase):
                 page.wait(f"{self.STAYED} && location.pathname === '/referee' && history.state !== null", "it stays")
             page.get("document.querySelector('.who a:last-child').click()")
             page.wait_address("/pair")
-            page.wait("document.querySelector('form') !== null", "the page for pairing is shown")
+            page.wait("document.querySelector('.paired') !== null", "the page for pairing is shown")
+            gaps = ("[...document.querySelectorAll('#page a, #page button')].map(one => one.getBoundingClientRect())"
+                    ".map((one, number, all) => number && one.top - all[number - 1].bottom).slice(1)")
+            self.assertGreaterEqual(min(page.get(gaps)), 8, "no button touches another one")
             page.get("history.back()")
             page.wait_address("/referee")
             page.wait(IS_ON, "STOP is on")
