@@ -71,7 +71,8 @@ class Browser:
         self._folder = tempfile.mkdtemp(prefix="roah_browser_")
         self._process = subprocess.Popen(
             [program, "--ozone-platform=x11" if is_shown else "--headless=new", "--remote-debugging-port=0",
-             f"--user-data-dir={self._folder}", "--no-sandbox", "--no-first-run", "--no-default-browser-check", "--disable-background-networking", "--disable-sync",
+             f"--user-data-dir={self._folder}", "--no-sandbox", "--no-first-run", "--no-default-browser-check",
+             "--disable-background-networking", "--disable-sync",
              "--disable-component-update", "--disable-gpu", "--disable-backgrounding-occluded-windows",
              "--disable-renderer-backgrounding", "--disable-dev-shm-usage", "--hide-scrollbars",
              "--renderer-process-limit=1",  # each start of a process for a page takes 0.1 s of CPU

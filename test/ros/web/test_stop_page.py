@@ -643,7 +643,8 @@ class TestLeaving(PhoneCase):
         def press_key(page: Page) -> None:
             page.command("Page.bringToFront")
             page.touch(5, 5)  # the key leaves a page that nobody has touched
-            wait_until(lambda: real_input.give_focus_to_newest() or page.is_now("document.hasFocus()"), "it has the focus")
+            wait_until(lambda: real_input.give_focus_to_newest() or page.is_now("document.hasFocus()"),
+                       "the window has the focus")
             real_input.send_key("Left", "Alt_L")
 
         gateway = self.gateway()
