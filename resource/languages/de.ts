@@ -4326,6 +4326,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
+        <source>The schedule was changed while no box ran: the zone goes to {code}, team {team}</source>
+        <translation>Der Zeitplan wurde geändert, während keine Box lief: Die Zone geht zu {code}, Team {team}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
         <source>its saved state is invalid ({error})</source>
         <translation>sein gespeicherter Zustand ist ungültig ({error})</translation>
     </message>

@@ -60,7 +60,7 @@ function Pair({live, words}) {
       <p class="paired">${texts.paired_as.replace("{role}", () => roleText(session, texts))} (${session.person})</p>
       ${[["/referee", texts.referee_page], ...(session.role === "judge" ? [] : [["/box", texts.whole_box]])].map(([path, text]) => html`
         <p><a class="button ${path === ownPage(session) ? "main" : ""}" href=${address(path)}>${text}</a></p>`)}
-      <button type="button" onClick=${end}>${texts.end_pairing}</button>`}
+      <p><button type="button" onClick=${end}>${texts.end_pairing}</button></p>`}
     <form onSubmit=${pair}>
       <${Field} name="code" text=${texts.code} value=${CODE} autocapitalize="characters" />
       <${Field} name="person" text=${texts.your_name} value=${localStorage.getItem(NAME) || ""} />

@@ -29,7 +29,7 @@ from roah_rsbb.model.records import Phase
 from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.radio.radio import CoreRadio, Network, beacon_size
 from roah_rsbb.radio.short_way import Turns
-from roah_rsbb.rulebook.benchmarks import Config
+from roah_rsbb.rulebook.benchmarks import Config, ZonePlan
 from roah_rsbb.standby.clocks import ahead_of
 from roah_rsbb.standby.stops import read_stops
 
@@ -134,10 +134,13 @@ class CoreAssembly:
             self.box.stay_superseded(self.fence.by)
             self.radio.close()  # or the runs, which are shown, would be sent to their robots
 
-    def resume(self, earlier: Callable[[Iterable[int]], Mapping[int, Config]]) -> None:
+    def resume(
+        self, earlier: Callable[[Iterable[int]], Mapping[int, Config]], planned: Tuple[ZonePlan, ...] = ()
+    ) -> None:
         """Continue where the core was when it ended, if the journal has its state.
 
-        `earlier` returns those of these versions of the configuration that are no longer in force.
+        `earlier` returns those of these versions of the configuration that are no longer in force. `planned`: see
+        `Saved`.
         """
         previous, boot_id = self.store.previous, self._machine.boot_id
         before = "" if previous.last is None else previous.last.boot_id
@@ -148,7 +151,7 @@ class CoreAssembly:
             self.event(self.box.on_notice, warning)
         self.journal.restore(saved.records)
         versions = {state.version for state in saved.zones.values() if state.has_run}
-        saved = saved._replace(earlier=earlier(versions))
+        saved = saved._replace(earlier=earlier(versions), planned=planned)
         for version, config in saved.earlier.items():
             self.radio.use_passwords(version, config.passwords)
         self.driver.resume(saved)

@@ -90,7 +90,7 @@ class BoxCalls:
         return self.do(False, self._box.scores.stop, name, who)
 
     def sheet(self, name: RunName) -> RunSheet:
-        """Return the score sheet of a run. Raises `Refused`."""
+        """Return the score sheet of a run; see `ScoreDesk.record_of`. Raises `Refused`."""
         def look(now: Now) -> None:
             record = self._box.scores.record_of(now, name)
             found.append(sheets.run_sheet(record, self._box.scores.why(now, record.identity)))

@@ -5,16 +5,17 @@ core, the box uses the contents that it read, which `journal.in_force` keeps. A 
 Passwords are kept nowhere but in their file, so each start of the core reads that file.
 """
 
+import contextlib
 import hashlib
 import os
 import stat
 from dataclasses import replace
-from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import ContextManager, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb import durable
 from roah_rsbb.journal.in_force import InForce, Texts, read_in_force, write_in_force
 from roah_rsbb.rulebook import config, event_ids
-from roah_rsbb.rulebook.benchmarks import Config
+from roah_rsbb.rulebook.benchmarks import Config, ZonePlan
 from roah_rsbb.rulebook.changes import changes, warnings
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.event_ids import EventKey
@@ -54,6 +55,7 @@ class Configuration:
         self.warnings: List[str] = []  # about the files, for the log
         self.notices: List[str] = []  # for every referee
         before = read_in_force(log_dir)
+        self.before: Tuple[ZonePlan, ...] = ()  # the schedule in force before this start, if another one is now
         self._versions: Dict[int, Texts] = {} if before is None else dict(before.versions)
         self.version = 0 if before is None else before.present
         self.content = self._begin(before)
@@ -70,6 +72,7 @@ class Configuration:
         texts = _without_passwords(content.texts)
         if kept is not None and texts != kept:
             self.version = before.present + 1
+            self.before = _schedule_of(kept)
         self._versions[self.version] = texts
         try:
             self._write()
@@ -199,8 +202,17 @@ def _load(paths: Sequence[str], texts: Texts) -> Content:
 
 def _load_texts(texts: Texts) -> Optional[Content]:
     """Load contents that were read before, with the present passwords; None: they cannot be read, or do not fit."""
-    with known({path: text for path, text in zip(texts.paths, texts.texts) if text is not None}):
-        try:
-            return _load(texts.paths, texts)._replace(warnings=())
-        except ConfigErrors:
-            return None
+    with _again(texts), contextlib.suppress(ConfigErrors):
+        return _load(texts.paths, texts)._replace(warnings=())
+    return None
+
+
+def _schedule_of(texts: Texts) -> Tuple[ZonePlan, ...]:
+    """Return the schedule in contents that were read before; empty: it cannot be read."""
+    with _again(texts), contextlib.suppress(ConfigErrors):
+        return config.load_schedule(*texts.paths[:_PASSWORDS])[1]
+    return ()
+
+
+def _again(texts: Texts) -> ContextManager[None]:
+    return known({path: text for path, text in zip(texts.paths, texts.texts) if text is not None})

@@ -125,7 +125,7 @@ class RunningBox:
         gc.collect()
         sys.setswitchinterval(SWITCH_S)
         # From here on, robots are heard, and wait for reactions.
-        self.core.resume(self._configuration.earlier)
+        self.core.resume(self._configuration.earlier, self._configuration.before)
         if self.core.open():
             network = self._params.network
             _log.info("Listening on UDP %s:%d, private channels above; log in %s",

@@ -28,24 +28,24 @@ class OpenError(OSError):
         return str(self.strerror)
 
 
-def listen(host: str, port: int, shared: bool) -> socket.socket:
+def listen(host: str, port: int, shared: bool, parameter: str = BIND_HOST) -> socket.socket:
     """A non-blocking UDP socket on (host, port) that may send broadcasts.
 
-    `shared`: other programs may bind the same address and port, if they also allow it. Raises OpenError
-    whose text names the address and the remedy.
+    `shared`: other programs may bind the same address and port, if they also allow it. `parameter`: where `host` comes
+    from. Raises OpenError whose text names the address and the remedy.
     """
     if not 1 <= port <= 65535:
         raise OpenError(errno.EINVAL, f"{port} is not a UDP port: choose an rsbb_port from 1 to 65535, "
                                       "with free ports above it for private channels")
-    return _bound(host, port, shared)
+    return _bound(host, port, shared, parameter)
 
 
 def speak(host: str) -> socket.socket:
     """A socket as `listen` returns, on a port that the system chooses, for a participant that only sends."""
-    return _bound(host, 0, shared=False)
+    return _bound(host, 0, False, BIND_HOST)
 
 
-def _bound(host: str, port: int, shared: bool) -> socket.socket:
+def _bound(host: str, port: int, shared: bool, parameter: str) -> socket.socket:
     endpoint = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
         endpoint.setblocking(False)
@@ -55,17 +55,17 @@ def _bound(host: str, port: int, shared: bool) -> socket.socket:
         endpoint.bind((host, port))
     except OSError as error:
         endpoint.close()
-        remedy = _bind_remedy(error, host, port)
+        remedy = _bind_remedy(error, host, port, parameter)
         raise OpenError(error.errno, f"cannot open UDP {host}:{port}: {remedy}") from error
     return endpoint
 
 
-def _bind_remedy(error: OSError, host: str, port: int) -> str:
+def _bind_remedy(error: OSError, host: str, port: int, parameter: str) -> str:
     if error.errno == errno.EADDRINUSE:
         return ("in use by another program, perhaps a second copy of this one: end it "
-                f"('ss -ulpn sport = :{port}' shows it), or give each program its own {BIND_HOST}")
+                f"('ss -ulpn sport = :{port}' shows it), or give each program its own {parameter}")
     if error.errno == errno.EADDRNOTAVAIL:
-        return f"{host} is not an address of this machine ('ip -4 addr' lists them): correct {BIND_HOST}"
+        return f"{host} is not an address of this machine ('ip -4 addr' lists them): correct {parameter}"
     if error.errno == errno.EACCES:
         return "not permitted: choose an rsbb_port above 1023"
     return os.strerror(error.errno or 0)

@@ -1,7 +1,7 @@
 """Zones: their scheduled events, the current event, and the run in it (docs/organiser.md, "schedule.yaml")."""
 
 from dataclasses import dataclass
-from typing import Callable, Container, Dict, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, Container, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs.all_robots import AllRobotsRun
@@ -163,16 +163,17 @@ class Zone:
 
     # -- another schedule ---------------------------------------------------------------------------
 
-    def reschedule(self, plan: ZonePlan) -> List[int]:
-        """Take another schedule, and stay at the current event, or go to the event that follows it. Return the places
-        of events that came after it before, and come before it now."""
-        later = [key_of(event) for event in self.events[self.index + 1:]]
+    def later(self) -> List[EventKey]:
+        """Return the events that come after the current one."""
+        return [key_of(event) for event in self.events[self.index + 1:]]
+
+    def reschedule(self, plan: ZonePlan) -> None:
+        """Take another schedule, and stay at the current event, or go to the event that follows it."""
         self.planned = plan.events
         if self.run is not None:
             self.hold(self.run.event)
         elif not self._use_plan(key_of(self.event)):
             self.last_run = None
-        return sorted(place for place in map(self.place_of, later) if place is not None and place < self.index)
 
     def hold(self, event: ScheduledEvent) -> None:
         """Go to the event of a run, and keep it as it is until the run is left."""
@@ -248,17 +249,28 @@ class Zones(Dict[str, Zone]):
     def reschedule(self, plans: Sequence[ZonePlan], records: Iterable[RunRecord] = ()) -> None:
         """Take another schedule. No zone with a run may be missing in it. An event that was moved to a later time waits
         until those that now come before it are over. `records`: of the finished runs, the newest first."""
-        before, overtaking = dict(self), {}
+        before, later = dict(self), {}
         self.clear()
         for plan in plans:
-            self[plan.name] = before.get(plan.name) or Zone(plan, self._forget_runs)
-            overtaking[plan.name] = self[plan.name].reschedule(plan)
+            zone = self[plan.name] = before.get(plan.name) or Zone(plan, self._forget_runs)
+            later[plan.name] = zone.later()
+            zone.reschedule(plan)
         self._forget_runs()
+        self.go_back(later, records)
+
+    def go_back(self, later: Mapping[str, Sequence[EventKey]], records: Iterable[RunRecord]) -> List[Zone]:
+        """Go to the first event that is not over, of those that came `later` than the current one, and come before it
+        now; by zone. A zone with a run stays. Return those that went."""
+        moved = []
+        overtaking = {name: sorted(place for place in map(self[name].place_of, keys) if place is not None
+                                   and place < self[name].index) for name, keys in later.items()}
         over = self.over(records) if any(overtaking.values()) else ()
         for name, places in overtaking.items():
             place = next((place for place in places if (name, place) not in over), None)
             if place is not None and self[name].run is None:
                 self[name].move(place - self[name].index)
+                moved.append(self[name])
+        return moved
 
     def places_of(self, record: RunRecord) -> List[Tuple[str, int]]:
         """Return the zone and the place in its schedule of the event at which a run is an attempt. There is none if the

@@ -10,7 +10,7 @@ import json
 import math
 import re
 from dataclasses import dataclass
-from typing import Any, ClassVar, Dict, Iterable, Mapping, Optional, Sequence, Tuple, Type
+from typing import Any, ClassVar, Dict, Iterable, Mapping, Match, Optional, Sequence, Tuple, Type
 
 from roah_rsbb.model.reason import Reason, Template, say
 
@@ -146,9 +146,9 @@ class Decimal(Field):
 
     def read(self, value: Any) -> Any:
         """See `Field`."""
-        number = _number(value) if isinstance(value, str) else value
+        number = _number(value, self.low, self.high) if isinstance(value, str) else value
         if type(number) not in (int, float) or not self.low <= number <= self.high:  # also refuses NaN
-            raise BadValue(two_numbers(self.label, str(value)) or NO_DECIMAL(
+            raise BadValue(two_numbers(self.label, str(value), self.low, self.high) or NO_DECIMAL(
                 field=self.label, low=f"{self.low:.12g}", high=f"{self.high:.12g}"))
         return float(number)
 
@@ -165,7 +165,7 @@ class TypedPose(Field):
         wrong = NO_POSE_LIST
         if isinstance(value, str):
             wrong = NO_POSE
-            *metres, degrees = [*map(_number, value.split())] or [None]
+            *metres, degrees = [_number(word, 0.0, 0.0) for word in value.split()] or [None]
             value = [*metres, None if degrees is None else math.radians(degrees)]
         if not isinstance(value, list) or len(value) != 3 or not all(
                 type(part) in (int, float) and abs(part) <= FARTHEST_M for part in value) or abs(value[2]) > MOST_RAD:
@@ -175,30 +175,37 @@ class TypedPose(Field):
 
 # What keyboards of many regions and phones have instead of a point and a sign.
 _AS_TYPED = str.maketrans(",−–", ".--")
-# Thousands, or a decimal comma.
-_AMBIGUOUS = re.compile(r"\s*([-−–+]?)([1-9][0-9]{0,2}),([0-9]{3})\s*")
+# Thousands, or decimals. After a point the decimals are meant, unless a 0 at the end says nothing.
+_AMBIGUOUS = re.compile(r"\s*([-−–+]?)([1-9][0-9]{0,2})(?:,|\.(?=[0-9]{2}0))([0-9]{3})\s*")
 
 
-def typed_number(word: str) -> str:
-    """Return a word with the decimal comma and the typographic minus as the numbers of programs have them. One that
-    can mean two numbers stays as it is, which is no number."""
-    return word if _AMBIGUOUS.fullmatch(word) else word.translate(_AS_TYPED)
-
-
-def two_numbers(of: str, word: str) -> Optional[Reason]:
-    """Return why a word is no number of `of`, if it can mean two."""
+def _two(word: str, low: float, high: float) -> Optional[Match[str]]:
     found = _AMBIGUOUS.fullmatch(word)
+    return found if found is not None and low <= int("".join(found.groups()).translate(_AS_TYPED)) <= high else None
+
+
+def typed_number(word: str, low: float = -math.inf, high: float = math.inf) -> str:
+    """Return a word with the decimal comma and the typographic minus as the numbers of programs have them. One that can
+    mean two numbers has a comma, and is no number. `low`, `high`: the least and the greatest that can be meant."""
+    return word.replace(".", ",") if _two(word, low, high) else word.translate(_AS_TYPED)
+
+
+def two_numbers(of: str, word: str, low: float = -math.inf, high: float = math.inf) -> Optional[Reason]:
+    """Return why a word is no number of `of`, if it can mean two; see `typed_number`."""
+    found = _two(word, low, high)
     if found is None:
         return None
     sign, before, after = found.groups()
-    return TWO_NUMBERS(field=of, text=word, whole=f"{sign}{before}{after}", decimal=f"{sign}{before}.{after}",
-                       comma=f"{sign}0{before},{after}")
+    shorter = after.rstrip("0")
+    decimal = f"{sign}{before}.{shorter}".rstrip(".")
+    comma = f"{sign}0{before},{after}" if shorter == after else f"{sign}{before},{shorter or 0}"
+    return TWO_NUMBERS(field=of, text=word, whole=f"{sign}{before}{after}", decimal=decimal, comma=comma)
 
 
-def _number(word: str) -> Any:
+def _number(word: str, low: float, high: float) -> Any:
     """Return the number of a typed word; None: it is no number."""
     try:
-        return float(typed_number(word).replace("_", "?"))  # Python takes 1_0 for 10
+        return float(typed_number(word, low, high).replace("_", "?"))  # Python takes 1_0 for 10
     except ValueError:
         return None
 

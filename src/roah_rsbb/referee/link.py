@@ -106,7 +106,8 @@ class Link(Client[Document]):
         return cast(Dict[str, Any], self.request("reload", digest=digest, by=referee))
 
     def run_sheet(self, zone: str, identity: str) -> RunSheet:
-        """Return a run's score sheet; an empty identity: of the connected run. Raises as `act` does."""
+        """Return a run's score sheet; an empty identity: of the connected run, or the empty one of the zone's event.
+        Raises as `act` does."""
         return read(RunSheet, self.request("sheet", zone=zone, run=identity))
 
     def judging(self, zone: str, identity: str) -> JudgedRun:

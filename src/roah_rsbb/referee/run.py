@@ -16,7 +16,7 @@ from roah_rsbb.referee.answers import AutomaticAnswers, GivenUp, Keyboard, Note,
 from roah_rsbb.referee.changes import BoxFollower, Change, news
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.link import ANSWER_S
-from roah_rsbb.referee.words import GIVE_AGAIN, BadWord, EventWanted, pick_item, value_of
+from roah_rsbb.referee.words import BadWord, EventWanted, pick_item, to_confirm, value_of
 from roah_rsbb.wording.sheets import END_REASONS
 from roah_rsbb.wording.stop import NOT_DELIVERED_S, Way, leaving, way_text
 
@@ -109,9 +109,12 @@ class RunScript:
         if self._plan.event is not None:
             self._go_to(self._plan.event)
         self._event = self._zone().event
+        items = self._link.run_sheet(self._plan.zone, "").items if self._plan.scores else ()
+        for word, text in self._plan.scores:
+            item = items[pick_item(word, items) - 1]
+            self._scores.append((item, value_of(text, item)))
         while True:
             self._connect()
-            self._resolve_scores()
             if self._start():
                 return self._to_the_end()
 
@@ -178,9 +181,9 @@ class RunScript:
         deadline = self._link.here_s() + self._plan.wait_s
         known: Tuple[str, ...] = ()
         while self._zone().phase == phase:
-            question = "" if self._plan.again else self._zone().action(command).question
-            if question:
-                raise Refused([f"{question}. {GIVE_AGAIN}"])
+            asked = () if self._plan.again else to_confirm(self._zone().action(command))
+            if asked:
+                raise Refused(list(asked))
             if self._is_stopped():
                 raise _Failed(Exit.NOT_COMPLETED, "stopped before the run began")
             gone: Optional[NoCore] = None
@@ -226,13 +229,6 @@ class RunScript:
         except Refused:
             self._may_start = False
             raise
-
-    def _resolve_scores(self) -> None:
-        self._scores = []
-        for word, text in self._plan.scores:
-            items = self._zone().items
-            item = items[pick_item(word, items) - 1]
-            self._scores.append((item, value_of(text, item)))
 
     def _to_the_end(self) -> ScriptOutcome:
         while self._is_running():

@@ -15,7 +15,7 @@ from roah_rsbb.model.records import ScoreValue
 from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.model.zone import Event, SheetItem, ZoneSeen
-from roah_rsbb.referee.words import GIVE_AGAIN, command_of
+from roah_rsbb.referee.words import command_of, to_confirm
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.clock import clock_of, lines
 
@@ -49,7 +49,7 @@ def zones_of(box: Document) -> List[ZoneSeen]:
 
 def off_in(zone: ZoneSeen) -> Dict[str, Tuple[Said, ...]]:
     """Return why each command is refused, without those of benchmarking modules that nobody asks for."""
-    return {command_of(name): action.off + ((f"{action.question}. {GIVE_AGAIN}",) if action.question else ())
+    return {command_of(name): action.off + to_confirm(action)
             for name, action in zone.actions.items() if action.shown or name not in _OF_MODULES}
 
 

@@ -18,7 +18,8 @@ from roah_rsbb.model.fields import (
     two_numbers,
     typed_number,
 )
-from roah_rsbb.model.scoring import MAX_VALUE, Entered, ScoreKind, ScoringItem
+from roah_rsbb.model.scoring import MAX_NUMBER, MAX_VALUE, Entered, ScoreKind, ScoringItem
+from roah_rsbb.model.shown import Shown
 from roah_rsbb.model.zone import Event, SheetItem
 from roah_rsbb.referee.at_once import STOP, meant
 from roah_rsbb.wording.suggestions import did_you_mean
@@ -104,7 +105,7 @@ def value_of(text: str, item: SheetItem) -> Entered:
         return Entered(text=_choice(text, item))
     if item.type == "rating":
         return _rating(text, item)
-    is_set, word = text.startswith("="), typed_number(text.strip().lstrip("="))
+    is_set, word = text.startswith("="), _typed(text.strip().lstrip("="), item)
     if not is_set and item.type != "bool":
         if word.startswith("-") and number_of(word) is not None and _may_be_negative(item):
             raise BadWord(f"'{text}' for '{item.desc}' can be a value or a step: give '={word}' to set the item to it, "
@@ -133,6 +134,11 @@ def _may_be_negative(item: SheetItem) -> bool:
     return item.type != "uint" and (not item.min or item.min.startswith("-"))
 
 
+def _typed(text: str, item: SheetItem) -> str:
+    """Return a typed number of an item as programs have it."""
+    return typed_number(text.strip(), float(item.min or -MAX_NUMBER), float(item.max or MAX_NUMBER))
+
+
 def _below(item: SheetItem) -> str:
     """Return an example with a minus."""
     return "'=-1'" if _may_be_negative(item) else "-1"
@@ -151,7 +157,7 @@ def _rating(text: str, item: SheetItem) -> Entered:
     if not colon or len(found) != 1:
         raise BadWord(f"'{text}' is not a rating of '{item.desc}': give the judge and a number, such as "
                       f"'{item.judges[0]}:5'; the judges are {_quoted(item.judges)}")
-    return Entered(text=typed_number(number.strip()), judge=found[0])
+    return Entered(text=_typed(number, item), judge=found[0])
 
 
 def _decimal(text: str, item: SheetItem, is_added: bool) -> Entered:
@@ -201,6 +207,11 @@ def given_in(line: str, fields: Sequence[Field]) -> Dict[str, Any]:
 def command_of(action: str) -> str:
     """Return the command of this terminal that does an action."""
     return PLACED.get(action) or (ACTIONS[action].words if action in ACTIONS else action)
+
+
+def to_confirm(action: Shown) -> Tuple[str, ...]:
+    """Return what an action asks, and how it is confirmed here; empty: it asks nothing."""
+    return (f"{action.question}. {GIVE_AGAIN}",) if action.question else ()
 
 
 def other_answer(fields: Sequence[Field]) -> Optional[Field]:

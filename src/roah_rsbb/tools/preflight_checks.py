@@ -114,10 +114,10 @@ def check_bind(bind_host: str, port: int) -> List[Remark]:
     """Check that nothing but another program can keep the box from opening its UDP ports."""
     for number in (port, port + PORTS):
         try:
-            sockets.listen(bind_host, number, shared=False).close()
+            sockets.listen(bind_host, number, False, "bind_host").close()
         except OSError as error:
             if error.errno != errno.EADDRINUSE:
-                return [Remark(Severity.FAILED, str(error).replace(sockets.BIND_HOST, "bind_host"))]
+                return [Remark(Severity.FAILED, str(error))]
     return []
 
 

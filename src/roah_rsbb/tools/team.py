@@ -1,5 +1,6 @@
 """`roah-rsbb COMMAND`: the programs that pip installs, without ROS."""
 
+import difflib
 import importlib
 import importlib.util
 import sys
@@ -44,7 +45,9 @@ def main(arguments: Optional[List[str]] = None) -> None:
         return
     commands = {**COMMANDS, **INTERNAL}
     if not given or given[0] not in commands:
-        wrong = f"roah-rsbb: no command '{given[0]}'\n" if given else ""
+        near = difflib.get_close_matches(given[0].lower(), COMMANDS, 1) if given else []
+        meant = f": did you mean '{near[0]}'?" if near else ""
+        wrong = f"roah-rsbb: no command '{given[0]}'{meant}\n" if given else ""
         print(f"{wrong}{_usage()}", file=sys.stderr)
         sys.exit(2)
     package, module, _ = commands[given[0]]

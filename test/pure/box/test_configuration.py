@@ -217,6 +217,8 @@ def test_a_new_launch_reads_the_files(competition):
     assert (minutes(core.content.config), core.version, core.notices) == (8.0, 1, [])
     assert minutes(core.earlier([0, 1, 7])[0]) == 10.0
     assert list(core.earlier([0, 1, 7])) == [0]
+    assert {e.benchmark.timeout for zone in core.before for e in zone.events if e.benchmark.code == "HGTKMH"} == {600.0}
+    assert competition.core("launch 2").before == competition.core("launch 3").before == ()
     assert competition.core("launch 3").version == 1
     competition.edit("benchmarks.yaml", "timeout: 480", "timeout: soon")
     with pytest.raises(ConfigErrors):

@@ -5,6 +5,8 @@ import socket
 
 import pytest
 
+from helpers import slots
+from helpers.small_box import free_ports
 from roah_rsbb.comm import sockets
 
 NOT_HERE = "203.0.113.77"  # an address for documentation: nobody's
@@ -42,6 +44,18 @@ def test_the_source_is_unknown_without_a_way(monkeypatch):
     monkeypatch.setattr(sockets.socket, "socket", Unconnected)
     assert sockets.source_host("10.0.0.1") is None
     assert not sockets.is_broadcast("10.0.0.1")
+
+
+def test_a_test_gets_no_port_that_another_program_has(port):
+    with slots.free_slot() as slot:
+        bases = slots.first_port(slot), port + 5
+    udp = socket.AF_INET, socket.SOCK_DGRAM
+    with socket.socket(*udp) as one, socket.socket(*udp) as two:
+        one.bind(("127.0.0.3", bases[0]))
+        two.bind(("127.0.0.3", bases[1] + 2))
+        with slots.free_slot() as another:
+            assert another != slot
+        assert free_ports() != bases[1]
 
 
 def test_an_address_in_use(port):

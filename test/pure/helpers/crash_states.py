@@ -299,25 +299,32 @@ class CrashState(NamedTuple):
 
 
 def crash_states(operations: List[Operation], count: int, seed: object) -> Iterator[CrashState]:
-    """Return about `count` different states, of moments between all operations."""
+    """Return `count` different states, of moments between all operations; fewer if no moment has more."""
     chance = random.Random(f"{seed}")
-    disk, marks, seen, left = Disk(), [], set(), count
-    for number, operation in enumerate(operations):
-        disk.do(number, operation)
-        if operation.kind == MARK:
-            marks += operation.names
-        # The same share of the rest at each moment; a fraction is a chance.
-        share = left / (len(operations) - number)
-        wanted = int(share) + (chance.random() < share % 1)
-        for _ in range(3 * wanted):  # many are equal
-            if not wanted:
-                break
-            files = disk.after_power_failure(chance)
-            key = hash((tuple(files.items()), len(marks)))
-            if key not in seen:
-                seen.add(key)
-                wanted, left = wanted - 1, left - 1
-                yield CrashState(files, tuple(marks), number + 1)
+    seen, left, moments = set(), count, set(range(len(operations)))
+    while left and moments:
+        disk, marks, to_come = Disk(), [], len(moments)
+        for number, operation in enumerate(operations):
+            disk.do(number, operation)
+            if operation.kind == MARK:
+                marks += operation.names
+            if number not in moments:
+                continue
+            # The same share of the rest at each moment; a fraction is a chance.
+            wanted = int(left / to_come + chance.random())
+            to_come -= 1
+            is_new = not wanted
+            for _ in range(3 * wanted):  # many are equal
+                if not wanted:
+                    break
+                files = disk.after_power_failure(chance)
+                key = hash((tuple(files.items()), len(marks)))
+                if key not in seen:
+                    seen.add(key)
+                    wanted, left, is_new = wanted - 1, left - 1, True
+                    yield CrashState(files, tuple(marks), number + 1)
+            if not is_new:  # the next round takes more of the moments that have more
+                moments.remove(number)
 
 
 @contextlib.contextmanager

@@ -2,6 +2,7 @@
 
 from decimal import Decimal
 
+from roah_rsbb.core.scoring.points import text_of
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.model.scoring import (
     GroupLimits,
@@ -75,7 +76,7 @@ def random_mark(chance, form):
     if item.kind in (ScoreKind.UINT, ScoreKind.INT):
         return Mark(*item.key, chance.randint(0 if item.kind is ScoreKind.UINT else -5, 5))
     if item.kind is ScoreKind.DECIMAL:
-        return Mark(*item.key, text=str(decimal(chance, -5, 5)))
+        return Mark(*item.key, text=text_of(decimal(chance, -5, 5)))
     if item.kind is ScoreKind.CHOICE:
         return Mark(*item.key, text=chance.choice(["", *(choice.name for choice in item.choices)]))
     rating = str(decimal(chance, 0, 10)) if chance.random() < 0.9 else ""

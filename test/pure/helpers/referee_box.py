@@ -8,6 +8,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxSeen, Document, RobotSeen
 from roah_rsbb.model.fields import Field
 from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.shown import Shown
 from roah_rsbb.model.zone import (
@@ -228,6 +229,11 @@ class FakeLink:
         }[action]()
         if given and "robot" in given:
             self.change(robot=ROBOT._replace(robot=given["robot"]))
+
+    def run_sheet(self, name: str, identity: str) -> RunSheet:
+        """The empty sheet of the event."""
+        assert (name, identity) == (self.zone.zone, "")
+        return RunSheet(RunLine("", 0, name, "HGTKMH", "TestingTeam", 1, 1, 0.0), (), 0.0, ITEMS, (), ())
 
     def stop_run(self, name: str, identity: str) -> None:
         """As the core: only the run of that identity."""

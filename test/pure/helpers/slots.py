@@ -27,17 +27,28 @@ def ros_address(slot: int) -> str:
     return f"127.77.0.{slot}"
 
 
+def is_free(port: int) -> bool:
+    """Whether no program on this machine uses a UDP port, at whatever address."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        return _is_bound(probe, "", port)
+
+
+def _is_bound(endpoint: socket.socket, host: str, port: int) -> bool:
+    try:
+        endpoint.bind((host, port))
+    except OSError as error:
+        if error.errno != errno.EADDRINUSE:
+            raise
+        return False
+    return True
+
+
 @contextlib.contextmanager
 def free_slot() -> Iterator[int]:
-    """Reserve a slot that no other test run on this machine uses."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as holder:
-        for slot in SLOTS:
-            try:
-                holder.bind(("127.0.0.1", first_port(slot + 1) - 1))
-            except OSError as error:
-                if error.errno != errno.EADDRINUSE:
-                    raise
-            else:
+    """Reserve a slot that no other test run on this machine uses, and whose first port no other program has."""
+    for slot in SLOTS:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as holder:
+            if _is_bound(holder, "127.0.0.1", first_port(slot + 1) - 1) and is_free(first_port(slot)):
                 yield slot
                 return
-        raise RuntimeError("no slot is free: are other tests still running?")
+    raise RuntimeError("no slot is free: are other tests still running?")

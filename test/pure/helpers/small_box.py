@@ -32,7 +32,7 @@ def free_ports() -> int:
         start = slots.first_port(_slot.enter_context(slots.free_slot()))
         _bases = itertools.cycle(range(start, start + slots.PORTS_OF_A_SLOT - 5, 5))
         first = next(_bases)
-    return first
+    return first if all(map(slots.is_free, range(first, first + 5))) else free_ports()
 
 
 @contextlib.asynccontextmanager

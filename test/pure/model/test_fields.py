@@ -10,6 +10,7 @@ from roah_rsbb.model.actions import EVERY
 from roah_rsbb.model.fields import (
     BadValue,
     Choice,
+    Decimal,
     Number,
     Team,
     Toggle,
@@ -71,12 +72,13 @@ def test_a_whole_number_is_typed_with_the_minus_of_any_keyboard():
 
 @pytest.mark.parametrize("word, number", [
     ("0,125", "0.125"), ("01,000", "01.000"), ("1,25", "1.25"), ("1,2500", "1.2500"), ("1234,567", "1234.567"),
-    ("1,000", "1,000"), ("−12,345", "−12,345"), ("+999,999", "+999,999")])
+    ("1,000", "1,000"), ("−12,345", "−12,345"), ("+999,999", "+999,999"), ("1.234", "1.234"), ("1.230", "1,230")])
 def test_a_number_that_can_be_two_is_none(word, number):
     assert typed_number(word) == number
-    if word == number:
+    assert "," not in typed_number(word, -0.5, 0.5)
+    if "," in number:
         with pytest.raises(BadValue, match=f"'{re.escape(word)}' can mean"):
-            MEASURED.read(word)
+            Decimal("n", say("N"), low=-1e6).read(word)
 
 
 def test_what_is_left_out_of_a_modules_form():

@@ -97,7 +97,7 @@ def test_a_run_takes_all_its_options():
     (["withdraw", "A", "-1"], "1"),
     (["sign-off", "A"], "--by"),
     (["dance", "A"], "dance"),
-    (["conect", "A"], "no 'conect': did you mean 'connect'?"),
+    (["conect", "A"], "no 'conect': did you mean 'connect'?"), (["STATUS"], "no 'STATUS': did you mean 'status'?"),
     (["switch", "A", "0"], "a whole number from 1 to"),
     (["judges"], "ACTION"),
     (["judges", "settle", "A", "1", "3", "--by", "Hugo"], "--reason"),

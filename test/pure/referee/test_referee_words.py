@@ -166,7 +166,8 @@ def test_values_of_every_type(text, item, entered):
     ("1.5", STEPS, "a whole number"), ("1,5", STEPS, "a whole number"), ("1.000,5", WATER, "give a number"),
     ("-17", STEPS, "give '=-17' to set the item to it, '[+]-17' to count down by 17"),
     ("much", WATER, "or '=-1'$"), ("much", STEPS, "or '=-1'$"), ("much", STEPS._replace(min="0"), "or -1$"),
-    ("1,000", WATER, r"can mean 1000 or 1.000. Type 1000, or 1.000 \(with a comma: 01,000\)"),
+    ("1,001", WATER, r"can mean 1001 or 1.001. Type 1001, or 1.001 \(with a comma: 01,001\)"),
+    ("1.000", WATER, r"can mean 1000 or 1. Type 1000, or 1 \(with a comma: 1,0\)"),
     ("+1,250", WATER, "can mean [+]1250 or"), ("=-1,250", WATER, "can mean -1250 or"),
     ("−1,5", WATER, "give '=-1.5' to set the item to it, '[+]-1.5' to count down by 1.5"),
 ])

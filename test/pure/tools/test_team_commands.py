@@ -60,7 +60,7 @@ def test_a_program_of_ros_has_its_own_name(tmp_path):
 
 def test_an_unknown_command_is_an_error_that_lists_all(tmp_path):
     ended = start(tmp_path, "check_robots")
-    assert ended.returncode == 2 and "no command 'check_robots'" in ended.stdout
+    assert ended.returncode == 2 and "no command 'check_robots': did you mean 'check-robot'?" in ended.stdout
     assert all(f"  {command} " in ended.stdout for command in COMMANDS)
 
 

@@ -51,9 +51,10 @@ _NOTE_TAP = """element => {
 }"""
 
 
-def find() -> Optional[str]:
-    """The browser's program; None: there is none that runs (on Ubuntu 20.04 it is only the way to a snap)."""
-    for name in BROWSERS:
+def find(is_shown: bool = False) -> Optional[str]:
+    """The browser's program; None: there is none that runs (on Ubuntu 20.04 it is only the way to a snap). `is_shown`:
+    one that can show a window."""
+    for name in BROWSERS[is_shown:]:
         path = shutil.which(name)
         if path is not None:
             asked = subprocess.run([path, "--version"], capture_output=True, text=True, check=False)
@@ -65,11 +66,13 @@ def find() -> Optional[str]:
 class Browser:
     """A Chromium that reaches only this machine. Close it at the end of the test."""
 
-    def __init__(self, program: str, *options: str) -> None:
+    def __init__(self, program: str, *options: str, is_shown: bool = False) -> None:
+        """`is_shown`: in windows on the display of this process, which keys of `real_input` reach."""
         self._folder = tempfile.mkdtemp(prefix="roah_browser_")
         self._process = subprocess.Popen(
-            [program, "--headless=new", "--remote-debugging-port=0", f"--user-data-dir={self._folder}", "--no-sandbox",
-             "--no-first-run", "--no-default-browser-check", "--disable-background-networking", "--disable-sync",
+            [program, "--ozone-platform=x11" if is_shown else "--headless=new", "--remote-debugging-port=0",
+             f"--user-data-dir={self._folder}", "--no-sandbox", "--no-first-run", "--no-default-browser-check",
+             "--disable-background-networking", "--disable-sync",
              "--disable-component-update", "--disable-gpu", "--disable-backgrounding-occluded-windows",
              "--disable-renderer-backgrounding", "--disable-dev-shm-usage", "--hide-scrollbars",
              "--renderer-process-limit=1",  # each start of a process for a page takes 0.1 s of CPU

@@ -10,7 +10,7 @@ import contextlib
 import ctypes
 import sys
 import time
-from typing import Any, Counter, Dict, Iterator, Optional, Tuple
+from typing import Any, Counter, Dict, Iterator, List, Optional, Tuple
 
 from PyQt5 import sip
 from PyQt5.QtCore import QAbstractNativeEventFilter
@@ -171,13 +171,34 @@ def press_key(name: str, *held: str) -> None:
     wait_until(lambda: time.monotonic() > again, "the key has stopped bouncing")
     sync()
     released = _arrived.count[KEY_RELEASE] + 1 + len(held)
+    send_key(name, *held)
+    _pressed[(name, *held)] = time.monotonic()
+    _arrived.wait(KEY_RELEASE, released)
+
+
+def give_focus_to_newest() -> None:
+    """The newest window on the screen, perhaps of another program, gets the keys."""
+    _x11.XSetInputFocus(_display, _windows()[-1], _REVERT_TO_NONE, _CURRENT_TIME)
+    _x11.XSync(_display, 0)
+
+
+def send_key(name: str, *held: str) -> None:
+    """Press a key in whatever window has the focus, also of another program, and wait for nothing."""
     codes = [_x11.XKeysymToKeycode(_display, _x11.XStringToKeysym(key.encode())) for key in (*held, name)]
     for is_press, keys in ((1, codes), (0, codes[::-1])):
         for code in keys:
             _xtst.XTestFakeKeyEvent(_display, code, is_press, 0)
     _x11.XSync(_display, 0)
-    _pressed[(name, *held)] = time.monotonic()
-    _arrived.wait(KEY_RELEASE, released)
+
+
+def _windows() -> List[int]:
+    """All windows on the screen, the newest last."""
+    windows, count, other = ctypes.POINTER(ctypes.c_ulong)(), ctypes.c_uint(), ctypes.c_ulong()
+    _x11.XQueryTree(_display, _x11.XDefaultRootWindow(_display), ctypes.byref(other), ctypes.byref(other),
+                    ctypes.byref(windows), ctypes.byref(count))
+    found = windows[:count.value]
+    _x11.XFree(windows)
+    return found
 
 
 class _ClientMessage(ctypes.Structure):
@@ -188,13 +209,9 @@ class _ClientMessage(ctypes.Structure):
 
 def close_all_windows() -> None:
     """Ask all windows on the screen to close, in whatever process, as a window manager does."""
-    windows, count, other = ctypes.POINTER(ctypes.c_ulong)(), ctypes.c_uint(), ctypes.c_ulong()
-    _x11.XQueryTree(_display, _x11.XDefaultRootWindow(_display), ctypes.byref(other), ctypes.byref(other),
-                    ctypes.byref(windows), ctypes.byref(count))
     protocols, delete = (_x11.XInternAtom(_display, name, 0) for name in (b"WM_PROTOCOLS", b"WM_DELETE_WINDOW"))
-    for window in windows[:count.value]:
+    for window in _windows():
         message = _ClientMessage(CLIENT_MESSAGE, window=window, message_type=protocols, format=32)
         message.data[0] = delete
         _x11.XSendEvent(_display, window, 0, 0, ctypes.byref(message))
-    _x11.XFree(windows)
     _x11.XSync(_display, 0)

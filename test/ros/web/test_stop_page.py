@@ -10,10 +10,10 @@ import itertools
 import json
 import pathlib
 import random
-from typing import Any, Dict, List, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Tuple
 from unittest import mock
 
-from support.browser import IS_ALL, NeedsBrowser, Page
+from support.browser import IS_ALL, Browser, NeedsBrowser, Page, find
 from support.fakes.gateway import LONG, URL, FakeGateway
 from support.waiting import happened, wait_until
 
@@ -620,9 +620,9 @@ class TestLeaving(PhoneCase):
     STAYED = f"{SAID} === 'Back does not leave this page while a run is in progress'"
     IS_OVER = "document.querySelector('.run.ended') !== null"
 
-    def test_back_does_not_lead_away_from_a_run(self) -> None:
-        gateway = self.gateway()
-        for page in (self.phone(gateway), self.phone(gateway, zone="")):  # a referee's, an organiser's
+    def stays(self, gateway: FakeGateway, go_back: Callable[[Page], object]) -> Iterator[Page]:
+        """A referee's and an organiser's page, on which somebody went back in a run."""
+        for page in (self.phone(gateway), self.phone(gateway, zone="")):
             gateway.set(phase="idle")
             page.open(f"{URL}/pair?language=en")
             page.open(f"{URL}/referee?language=en")
@@ -630,11 +630,40 @@ class TestLeaving(PhoneCase):
             gateway.set(phase="running")
             page.wait(IS_ON, "STOP is on")
             for _ in range(2):
-                page.get("history.back()")
+                go_back(page)
                 page.wait(f"{self.STAYED} && location.pathname === '/referee' && history.state !== null", "it stays")
+            yield page
+
+    def test_the_key_of_a_browser_does_not_lead_away_from_a_run(self) -> None:
+        program = find(is_shown=True)
+        if program is None:
+            self.skipTest("no Chromium with a window: on Debian apt-get install chromium")
+        from support import real_input  # late: it needs Qt, and a display of its own
+
+        def press_key(page: Page) -> None:
+            page.command("Page.bringToFront")
+            page.touch(5, 5)  # the key leaves a page that nobody has touched
+            wait_until(lambda: real_input.give_focus_to_newest() or page.is_now("document.hasFocus()"),
+                       "the window has the focus")
+            real_input.send_key("Left", "Alt_L")
+
+        gateway = self.gateway()
+        self.addCleanup(setattr, self, "browser", self.browser)
+        self.browser = Browser(program, is_shown=True)
+        self.addCleanup(self.browser.close)
+        for page in self.stays(gateway, press_key):
+            self.stops(gateway, page)
+            self._close(page)
+
+    def test_back_does_not_lead_away_from_a_run(self) -> None:
+        gateway = self.gateway()
+        for page in self.stays(gateway, lambda page: page.get("history.back()")):
             page.get("document.querySelector('.who a:last-child').click()")
             page.wait_address("/pair")
-            page.wait("document.querySelector('form') !== null", "the page for pairing is shown")
+            page.wait("document.querySelector('.paired') !== null", "the page for pairing is shown")
+            gaps = ("[...document.querySelectorAll('#page a, #page button')].map(one => one.getBoundingClientRect())"
+                    ".map((one, number, all) => number && one.top - all[number - 1].bottom).slice(1)")
+            self.assertGreaterEqual(min(page.get(gaps)), 8, "no button touches another one")
             page.get("history.back()")
             page.wait_address("/referee")
             page.wait(IS_ON, "STOP is on")

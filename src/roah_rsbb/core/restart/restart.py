@@ -34,6 +34,7 @@ LOST = say("The run of {benchmark}, team {team}, that was connected before the r
            "scores are in the journal: the program 'results' shows them")
 ZONE_GONE = say("zone '{zone}' is no longer in the schedule")
 EVENT_GONE = say("its event is no longer in the schedule of zone '{zone}'")
+GOES_BACK = say("The schedule was changed while no box ran: the zone goes to {code}, team {team}")
 INVALID = say("its saved state is invalid ({error})")
 
 
@@ -56,6 +57,7 @@ class Saved(NamedTuple):
     # By the identity of the run: the box before sent STOP, and its journal does not have it.
     stopped: Mapping[str, UnrecordedStop] = MappingProxyType({})
     mono: Optional[float] = None  # as `utc`, on the present monotonic clock (s); None: only UTC is known
+    planned: Tuple[ZonePlan, ...] = ()  # the schedule that was in force, if another one is now
 
 
 class Restart:
@@ -82,6 +84,7 @@ class Restart:
                 self._lost(now, state, ZONE_GONE(zone=name))
             else:
                 self._try_to_resume(now, zone, state, saved.earlier.get(state.version))
+        self._follow_changes(saved)
         runs = self._zones.runs()
         for run in runs:
             if run.identity in saved.stopped and run.phase is Phase.RUNNING:
@@ -115,6 +118,17 @@ class Restart:
         place = self._outbox.place()
         self._connections.reopen(now, zone, state)
         self._outbox.drop_since(place)
+
+    def _follow_changes(self, saved: Saved) -> None:
+        """Do in each zone what a reload does, if the schedule was changed while no box ran."""
+        later = {}
+        for plan in saved.planned:
+            was = Zone(plan)
+            if plan.name in self._zones and plan.name in saved.zones and was.resume_at(saved.zones[plan.name]):
+                later[plan.name] = was.later()
+        for zone in self._zones.go_back(later, self._finished.records()):
+            self._outbox.mark_changed(zone.name)
+            self._outbox.notice(Level.INFO, GOES_BACK(code=zone.event.benchmark.code, team=zone.event.team), zone.name)
 
     def _give_up(self, record: RunRecord, utc: float) -> None:
         """Close a run that cannot continue, at the time when the previous core ended. It can still be corrected."""

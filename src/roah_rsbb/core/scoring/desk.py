@@ -7,7 +7,7 @@ from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.runs.phases import RunEvent, is_possible
 from roah_rsbb.core.runs.run import ZoneRun
-from roah_rsbb.core.scoring.book import FinishedRun, FinishedRuns
+from roah_rsbb.core.scoring.book import FinishedRun, FinishedRuns, RunBook
 from roah_rsbb.core.scoring.counting import Counted, Counting, EventResult, Ruling, Why
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import Zone, Zones
@@ -15,6 +15,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import By, ItemRecord, Phase, RunRecord
 from roah_rsbb.model.referee import Refused, RunName, checked_note, checked_who
+from roah_rsbb.rulebook.event_ids import key_of
 
 # Finished runs in the list of results: more than the runs of one day in any competition.
 MAX_LISTED = 100
@@ -102,7 +103,11 @@ class ScoreDesk:
         return next((ruling.why for ruling in self.rulings(now) if ruling.record.identity == identity), None)
 
     def record_of(self, now: Now, name: RunName) -> RunRecord:
-        """Return the record of a run. Raises `Refused`."""
+        """Return the record of a run; of a zone without a run, one with the empty sheet of its event. Raises `Refused`.
+        """
+        if not name.identity and self._zones.named(name.zone).run is None:
+            event = self._zones[name.zone].event
+            return RunBook(event.benchmark.form).into(RunRecord("", name.zone, *key_of(event)[:5], 0.0, event=event.id))
         run = self.named(name)
         return run.record if isinstance(run, FinishedRun) else run.record(now)
 

@@ -550,9 +550,10 @@ def _rating(item: ScoringItem, mark: Mark) -> str:
 def _decimal(item: ScoringItem, text: str) -> str:
     least = Decimal(-MAX_NUMBER) if item.least is None else item.least
     most = Decimal(MAX_NUMBER) if item.most is None else item.most
-    number = typed_number(text)
+    ends = float(least), float(most)
+    number = typed_number(text, *ends)
     if number.startswith("+") or not _NUMBER.fullmatch(number) or not least <= Decimal(number) <= most:
         outside = say("'{item}' takes a number from {least} to {most} with at most {decimals} decimals, not '{text}'")
-        raise Refused([two_numbers(item.desc, text) or outside(
+        raise Refused([two_numbers(item.desc, text, *ends) or outside(
             item=item.desc, least=text_of(least), most=text_of(most), decimals=MAX_DECIMALS, text=text)])
     return text_of(Decimal(number))

@@ -154,7 +154,8 @@ class AnyRegion:
 
     def validate(self, text: str, place: int):
         """See QAbstractSpinBox."""
-        return super().validate(text if text == self.specialValueText() else typed_number(text), place)
+        is_empty = text == self.specialValueText()
+        return super().validate(text if is_empty else typed_number(text, self.minimum(), self.maximum()), place)
 
 
 class WholeField(AnyRegion, QSpinBox):

@@ -141,6 +141,22 @@ def test_modules_have_a_process_once_a_functionality_benchmark_is_scheduled(tmp_
     asyncio.run(play())
 
 
+def test_two_events_are_swapped_while_the_box_is_off(tmp_path):
+    async def shown(codes, action=""):
+        events = ", ".join(f"{{id: {code}, benchmark: {code}, team: {TEAM}, round: 1, run: 1, "
+                           f"scheduled_time: 2026-01-01 {hour:02}:00:00}}" for hour, code in enumerate(codes))
+        (tmp_path / "schedule.yaml").write_text(f"- zone: {ZONE}\n  schedule: [{events}]\n", "utf-8")
+        async with Demonstration(tmp_path, schedule_file=str(tmp_path / "schedule.yaml")) as demo:
+            if action:
+                await demo.act(action)
+            await demo.until(lambda zone: not action or zone.event.code != codes[0])
+            return demo.zone.event.code
+    before, after = ("HGTKMH", "HWV", "HCFGAC"), ("HGTKMH", "HCFGAC", "HWV")
+    assert [run(shown(before, "next")), run(shown(before)), run(shown(after)), run(shown(after))] == [
+        "HWV", "HWV", "HCFGAC", "HCFGAC"]
+    assert run(shown(("HGTKMH", "HCFGAC", "STB", "HWV"))) == "HCFGAC"
+
+
 def test_a_run_continues_with_the_next_start(tmp_path):
     async def play(demo):
         async with demo:

@@ -5,16 +5,18 @@ import dataclasses
 import pytest
 
 from helpers import journaled
-from helpers.box_driver import BoxDriver
+from helpers.box_driver import BoxDriver, beacon_bytes
 from helpers.competition import UTC0, competition, event
 from roah_rsbb.core import effects
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.core.scoring.counting import Why, rulings
 from roah_rsbb.core.views.schedule import EventState, schedule
 from roah_rsbb.model.records import Phase
 from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.rulebook.benchmarks import EventRules
+from roah_rsbb.rulebook.benchmarks import EventRules, ZonePlan
 from roah_rsbb.rulebook.changes import changes
 from roah_rsbb.rulebook.event_ids import adopted
 
@@ -60,8 +62,19 @@ def test_a_zone_stays_at_its_event_when_that_moves_in_time():
     driver = BoxDriver(competition(tbm=day()))
     driver.command("next")
     late = [day()[0], event("HWV", run=2, scheduled=UTC0 + 1.5 * HOUR), day()[2]]
+    other = changed_while_off(driver, competition(tbm=late))
     reload(driver, competition(tbm=late))
-    assert driver.box.zones["tbm"].event.run == 2
+    assert [box.zones["tbm"].event.run for box in (driver.box, other)] == [2, 2]
+
+
+def changed_while_off(driver, config):
+    """The next box, if the configuration is changed while no box runs."""
+    box, before = Box(config, driver.settings, beacon_bytes), driver.box
+    states = {name: zone.saved() for name, zone in before.zones.items()}
+    plans = tuple(ZonePlan(name, zone.planned) for name, zone in before.zones.items())
+    records = before.scores.records(driver.now)
+    box.resume(driver.now, Saved(driver.now.utc, before.saved(), states, records, planned=plans))
+    return box
 
 
 @pytest.mark.parametrize("at, order, then", [
@@ -71,9 +84,11 @@ def test_a_zone_goes_to_the_event_that_was_swapped_with_its_own(at, order, then)
     for _ in range(at):
         driver.command("next")
     names = {each.run: each.benchmark.code for each in day()}
-    reload(driver, competition(tbm=[
-        event(names[run], run=run, scheduled=UTC0 + place * HOUR) for place, run in enumerate(order)]))
-    assert driver.box.zones["tbm"].event.run == then
+    config = competition(tbm=[
+        event(names[run], run=run, scheduled=UTC0 + place * HOUR) for place, run in enumerate(order)])
+    other = changed_while_off(driver, config)
+    reload(driver, config)
+    assert [box.zones["tbm"].event.run for box in (driver.box, other)] == [then, then]
 
 
 def test_a_swap_moves_no_zone_to_an_event_that_is_over():
@@ -83,8 +98,10 @@ def test_a_swap_moves_no_zone_to_an_event_that_is_over():
     driver.command("previous")
     driver.command("previous")
     assert driver.box.zones["tbm"].event.run == 1
-    reload(driver, competition(tbm=[event("HWV", run=2), event(run=1, scheduled=UTC0 + HOUR), day()[2]]))
-    assert driver.box.zones["tbm"].event.run == 1
+    config = competition(tbm=[event("HWV", run=2), event(run=1, scheduled=UTC0 + HOUR), day()[2]])
+    other = changed_while_off(driver, config)
+    reload(driver, config)
+    assert [box.zones["tbm"].event.run for box in (driver.box, other)] == [1, 1]
 
 
 @pytest.mark.parametrize("at, then", [(0, 2), (1, 3), (2, 2)])
@@ -92,8 +109,10 @@ def test_a_zone_whose_event_is_removed_goes_to_the_one_that_follows(at, then):
     driver = BoxDriver(competition(tbm=day()))
     for _ in range(at):
         driver.command("next")
-    reload(driver, competition(tbm=[e for i, e in enumerate(day()) if i != at]))
-    assert driver.box.zones["tbm"].event.run == then
+    config = competition(tbm=[e for i, e in enumerate(day()) if i != at])
+    other = changed_while_off(driver, config)
+    reload(driver, config)
+    assert [box.zones["tbm"].event.run for box in (driver.box, other)] == [then, then]
 
 
 def test_a_zone_with_a_run_cannot_be_removed():

@@ -317,7 +317,7 @@ def test_random_sheets_have_the_points_of_a_second_implementation(seed):
     (OPENS, {"value": 1}, "the number 1: choose one of"), (SHOW, {"text": "5"}, "name one of 1, 2, 3"),
     (SHOW, {"value": 5}, "name one of 1, 2, 3"), (SHOW, {"text": "5", "judge": "4"}, "no judge '4'"),
     (SHOW, {"text": "+1", "judge": "1"}, "not '[+]1'"),
-    (SHOW, {"text": "1,000", "judge": "1"}, "can mean 1000 or 1.000"),
+    (WATER, {"text": "-1,000"}, "can mean -1000 or -1. Type"), (WATER, {"text": "-1.250"}, "can mean -1250 or -1.25"),
     (SHOW, {"text": "10.5", "judge": "1"}, "from 0 to 10"), (SHOW, {"text": "-1", "judge": "1"}, "from 0 to 10"),
     (HEIGHT, {"value": -2**31}, "must be from -2147483647"),
 ])
@@ -327,9 +327,11 @@ def test_a_wrong_value_is_refused(book, item, fields, reason):
     assert book.book.sheet.history == ()
 
 
-@pytest.mark.parametrize("typed, text", [("1,5", "1.5"), ("−2", "-2"), ("–0,25", "-0.25")])
-def test_numbers_are_taken_as_keyboards_of_other_regions_have_them(typed, text):
-    litres = ScoringItem("Kitchen", "Litres", ScoreKind.DECIMAL, Decimal(1))
+@pytest.mark.parametrize("typed, text, most", [
+    ("1,5", "1.5", None), ("−2", "-2", None), ("–0,25", "-0.25", None), ("1.251", "1.251", None),
+    ("1,000", "1", 999), ("1.250", "1.25", 10)])
+def test_numbers_are_taken_as_keyboards_of_other_regions_have_them(typed, text, most):
+    litres = ScoringItem("Kitchen", "Litres", ScoreKind.DECIMAL, Decimal(1), most=most and Decimal(most))
     assert ScoreSheet((litres,)).check(Mark("Kitchen", "Litres", text=typed)).text == text
 
 
