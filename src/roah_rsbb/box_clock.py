@@ -17,13 +17,11 @@ class BoxClock:
         self._offset: Optional[float] = None  # box's clock minus our monotonic clock
         self._last_clock = 0.0
         self._last_mono = 0.0
-        self.steps_back = 0  # how many times the box's clock was set back
 
     def sample(self, mono: float, clock: float) -> None:
         """A message sent at `clock` (box, UTC seconds) arrived at `mono` (monotonic seconds)."""
         offset = clock - mono
         if self._offset is None or clock < self._last_clock:
-            self.steps_back += self._offset is not None
             self._offset = offset
         else:
             self._offset = max(offset, self._offset - DRIFT * (mono - self._last_mono))

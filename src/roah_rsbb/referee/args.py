@@ -191,7 +191,7 @@ def _say(one: argparse.ArgumentParser, where: str) -> None:
 
 
 def _by(one: argparse.ArgumentParser, required: bool = False) -> None:
-    one.add_argument("--by", "--referee", metavar="NAME", dest="referee", default="", required=required,
+    one.add_argument("--by", metavar="NAME", dest="referee", default="", required=required,
                      help="name of the referee" + ("" if required else " (default: no name)"))
 
 

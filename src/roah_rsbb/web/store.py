@@ -20,13 +20,13 @@ _NO_DAY = ("", 0)
 class Store(Numbered):
     """The documents of the gateway."""
 
-    def __init__(self, box: BoxShown, languages: Dict[str, Translate], title: str = "", session: str = "",
+    def __init__(self, box: BoxShown, languages: Dict[str, Translate], title: str = "",
                  logos: Optional[Dict[str, str]] = None) -> None:
         """`languages`: those besides English, by name such as ``de``. `title`: of the competition.
 
         `logos`: paths of the teams' logos, by team.
         """
-        super().__init__(box, session)
+        super().__init__(box)
         self._languages: Dict[str, Optional[Translate]] = {ENGLISH: None, **languages}
         self._title = title
         self.logos = logos or {}

@@ -30,7 +30,8 @@ class World(Store):
 
     def __init__(self):
         german = translation("de", read(catalogues.FOLDER / "de.ts"))
-        super().__init__(PublicBox(), {"de": german}, title="Open", session="s1")
+        super().__init__(PublicBox(), {"de": german}, title="Open")
+        self.session = "s1"
 
     def put(self, *runs, following=EVENTS, **sections):
         """The box publishes this."""

@@ -195,7 +195,7 @@ class TestCommands(WithCore):
 
     def test_scores_with_words_and_their_history(self) -> None:
         self.zone.command("connect")
-        done = self.called("score", "Home A", "door", "yes", "--note", "through the window", "--referee", "Anna")
+        done = self.called("score", "Home A", "door", "yes", "--note", "through the window", "--by", "Anna")
         self.assertEqual((done.stdout, done.stderr), (f"{DOOR[0]}: {DOOR[1]}: yes\n", ""))
         self.assertEqual(self.core.words, [(self.zone.identity, "through the window", "Anna")])
         self.assertEqual(self.called("score", "Home A", "door", "n/a").stdout, f"{DOOR[0]}: {DOOR[1]}: not attempted\n")

@@ -8,7 +8,7 @@ import collections
 import queue
 import threading
 import time
-from typing import Any, Callable, Deque, Dict, NamedTuple, Optional
+from typing import Any, Deque, Dict, NamedTuple, Optional
 
 import rospy
 
@@ -27,10 +27,8 @@ class Received(NamedTuple):
 class Feed:
     """Subscribes to topics (name: message class) from `start` to `stop`."""
 
-    def __init__(self, topics: Dict[str, type], on_message: Optional[Callable[[], object]] = None) -> None:
-        """`on_message` is called in a thread of rospy when there is something to take."""
+    def __init__(self, topics: Dict[str, type]) -> None:
         self._topics = topics
-        self._on_message = on_message
         self._newest: Dict[str, Deque[Received]] = {name: collections.deque(maxlen=1) for name in topics}
         self._subscribers: Dict[str, rospy.Subscriber] = {}
         self._wishes: queue.Queue[bool] = queue.Queue()  # True: subscribe (again), False: end
@@ -82,17 +80,6 @@ class Feed:
 
     def _subscribe(self, name: str) -> rospy.Subscriber:
         newest = self._newest[name]
-
-        def keep(message: Any) -> None:
-            newest.append(Received(time.monotonic(), message))
-            if self._on_message is not None:
-                self._on_message()
-
         return rospy.Subscriber(
-            name,
-            self._topics[name],
-            keep,
-            queue_size=1,
-            buff_size=BUFFER_BYTES,
-            tcp_nodelay=True,
-        )
+            name, self._topics[name], lambda message: newest.append(Received(time.monotonic(), message)), queue_size=1,
+            buff_size=BUFFER_BYTES, tcp_nodelay=True)
