@@ -70,7 +70,7 @@ def test_a_journal_that_is_not_copied(copies):
         copies.report(at(second), report(is_of_this_box=False))
     assert copies.warnings(at(5))[0].endswith(
         "the journal of this core is not copied yet. If this lasts, the program that copies it has another log_dir: "
-        "end it, and start it with that of the core")
+        "end it, and the box starts it again")
 
 
 def test_a_node_that_started_again_and_has_copied_nothing_yet(copies):
