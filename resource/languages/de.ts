@@ -392,6 +392,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Day</source>
+        <translation>Tag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>All days</source>
+        <translation>Alle Tage</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>All events</source>
         <translation>Alle Termine</translation>
     </message>
@@ -587,8 +597,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>A code comes from an organiser&apos;s page (Whole box, Pairing), from the referee&apos;s panel (Benchmark Control, ⋯, Pair a phone), or from &apos;referee pair&apos; in a terminal. It is valid for two minutes, for one device.</source>
-        <translation>Einen Code gibt es auf der Seite eines Veranstalters (Ganze Box, Koppeln), im Fenster der Schiedsrichter (Benchmark-Steuerung, ⋯, Telefon koppeln) oder mit &apos;referee pair&apos; im Terminal. Er gilt zwei Minuten, für ein Gerät.</translation>
+        <source>A code comes from an organiser&apos;s page (Whole box, Pairing), or from &apos;referee pair&apos; in a terminal. It is valid for two minutes, for one device.</source>
+        <translation>Einen Code gibt es auf der Seite eines Veranstalters (Ganze Box, Koppeln) oder mit &apos;referee pair&apos; im Terminal. Er gilt zwei Minuten, für ein Gerät.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -2917,18 +2927,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Choose a robot, score without a robot, no-show, pair a phone</source>
-        <translation>Roboter wählen, ohne Roboter werten, nicht angetreten, Telefon koppeln</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Pair a phone …</source>
-        <translation>Telefon koppeln …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Let a phone or tablet act as a referee; list and end pairings</source>
-        <translation>Ein Telefon oder Tablet für Schiedsrichter freigeben; Kopplungen zeigen und beenden</translation>
+        <source>Choose a robot, score without a robot, no-show</source>
+        <translation>Roboter wählen, ohne Roboter werten, nicht angetreten</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
@@ -3025,6 +3025,31 @@
         <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
         <source>▶ RUNNING: {zones}</source>
         <translation>▶ LÄUFT: {zones}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
+        <source>Results, history, judges</source>
+        <translation>Ergebnisse, Verlauf, Jury</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
+        <source>Pair phones and tablets</source>
+        <translation>Telefone und Tablets koppeln</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
+        <source>Open in the browser: results, history and judges, the schedule, pairing</source>
+        <translation>Im Browser öffnen: Ergebnisse, Verlauf und Jury, Zeitplan, Kopplung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
+        <source>No browser opens here. Open {page} in one, and type the code {code}</source>
+        <translation>Hier öffnet sich kein Browser. {page} in einem öffnen und den Code {code} eintippen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
+        <source>Results …</source>
+        <translation>Ergebnisse …</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
@@ -3139,70 +3164,6 @@ Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</t
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>Module: {name}</source>
         <translation>Modul: {name}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Select an event above first.</source>
-        <translation>Markieren Sie zuerst oben einen Termin.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>The core is silent: no event can be chosen now</source>
-        <translation>Der Core ist stumm: Jetzt kann kein Termin gewählt werden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Begins</source>
-        <translation>Beginn</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Late</source>
-        <translation>Verzug</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Event</source>
-        <translation>Termin</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Plan</source>
-        <translation>Plan</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>All days</source>
-        <translation>Alle Tage</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Make it the current event of {zone}</source>
-        <translation>Zum aktuellen Termin von {zone} machen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Leave {run} in {zone} without a sign-off?</source>
-        <translation>{run} in {zone} ohne Abschluss verlassen?</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>{score}
-
-The score sheet stays in Results and can be signed off later. {zone} goes to {run}.</source>
-        <translation>{score}
-
-Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werden. {zone} geht zu {run}.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>No score</source>
-        <translation>Ohne Wertung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Not done: the schedule or the runs in {zone} have changed</source>
-        <translation>Nicht ausgeführt: Der Zeitplan oder die Läufe in {zone} haben sich geändert</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
@@ -3383,41 +3344,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
         <source>open this page; Esc closes it</source>
         <translation>diese Seite öffnen; Esc schließt sie</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>Pair a phone or tablet</source>
-        <translation>Telefon oder Tablet koppeln</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>Person</source>
-        <translation>Person</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>Device</source>
-        <translation>Gerät</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>Last seen</source>
-        <translation>Zuletzt gesehen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>Open {page} on the device and type the code. It is for one device. For a QR code: {install}</source>
-        <translation>Öffnen Sie {page} auf dem Gerät und geben Sie den Code ein. Er gilt für ein Gerät. Für einen QR-Code: {install}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>End this pairing at once</source>
-        <translation>Diese Kopplung sofort beenden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>End the pairing of {person}</source>
-        <translation>Kopplung von {person} beenden</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/run_times.py"/>
@@ -4956,6 +4882,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Device</source>
+        <translation>Gerät</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Id of the mark</source>
         <translation>Kennung der Wertung</translation>
     </message>
@@ -5348,6 +5279,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Also a run in progress</source>
         <translation>Auch einen laufenden Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Event</source>
+        <translation>Termin</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

@@ -1,5 +1,6 @@
 """A program with windows, and signals while it starts."""
 
+import os
 import subprocess
 import sys
 
@@ -36,6 +37,19 @@ node.connections.init_node = lambda *_, **__: print("registered")
 node.WindowNode().begin("test")
 """
 
+LEAVING = """
+from roah_rsbb.platform import open_in_browser
+from roah_rsbb.rqt.app.application import leave
+from roah_rsbb.rqt.host import WindowHost
+
+class Host(WindowHost):
+    has_ended = property(lambda self: not list(pathlib.Path.home().iterdir()))
+
+import pathlib
+assert open_in_browser("http://127.0.0.1:1/pair#SECRET") and not Host().has_ended
+leave(Host(), 0)
+"""
+
 
 def _printed(program, signal_name):
     done = subprocess.run(
@@ -52,6 +66,12 @@ def test_a_signal_while_the_node_registers_ends_the_program_after_that():
 
 def test_a_signal_ends_the_wait_for_a_master():
     assert _printed(WAITING, "SIGINT") == ([], 0)
+
+
+def test_a_window_that_ends_leaves_no_code_for_a_browser_in_a_file(tmp_path):
+    subprocess.run([sys.executable, "-c", LEAVING], check=True, timeout=300,
+                   env={**os.environ, "HOME": str(tmp_path), "DISPLAY": ":0", "BROWSER": "true %s"})
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(("high_px", "em_px", "factor"), [

@@ -122,7 +122,7 @@ class TestInSight(_AtAllSizes):
             self.window.resize(*(length // SCALE for length in size))
             self.wait_quiet()
             bars = [bar for bar in self.window.findChildren(QTabBar) if bar.parent() is self.window and bar.isVisible()]
-            self.assertEqual(sorted(bar.count() for bar in bars), [3, 9])
+            self.assertEqual(sorted(bar.count() for bar in bars), [3, 8])
             for bar in bars:
                 beside = bar.style().pixelMetric(QStyle.PM_TabBarTabHSpace, None, bar)
                 for index in range(bar.count()):

@@ -44,7 +44,7 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import stop_strip, stop_window
 from roah_rsbb.rqt.widgets.keep_clear import clear_place
-from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
+from roah_rsbb.rqt.widgets.keys_page import KeysDialog
 from roah_rsbb.rqt.widgets.stop_strip import LEAST_HIGH, LEAST_WIDE, StopStrip
 from roah_rsbb.wording import language, stop
 from roah_rsbb.wording.catalogues import read, translation
@@ -178,8 +178,8 @@ class MatrixCase(StripCase):
 
     def _dialog(self) -> Iterator[str]:
         self.start()
-        self.control._pair()
-        dialog = next(one for one in QApplication.topLevelWidgets() if isinstance(one, PairDialog) and one.isVisible())
+        self.client.keys_key.open()
+        dialog = self.dialog(KeysDialog)
         dialog.move(self.window.pos())
         self._wait_clear(dialog)
         yield "Home A"

@@ -13,6 +13,7 @@ import threading
 import time
 from typing import Any, Callable, List, NoReturn
 
+from roah_rsbb.platform import remove_leads
 from roah_rsbb.rqt import language
 from roah_rsbb.rqt.host import WindowHost
 from roah_rsbb.rqt.model.failures import log_failures
@@ -120,6 +121,7 @@ def _take_leave(host: WindowHost) -> None:
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(Exception):  # it is closed, or nobody reads it any more
             stream.flush()
+    remove_leads()
     host.end()
 
 

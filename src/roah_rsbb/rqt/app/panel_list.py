@@ -26,7 +26,6 @@ PANELS: Dict[str, str] = {
     "overview": "All zones at a glance, and a button that stops all of them",
     "results": "The zone's runs and their score sheets, with corrections and sign-off",
     "judges": "Several judges of a run: settle their differences, publish the result, answer objections",
-    "schedule": "All events of all zones, with results, sign-offs and estimated times",
 }
 
 

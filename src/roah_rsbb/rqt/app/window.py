@@ -15,7 +15,7 @@ from roah_rsbb.rqt.widgets.marked_title import MarkedTitle
 from roah_rsbb.wording.language import tr
 
 # Increase it when the set of panels changes: an older layout would hide new panels.
-LAYOUT_VERSION = 6
+LAYOUT_VERSION = 7
 
 
 class Window(QMainWindow):
@@ -79,8 +79,7 @@ class Window(QMainWindow):
         self.addDockWidget(Qt.RightDockWidgetArea, d["ScoringPanel"])
         self.splitDockWidget(d["ScoringPanel"], d["OverviewPanel"], Qt.Vertical)
         self.splitDockWidget(d["OverviewPanel"], d["LogDisplayPanel"], Qt.Horizontal)
-        for name in ("ManualOperation", "OmfSwitches", "Results", "Judges", "Schedule", "Devices", "TabletStatus",
-                     "CoreStatus"):
+        for name in ("ManualOperation", "OmfSwitches", "Results", "Judges", "Devices", "TabletStatus", "CoreStatus"):
             self.tabifyDockWidget(d["ScoringPanel"], d[f"{name}Panel"])
         for name in ("OnlineDataPanel", "ActiveRobotsPanel"):
             self.tabifyDockWidget(d["LogDisplayPanel"], d[name])

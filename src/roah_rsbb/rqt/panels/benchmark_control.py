@@ -14,6 +14,7 @@ from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.fetched import run_sheets
 from roah_rsbb.rqt.panels.history import why_fixed
 from roah_rsbb.rqt.panels.more_commands import ActionForm, MoreMenu, RuleButtons, what_text, why_off
+from roah_rsbb.rqt.panels.pages import PagesButton
 from roah_rsbb.rqt.panels.panel import SILENT, AnswerLine, Panel, ask, keep_true
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
 from roah_rsbb.rqt.qt import (
@@ -28,7 +29,6 @@ from roah_rsbb.rqt.qt import (
     QToolButton,
 )
 from roah_rsbb.rqt.widgets import basic, phases
-from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
 from roah_rsbb.rqt.widgets.run_times import TimesWidget
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
 from roah_rsbb.wording import sheets, stop
@@ -139,7 +139,9 @@ class BenchmarkControlPanel(Panel):
         self.reason = StopReasonLine(self, self._answer)
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
         self.rules = RuleButtons(self._ask)
-        self.more = MoreMenu(self._connect_robot, self._ask, self._pair)
+        self.more = MoreMenu(self._connect_robot, self._ask)
+        self.pages = PagesButton(self, self._answer)
+        self.heading.addWidget(self.pages)
         keys = QToolButton()
         keys.setText("?")
         keys.setToolTip(tr("All keys (key: ?)"))
@@ -149,6 +151,10 @@ class BenchmarkControlPanel(Panel):
         self._lay_out()
         self._zones.activated.connect(lambda index: self.model.choose_zone(self._zones.itemText(index)))
         self._start_key = self._key("F5", "start")
+
+    def shutdown(self) -> None:
+        self.pages.end()
+        super().shutdown()
 
     # -- layout -------------------------------------------------------------------------------------
 
@@ -352,9 +358,6 @@ class BenchmarkControlPanel(Panel):
             self._send(action, asked.zone, given, what)
         else:
             self._answer.warn(tr("Not done: {zone} is at another event now", zone=asked.zone))
-
-    def _pair(self) -> None:
-        basic.show_alone(PairDialog(self, self.client.calls, self.client.moments, self.model.zone_name))
 
     def _connect_robot(self, robot: str) -> None:
         what = tr("Connect {robot} in {zone}", robot=robot, zone=self.model.zone_name)
