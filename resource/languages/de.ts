@@ -2559,8 +2559,18 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>The core is silent: nothing can be changed now</source>
+        <translation>Der Core ist stumm: Jetzt kann nichts geändert werden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>After a stop, type the reason here and press Enter. You can change it until the run is signed off.</source>
         <translation>Geben Sie nach einem Stopp hier den Grund ein und drücken Sie Enter. Sie können ihn ändern, bis der Lauf abgeschlossen ist.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Final: signed off by {name}</source>
+        <translation>Endgültig: abgeschlossen von {name}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -2734,141 +2744,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>✘ NO DEVICES</source>
         <translation>✘ KEINE GERÄTE</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>The core is silent: nothing can be changed now</source>
-        <translation>Der Core ist stumm: Jetzt kann nichts geändert werden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Final: signed off by {name}</source>
-        <translation>Endgültig: abgeschlossen von {name}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Who</source>
-        <translation>Wer</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Item</source>
-        <translation>Kriterium</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Change</source>
-        <translation>Änderung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Notes</source>
-        <translation>Notizen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Withdraw entry …</source>
-        <translation>Eintrag zurücknehmen …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Choose an entry above</source>
-        <translation>Wählen Sie oben einen Eintrag</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Already withdrawn</source>
-        <translation>Schon zurückgenommen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Withdraw entry {number}</source>
-        <translation>Eintrag {number} zurücknehmen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Why</source>
-        <translation>Warum</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Withdraw</source>
-        <translation>Zurücknehmen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>History of the score sheet – {zone}</source>
-        <translation>Verlauf des Wertungsbogens – {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>No run of this zone has judges, or is to be signed off.</source>
-        <translation>Kein Lauf dieser Zone hat eine Jury oder ist noch abzuschließen.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Answer the objection</source>
-        <translation>Einspruch beantworten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>No objections</source>
-        <translation>Keine Einsprüche</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Enter your name at the bottom left</source>
-        <translation>Geben Sie unten links Ihren Namen ein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Jury</source>
-        <translation>Jury</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Run</source>
-        <translation>Lauf</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Objection</source>
-        <translation>Einspruch</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Answer</source>
-        <translation>Antwort</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Side by side</source>
-        <translation>Nebeneinander</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Objections</source>
-        <translation>Einsprüche</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Group</source>
-        <translation>Gruppe</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Value</source>
-        <translation>Wert</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Choose an item above</source>
-        <translation>Wählen Sie oben ein Kriterium</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Decision</source>
-        <translation>Entscheidung</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/log_display.py"/>
@@ -3067,105 +2942,6 @@
         <translation>✔ {what}: erledigt</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
-        <source>Enter your name</source>
-        <translation>Ihr Name</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
-        <source>The referee&apos;s name. It is recorded with everything that you do here. A sign-off needs it.</source>
-        <translation>Der Name des Schiedsrichters. Er wird bei allem vermerkt, was Sie hier tun. Zum Abschließen einer Wertung ist er nötig.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Choose a run above</source>
-        <translation>Wählen Sie oben einen Lauf</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Fetching the score sheet …</source>
-        <translation>Der Wertungsbogen wird geholt …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Sign off …</source>
-        <translation>Abschließen …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>End</source>
-        <translation>Ende</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Score</source>
-        <translation>Wertung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Sheet</source>
-        <translation>Bogen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Change …</source>
-        <translation>Ändern …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Reason …</source>
-        <translation>Grund …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>{time} min</source>
-        <translation>{time} min</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>The run has not been stopped yet</source>
-        <translation>Der Lauf wurde noch nicht gestoppt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Correct …</source>
-        <translation>Korrigieren …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Reason of end {number}</source>
-        <translation>Grund von Ende {number}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Not signed off: the score has changed. Check it and sign off again.</source>
-        <translation>Nicht abgeschlossen: Die Wertung hat sich geändert. Prüfen Sie sie und schließen Sie erneut ab.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Sign off {run}?</source>
-        <translation>Wertung abschließen: {run}?</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>{score}
-
-Signed by {name}. The sheet cannot be corrected afterwards.</source>
-        <translation>{score}
-
-Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>now</source>
-        <translation>jetzt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Module: {name}</source>
-        <translation>Modul: {name}</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
         <source>Scoring begins when a robot is connected.</source>
         <translation>Die Wertung beginnt, sobald ein Roboter verbunden ist.</translation>
@@ -3212,13 +2988,18 @@ Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</t
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
-        <source>Scoring</source>
-        <translation>Wertung</translation>
+        <source>Enter your name</source>
+        <translation>Ihr Name</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
-        <source>History …</source>
-        <translation>Verlauf …</translation>
+        <source>The referee&apos;s name. It is recorded with everything that you do here.</source>
+        <translation>Der Name des Schiedsrichters. Er wird bei allem vermerkt, was Sie hier tun.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>Scoring</source>
+        <translation>Wertung</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
@@ -3349,6 +3130,11 @@ Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</t
         <location filename="../../src/roah_rsbb/rqt/widgets/run_times.py"/>
         <source>‼ LAST SECONDS ‼ {label}</source>
         <translation>‼ LETZTE SEKUNDEN ‼ {label}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
+        <source>Value</source>
+        <translation>Wert</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
@@ -5067,6 +4853,16 @@ Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</t
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Group</source>
+        <translation>Gruppe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Item</source>
+        <translation>Kriterium</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>What to add</source>
         <translation>Was hinzukommt</translation>
     </message>
@@ -5192,6 +4988,11 @@ Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</t
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Answer the objection</source>
+        <translation>Einspruch beantworten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>The sheet is corrected separately</source>
         <translation>Der Bogen wird gesondert berichtigt</translation>
     </message>
@@ -5289,6 +5090,11 @@ Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</t
         <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Also leave a run that is not signed off</source>
         <translation>Auch einen Lauf verlassen, der nicht abgeschlossen ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Answer</source>
+        <translation>Antwort</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

@@ -20,7 +20,7 @@ NOT_IN_WINDOWS = {
 }
 # Literals that look like texts: names of classes, keys and time zones, and what rospy and the core say.
 NOT_TEXTS = {
-    "Esc", "Shift+Esc", "UTC", "{} UTC", "OK", "PANEL", "{}Panel", "Results", "Judges",
+    "Esc", "Shift+Esc", "UTC", "{} UTC", "OK", "PANEL", "{}Panel",
     "Devices", "{} – RoAH RSBB", "WARNING", "ERROR", "ALL", "all robots",
     "unable to connect to service", "unable to contact master",
     "transport error",

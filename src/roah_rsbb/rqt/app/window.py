@@ -79,7 +79,7 @@ class Window(QMainWindow):
         self.addDockWidget(Qt.RightDockWidgetArea, d["ScoringPanel"])
         self.splitDockWidget(d["ScoringPanel"], d["OverviewPanel"], Qt.Vertical)
         self.splitDockWidget(d["OverviewPanel"], d["LogDisplayPanel"], Qt.Horizontal)
-        for name in ("ManualOperation", "OmfSwitches", "Results", "Judges", "Devices", "TabletStatus", "CoreStatus"):
+        for name in ("ManualOperation", "OmfSwitches", "Devices", "TabletStatus", "CoreStatus"):
             self.tabifyDockWidget(d["ScoringPanel"], d[f"{name}Panel"])
         for name in ("OnlineDataPanel", "ActiveRobotsPanel"):
             self.tabifyDockWidget(d["LogDisplayPanel"], d[name])

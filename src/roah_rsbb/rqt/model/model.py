@@ -7,13 +7,12 @@ from roah_rsbb.client.client import Client
 from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxSeen, Document
-from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.messages import DevicesState
-from roah_rsbb.model.results import RunLine, UnsavedParts
+from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.zone import RUNNING, ZoneSeen
 from roah_rsbb.rqt.host import ControllerStatus, WindowHost
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
-from roah_rsbb.wording import clock, judging, superseded
+from roah_rsbb.wording import clock, superseded
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.replay import NO_COMMANDS
 from roah_rsbb.wording.times import use_zone
@@ -146,11 +145,6 @@ class Model(QObject):
         zone = self.zone_of(zone_name)
         return None if zone is None else clock.clock_of(zone.clock, zone.phase, self.now().mono)
 
-    def unsaved_of(self, identity: str) -> UnsavedParts:
-        """Return the parts of a run's record that the core could not write to the disk yet."""
-        runs = () if self.box is None else self.box.unsaved
-        return next((run for run in runs if run.identity == identity), UnsavedParts(identity, ""))
-
     def run_of(self, identity: str) -> Optional[RunLine]:
         """Return a run; None: not known."""
         return None if self.document is None else self.document.results.get(identity)
@@ -158,11 +152,6 @@ class Model(QObject):
     def runs_of(self, zone_name: str) -> List[RunLine]:
         """Return the runs of a zone: the connected one, then those that are over, the latest first."""
         return [] if self.document is None else [run for run in self.document.runs() if run.zone == zone_name]
-
-    def judgings_of(self, zone_name: str) -> List[Judging]:
-        """Return the progress of all runs of a zone that are not signed off, first those with judges or a published
-        result."""
-        return [] if self.document is None else judging.judgings_of(self.document, zone_name)
 
     @property
     def devices(self) -> Optional[DevicesState]:

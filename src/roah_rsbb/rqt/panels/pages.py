@@ -73,5 +73,5 @@ class PagesButton(QToolButton):
             else:
                 self._answer.clear_answer()
 
-        self._panel.client.calls.run(self._panel, "browser", partial(open_in_browser, f"{page}?{urlencode(query)}#{link}"),
-                                     opened)
+        opens = partial(open_in_browser, f"{page}?{urlencode(query)}#{link}")
+        self._panel.client.calls.run(self._panel, "browser", opens, opened)

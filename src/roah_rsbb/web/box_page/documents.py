@@ -111,7 +111,8 @@ def _event(event: EventSeen, current: List[EventSeen], several_days: bool) -> Da
     begins = "" if event.state == "skipped" else schedule.moment_text(event.begins_utc_s, several_days)
     has_begun = event.state in ("done", "running", "ended")
     return {
-        "id": event.id, "zone": event.zone, "team": event.team, "day": schedule.day_of(event), "name": _event_name(event),
+        "id": event.id, "zone": event.zone, "team": event.team, "day": schedule.day_of(event),
+        "name": _event_name(event),
         "event": f"{event.code}, {sheets.turn(event.round, event.run)}",
         "when": schedule.moment_text(event.scheduled_utc_s, several_days),
         # An estimate has a mark that distinguishes it from a fact.
