@@ -1,7 +1,4 @@
-"""What a program with windows needs of the system in which it runs.
-
-With ROS that is a node (`with_ros/host.py`), without ROS nothing but this computer (`app/without_ros.py`).
-"""
+"""What a program with windows needs of ROS (`with_ros/host.py`)."""
 
 from typing import TYPE_CHECKING, NamedTuple, Optional
 

@@ -18,7 +18,7 @@ from roah_rsbb.rqt import language
 from roah_rsbb.rqt.host import WindowHost
 from roah_rsbb.rqt.model.failures import log_failures
 from roah_rsbb.rqt.model.garbage import collect_here
-from roah_rsbb.rqt.qt import QApplication, QSettings, Qt, QTimer, qVersion
+from roah_rsbb.rqt.qt import QApplication, QSettings, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -35,9 +35,8 @@ _wake: List[socket.socket] = []  # a pair that ends the program: Python sends it
 def make_application(argv: List[str]) -> QApplication:
     """Create Qt's application: sharp on high-density screens, and not ended by an error in one panel."""
     log_failures()
-    if qVersion().startswith("5."):  # later versions do it by themselves
-        QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
-        QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
+    QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
+    QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
     app = QApplication(argv)
     collect_here()
     language.install()

@@ -1,4 +1,4 @@
-"""Our own window with all panels, for machines without rqt or ROS."""
+"""Our own window with all panels, for machines without rqt."""
 
 import math
 from typing import Dict

@@ -2,7 +2,7 @@
 
 *Reload* checks the configuration files and lists what they change, before anything is applied.
 
-What *exit* ends depends on the launch file (`HostWithRos.ends_box`). Without ROS it is the box.
+What *exit* ends depends on the launch file (`HostWithRos.ends_box`).
 """
 
 from typing import Callable, Dict, Optional, Sequence
