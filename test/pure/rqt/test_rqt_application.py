@@ -18,34 +18,33 @@ def register(name, **_):
     os.kill(os.getpid(), signal.SIGNAL)
     print("registered")
 
-node.display.has_display = lambda: True
 node.rosgraph.is_master_online = lambda: True
 node.connections.init_node = register
 host = node.WindowNode()
 app = application.make_application(["test", "-platform", "offscreen"])
-host.begin("test")
-print("started")
+application.end_at_signals(host, application.ORDERLY_S)
+print("started", host.begin("test", application.must_end))
 print("ended with", application.run(app, host))
 """
 WAITING = """
-import os, signal, sys
+import os, signal
+from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.with_ros import node
 
-node.display.has_display = lambda: True
+application.display.has_display = lambda: True
 node.rosgraph.is_master_online = lambda: os.kill(os.getpid(), signal.SIGNAL)
 node.connections.init_node = lambda *_, **__: print("registered")
-node.WindowNode().begin("test")
+application.show(node.WindowNode(), "test", print)
 """
-
 LEAVING = """
 from roah_rsbb.platform import open_in_browser
 from roah_rsbb.rqt.app.application import leave
-from roah_rsbb.rqt.host import WindowHost
-
-class Host(WindowHost):
-    has_ended = property(lambda self: not list(pathlib.Path.home().iterdir()))
-
 import pathlib
+
+class Host:
+    has_ended = property(lambda self: not list(pathlib.Path.home().iterdir()))
+    end = lambda self: None
+
 assert open_in_browser("http://127.0.0.1:1/pair#SECRET") and not Host().has_ended
 leave(Host(), 0)
 """
@@ -61,7 +60,7 @@ def _printed(program, signal_name):
 # Both signals have one handler: each is sent in one of the two moments.
 def test_a_signal_while_the_node_registers_ends_the_program_after_that():
     """A program that ended at once would leave its name at the master."""
-    assert _printed(STARTING, "SIGTERM") == (["registered", "started", "ended with 0"], 0)
+    assert _printed(STARTING, "SIGTERM") == (["registered", "started True", "ended with 0"], 0)
 
 
 def test_a_signal_ends_the_wait_for_a_master():

@@ -1,7 +1,7 @@
 """The newest document of the box, and of its devices, for all panels (docs/architecture.md, "Panels hold no truth")."""
 
 import time
-from typing import Callable, List, Optional
+from typing import TYPE_CHECKING, Callable, List, Optional
 
 from roah_rsbb.client.client import Client
 from roah_rsbb.client.places import DoorPlaces
@@ -10,12 +10,14 @@ from roah_rsbb.model.document import BoxSeen, Document
 from roah_rsbb.model.messages import DevicesState
 from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.zone import RUNNING, ZoneSeen
-from roah_rsbb.rqt.host import ControllerStatus, WindowHost
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.wording import clock, superseded
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.replay import NO_COMMANDS
 from roah_rsbb.wording.times import use_zone
+
+if TYPE_CHECKING:  # it needs messages of ROS
+    from roah_rsbb.rqt.with_ros.host import ControllerStatus, HostWithRos
 
 TICK_MS = 200
 # Interval at which to look for the devices again while the box is silent, seconds.
@@ -29,7 +31,7 @@ class Model(QObject):
     ticked = Signal()  # a moment has passed: for what shows times and silences
     _came = Signal()  # from the client's thread
 
-    def __init__(self, host: WindowHost, find: Optional[Callable] = None) -> None:
+    def __init__(self, host: "HostWithRos", find: Optional[Callable] = None) -> None:
         """`find`: see `Client`; None: where `DoorPlaces` finds it."""
         super().__init__()
         self._zone, self._devices = host.zone, host.devices
@@ -46,7 +48,7 @@ class Model(QObject):
     def start(self) -> None:
         """Start listening."""
         self.afar.start()
-        self._devices.start(self.afar)
+        self._devices.start()
         self._zone.start()
         self._timer.start(TICK_MS)
 
@@ -159,7 +161,7 @@ class Model(QObject):
         return self._devices.state
 
     @property
-    def devices_status(self) -> Optional[ControllerStatus]:
+    def devices_status(self) -> "Optional[ControllerStatus]":
         """Of the devices' controller; None: never heard."""
         return self._devices.status
 

@@ -140,7 +140,7 @@ class CoreStatusPanel(Panel):
             question, yes = tr("End this client?"), tr("End this client")
             text = tr("This ends only this referee's client. The core and its runs continue.")
         in_progress = [tr(ending.RUNS, runs=runs)] if runs else []
-        ask(self, question, "\n\n".join([text, *in_progress]), yes, lambda: self._exit(bool(runs)))
+        ask(self, question, "\n\n".join([text, *in_progress]), yes, self._exit)
 
-    def _exit(self, anyway: bool) -> None:
-        self.client.host.exit(self.client.calls, self, anyway, self._answer.begin(tr("Exit")))
+    def _exit(self) -> None:
+        self.client.host.exit(self.client.calls, self, self._answer.begin(tr("Exit")))
