@@ -2480,6 +2480,69 @@
         <translation>Uhr des Roboters minus Uhr der Box: + geht vor, - geht nach</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Broadcast to</source>
+        <translation>Broadcast an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>UDP port</source>
+        <translation>UDP-Port</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Running</source>
+        <translation>Läufe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Display</source>
+        <translation>Anzeige</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Last call</source>
+        <translation>Letzter Ruf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Position</source>
+        <translation>Position</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Position received</source>
+        <translation>Position gesetzt</translation>
+    </message>
+    <message numerus="yes">
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>{number} of {n} zones</source>
+        <translation>
+            <numerusform>{number} von {n} Zone</numerusform>
+            <numerusform>{number} von {n} Zonen</numerusform>
+        </translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>⚠ silent</source>
+        <translation>⚠ stumm</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>none</source>
+        <translation>keine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Map</source>
+        <translation>Karte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Call button</source>
+        <translation>Ruftaste</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/rqt/app/window.py"/>
         <source>RoAH RSBB – referee</source>
         <translation>RoAH RSBB – Schiedsrichter</translation>
@@ -2659,21 +2722,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Broadcast to</source>
-        <translation>Broadcast an</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>UDP port</source>
-        <translation>UDP-Port</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Running</source>
-        <translation>Läufe</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
         <source>Core Status</source>
         <translation>Core-Status</translation>
     </message>
@@ -2696,14 +2744,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
         <source>Take changed configuration files into use. First, all changes are listed.</source>
         <translation>Geänderte Konfigurationsdateien übernehmen. Vorher werden alle Änderungen aufgelistet.</translation>
-    </message>
-    <message numerus="yes">
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>{number} of {n} zones</source>
-        <translation>
-            <numerusform>{number} von {n} Zone</numerusform>
-            <numerusform>{number} von {n} Zonen</numerusform>
-        </translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
@@ -3023,48 +3063,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Display</source>
-        <translation>Anzeige</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Last call</source>
-        <translation>Letzter Ruf</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Position</source>
-        <translation>Position</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Position received</source>
-        <translation>Position gesetzt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
         <source>Tablet Status</source>
         <translation>Tablet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>⚠ silent</source>
-        <translation>⚠ stumm</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Map</source>
-        <translation>Karte</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Call button</source>
-        <translation>Ruftaste</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>none</source>
-        <translation>keine</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/text_panel.py"/>
