@@ -32,6 +32,7 @@ class PagesButton(QToolButton):
         self.setText(tr("Results …"))
         self.setFocusPolicy(Qt.TabFocus)
         self.setPopupMode(QToolButton.InstantPopup)
+        basic.set_style(basic.enlarged(self, 1.0, bold=True), "QToolButton::menu-indicator { image: none; }")
         menu = QMenu(self)
         for part, text in PARTS.items():
             menu.addAction(tr(text)).triggered.connect(lambda _checked=False, part=part: self._ask_code(part))
