@@ -15,7 +15,8 @@ from roah_rsbb.rqt.qt import QLabel, QPoint, QScrollArea, QStyle, Qt, QTabBar
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rulebook.config import load_benchmarks
 
-CONFIG = pathlib.Path(__file__).resolve().parents[3] / "config"
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+CONFIG, SHOTS = ROOT / "config", ROOT / "build" / "screenshots"
 
 PERSON = ("Disqualifying behaviours", "Hits Annie or another person")
 # Qt's scale factor is that of the process: in_sight.test starts these cases with 1 and with 2.
@@ -58,6 +59,7 @@ class TestInSight(_AtAllSizes):
     """All that counts before and during a run."""
 
     def test_all_is_in_sight_before_and_during_a_run(self) -> None:
+        self.the_pages_can_be_opened()
         self.no_title_of_a_tab_is_shortened()
         self.window.resize(*(length // SCALE for length in SIZES[0]))
         self.wait_quiet()
@@ -101,6 +103,19 @@ class TestInSight(_AtAllSizes):
             bar.setValue(place)
             settle(self.scoring)
             self.assertTrue(in_sight(self.scoring.rows[PERSON].more))
+
+    def the_pages_can_be_opened(self) -> None:
+        self.core.add_call("paired", lambda given, caller: {"devices": []})
+        pages = self.control.pages
+        wait_until(pages.isEnabled, "they are served")
+        for width, height in ((900, 500), (1920, 1080)):
+            self.window.resize(width, height)
+            self.wait_quiet()
+            self.assert_in_sight((width, height), pages=pages)
+            self.assertGreaterEqual(pages.width(), pages.sizeHint().width())
+            if os.environ.get("ROAH_TEST_ALL") == "yes":
+                SHOTS.mkdir(parents=True, exist_ok=True)
+                self.window.grab().save(str(SHOTS / f"window_{width}x{height}_{pages.text()[:3].lower()}_{SCALE}.png"))
 
     def no_title_of_a_tab_is_shortened(self) -> None:
         # From a large screen to the smallest: the docks keep their shares. Fusion is the style of the pictures and of
