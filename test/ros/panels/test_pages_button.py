@@ -2,7 +2,7 @@
 
 from typing import Any, Mapping
 
-from support.gui_testing import limit, wait_until
+from support.gui_testing import Qt, limit, wait_until
 from support.panel_case import PanelCase
 
 from roah_rsbb.document.calls import Caller
@@ -39,6 +39,10 @@ class TestPagesButton(PanelCase):
         wait_until(lambda: NO_WEB in self.button.toolTip(), "it says why it is off")
         self.assertFalse(self.button.isEnabled())
         self.serve()
+        first = self.panel.nextInFocusChain()
+        while not (first.focusPolicy() & Qt.TabFocus and first.isEnabled()):
+            first = first.nextInFocusChain()
+        self.assertIs(first, self.panel._zones, "a stray space bar does not open it")
         self.client.referee.set("Anna & Ben")
         parts = {action.text(): part for action, part in zip(self.button.menu().actions(), pages.PARTS)}
         self.assertEqual(list(parts), ["Results, history, judges", "Schedule", "Pair phones and tablets"])

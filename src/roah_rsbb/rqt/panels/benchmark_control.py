@@ -143,6 +143,7 @@ class BenchmarkControlPanel(Panel):
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
         self.rules = RuleButtons(self._ask)
         self.more = MoreMenu(self._connect_robot, self._ask)
+        self._lay_out()
         self.pages = PagesButton(self, self._answer)
         self.heading.addWidget(self.pages)
         keys = QToolButton()
@@ -151,7 +152,6 @@ class BenchmarkControlPanel(Panel):
         keys.setFocusPolicy(Qt.NoFocus)  # the key does the same
         keys.clicked.connect(client.keys_key.open)
         self.heading.addWidget(keys)
-        self._lay_out()
         self._zones.activated.connect(lambda index: self.model.choose_zone(self._zones.itemText(index)))
         self._start_key = self._key("F5", "start")
 
