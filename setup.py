@@ -31,9 +31,6 @@ COMPILER = "grpcio-tools>=1.62,<1.63; python_version<'3.13'"
 REQUIRES = {"robot": [RUNTIME, "cryptography>=2.8"],
             "check": ["PyYAML>=5.3.1", "python-dateutil>=2.7; python_version<'3.9'"],
             "box": ["tornado>=6", "qrcode>=6"]}
-# Before Python 3.12, PySide6 6.12.0 ends each program with windows: it releases None too often.
-EXTRAS = {"box": {"window": ["PySide6-Essentials; python_version>='3.12'",
-                             "PySide6-Essentials<6.12; python_version<'3.12'"]}}
 # Names of the wheels at an index. Each has the program roah-rsbb, because tools such as pipx look for it only there.
 WHEELS = {"robot": "roah-rsbb-robot", "check": "roah-rsbb-check", "box": "roah-rsbb"}
 # Packages of Debian that are in the wheel of another one.
@@ -141,7 +138,6 @@ def setup_for_pip():
             cmdclass={"build_py": build_command(package, contents["package_of"])},
             options={"build": {"build_base": build_base}},
             install_requires=[*REQUIRES[package], *needs],
-            extras_require=EXTRAS.get(package, {}),
             setup_requires=[] if usable_protoc() or package != "robot" else [COMPILER],
             entry_points=PROGRAM if package in WITH_PROGRAM else {},
             **{**COMMON, "name": WHEELS[package]},

@@ -31,17 +31,16 @@ CONTENTS: Dict[str, Tuple[str, ...]] = {
     # A box without ROS.
     "box": (
         "roah_rsbb/box/", "roah_rsbb/box_clock.py", "roah_rsbb/client/", "roah_rsbb/copies/", "roah_rsbb/devices/",
-        "roah_rsbb/qr_code.py", "roah_rsbb/referee/", "roah_rsbb/rqt/", "roah_rsbb/signs_of_life.py",
-        "roah_rsbb/standby/", "roah_rsbb/tablet/", "roah_rsbb/tools/competition/", "roah_rsbb/tools/interfaces.py",
+        "roah_rsbb/qr_code.py", "roah_rsbb/referee/", "roah_rsbb/signs_of_life.py", "roah_rsbb/standby/",
+        "roah_rsbb/tablet/", "roah_rsbb/tools/competition/", "roah_rsbb/tools/interfaces.py",
         "roah_rsbb/tools/launched.py",
         "roah_rsbb/tools/open_ports.py", "roah_rsbb/tools/preflight.py", "roah_rsbb/tools/preflight_checks.py",
         "roah_rsbb/tools/preflight_venue.py", "roah_rsbb/web/", "README.md", "config/", "docs/",
         "launch/roah_rsbb.launch", "resource/"),
     # A box with ROS.
     "ros": (
-        "roah_rsbb/", "roah_rsbb/nodes/team/dummy_robots.py", "roah_rsbb/rqt/with_ros/",
-        "launch/", "plugin.xml", "etc/roah-rsbb/", "usr/share/applications/",
-        "changelog", "copyright"),
+        "roah_rsbb/", "roah_rsbb/nodes/team/dummy_robots.py", "launch/", "plugin.xml",
+        "etc/roah-rsbb/", "usr/share/applications/", "changelog", "copyright"),
 }
 # What a package needs besides, in the same version. A box with ROS needs all.
 NEEDS: Dict[str, Tuple[str, ...]] = {

@@ -392,6 +392,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Day</source>
+        <translation>Tag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>All days</source>
+        <translation>Alle Tage</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>All events</source>
         <translation>Alle Termine</translation>
     </message>
@@ -587,8 +597,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>A code comes from an organiser&apos;s page (Whole box, Pairing), from the referee&apos;s panel (Benchmark Control, ⋯, Pair a phone), or from &apos;referee pair&apos; in a terminal. It is valid for two minutes, for one device.</source>
-        <translation>Einen Code gibt es auf der Seite eines Veranstalters (Ganze Box, Koppeln), im Fenster der Schiedsrichter (Benchmark-Steuerung, ⋯, Telefon koppeln) oder mit &apos;referee pair&apos; im Terminal. Er gilt zwei Minuten, für ein Gerät.</translation>
+        <source>A code comes from an organiser&apos;s page (Whole box, Pairing), or from &apos;referee pair&apos; in a terminal. It is valid for two minutes, for one device.</source>
+        <translation>Einen Code gibt es auf der Seite eines Veranstalters (Ganze Box, Koppeln) oder mit &apos;referee pair&apos; im Terminal. Er gilt zwei Minuten, für ein Gerät.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -2470,6 +2480,69 @@
         <translation>Uhr des Roboters minus Uhr der Box: + geht vor, - geht nach</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Broadcast to</source>
+        <translation>Broadcast an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>UDP port</source>
+        <translation>UDP-Port</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Running</source>
+        <translation>Läufe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Display</source>
+        <translation>Anzeige</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Last call</source>
+        <translation>Letzter Ruf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Position</source>
+        <translation>Position</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Position received</source>
+        <translation>Position gesetzt</translation>
+    </message>
+    <message numerus="yes">
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>{number} of {n} zones</source>
+        <translation>
+            <numerusform>{number} von {n} Zone</numerusform>
+            <numerusform>{number} von {n} Zonen</numerusform>
+        </translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>⚠ silent</source>
+        <translation>⚠ stumm</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>none</source>
+        <translation>keine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Map</source>
+        <translation>Karte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>Call button</source>
+        <translation>Ruftaste</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/rqt/app/window.py"/>
         <source>RoAH RSBB – referee</source>
         <translation>RoAH RSBB – Schiedsrichter</translation>
@@ -2549,8 +2622,18 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>The core is silent: nothing can be changed now</source>
+        <translation>Der Core ist stumm: Jetzt kann nichts geändert werden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>After a stop, type the reason here and press Enter. You can change it until the run is signed off.</source>
         <translation>Geben Sie nach einem Stopp hier den Grund ein und drücken Sie Enter. Sie können ihn ändern, bis der Lauf abgeschlossen ist.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Final: signed off by {name}</source>
+        <translation>Endgültig: abgeschlossen von {name}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -2639,21 +2722,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Broadcast to</source>
-        <translation>Broadcast an</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>UDP port</source>
-        <translation>UDP-Port</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Running</source>
-        <translation>Läufe</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
         <source>Core Status</source>
         <translation>Core-Status</translation>
     </message>
@@ -2676,14 +2744,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
         <source>Take changed configuration files into use. First, all changes are listed.</source>
         <translation>Geänderte Konfigurationsdateien übernehmen. Vorher werden alle Änderungen aufgelistet.</translation>
-    </message>
-    <message numerus="yes">
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>{number} of {n} zones</source>
-        <translation>
-            <numerusform>{number} von {n} Zone</numerusform>
-            <numerusform>{number} von {n} Zonen</numerusform>
-        </translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
@@ -2724,141 +2784,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>✘ NO DEVICES</source>
         <translation>✘ KEINE GERÄTE</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>The core is silent: nothing can be changed now</source>
-        <translation>Der Core ist stumm: Jetzt kann nichts geändert werden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Final: signed off by {name}</source>
-        <translation>Endgültig: abgeschlossen von {name}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Who</source>
-        <translation>Wer</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Item</source>
-        <translation>Kriterium</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Change</source>
-        <translation>Änderung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Notes</source>
-        <translation>Notizen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Withdraw entry …</source>
-        <translation>Eintrag zurücknehmen …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Choose an entry above</source>
-        <translation>Wählen Sie oben einen Eintrag</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Already withdrawn</source>
-        <translation>Schon zurückgenommen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Withdraw entry {number}</source>
-        <translation>Eintrag {number} zurücknehmen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Why</source>
-        <translation>Warum</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Withdraw</source>
-        <translation>Zurücknehmen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>History of the score sheet – {zone}</source>
-        <translation>Verlauf des Wertungsbogens – {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>No run of this zone has judges, or is to be signed off.</source>
-        <translation>Kein Lauf dieser Zone hat eine Jury oder ist noch abzuschließen.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Answer the objection</source>
-        <translation>Einspruch beantworten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>No objections</source>
-        <translation>Keine Einsprüche</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Enter your name at the bottom left</source>
-        <translation>Geben Sie unten links Ihren Namen ein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Jury</source>
-        <translation>Jury</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Run</source>
-        <translation>Lauf</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Objection</source>
-        <translation>Einspruch</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Answer</source>
-        <translation>Antwort</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Side by side</source>
-        <translation>Nebeneinander</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Objections</source>
-        <translation>Einsprüche</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Group</source>
-        <translation>Gruppe</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Value</source>
-        <translation>Wert</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Choose an item above</source>
-        <translation>Wählen Sie oben ein Kriterium</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/judges.py"/>
-        <source>Decision</source>
-        <translation>Entscheidung</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/log_display.py"/>
@@ -2917,18 +2842,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Choose a robot, score without a robot, no-show, pair a phone</source>
-        <translation>Roboter wählen, ohne Roboter werten, nicht angetreten, Telefon koppeln</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Pair a phone …</source>
-        <translation>Telefon koppeln …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Let a phone or tablet act as a referee; list and end pairings</source>
-        <translation>Ein Telefon oder Tablet für Schiedsrichter freigeben; Kopplungen zeigen und beenden</translation>
+        <source>Choose a robot, score without a robot, no-show</source>
+        <translation>Roboter wählen, ohne Roboter werten, nicht angetreten</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
@@ -3027,6 +2942,31 @@
         <translation>▶ LÄUFT: {zones}</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
+        <source>Results, history, judges</source>
+        <translation>Ergebnisse, Verlauf, Jury</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
+        <source>Pair phones and tablets</source>
+        <translation>Telefone und Tablets koppeln</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
+        <source>Open in the browser: results, history and judges, the schedule, pairing</source>
+        <translation>Im Browser öffnen: Ergebnisse, Verlauf und Jury, Zeitplan, Kopplung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
+        <source>No browser opens here. Open {page} in one, and type the code {code}</source>
+        <translation>Hier öffnet sich kein Browser. {page} in einem öffnen und den Code {code} eintippen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
+        <source>Results …</source>
+        <translation>Ergebnisse …</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
         <source>The core is silent: this is its last known state</source>
         <translation>Der Core ist stumm: Dies ist sein letzter bekannter Zustand</translation>
@@ -3040,169 +2980,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
         <source>✔ {what}: done</source>
         <translation>✔ {what}: erledigt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
-        <source>Enter your name</source>
-        <translation>Ihr Name</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
-        <source>The referee&apos;s name. It is recorded with everything that you do here. A sign-off needs it.</source>
-        <translation>Der Name des Schiedsrichters. Er wird bei allem vermerkt, was Sie hier tun. Zum Abschließen einer Wertung ist er nötig.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Choose a run above</source>
-        <translation>Wählen Sie oben einen Lauf</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Fetching the score sheet …</source>
-        <translation>Der Wertungsbogen wird geholt …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Sign off …</source>
-        <translation>Abschließen …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>End</source>
-        <translation>Ende</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Score</source>
-        <translation>Wertung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Sheet</source>
-        <translation>Bogen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Change …</source>
-        <translation>Ändern …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Reason …</source>
-        <translation>Grund …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>{time} min</source>
-        <translation>{time} min</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>The run has not been stopped yet</source>
-        <translation>Der Lauf wurde noch nicht gestoppt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Correct …</source>
-        <translation>Korrigieren …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Reason of end {number}</source>
-        <translation>Grund von Ende {number}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Not signed off: the score has changed. Check it and sign off again.</source>
-        <translation>Nicht abgeschlossen: Die Wertung hat sich geändert. Prüfen Sie sie und schließen Sie erneut ab.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Sign off {run}?</source>
-        <translation>Wertung abschließen: {run}?</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>{score}
-
-Signed by {name}. The sheet cannot be corrected afterwards.</source>
-        <translation>{score}
-
-Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>now</source>
-        <translation>jetzt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Module: {name}</source>
-        <translation>Modul: {name}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Select an event above first.</source>
-        <translation>Markieren Sie zuerst oben einen Termin.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>The core is silent: no event can be chosen now</source>
-        <translation>Der Core ist stumm: Jetzt kann kein Termin gewählt werden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Begins</source>
-        <translation>Beginn</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Late</source>
-        <translation>Verzug</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Event</source>
-        <translation>Termin</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Plan</source>
-        <translation>Plan</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>All days</source>
-        <translation>Alle Tage</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Make it the current event of {zone}</source>
-        <translation>Zum aktuellen Termin von {zone} machen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Leave {run} in {zone} without a sign-off?</source>
-        <translation>{run} in {zone} ohne Abschluss verlassen?</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>{score}
-
-The score sheet stays in Results and can be signed off later. {zone} goes to {run}.</source>
-        <translation>{score}
-
-Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werden. {zone} geht zu {run}.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>No score</source>
-        <translation>Ohne Wertung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Not done: the schedule or the runs in {zone} have changed</source>
-        <translation>Nicht ausgeführt: Der Zeitplan oder die Läufe in {zone} haben sich geändert</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
@@ -3251,13 +3028,18 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
-        <source>Scoring</source>
-        <translation>Wertung</translation>
+        <source>Enter your name</source>
+        <translation>Ihr Name</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
-        <source>History …</source>
-        <translation>Verlauf …</translation>
+        <source>The referee&apos;s name. It is recorded with everything that you do here.</source>
+        <translation>Der Name des Schiedsrichters. Er wird bei allem vermerkt, was Sie hier tun.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>Scoring</source>
+        <translation>Wertung</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
@@ -3281,48 +3063,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Display</source>
-        <translation>Anzeige</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Last call</source>
-        <translation>Letzter Ruf</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Position</source>
-        <translation>Position</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Position received</source>
-        <translation>Position gesetzt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
         <source>Tablet Status</source>
         <translation>Tablet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>⚠ silent</source>
-        <translation>⚠ stumm</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Map</source>
-        <translation>Karte</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Call button</source>
-        <translation>Ruftaste</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>none</source>
-        <translation>keine</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/text_panel.py"/>
@@ -3385,44 +3127,14 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>diese Seite öffnen; Esc schließt sie</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>Pair a phone or tablet</source>
-        <translation>Telefon oder Tablet koppeln</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>Person</source>
-        <translation>Person</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>Device</source>
-        <translation>Gerät</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>Last seen</source>
-        <translation>Zuletzt gesehen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>Open {page} on the device and type the code. It is for one device. For a QR code: {install}</source>
-        <translation>Öffnen Sie {page} auf dem Gerät und geben Sie den Code ein. Er gilt für ein Gerät. Für einen QR-Code: {install}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>End this pairing at once</source>
-        <translation>Diese Kopplung sofort beenden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
-        <source>End the pairing of {person}</source>
-        <translation>Kopplung von {person} beenden</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/run_times.py"/>
         <source>‼ LAST SECONDS ‼ {label}</source>
         <translation>‼ LETZTE SEKUNDEN ‼ {label}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
+        <source>Value</source>
+        <translation>Wert</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
@@ -4961,6 +4673,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Device</source>
+        <translation>Gerät</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Id of the mark</source>
         <translation>Kennung der Wertung</translation>
     </message>
@@ -5141,6 +4858,16 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Group</source>
+        <translation>Gruppe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Item</source>
+        <translation>Kriterium</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>What to add</source>
         <translation>Was hinzukommt</translation>
     </message>
@@ -5266,6 +4993,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Answer the objection</source>
+        <translation>Einspruch beantworten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>The sheet is corrected separately</source>
         <translation>Der Bogen wird gesondert berichtigt</translation>
     </message>
@@ -5356,8 +5088,18 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Event</source>
+        <translation>Termin</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Also leave a run that is not signed off</source>
         <translation>Auch einen Lauf verlassen, der nicht abgeschlossen ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Answer</source>
+        <translation>Antwort</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

@@ -125,6 +125,7 @@ def has_display() -> bool:
 
 
 LEADS_S = 60.0  # so long a browser may take to start
+_leads: List[str] = []  # folders that lead browsers to pages
 
 
 def open_in_browser(url: str) -> bool:
@@ -149,11 +150,18 @@ def open_in_browser(url: str) -> bool:
                        f'<meta http-equiv="refresh" content="0;url={html.escape(url)}">')
     except OSError:
         return False
-    atexit.register(shutil.rmtree, folder, True)
+    _leads.append(str(folder))
+    atexit.register(remove_leads)
     timer = threading.Timer(LEADS_S, shutil.rmtree, (folder, True))
     timer.daemon = True
     timer.start()
     return webbrowser.open((folder / "page.html").as_uri())
+
+
+def remove_leads() -> None:
+    """Remove what leads browsers to pages. Call it before a process ends without running destructors."""
+    while _leads:
+        shutil.rmtree(_leads.pop(), True)
 
 
 # -- the loop ---------------------------------------------------------------------------------------

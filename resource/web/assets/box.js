@@ -44,14 +44,14 @@ function Filter({label, all, value, choices, set}) {
 }
 
 function Schedule({data, texts, give}) {
-  const [wanted, setWanted] = useState({zone: ALL, team: ALL, show: ALL});
+  const [wanted, setWanted] = useState({zone: ALL, team: ALL, day: ALL, show: ALL});
   const [chosen, setChosen] = useState("");
   const {events} = data;
   const names = (field) => [...new Set(events.map((event) => event[field]))].sort().map((name) => [name, name]);
   const set = (field) => (value) => setWanted((before) => ({...before, [field]: value}));
   const shown = events.filter((event) => [ALL, event.zone].includes(wanted.zone) && [ALL, event.team].includes(wanted.team)
-    && (wanted.show === ALL || event.shows.includes(wanted.show)));
-  const zones = names("zone");
+    && [ALL, event.day].includes(wanted.day) && (wanted.show === ALL || event.shows.includes(wanted.show)));
+  const zones = names("zone"), days = names("day");
   const choose = async (event) => {
     const left = data.left[event.zone];
     if (await give("choose_event", texts, texts.choose_event, {zone: event.zone, identity: "", event_id: "",
@@ -64,6 +64,7 @@ function Schedule({data, texts, give}) {
     <div class="filters">
       ${zones.length > 1 && html`<${Filter} label=${texts.zone} all=${texts.all_zones} value=${wanted.zone} choices=${zones} set=${set("zone")} />`}
       <${Filter} label=${texts.team} all=${texts.all_teams} value=${wanted.team} choices=${names("team")} set=${set("team")} />
+      ${days.length > 1 && html`<${Filter} label=${texts.day} all=${texts.all_days} value=${wanted.day} choices=${days} set=${set("day")} />`}
       <${Filter} label=${texts.show} all=${texts.all_events} value=${wanted.show} choices=${texts.schedule_shows} set=${set("show")} />
     </div>
     ${shown.length === 0 && html`<p class="nothing">${texts.no_events}</p>`}

@@ -5,6 +5,11 @@ import {ask, deviceName, ownPage, reasonsText, roleText} from "/assets/device.js
 
 const NAME = "roah_rsbb_name";
 const LINK = location.hash.slice(1), CODE = LINK.slice(0, 9);
+const PART = parameters.get("part");
+
+// The page to which pairing leads. A referee's window asks for a part of the page of the whole box.
+const leadsTo = (session) => PART && session.role === "organiser"
+  ? address("/box", {part: PART, zone: parameters.get("zone") || ""}) : address(ownPage(session));
 
 function Field({name, text, value, ...rest}) {
   const [typed, setTyped] = useState(value);
@@ -19,7 +24,8 @@ function Pair({live, words}) {
   const [trouble, setTrouble] = useState("");
   const [isBusy, setBusy] = useState(false);
   useEffect(() => {
-    ask("GET", "session").then((answer) => answer.status === 200 && setSession(answer.body));
+    ask("GET", "session").then((answer) => answer.status === 200 && (PART && answer.body.role === "organiser"
+      ? location.replace(leadsTo(answer.body)) : setSession(answer.body)));
   }, []);
   document.title = texts.pair_title;
 
@@ -39,7 +45,7 @@ function Pair({live, words}) {
     localStorage.setItem(NAME, typed.get("person"));
     setTrouble("");
     setSession(answer.body);
-    location.replace(address(ownPage(answer.body)));  // Back must not lead here, and nobody finds the link in the history
+    location.replace(leadsTo(answer.body));  // Back must not lead here, and nobody finds the link in the history
   }
 
   async function end() {
@@ -63,7 +69,7 @@ function Pair({live, words}) {
       <p><button type="button" onClick=${end}>${texts.end_pairing}</button></p>`}
     <form onSubmit=${pair}>
       <${Field} name="code" text=${texts.code} value=${CODE} autocapitalize="characters" />
-      <${Field} name="person" text=${texts.your_name} value=${localStorage.getItem(NAME) || ""} />
+      <${Field} name="person" text=${texts.your_name} value=${parameters.get("person") || localStorage.getItem(NAME) || ""} />
       <${Field} name="device" text=${texts.this_device} value=${deviceName()} />
       <button class="main" disabled=${isBusy}>${texts.pair}</button>
     </form>

@@ -1,30 +1,23 @@
 """Qt, from the binding that this machine has: `from roah_rsbb.rqt.qt import QLabel, Qt, Signal`.
 
 rqt chooses its binding through python_qt_binding, and the panels must use the same one. Where python_qt_binding is
-missing, as on Debian 13, rqt is missing too, and the panels use PyQt5 directly. pip installs PySide6.
+missing, as on Debian 13, rqt is missing too, and the panels use PyQt5 directly.
 """
 
 import importlib
 import importlib.util
 from typing import Any
 
-BINDINGS = ("python_qt_binding", "PyQt5", "PySide6")
-_BINDING = next(filter(importlib.util.find_spec, BINDINGS), "")
+_BINDING = "python_qt_binding" if importlib.util.find_spec("python_qt_binding") else "PyQt5"
 _MODULES = ("QtCore", "QtGui", "QtWidgets", "QtTest")
-# python_qt_binding gives these names to all bindings, and PySide6 has them.
+# python_qt_binding gives these names to all bindings.
 _PYQT5_NAMES = {"Signal": "pyqtSignal", "Slot": "pyqtSlot", "Property": "pyqtProperty"}
-
-
-class NoQt(ImportError):
-    """There is no binding. The text names the remedy."""
 
 
 def __getattr__(name: str) -> Any:
     """Find a name in the modules of Qt; each module is loaded only when it is needed."""
     if name.startswith("__"):
         raise AttributeError(name)
-    if not _BINDING:
-        raise NoQt("neither PySide6 nor PyQt5 is installed: pip install 'roah-rsbb[window]'")
     wanted = _PYQT5_NAMES.get(name, name) if _BINDING == "PyQt5" else name
     for module in _MODULES:
         found = getattr(importlib.import_module(f"{_BINDING}.{module}"), wanted, None)

@@ -4,7 +4,6 @@ Prints a line for each check, with the remedy if something is wrong. It needs no
 """
 
 import argparse
-import importlib.util
 import os
 import sys
 from typing import List, NamedTuple, Optional
@@ -150,7 +149,7 @@ def _look() -> Optional[venue.Look]:
 
 def _check_display() -> List[Remark]:
     """Check that windows can be opened, where there are any."""
-    if is_without_ros() and importlib.util.find_spec("PyQt5") is None:
+    if is_without_ros():
         return []
     try:
         from roah_rsbb.ros.display import has_display

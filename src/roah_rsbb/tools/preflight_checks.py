@@ -276,7 +276,5 @@ def check_display(there_is_one: bool) -> Remark:
     """Check that the referee's window can open."""
     if there_is_one:
         return Remark(Severity.OK, "windows can be opened here")
-    instead = ("the web pages or a terminal (roah-rsbb referee)" if is_without_ros() else
-               "other computers (roah_rsbb_client.launch) or a terminal (rosrun roah_rsbb referee)")
-    return Remark(Severity.WARNING, "no window can be opened here",
-                  f"log in at a desktop, or let referees use {instead}")
+    return Remark(Severity.WARNING, "no window can be opened here", "log in at a desktop, or let referees use other "
+                  "computers (roah_rsbb_client.launch) or a terminal (rosrun roah_rsbb referee)")

@@ -13,7 +13,6 @@ COMMANDS = {
     "preflight": ("box", "tools.preflight", "check the set-up before a competition"),
     "run": ("box", "box.program.main", "the box of a competition"),
     "referee": ("box", "referee.program", "the referee in a terminal"),
-    "window": ("box", "rqt.app.program", "the referee's window"),
     "dummy-robot": ("robot", "robot.dummy", "a simulated robot"),
     "check-robot": ("check", "check.program", "check a robot: plays the box against it, and reports what works"),
     "capture": ("check", "capture.program", "show the datagrams on the network"),

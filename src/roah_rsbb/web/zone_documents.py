@@ -17,7 +17,6 @@ from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.times import Moments, formatted
 
-_MARKS = {"idle": "○", "connected": "●", "running": "▶", "ended": "■"}
 # Runs without judges that are over and not signed off. Of more, the page says how many there are.
 MAX_UNSIGNED = 50
 
@@ -37,7 +36,7 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
         "zone": zone.zone,
         "identity": zone.identity,
         "phase": zone.phase,
-        "phase_text": phase_text(zone),
+        "phase_text": sheets.marked_phase(zone.phase, zone.end_reason),
         "title": f"{event.code}  {event.desc}",
         "team": event.team,
         "event_id": event.id,
@@ -65,11 +64,6 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
         "judging": [_judging(judgings[run.identity], run, moments, utc_s) for run in runs
                     if run.identity in judgings and (run.closed_utc_s is None or run in unsigned)],
     }
-
-
-def phase_text(zone: ZoneSeen) -> str:
-    """Return the phase of a zone with its mark."""
-    return f"{_MARKS.get(zone.phase, '–')} {sheets.phase(zone.phase, zone.end_reason)}"
 
 
 def moment(document: Document, utc_s: float) -> Tuple[object, ...]:

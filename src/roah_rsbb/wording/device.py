@@ -72,7 +72,8 @@ def box_words() -> Dict[str, Any]:
         "whole_box": tr("Whole box"), "part_zone": tr("Zone"), "part_overview": tr("Overview"),
         "part_schedule": tr("Schedule"), "part_robots": tr("Robots"), "part_devices": tr("Devices"),
         "part_runs": tr("Results"), "part_log": tr("Log"), "part_box": tr("Core"), "part_pairings": tr("Pairing"),
-        "team": tr("Team"), "all_teams": tr("All teams"), "all_events": tr("All events"),
+        "team": tr("Team"), "all_teams": tr("All teams"), "day": tr("Day"), "all_days": tr("All days"),
+        "all_events": tr("All events"),
         "no_events": tr("No event fits these filters."), "choose_event": tr("Choose this event"),
         "schedule_shows": [[show.value, tr(show.value)] for show in schedule.Show if show is not schedule.Show.ALL],
         "leave_unsigned": tr("{run} is not signed off. Its score sheet stays in Results.", run="{run}"),
@@ -113,9 +114,8 @@ def page_words() -> Dict[str, Any]:
         "role_in_zone": tr("{role} in {zone}", role="{role}", zone="{zone}"),
         "role_everywhere": tr("{role}, all zones", role="{role}"),
         "pair_title": tr("Pair this device"),
-        "pair_how": tr("A code comes from an organiser's page (Whole box, Pairing), from the referee's panel "
-                       "(Benchmark Control, ⋯, Pair a phone), or from 'referee pair' in a terminal. It is valid for "
-                       "two minutes, for one device."),
+        "pair_how": tr("A code comes from an organiser's page (Whole box, Pairing), or from 'referee pair' "
+                       "in a terminal. It is valid for two minutes, for one device."),
         "code": tr("Code"),
         "your_name": tr("Your name"),
         "this_device": tr("This device"),

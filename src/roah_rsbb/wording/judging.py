@@ -165,8 +165,3 @@ def answer_text(objection: ObjectionLine) -> str:
     if objection.answered_utc_s is None:
         return ""
     return f"{tr(UPHELD if objection.upheld else REJECTED)}: {objection.answer}"
-
-
-def judges_of(items: Tuple[Judged, ...]) -> List[str]:
-    """Return the judges who submitted, in the order of the columns."""
-    return list(dict.fromkeys(given.judge for item in items for given in item.given))

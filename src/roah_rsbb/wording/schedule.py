@@ -108,12 +108,12 @@ def day_of(event: EventSeen, in_utc: bool = False) -> str:
     return times.formatted(event.scheduled_utc_s, "%Y-%m-%d", in_utc)
 
 
-def moment_text(utc_s: float, with_day: bool, in_utc: bool = False) -> str:
-    """Return a local or UTC moment as HH:MM, or as ``Thu 31 HH:MM``."""
-    number = times.formatted(utc_s, "%u", in_utc)
+def moment_text(utc_s: float, with_day: bool) -> str:
+    """Return a local moment as HH:MM, or as ``Thu 31 HH:MM``."""
+    number = times.formatted(utc_s, "%u", False)
     if not with_day or not number.isdigit():
-        return times.formatted(utc_s, "%H:%M", in_utc)
-    return f"{tr(times.DAYS[int(number) - 1])} {times.formatted(utc_s, '%d %H:%M', in_utc)}"
+        return times.formatted(utc_s, "%H:%M", False)
+    return f"{tr(times.DAYS[int(number) - 1])} {times.formatted(utc_s, '%d %H:%M', False)}"
 
 
 # -- choosing ---------------------------------------------------------------------------------------

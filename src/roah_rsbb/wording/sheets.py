@@ -26,6 +26,7 @@ PHASES = {
     "running": tr_later("RUNNING"),
     "ended": tr_later("ENDED"),
 }
+MARKS = {"idle": "○", "connected": "●", "running": "▶", "ended": "■"}
 END_REASONS = {
     "stopped": tr_later("stopped"),
     "completed": tr_later("completed"),
@@ -67,6 +68,11 @@ def phase(name: str, end: str = "") -> str:
     """Return the phase of a zone; `end`: name of the reason for which the run has ended."""
     word = tr(PHASES.get(name, name.upper()))
     return f"{word}: {end_reason(end)}" if end else word
+
+
+def marked_phase(name: str, end: str = "") -> str:
+    """Return the phase of a zone with its mark."""
+    return f"{MARKS.get(name, '–')} {phase(name, end)}"
 
 
 def outage_text(outage: Outage) -> str:

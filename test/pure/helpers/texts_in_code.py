@@ -135,7 +135,7 @@ SHOWN = {
     "setText", "setWindowTitle", "setToolTip", "setPlaceholderText", "setTabText", "setTitle", "setSuffix",
     "setInformativeText", "setAccessibleName", "addAction", "addMenu", "addTab", "addItem", "addRow", "addButton",
     "QLabel", "QPushButton", "QCheckBox", "QGroupBox", "QDockWidget", "CommandButton", "HoldButton", "show_text",
-    "say", "warn", "tip", "ask", "allow", "show_outcome", "write", "_button", "button", "begin", "NoteDialog",
+    "say", "warn", "tip", "ask", "allow", "show_outcome", "write", "_button", "button", "begin", "ScoreDialog",
     "Figure",
 }
 

@@ -1,5 +1,6 @@
 """A program with windows, and signals while it starts."""
 
+import os
 import subprocess
 import sys
 
@@ -17,23 +18,35 @@ def register(name, **_):
     os.kill(os.getpid(), signal.SIGNAL)
     print("registered")
 
-node.display.has_display = lambda: True
 node.rosgraph.is_master_online = lambda: True
 node.connections.init_node = register
 host = node.WindowNode()
 app = application.make_application(["test", "-platform", "offscreen"])
-host.begin("test")
-print("started")
+application.end_at_signals(host, application.ORDERLY_S)
+print("started", host.begin("test", application.must_end))
 print("ended with", application.run(app, host))
 """
 WAITING = """
-import os, signal, sys
+import os, signal
+from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.with_ros import node
 
-node.display.has_display = lambda: True
+application.display.has_display = lambda: True
 node.rosgraph.is_master_online = lambda: os.kill(os.getpid(), signal.SIGNAL)
 node.connections.init_node = lambda *_, **__: print("registered")
-node.WindowNode().begin("test")
+application.show(node.WindowNode(), "test", print)
+"""
+LEAVING = """
+from roah_rsbb.platform import open_in_browser
+from roah_rsbb.rqt.app.application import leave
+import pathlib
+
+class Host:
+    has_ended = property(lambda self: not list(pathlib.Path.home().iterdir()))
+    end = lambda self: None
+
+assert open_in_browser("http://127.0.0.1:1/pair#SECRET") and not Host().has_ended
+leave(Host(), 0)
 """
 
 
@@ -47,11 +60,17 @@ def _printed(program, signal_name):
 # Both signals have one handler: each is sent in one of the two moments.
 def test_a_signal_while_the_node_registers_ends_the_program_after_that():
     """A program that ended at once would leave its name at the master."""
-    assert _printed(STARTING, "SIGTERM") == (["registered", "started", "ended with 0"], 0)
+    assert _printed(STARTING, "SIGTERM") == (["registered", "started True", "ended with 0"], 0)
 
 
 def test_a_signal_ends_the_wait_for_a_master():
     assert _printed(WAITING, "SIGINT") == ([], 0)
+
+
+def test_a_window_that_ends_leaves_no_code_for_a_browser_in_a_file(tmp_path):
+    subprocess.run([sys.executable, "-c", LEAVING], check=True, timeout=300,
+                   env={**os.environ, "HOME": str(tmp_path), "DISPLAY": ":0", "BROWSER": "true %s"})
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(("high_px", "em_px", "factor"), [

@@ -15,12 +15,12 @@ LANGUAGES = sorted(path.stem for path in catalogues.FOLDER.glob("*.ts"))
 
 # What programs print or log, and errors of files. No window shows it.
 NOT_IN_WINDOWS = {
-    "rqt/app/panel_list.py", "rqt/app/program.py", "rqt/with_ros/gui.py", "rqt/with_ros/program.py", "rqt/qt.py",
-    "rqt/language.py", "wording/language.py", "wording/suggestions.py",
+    "rqt/app/panel_list.py", "rqt/with_ros/gui.py", "rqt/with_ros/program.py", "rqt/qt.py", "rqt/language.py",
+    "wording/language.py", "wording/suggestions.py",
 }
 # Literals that look like texts: names of classes, keys and time zones, and what rospy and the core say.
 NOT_TEXTS = {
-    "Esc", "Shift+Esc", "UTC", "{} UTC", "OK", "PANEL", "{}Panel", "Results", "Judges", "Schedule",
+    "Esc", "Shift+Esc", "UTC", "{} UTC", "OK", "PANEL", "{}Panel",
     "Devices", "{} – RoAH RSBB", "WARNING", "ERROR", "ALL", "all robots",
     "unable to connect to service", "unable to contact master",
     "transport error",

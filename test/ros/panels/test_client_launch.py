@@ -30,7 +30,7 @@ LAUNCH = ROS_TESTS.parents[1] / "launch"
 PYTHONPATH = os.environ["PYTHONPATH"]
 # The other cases in this folder open each panel but this one without a window around it, and
 # test_rqt_launch_files.py compares the programs with the list.
-ALONE = PANELS if os.environ.get("ROAH_TEST_ALL") == "yes" else ("judges",)
+ALONE = PANELS if os.environ.get("ROAH_TEST_ALL") == "yes" else ("core_status",)
 AT_A_TIME = 3  # panels
 
 

@@ -217,19 +217,19 @@ class TestPanels(CoreCase):
         self.zone.command("connect")
         self.zone.command("start")
         panel = self.open(CoreStatusPanel)
-        wait_until(lambda: panel._values["runs"].text() == "1 of 2 zones", "the run is counted")
+        wait_until(lambda: panel.values[3].text() == "1 of 2 zones", "the run is counted")
         self.assertEqual(panel.notices.toPlainText(), "OK")
-        self.assertEqual(panel._values["addr"].text(), "127.255.255.255")
+        self.assertEqual(panel.values[0].text(), "127.255.255.255")
         self.core.box_warnings = ["ANOTHER RSBB"]
         wait_until(lambda: panel.notices.toPlainText() == "⚠ ANOTHER RSBB", "the warning is shown, once")
 
     def test_tablet_status(self) -> None:
         panel = self.open(TabletStatusPanel)
-        values = {name: label.text() for name, label in panel._values.items()}
-        self.assertIn("just now", values["heard"])
-        self.assertEqual((values["display"], values["position"]), ("Map", "x 1.50 m, y 3.25 m"))
+        heard, display, _, position, _ = (value.text() for value in panel.values)
+        self.assertIn("just now", heard)
+        self.assertEqual((display, position), ("Map", "x 1.50 m, y 3.25 m"))
         self.core.tablet_heard = False
-        wait_until(lambda: panel._values["heard"].text() == "never", "a tablet that was never heard")
+        wait_until(lambda: panel.values[0].text() == "never", "a tablet that was never heard")
 
     def test_the_log_is_followed_and_can_be_held(self) -> None:
         panel = self.open(LogDisplayPanel)

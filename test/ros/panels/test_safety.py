@@ -8,7 +8,6 @@ from support.panel_case import BUMPS, DOOR
 from support.real_input import click_on, press_key
 from support.window_case import WindowCase, is_closed
 
-from roah_rsbb.rqt.panels.history import HistoryDialog
 from roah_rsbb.rqt.qt import QTimer
 from roah_rsbb.rqt.widgets import basic
 
@@ -61,22 +60,8 @@ class TestStop(WindowCase):
         press_key("Escape")
         self.wait_call(*STOP_HOME_A)
 
-    def test_esc_closes_the_history_and_says_what_the_second_esc_does(self) -> None:
+    def test_the_mouse_reaches_stop_while_a_dialog_is_open(self) -> None:
         self.run_zone()
-        click(self.scoring.history)
-        history = self.dialog(HistoryDialog)
-        press_key("Escape")
-        self.wait_prompt("STOP Home A?  Press Esc again")
-        wait_until(lambda: is_closed(history), "the history is closed")
-        self.assertEqual(self.core.calls, [])
-        click(self.scoring.history)
-        history = self.dialog(HistoryDialog)
-        click_on(history.close_button)
-        wait_until(lambda: is_closed(history), "it also has a button")
-        self.assertEqual(self.core.calls, [])
-        self.the_mouse_reaches_stop_while_a_dialog_is_open()
-
-    def the_mouse_reaches_stop_while_a_dialog_is_open(self) -> None:
         self.ask_note()
         self.click_stop()
         self.wait_call(*STOP_HOME_A)
@@ -211,7 +196,7 @@ class TestBehind(WindowCase):
 
     def test_the_keys_of_scoring_score_the_run_of_this_moment(self) -> None:
         self.run_zone()
-        self.window.docks["ResultsPanel"].raise_()
+        self.window.docks["DevicesPanel"].raise_()
         self.zone.command("stop", "disconnect", "connect")
         wait_until(lambda: self.client.model.identity_of("Home A") == self.zone.identity, "the next run is heard")
         press_key("6")

@@ -261,24 +261,24 @@ class TestOperation(WindowCase):
     def test_scoring_comes_back_after_a_manual_operation(self) -> None:
         self.run_zone()
         panel = self.panel("ManualOperationPanel")
-        self.assertTrue(in_sight(self.scoring.history))
+        self.assertTrue(in_sight(self.scoring.referee))
         for number in (1, 2):
             self.zone.asked = Asked(number, "Place the mug")
             wait_until(lambda: in_sight(panel.text), "the request comes to the front")
             click_on(panel.buttons[0])
-            wait_until(lambda: in_sight(self.scoring.history), "Scoring is back in front")
+            wait_until(lambda: in_sight(self.scoring.referee), "Scoring is back in front")
         self.another_panel_that_the_referee_chose_stays_in_front()
 
     def another_panel_that_the_referee_chose_stays_in_front(self) -> None:
         self.zone.asked = Asked(3, "Place the mug")
-        panel, results = self.panel("ManualOperationPanel"), self.panel("ResultsPanel")
+        panel, devices = self.panel("ManualOperationPanel"), self.panel("DevicesPanel")
         wait_until(lambda: in_sight(panel.text), "the request comes to the front")
-        self.window.docks["ResultsPanel"].raise_()
-        wait_until(lambda: in_sight(results.sign), "the referee reads the results")
+        self.window.docks["DevicesPanel"].raise_()
+        wait_until(lambda: in_sight(devices.ring), "the referee looks at the devices")
         self.zone.asked = None
         wait_until(lambda: panel._request is None, "the request is over")
         self.wait_quiet()
-        self.assertTrue(in_sight(results.sign))
+        self.assertTrue(in_sight(devices.ring))
 
 
 class TestTimes(WindowCase):

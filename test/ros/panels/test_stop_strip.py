@@ -28,7 +28,7 @@ from support.window_case import WindowCase, in_sight
 from helpers import catalogues
 from roah_rsbb.client import client
 from roah_rsbb.rqt.model import calls, stops
-from roah_rsbb.rqt.panels.results import ResultsPanel
+from roah_rsbb.rqt.panels.devices import DevicesPanel
 from roah_rsbb.rqt.qt import (
     QComboBox,
     QDialog,
@@ -44,7 +44,7 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import stop_strip, stop_window
 from roah_rsbb.rqt.widgets.keep_clear import clear_place
-from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
+from roah_rsbb.rqt.widgets.keys_page import KeysDialog
 from roah_rsbb.rqt.widgets.stop_strip import LEAST_HIGH, LEAST_WIDE, StopStrip
 from roah_rsbb.wording import language, stop
 from roah_rsbb.wording.catalogues import read, translation
@@ -146,8 +146,8 @@ class MatrixCase(StripCase):
         wait_until(lambda: not self.client.model.running_zones(), "the run is over")
         yield ""
 
-    def _sheet(self) -> Iterator[str]:
-        self.window.docks[ResultsPanel.__name__].raise_()
+    def _behind(self) -> Iterator[str]:
+        self.window.docks[DevicesPanel.__name__].raise_()
         yield from self._timeout()
         self.window.docks["ScoringPanel"].raise_()
 
@@ -178,8 +178,8 @@ class MatrixCase(StripCase):
 
     def _dialog(self) -> Iterator[str]:
         self.start()
-        self.control._pair()
-        dialog = next(one for one in QApplication.topLevelWidgets() if isinstance(one, PairDialog) and one.isVisible())
+        self.client.keys_key.open()
+        dialog = self.dialog(KeysDialog)
         dialog.move(self.window.pos())
         self._wait_clear(dialog)
         yield "Home A"
@@ -192,7 +192,7 @@ class MatrixCase(StripCase):
             yield "Home A"
 
     STATES: Tuple[Callable[["MatrixCase"], Iterator[str]], ...] = (
-        _run, _no_run, _operation, _timeout, _sheet, _list, _menu, _question, _dialog, _silent)
+        _run, _no_run, _operation, _timeout, _behind, _list, _menu, _question, _dialog, _silent)
 
     def _wait_clear(self, window: QWidget) -> None:
         wait_until(lambda: not window.frameGeometry().intersects(self.strip.on_screen()),
@@ -247,6 +247,8 @@ class TestOpen(StripCase):
     ZONES = ("Home A", "Home B", "Hall")
 
     def test_one_press_stops_with_each_list_and_menu_open(self) -> None:
+        self.core.add_call("paired", lambda given, caller: {"devices": []})
+        wait_until(self.control.pages.isEnabled, "the box's page can be opened")
         self.start()
         tried = 0
         for dock in self.window.docks.values():
@@ -919,7 +921,7 @@ class TestDialogs(StripCase):
 
     def test_nor_does_a_panel_that_floats(self) -> None:
         self.start()
-        dock = self.window.docks["ResultsPanel"]
+        dock = self.window.docks["DevicesPanel"]
         dock.setFloating(True)
         dock.resize(400, 300)
         wait_until(dock.isVisible, "it floats")
@@ -952,7 +954,7 @@ class TestSinglePanel(StripCase):
     def test_it_has_the_strip(self) -> None:
         window = QMainWindow()
         self.addCleanup(window.close)
-        window.setCentralWidget(ResultsPanel(self.client))
+        window.setCentralWidget(DevicesPanel(self.client))
         strip = self.client.add_strip(window)
         self.addCleanup(window.centralWidget().shutdown)
         self.assertIs(self.client.add_strip(window), strip)

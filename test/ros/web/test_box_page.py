@@ -33,7 +33,7 @@ EVENT = "    - {{ benchmark: {}, team: " + TEAM + ", round: 1, run: {}, schedule
 SCHEDULE = "".join([
     "- zone: Home\n  schedule:\n", EVENT.format("HGTKMH", 1, 1),
     EVENT.format("HGTKMH", 2, 2), EVENT.format("HWV", 1, 3),
-    "- zone: Hall\n  schedule:\n", EVENT.format("HGTKMH", 3, 4), EVENT.format("HWV", 2, 5)])
+    "- zone: Hall\n  schedule:\n", EVENT.format("HGTKMH", 3, 4), EVENT.format("HWV", 2, 5).replace("12-31", "12-30")])
 LATER = EVENT.format("HWV", 3, 6)
 
 
@@ -105,9 +105,10 @@ class TestBoxPage(NeedsBrowser):
         self.press_twice(page, "[data-command=choose_event]")
         self.box.wait(lambda document: document.zones[HOME].event.id == event.id, "the event is chosen")
         page.wait(f"document.querySelector('{row}').matches('.current')", "the page shows it")
-        page.get("(s => (s.value = 'Hall', s.dispatchEvent(new Event('change', {bubbles: true}))))"
-                 "(document.querySelector('.filters select'))")
-        page.wait("document.querySelectorAll('.event').length === 2", "only those of the hall")
+        for place, value, shown in ((0, "Hall", 2), (2, "2015-12-30", 1), (0, "", 1), (2, "2015-12-31", 4)):
+            page.get(f"(s => (s.value = '{value}', s.dispatchEvent(new Event('change', {{bubbles: true}}))))"
+                     f"(document.querySelectorAll('.filters select')[{place}])")
+            page.wait(f"document.querySelectorAll('.event').length === {shown}", "only those of the zone and day")
 
     def test_an_event_is_not_chosen_while_a_run_is_connected(self) -> None:
         self.running()

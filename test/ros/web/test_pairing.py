@@ -5,7 +5,7 @@ import os
 import pathlib
 import urllib.error
 import urllib.request
-from typing import Any
+from typing import Any, Tuple
 
 import rosgraph
 from support.box_case import BoxCase
@@ -110,6 +110,21 @@ class TestPairing(NeedsBrowser, BoxCase):
         self.assertEqual(called("devices", "--revoke", listed["id"]).returncode, 0)
         page.wait(f"{TEXT}.includes('This device is not paired')", "the phone says so")
         self.assertEqual(devices(), [])
+
+    def test_a_referees_window_leads_to_a_part_of_the_box(self) -> None:
+        def page(size: Tuple[int, int]) -> Page:
+            made = json.loads(called("pair", "--role", "organiser", "--json").stdout)
+            asked = f"?part=runs&zone={ZONE}&person=Hugo#"
+            return self._leaving(self.browser.page(made["url"].replace("#", asked), *size))
+
+        first = page((1024, 700))
+        first.wait("document.querySelector('#person')?.value === 'Hugo'", "the name is that of the window")
+        first.press("form button")
+        for one in (first, page((900, 500))):  # the second is paired already
+            one.wait_address("/box")
+            one.wait(f"location.search === '?part=runs&zone={ZONE}'", "the zone is that of the window")
+            one.wait("document.querySelector('[data-part=runs][aria-current]') !== null", "the results are shown")
+        self.assertEqual([one["person"] for one in devices()], ["Hugo"])
 
     def test_wrong_requests_are_refused_with_reasons(self) -> None:
         for role, zone, reason in (("king", ZONE, "choose one of"), ("referee", "", "needs a zone"),

@@ -1,1 +1,1 @@
-"""Programs with windows: the list of panels, our own window, single panels, the window without ROS."""
+"""Programs with windows: the list of panels, our own window, single panels."""

@@ -13,12 +13,14 @@ import threading
 import time
 from typing import Any, Callable, List, NoReturn
 
+from roah_rsbb.platform import remove_leads
+from roah_rsbb.ros import display
 from roah_rsbb.rqt import language
-from roah_rsbb.rqt.host import WindowHost
 from roah_rsbb.rqt.model.failures import log_failures
 from roah_rsbb.rqt.model.garbage import collect_here
-from roah_rsbb.rqt.qt import QApplication, QSettings, Qt, QTimer, qVersion
+from roah_rsbb.rqt.qt import QApplication, QSettings, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.with_ros.node import WindowNode
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 # The interval (ms) at which the end of the host and a signal are noticed.
@@ -34,9 +36,8 @@ _wake: List[socket.socket] = []  # a pair that ends the program: Python sends it
 def make_application(argv: List[str]) -> QApplication:
     """Create Qt's application: sharp on high-density screens, and not ended by an error in one panel."""
     log_failures()
-    if qVersion().startswith("5."):  # later versions do it by themselves
-        QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
-        QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
+    QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
+    QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
     app = QApplication(argv)
     collect_here()
     language.install()
@@ -85,7 +86,7 @@ def grow(app: QApplication) -> QApplication:
     return app
 
 
-def run(app: QApplication, host: WindowHost) -> int:
+def run(app: QApplication, host: WindowNode) -> int:
     """Run until the last window is closed, a signal comes or the host ends; returns the exit code. Then save and
     `leave`: after `ORDERLY_S`, this happens by itself."""
     look = QTimer(timeout=lambda: app.quit() if must_end.is_set() or host.has_ended else None)
@@ -95,10 +96,15 @@ def run(app: QApplication, host: WindowHost) -> int:
     return int(code)
 
 
-def show(host: WindowHost, name: str, make: Callable[[QSettings], Any]) -> NoReturn:
+def show(host: WindowNode, name: str, make: Callable[[QSettings], Any]) -> NoReturn:
     """Begin a program of this name, show the window that `make` returns for its settings until it is closed or the host
     ends, call its `shutdown` and end this process."""
-    host.begin(name)
+    if not display.has_display():
+        sys.exit(display.NO_DISPLAY)
+    # First: a signal that ended the program just after the node registered would leave its name at the master.
+    end_at_signals(host, ORDERLY_S)
+    if not host.begin(name, must_end):
+        leave(host, 0)
     app = grow(make_application(sys.argv[:1]))
     window = make(QSettings("roah_rsbb", name))
     window.show()
@@ -107,7 +113,7 @@ def show(host: WindowHost, name: str, make: Callable[[QSettings], Any]) -> NoRet
     leave(host, code)
 
 
-def leave(host: WindowHost, code: int) -> NoReturn:
+def leave(host: WindowNode, code: int) -> NoReturn:
     """End this process, from any thread, and its host, if that takes no longer than `LEAVE_S`."""
     threading.Thread(target=_take_leave, args=(host,), daemon=True).start()
     until_mono = time.monotonic() + LEAVE_S
@@ -116,14 +122,15 @@ def leave(host: WindowHost, code: int) -> NoReturn:
     os._exit(code)
 
 
-def _take_leave(host: WindowHost) -> None:
+def _take_leave(host: WindowNode) -> None:
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(Exception):  # it is closed, or nobody reads it any more
             stream.flush()
+    remove_leads()
     host.end()
 
 
-def end_at_signals(host: WindowHost, orderly_s: float) -> None:
+def end_at_signals(host: WindowNode, orderly_s: float) -> None:
     """Let a signal set `must_end`, and end this process after `orderly_s` seconds. This does not need the main thread,
     which may be waiting for the master."""
     _wake[:] = socket.socketpair()
@@ -134,7 +141,7 @@ def end_at_signals(host: WindowHost, orderly_s: float) -> None:
     threading.Thread(target=_end, args=(host, _wake[0], orderly_s), name="end", daemon=True).start()
 
 
-def _end(host: WindowHost, reading: socket.socket, orderly_s: float) -> None:
+def _end(host: WindowNode, reading: socket.socket, orderly_s: float) -> None:
     while reading.recv(1)[0] not in _SIGNALS:
         pass
     must_end.set()

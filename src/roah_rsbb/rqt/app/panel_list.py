@@ -24,9 +24,6 @@ PANELS: Dict[str, str] = {
     "omf_switches": "The switches that the robot changed, in HOMF",
     "devices": "View and operate the home devices",
     "overview": "All zones at a glance, and a button that stops all of them",
-    "results": "The zone's runs and their score sheets, with corrections and sign-off",
-    "judges": "Several judges of a run: settle their differences, publish the result, answer objections",
-    "schedule": "All events of all zones, with results, sign-offs and estimated times",
 }
 
 

@@ -5,10 +5,10 @@ It shows the zone of the namespace in which it is started (`__ns:=`), as all pan
 
 from roah_rsbb.rqt.app.application import PanelSettings, open_at
 from roah_rsbb.rqt.app.panel_list import load
-from roah_rsbb.rqt.host import WindowHost
 from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.qt import QMainWindow, QSettings
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.with_ros.host import HostWithRos
 from roah_rsbb.wording.language import tr
 
 # Size at the first start, in units of the desktop's font.
@@ -18,7 +18,7 @@ WIDE_EMS, HIGH_EMS = 40, 40
 class PanelWindow(QMainWindow):
     """A window with one panel. Its size and the panel's settings are saved."""
 
-    def __init__(self, host: WindowHost, name: str, settings: QSettings) -> None:
+    def __init__(self, host: HostWithRos, name: str, settings: QSettings) -> None:
         """`name` is that of the panel."""
         super().__init__()
         kind = load(name)

@@ -1,27 +1,27 @@
-"""Our own window with all panels, for machines without rqt or ROS."""
+"""Our own window with all panels, for machines without rqt."""
 
 import math
 from typing import Dict
 
 from roah_rsbb.rqt.app.application import PanelSettings, open_at
 from roah_rsbb.rqt.app.panel_list import PANELS, load
-from roah_rsbb.rqt.host import WindowHost
 from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QDockWidget, QMainWindow, QSettings, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.marked_title import MarkedTitle
+from roah_rsbb.rqt.with_ros.host import HostWithRos
 from roah_rsbb.wording.language import tr
 
 # Increase it when the set of panels changes: an older layout would hide new panels.
-LAYOUT_VERSION = 6
+LAYOUT_VERSION = 7
 
 
 class Window(QMainWindow):
     """All panels, as docks that can be moved, stacked and closed. The layout is saved."""
 
-    def __init__(self, host: WindowHost, settings: QSettings, of_launch: bool = False) -> None:
+    def __init__(self, host: HostWithRos, settings: QSettings, of_launch: bool = False) -> None:
         """`of_launch`: closing the window asks, then ends what was launched; otherwise it just closes."""
         super().__init__()
         self._settings = settings
@@ -79,8 +79,7 @@ class Window(QMainWindow):
         self.addDockWidget(Qt.RightDockWidgetArea, d["ScoringPanel"])
         self.splitDockWidget(d["ScoringPanel"], d["OverviewPanel"], Qt.Vertical)
         self.splitDockWidget(d["OverviewPanel"], d["LogDisplayPanel"], Qt.Horizontal)
-        for name in ("ManualOperation", "OmfSwitches", "Results", "Judges", "Schedule", "Devices", "TabletStatus",
-                     "CoreStatus"):
+        for name in ("ManualOperation", "OmfSwitches", "Devices", "TabletStatus", "CoreStatus"):
             self.tabifyDockWidget(d["ScoringPanel"], d[f"{name}Panel"])
         for name in ("OnlineDataPanel", "ActiveRobotsPanel"):
             self.tabifyDockWidget(d["LogDisplayPanel"], d[name])

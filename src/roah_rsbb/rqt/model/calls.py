@@ -86,21 +86,18 @@ class Calls(QObject):
 
     # -- of the box -----------------------------------------------------------------------------------
 
-    def call(self, owner: object, name: str, done: Done, again: bool = False, referee: str = "",
-             **arguments: Any) -> None:
+    def call(self, owner: object, name: str, done: Done, again: bool = False, **arguments: Any) -> None:
         """Make a call of the box (docs/door.md, "Calls"). `done` receives the outcome, unless `owner` was forgotten.
-        `again`: see `Client.call`. `referee`: who was asked, if it was somebody before a change of the name."""
-        self._afar.call(name, self._on_answer(owner, name, done), TIMEOUT_S, again,
-                        **{**arguments, **self._who(referee)})
+        `again`: see `Client.call`."""
+        self._afar.call(name, self._on_answer(owner, name, done), TIMEOUT_S, again, **{**arguments, **self._who()})
 
     def act(
         self, owner: object, action: str, zone: str, run: str, given: Mapping[str, Any], done: Done, event: str = "",
-        referee: str = "", again: bool = False,
+        again: bool = False,
     ) -> None:
         """Do one of `model.actions.EVERY`. `run`, `event`: what the referee means; `given`: the values of its
         fields."""
-        self.call(owner, "act", done, again, referee, action=action, zone=zone, run=run, event=event,
-                  given=dict(given))
+        self.call(owner, "act", done, again, action=action, zone=zone, run=run, event=event, given=dict(given))
 
     def mark(self, owner: object, zone: str, run: str, given: Mapping[str, Any], done: Done) -> None:
         """Mark a scoring item. `given`: the values of the action's fields, without an id.
@@ -111,10 +108,10 @@ class Calls(QObject):
 
     def stop(self, owner: object, zone: str, run: str, done: Done) -> None:
         """Stop a run: on a way of its own, again and again for `TIMEOUT_S`."""
-        self._afar.stop(zone, run, self._on_answer(owner, "stop", done), TIMEOUT_S, **self._who(""))
+        self._afar.stop(zone, run, self._on_answer(owner, "stop", done), TIMEOUT_S, **self._who())
 
-    def _who(self, referee: str) -> Dict[str, str]:
-        return {"by": referee or self._referee.name, "node": self._node()}
+    def _who(self) -> Dict[str, str]:
+        return {"by": self._referee.name, "node": self._node()}
 
     def _on_answer(self, owner: object, name: str, done: Done) -> Callable[[Answer], None]:
         """Return what takes the answer, in the client's thread."""

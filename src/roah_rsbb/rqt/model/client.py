@@ -3,7 +3,6 @@
 from typing import Callable, Optional
 
 from roah_rsbb.rqt import language
-from roah_rsbb.rqt.host import WindowHost
 from roah_rsbb.rqt.model.calls import Calls, RefereeName
 from roah_rsbb.rqt.model.failures import log_failures
 from roah_rsbb.rqt.model.garbage import collect_here
@@ -17,6 +16,7 @@ from roah_rsbb.rqt.widgets.keys_page import KeysKey
 from roah_rsbb.rqt.widgets.stop_keys import StopKeys
 from roah_rsbb.rqt.widgets.stop_strip import StopStrip, add_strip
 from roah_rsbb.rqt.widgets.stop_window import StopWindow
+from roah_rsbb.rqt.with_ros.host import HostWithRos
 from roah_rsbb.wording.times import Moments
 
 
@@ -26,7 +26,7 @@ class RefereeClient:
     _shared: Optional["RefereeClient"] = None
     _users = 0
 
-    def __init__(self, host: WindowHost) -> None:
+    def __init__(self, host: HostWithRos) -> None:
         self.host = host
         self.model = Model(host)
         self.referee = RefereeName()
@@ -45,7 +45,7 @@ class RefereeClient:
         return add_strip(window, self.model, self.stops)
 
     @classmethod
-    def acquire(cls, make_host: Callable[[], WindowHost]) -> "RefereeClient":
+    def acquire(cls, make_host: Callable[[], HostWithRos]) -> "RefereeClient":
         """Return the client of this process; the first call creates it, in the host that `make_host` returns. Call
         `release` once for each call."""
         if cls._shared is None:

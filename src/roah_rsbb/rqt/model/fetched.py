@@ -1,10 +1,9 @@
-"""What a panel asks of a run: requested when it is first shown, and again when it changed."""
+"""Score sheets of runs: requested when they are first shown, and again when they changed."""
 
 import time
-from typing import Any, Callable, Dict, Generic, NamedTuple, Optional, Type, TypeVar, Union
+from typing import Callable, Dict, NamedTuple, Optional
 
 from roah_rsbb.document.written import read
-from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.qt import QTimer, QWidget
@@ -12,33 +11,29 @@ from roah_rsbb.rqt.qt import QTimer, QWidget
 # After a failure it is requested again after this long.
 AGAIN_MS = 2000
 MAX_KEPT = 20
-T = TypeVar("T")
 
 
 class _Known(NamedTuple):
     asked_mono: float  # when it was requested
     revision: int  # that the core published then
-    answer: Any
+    sheet: RunSheet
 
 
-class Fetched(Generic[T]):
-    """The newest answers of one call, by the identities of runs."""
+class Sheets:
+    """The newest score sheets, by the identities of runs."""
 
-    def __init__(self, owner: QWidget, calls: Calls, call: str, kind: Type[T], news: Callable[[], None]) -> None:
-        """`call`: its name, and `kind` the type of its answer. `news()` is called when one has arrived for `owner`."""
+    def __init__(self, owner: QWidget, calls: Calls, news: Callable[[], None]) -> None:
+        """`news()` is called when one has arrived for `owner`."""
         self._owner = owner
         self._calls = calls
-        self._call = call
-        self._kind = kind
         self._news = news
         self._known: Dict[str, _Known] = {}
         self._asked: Dict[str, int] = {}  # requested revisions
         self._again = QTimer(owner, singleShot=True, interval=AGAIN_MS, timeout=self._ask_again)
-        self.error = ""  # why the last request failed
 
-    def newest(self, run: Union[Judging, RunLine, None]) -> Optional[T]:
-        """Return the known answer about a run at once, and request a newer one if the core published its revision
-        after it was requested. None: no run, or nothing is known."""
+    def newest(self, run: Optional[RunLine]) -> Optional[RunSheet]:
+        """Return the known sheet of a run at once, and request a newer one if the core published its revision after it
+        was requested. None: no run, or nothing is known."""
         if run is None:
             return None
         identity, revision = run.identity, run.revision
@@ -46,9 +41,9 @@ class Fetched(Generic[T]):
         if (known is None or known.revision != revision) and self._asked.get(identity) != revision:
             self._asked[identity] = revision
             now = time.monotonic()
-            self._calls.call(self._owner, self._call, lambda outcome: self._on_answer(identity, revision, now, outcome),
+            self._calls.call(self._owner, "sheet", lambda outcome: self._on_answer(identity, revision, now, outcome),
                              zone=run.zone, run=identity)
-        return None if known is None else known.answer
+        return None if known is None else known.sheet
 
     def _ask_again(self) -> None:
         self._asked.clear()
@@ -58,18 +53,12 @@ class Fetched(Generic[T]):
         known = self._known.get(identity)
         if known is not None and asked_mono < known.asked_mono:
             return  # a later request was answered first: this answer may be older
-        self.error = outcome.error
         if outcome.error:
             self._again.start()
         else:
             self._known.pop(identity, None)
-            self._known[identity] = _Known(asked_mono, revision, read(self._kind, outcome.result))
+            self._known[identity] = _Known(asked_mono, revision, read(RunSheet, outcome.result))
             while len(self._known) > MAX_KEPT:
                 self._known.pop(next(iter(self._known)))
         self._asked = {i: asked for i, asked in self._asked.items() if i in self._known or i == identity}
         self._news()
-
-
-def run_sheets(owner: QWidget, calls: Calls, news: Callable[[], None]) -> Fetched[RunSheet]:
-    """Return the score sheets that a panel shows."""
-    return Fetched(owner, calls, "sheet", RunSheet, news)

@@ -1,22 +1,23 @@
 """The newest document of the box, and of its devices, for all panels (docs/architecture.md, "Panels hold no truth")."""
 
 import time
-from typing import Callable, List, Optional
+from typing import TYPE_CHECKING, Callable, List, Optional
 
 from roah_rsbb.client.client import Client
 from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxSeen, Document
-from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.messages import DevicesState
-from roah_rsbb.model.results import RunLine, UnsavedParts
+from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.zone import RUNNING, ZoneSeen
-from roah_rsbb.rqt.host import ControllerStatus, WindowHost
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
-from roah_rsbb.wording import clock, judging, superseded
+from roah_rsbb.wording import clock, superseded
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.replay import NO_COMMANDS
 from roah_rsbb.wording.times import use_zone
+
+if TYPE_CHECKING:  # it needs messages of ROS
+    from roah_rsbb.rqt.with_ros.host import ControllerStatus, HostWithRos
 
 TICK_MS = 200
 # Interval at which to look for the devices again while the box is silent, seconds.
@@ -30,7 +31,7 @@ class Model(QObject):
     ticked = Signal()  # a moment has passed: for what shows times and silences
     _came = Signal()  # from the client's thread
 
-    def __init__(self, host: WindowHost, find: Optional[Callable] = None) -> None:
+    def __init__(self, host: "HostWithRos", find: Optional[Callable] = None) -> None:
         """`find`: see `Client`; None: where `DoorPlaces` finds it."""
         super().__init__()
         self._zone, self._devices = host.zone, host.devices
@@ -47,7 +48,7 @@ class Model(QObject):
     def start(self) -> None:
         """Start listening."""
         self.afar.start()
-        self._devices.start(self.afar)
+        self._devices.start()
         self._zone.start()
         self._timer.start(TICK_MS)
 
@@ -146,11 +147,6 @@ class Model(QObject):
         zone = self.zone_of(zone_name)
         return None if zone is None else clock.clock_of(zone.clock, zone.phase, self.now().mono)
 
-    def unsaved_of(self, identity: str) -> UnsavedParts:
-        """Return the parts of a run's record that the core could not write to the disk yet."""
-        runs = () if self.box is None else self.box.unsaved
-        return next((run for run in runs if run.identity == identity), UnsavedParts(identity, ""))
-
     def run_of(self, identity: str) -> Optional[RunLine]:
         """Return a run; None: not known."""
         return None if self.document is None else self.document.results.get(identity)
@@ -159,18 +155,13 @@ class Model(QObject):
         """Return the runs of a zone: the connected one, then those that are over, the latest first."""
         return [] if self.document is None else [run for run in self.document.runs() if run.zone == zone_name]
 
-    def judgings_of(self, zone_name: str) -> List[Judging]:
-        """Return the progress of all runs of a zone that are not signed off, first those with judges or a published
-        result."""
-        return [] if self.document is None else judging.judgings_of(self.document, zone_name)
-
     @property
     def devices(self) -> Optional[DevicesState]:
         """The home devices; None: never heard."""
         return self._devices.state
 
     @property
-    def devices_status(self) -> Optional[ControllerStatus]:
+    def devices_status(self) -> "Optional[ControllerStatus]":
         """Of the devices' controller; None: never heard."""
         return self._devices.status
 

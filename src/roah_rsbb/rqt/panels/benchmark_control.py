@@ -11,9 +11,9 @@ from roah_rsbb.model.fields import Team, entered
 from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, ZoneSeen
 from roah_rsbb.rqt.model.calls import CallOutcome
-from roah_rsbb.rqt.model.fetched import run_sheets
-from roah_rsbb.rqt.panels.history import why_fixed
+from roah_rsbb.rqt.model.fetched import Sheets
 from roah_rsbb.rqt.panels.more_commands import ActionForm, MoreMenu, RuleButtons, what_text, why_off
+from roah_rsbb.rqt.panels.pages import PagesButton
 from roah_rsbb.rqt.panels.panel import SILENT, AnswerLine, Panel, ask, keep_true
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
 from roah_rsbb.rqt.qt import (
@@ -28,7 +28,6 @@ from roah_rsbb.rqt.qt import (
     QToolButton,
 )
 from roah_rsbb.rqt.widgets import basic, phases
-from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
 from roah_rsbb.rqt.widgets.run_times import TimesWidget
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
 from roah_rsbb.wording import sheets, stop
@@ -37,6 +36,7 @@ from roah_rsbb.wording.said import tr_said
 
 REASON = tr_later("Reason for the stop")
 ASK_REASON = tr_later("Why was the run stopped? Press Enter to save")
+NO_CHANGE = tr_later("The core is silent: nothing can be changed now")
 REASON_TIP = tr_later(
     "After a stop, type the reason here and press Enter. You can change it until the run is signed off.")
 
@@ -48,7 +48,7 @@ class StopReasonLine(QLineEdit):
         super().__init__(panel)
         self._panel = panel
         self._answer = answer
-        self._sheets = run_sheets(panel, panel.client.calls, self._show)
+        self._sheets = Sheets(panel, panel.client.calls, self._show)
         self._summary: Optional[RunLine] = None
         self._without: FrozenSet[int] = frozenset()  # revisions of the run from before the text was sent
         self.setMaxLength(MAX_NOTE)
@@ -68,9 +68,12 @@ class StopReasonLine(QLineEdit):
 
     def _show(self) -> None:
         summary = self._summary
-        why_fixed_now = why_fixed(summary, self._panel.model) if summary is not None else ""
-        self.setEnabled(summary is not None and not why_fixed_now)
-        self.setToolTip(basic.tip(why_fixed_now or tr(REASON_TIP)))
+        why_fixed = ""
+        if summary is not None:
+            why_fixed = (tr("Final: signed off by {name}", name=summary.signed_by) if summary.signed_utc_s else
+                         self._panel.model.why_read_only(tr(NO_CHANGE)))
+        self.setEnabled(summary is not None and not why_fixed)
+        self.setToolTip(basic.tip(why_fixed or tr(REASON_TIP)))
         self.setPlaceholderText("" if summary is None else tr(ASK_REASON))
         sheet = self._sheets.newest(summary)
         if sheet is None or not sheet.ends or self.isModified() or sheet.run.revision in self._without:
@@ -139,16 +142,22 @@ class BenchmarkControlPanel(Panel):
         self.reason = StopReasonLine(self, self._answer)
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
         self.rules = RuleButtons(self._ask)
-        self.more = MoreMenu(self._connect_robot, self._ask, self._pair)
+        self.more = MoreMenu(self._connect_robot, self._ask)
+        self._lay_out()
+        self.pages = PagesButton(self, self._answer)
+        self.heading.addWidget(self.pages)
         keys = QToolButton()
         keys.setText("?")
         keys.setToolTip(tr("All keys (key: ?)"))
         keys.setFocusPolicy(Qt.NoFocus)  # the key does the same
         keys.clicked.connect(client.keys_key.open)
         self.heading.addWidget(keys)
-        self._lay_out()
         self._zones.activated.connect(lambda index: self.model.choose_zone(self._zones.itemText(index)))
         self._start_key = self._key("F5", "start")
+
+    def shutdown(self) -> None:
+        self.pages.end()
+        super().shutdown()
 
     # -- layout -------------------------------------------------------------------------------------
 
@@ -352,9 +361,6 @@ class BenchmarkControlPanel(Panel):
             self._send(action, asked.zone, given, what)
         else:
             self._answer.warn(tr("Not done: {zone} is at another event now", zone=asked.zone))
-
-    def _pair(self) -> None:
-        basic.show_alone(PairDialog(self, self.client.calls, self.client.moments, self.model.zone_name))
 
     def _connect_robot(self, robot: str) -> None:
         what = tr("Connect {robot} in {zone}", robot=robot, zone=self.model.zone_name)

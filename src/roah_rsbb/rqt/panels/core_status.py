@@ -2,10 +2,10 @@
 
 *Reload* checks the configuration files and lists what they change, before anything is applied.
 
-What *exit* ends depends on the launch file (`HostWithRos.ends_box`). Without ROS it is the box.
+What *exit* ends depends on the launch file (`HostWithRos.ends_box`).
 """
 
-from typing import Callable, Dict, Optional, Sequence
+from typing import Callable, List, Optional, Sequence
 
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels.panel import AnswerLine, Panel, ask
@@ -15,15 +15,9 @@ from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.whole_box import ending
+from roah_rsbb.wording.whole_box.state import FACTS, facts
 
 RELOAD = "reload"
-
-FIELDS = {
-    "addr": tr_later("Broadcast to"),
-    "port": tr_later("UDP port"),
-    "robots": tr_later("Robots"),
-    "runs": tr_later("Running"),
-}
 
 
 class CoreStatusPanel(Panel):
@@ -40,11 +34,11 @@ class CoreStatusPanel(Panel):
         self.notices.setMinimumHeight(round(3 * basic.em()))
         self.body.addWidget(self.notices, 1)
         grid = QGridLayout()
-        self._values: Dict[str, QLabel] = {}
-        for number, (name, label) in enumerate(FIELDS.items()):
+        self.values: List[QLabel] = []
+        for number, label in enumerate(FACTS):
             value = QLabel(textFormat=Qt.PlainText)
             value.setTextInteractionFlags(Qt.TextSelectableByMouse)
-            self._values[name] = basic.enlarged(value, 1.1)
+            self.values.append(basic.enlarged(value, 1.1))
             row, column = divmod(number, 2)
             grid.addWidget(QLabel(tr(label)), row, 2 * column)
             grid.addWidget(value, row, 2 * column + 1)
@@ -75,15 +69,9 @@ class CoreStatusPanel(Panel):
         is_repeated = bool(box.warnings) and box.status == "; ".join(box.warnings)
         status = [] if is_repeated else [(tr_said(box.status), box.status != "OK")]
         self.notices.show_lines(status + [(tr_said(warning), True) for warning in box.warnings])
-        values = {
-            "addr": box.host,
-            "port": str(box.port),
-            "robots": str(len(document.robots)),
-            "runs": tr("{number} of {n} zones", number=len(self.model.running_zones()), n=len(document.zones)),
-        }
-        for name, value in values.items():
-            self._values[name].setText(value)
-            self._values[name].setEnabled(not self.model.is_old)
+        for value, text in zip(self.values, facts(document)):
+            value.setText(text)
+            value.setEnabled(not self.model.is_old)
 
     # -- reload -------------------------------------------------------------------------------------
 
@@ -140,7 +128,7 @@ class CoreStatusPanel(Panel):
             question, yes = tr("End this client?"), tr("End this client")
             text = tr("This ends only this referee's client. The core and its runs continue.")
         in_progress = [tr(ending.RUNS, runs=runs)] if runs else []
-        ask(self, question, "\n\n".join([text, *in_progress]), yes, lambda: self._exit(bool(runs)))
+        ask(self, question, "\n\n".join([text, *in_progress]), yes, self._exit)
 
-    def _exit(self, anyway: bool) -> None:
-        self.client.host.exit(self.client.calls, self, anyway, self._answer.begin(tr("Exit")))
+    def _exit(self) -> None:
+        self.client.host.exit(self.client.calls, self, self._answer.begin(tr("Exit")))

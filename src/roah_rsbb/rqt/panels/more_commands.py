@@ -36,7 +36,8 @@ from roah_rsbb.rqt.widgets.score_dialogs import FormDialog
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.said import tr_reason, tr_said
 
-# Actions that panels lay out by hand: Benchmark Control, the strip with STOP, Schedule, Manual Operation, OMF Switches.
+# Actions that are laid out by hand: in Benchmark Control, the strip with STOP, Manual Operation, OMF Switches, and the
+# schedule of the box's page.
 PLACED = ("previous", "next", "connect", "start", "disconnect", "stop", "choose_event", "operation", "switch",
           "damaged", "confirm_switches")
 # A paused clock is easily forgotten.
@@ -172,14 +173,12 @@ class RuleButtons(QWidget):
 
 
 class MoreMenu(QToolButton):
-    """The team's robots to choose from, the actions without a place of their own, and pairing."""
+    """The team's robots to choose from, and the actions without a place of their own."""
 
-    def __init__(
-        self, connect_robot: Callable[[str], None], press: Callable[[Action], None], pair: Callable[[], None],
-    ) -> None:
+    def __init__(self, connect_robot: Callable[[str], None], press: Callable[[Action], None]) -> None:
         super().__init__()
         self.setText("⋯")
-        self.setToolTip(tr("Choose a robot, score without a robot, no-show, pair a phone"))
+        self.setToolTip(tr("Choose a robot, score without a robot, no-show"))
         self.setFocusPolicy(Qt.TabFocus)
         self.setPopupMode(QToolButton.InstantPopup)
         basic.enlarged(self, 1.3, bold=True)
@@ -195,10 +194,6 @@ class MoreMenu(QToolButton):
             entry = self._menu.addAction(tr(action.label) + dots)
             entry.triggered.connect(lambda _checked=False, action=action: press(action))
             self.actions_of[action.name] = entry
-        self._menu.addSeparator()
-        self.pair = self._menu.addAction(tr("Pair a phone …"))
-        self.pair.setToolTip(basic.tip(tr("Let a phone or tablet act as a referee; list and end pairings")))
-        self.pair.triggered.connect(lambda: pair())
         self._line = self._menu.insertSeparator(next(iter(self.actions_of.values())))
         self._line.setVisible(False)
         self.setMenu(self._menu)

@@ -4,7 +4,7 @@ import contextlib
 from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.rqt.model import failures
-from roah_rsbb.rqt.model.calls import CallOutcome, Done, RefereeName
+from roah_rsbb.rqt.model.calls import CallOutcome, Done
 from roah_rsbb.rqt.model.client import RefereeClient
 from roah_rsbb.rqt.model.model import Model, same
 from roah_rsbb.rqt.qt import (
@@ -12,7 +12,6 @@ from roah_rsbb.rqt.qt import (
     QDockWidget,
     QHBoxLayout,
     QLabel,
-    QLineEdit,
     QMessageBox,
     QScrollArea,
     QSize,
@@ -359,79 +358,3 @@ class AnswerLine(QLabel):
         self.setText(text)
         self.setToolTip(basic.tip(text.strip()))  # the whole text, if it does not fit
         basic.set_style(self, f"QLabel {{ padding: 0.2em; {style} }}")
-
-
-# The key in the settings.
-REFEREE_KEY = "referee"
-MAX_NAME = 60
-
-
-class RefereeLine(QLineEdit):
-    """The field for the referee's name."""
-
-    def __init__(self, shared: RefereeName) -> None:
-        super().__init__(shared.name)
-        self._shared = shared
-        self.setMaxLength(MAX_NAME)
-        self.setFocusPolicy(Qt.ClickFocus)  # a stray key press must not change the name
-        self.setPlaceholderText(tr("Enter your name"))
-        self.setToolTip(tr(
-            "The referee's name. It is recorded with everything that you do here. A sign-off needs it."))
-        self.textEdited.connect(lambda text: shared.set(text.strip()))
-        shared.changed.connect(self._show)
-        self._mark()
-
-    def end(self) -> None:
-        """Stop following the name."""
-        self._shared.changed.disconnect(self._show)
-
-    def save(self, settings) -> None:
-        """Save the name; see `Panel.save_settings`."""
-        settings.set_value(REFEREE_KEY, self._shared.name)
-
-    def restore(self, settings) -> None:
-        """Restore the last name, unless another one was typed meanwhile."""
-        name = settings.value(REFEREE_KEY, "")
-        if name and not self._shared.name:
-            self._shared.set(str(name))
-
-    def _show(self, name: str) -> None:
-        if name != self.text().strip():
-            self.setText(name)
-        self._mark()
-
-    def _mark(self) -> None:
-        """A missing name stands out."""
-        tone = basic.OLD
-        style = "" if self._shared.name else f"QLineEdit {{ {tone.css} }}"
-        basic.set_style(self, style)
-
-
-class RefereePanel(Panel):
-    """Base of panels whose records carry the referee's name. A subclass calls `add_last_line`."""
-
-    def __init__(self, client: RefereeClient) -> None:
-        super().__init__(client)
-        self._answer = AnswerLine()
-        self.referee = RefereeLine(client.referee)
-        client.referee.changed.connect(self.redraw)
-
-    def add_last_line(self, *buttons: QWidget) -> None:
-        """Add the last line: the referee's name, the answer and buttons."""
-        last = QHBoxLayout()
-        last.addWidget(self.referee, 1)
-        last.addWidget(self._answer, 2)
-        for button in buttons:
-            last.addWidget(button)
-        self.body.addLayout(last)
-
-    def shutdown(self) -> None:
-        self.client.referee.changed.disconnect(self.redraw)
-        self.referee.end()
-        super().shutdown()
-
-    def save_settings(self, settings) -> None:
-        self.referee.save(settings)
-
-    def restore_settings(self, settings) -> None:
-        self.referee.restore(settings)

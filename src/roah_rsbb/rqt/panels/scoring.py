@@ -9,16 +9,16 @@ from roah_rsbb.model.records import ScoreValue, SheetPoints
 from roah_rsbb.model.results import HistoryEntry
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import IDLE, SheetItem
-from roah_rsbb.rqt.model.calls import CallOutcome
+from roah_rsbb.rqt.model.calls import CallOutcome, RefereeName
 from roah_rsbb.rqt.model.edits import Edits
-from roah_rsbb.rqt.model.fetched import run_sheets
-from roah_rsbb.rqt.panels.history import HistoryDialog
-from roah_rsbb.rqt.panels.panel import RefereePanel
+from roah_rsbb.rqt.model.fetched import Sheets
+from roah_rsbb.rqt.panels.panel import AnswerLine, Panel
 from roah_rsbb.rqt.qt import (
     QFrame,
     QHBoxLayout,
     QKeySequence,
     QLabel,
+    QLineEdit,
     QMenu,
     QScrollArea,
     QShortcut,
@@ -334,7 +334,52 @@ class ModuleScores(QScrollArea):
         self.setMaximumHeight(max(1, self.text.heightForWidth(self.viewport().width())))
 
 
-class ScoringPanel(RefereePanel):
+# The key in the settings.
+REFEREE_KEY = "referee"
+MAX_NAME = 60
+
+
+class RefereeLine(QLineEdit):
+    """The field for the referee's name."""
+
+    def __init__(self, shared: RefereeName) -> None:
+        super().__init__(shared.name)
+        self._shared = shared
+        self.setMaxLength(MAX_NAME)
+        self.setFocusPolicy(Qt.ClickFocus)  # a stray key press must not change the name
+        self.setPlaceholderText(tr("Enter your name"))
+        self.setToolTip(tr("The referee's name. It is recorded with everything that you do here."))
+        self.textEdited.connect(lambda text: shared.set(text.strip()))
+        shared.changed.connect(self._show)
+        self._mark()
+
+    def end(self) -> None:
+        """Stop following the name."""
+        self._shared.changed.disconnect(self._show)
+
+    def save(self, settings) -> None:
+        """Save the name; see `Panel.save_settings`."""
+        settings.set_value(REFEREE_KEY, self._shared.name)
+
+    def restore(self, settings) -> None:
+        """Restore the last name, unless another one was typed meanwhile."""
+        name = settings.value(REFEREE_KEY, "")
+        if name and not self._shared.name:
+            self._shared.set(str(name))
+
+    def _show(self, name: str) -> None:
+        if name != self.text().strip():
+            self.setText(name)
+        self._mark()
+
+    def _mark(self) -> None:
+        """A missing name stands out."""
+        tone = basic.OLD
+        style = "" if self._shared.name else f"QLineEdit {{ {tone.css} }}"
+        basic.set_style(self, style)
+
+
+class ScoringPanel(Panel):
     """All items of the run, in their groups."""
 
     TITLE = tr_later("Scoring")
@@ -354,17 +399,31 @@ class ScoringPanel(RefereePanel):
         self.body.addLayout(self._stack, 1)
         self.module_scores = ModuleScores()
         self.body.addWidget(self.module_scores, 1)
-        self.history = basic.button(tr("History …"), self._show_history)
-        self._sheets = run_sheets(self, client.calls, self.redraw)
+        self._sheets = Sheets(self, client.calls, self.redraw)
         self.points = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.2, bold=True)
         self.points.hide()
         self.body.addWidget(self.points)
         self.undo = UndoRow(self._undo)
         self.body.addWidget(self.undo)
-        self.add_last_line(self.history)
+        self._answer = AnswerLine()
+        self.referee = RefereeLine(client.referee)
+        last = QHBoxLayout()
+        last.addWidget(self.referee, 1)
+        last.addWidget(self._answer, 2)
+        self.body.addLayout(last)
         for number in range(1, LAST_KEY + 1):
             self._key(str(number), partial(self._press, number, ItemRow.score.__name__))
             self._key(f"Shift+{number}", partial(self._press, number, ItemRow.take_back.__name__))
+
+    def shutdown(self) -> None:
+        self.referee.end()
+        super().shutdown()
+
+    def save_settings(self, settings) -> None:
+        self.referee.save(settings)
+
+    def restore_settings(self, settings) -> None:
+        self.referee.restore(settings)
 
     def _key(self, key: str, pressed: Callable[[], None]) -> None:
         # Of this window only: a key that is pressed in a dialog is not meant for the sheet.
@@ -391,7 +450,6 @@ class ScoringPanel(RefereePanel):
         else:
             self._show_values(items, zone.points)
         self.undo.setVisible(bool(items))  # without a sheet there is nothing to undo, and perhaps no space
-        self.history.setEnabled(bool(items) and bool(zone.identity))
 
     def show_times(self) -> None:
         """Show the last marks of the run, and how long ago they were."""
@@ -502,14 +560,6 @@ class ScoringPanel(RefereePanel):
                     "Not saved: {item}. The score sheet of another run is shown now.", item=item.desc))
 
         basic.show_dialog(ScoreDialog(self, self.where(), item, row.value, row.value is NOT_ATTEMPTED, then))
-
-    def _show_history(self) -> None:
-        """Open the history of the current run."""
-        zone = self.model.zone
-        if zone is not None and zone.identity:
-            dialog = HistoryDialog(self, self.client, zone.zone, zone.identity)
-            dialog.place_over(self)
-            dialog.show()
 
     def _answered(self, sheet: tuple, item: EditName, value: Value, outcome: CallOutcome) -> None:
         what = f"{sheet[0]}: {item[1]} = {tr(sheets.NOT_ATTEMPTED) if value is NOT_ATTEMPTED else value}"

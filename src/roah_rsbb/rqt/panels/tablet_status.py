@@ -1,22 +1,12 @@
 """Tablet Status: the last messages of the tablet (docs/referee.md, "Tablet Status")."""
 
-from typing import Dict
+from typing import List
 
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QFormLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.language import tr, tr_later
-
-# The tablet sends a beacon every second; after this long without one it is marked as silent.
-TABLET_SILENT_S = 5.0
-
-FIELDS = {
-    "heard": tr_later("Last heard"),
-    "display": tr_later("Display"),
-    "call": tr_later("Last call"),
-    "position": tr_later("Position"),
-    "position_time": tr_later("Position received"),
-}
+from roah_rsbb.wording.whole_box.state import TABLET, tablet
 
 
 class TabletStatusPanel(Panel):
@@ -31,32 +21,22 @@ class TabletStatusPanel(Panel):
         super().__init__(client)
         form = QFormLayout()
         form.setRowWrapPolicy(QFormLayout.WrapLongRows)
-        self._values: Dict[str, QLabel] = {}
-        for name, label in FIELDS.items():
-            value = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.2)
-            self._values[name] = value
-            form.addRow(tr(label), value)
+        self.values: List[QLabel] = []
+        for label in TABLET:
+            self.values.append(basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.2))
+            form.addRow(tr(label), self.values[-1])
         self.body.addLayout(form)
         self.body.addStretch(1)
 
     def show_model(self) -> None:
         if self.model.box is None:
-            self._values["heard"].setText(tr("Waiting for the core"))
+            self.values[0].setText(tr("Waiting for the core"))
 
     def show_times(self) -> None:
         if self.model.box is None:
             return
-        tablet, now, moments = self.model.box.tablet, self.model.now(), self.client.moments
-        silent_s = 0.0 if tablet.silent_since is None else now.mono - tablet.silent_since
-        silent = f"  {tr('⚠ silent')}" if silent_s > TABLET_SILENT_S else ""
-        utc_s = {"heard": now.utc - silent_s if tablet.heard else 0.0, "call": tablet.call_utc_s,
-                 "position_time": tablet.position_utc_s}
-        values = {name: moments.and_age(utc, now.utc) for name, utc in utc_s.items()}
-        values["heard"] += silent
-        values["display"] = tr("Map") if tablet.display_map else tr("Call button")
-        values["position"] = (f"x {tablet.position_x:.2f} m, y {tablet.position_y:.2f} m" if tablet.position_utc_s
-                              else tr("none"))
-        for name, value in values.items():
-            self._values[name].setText(value)
-            self._values[name].setToolTip(moments.tip(utc_s[name]) if utc_s.get(name) else "")
-            self._values[name].setEnabled(not self.model.is_old)
+        moments = self.client.moments
+        for value, (text, utc_s) in zip(self.values, tablet(self.model.box.tablet, self.model.now(), moments)):
+            value.setText(text)
+            value.setToolTip(moments.tip(utc_s) if utc_s else "")
+            value.setEnabled(not self.model.is_old)

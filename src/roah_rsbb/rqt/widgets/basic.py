@@ -115,12 +115,6 @@ def tip(text: str) -> str:
     return f"<p>{_escaped(text)}</p>" if text else ""
 
 
-def allow(button: QPushButton, why_off: str) -> None:
-    """Enable a button, or disable it with the reason as its tooltip."""
-    button.setEnabled(not why_off)
-    button.setToolTip(tip(why_off))
-
-
 def button(text: str, pressed: Callable[[], None], factor: float = 1.0, bold: bool = False) -> QPushButton:
     """Return a button that Tab reaches. A click does not focus it: a stray space bar does nothing."""
     made = enlarged(QPushButton(text, focusPolicy=Qt.TabFocus), factor, bold)

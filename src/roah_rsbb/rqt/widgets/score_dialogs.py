@@ -1,4 +1,4 @@
-"""Dialogs for text: a score with a note, why an entry is withdrawn, why a run was stopped."""
+"""Dialogs with a form: a score with a note, and the base of others."""
 
 from typing import Callable, Hashable, Optional, Union
 
@@ -49,33 +49,9 @@ class FormDialog(QDialog):
 
     def confirm(self) -> None:
         """Close, and pass on what was entered."""
-        self.accept()
-        self.answer()
-
-    def answer(self) -> None:
-        """Pass on what was entered."""
 
 
-class NoteDialog(FormDialog):
-    """Asks for a line of text and calls `then(note)` if the referee confirms."""
-
-    def __init__(
-        self, parent: QWidget, title: str, text: str, note_label: str, yes: str, then: Callable[..., None]
-    ) -> None:
-        self._note_label = note_label
-        self._then = then
-        super().__init__(parent, title, text, yes)
-
-    def add_fields(self) -> None:
-        self.note = QLineEdit(maxLength=MAX_NOTE)
-        self.form.addRow(self._note_label, self.note)
-        self.note.setFocus()
-
-    def answer(self) -> None:
-        self._then(self.note.text().strip())
-
-
-class ScoreDialog(NoteDialog):
+class ScoreDialog(FormDialog):
     """Asks for the value of an item; calls `then(given)`."""
 
     def __init__(
@@ -90,7 +66,8 @@ class ScoreDialog(NoteDialog):
         self.tick: Optional[QCheckBox] = None
         self.field: Union[NumberField, ChoiceField, None] = None
         self.judge: Optional[QComboBox] = None
-        super().__init__(parent, title, item.desc, tr("Note"), tr("Save"), then)
+        self._then = then
+        super().__init__(parent, title, item.desc, tr("Save"))
 
     def add_fields(self) -> None:
         self.not_attempted = QCheckBox(tr("Not attempted"), checked=self._was_not_attempted)
@@ -99,7 +76,9 @@ class ScoreDialog(NoteDialog):
         self.not_attempted.toggled.connect(lambda on: field.setEnabled(not on))
         self.form.addRow(tr("Value"), field)
         self.form.addRow("", self.not_attempted)
-        super().add_fields()
+        self.note = QLineEdit(maxLength=MAX_NOTE)
+        self.form.addRow(tr("Note"), self.note)
+        self.note.setFocus()
 
     def _field(self) -> QWidget:
         """Make the field of the item's type."""
@@ -127,7 +106,8 @@ class ScoreDialog(NoteDialog):
         self.form.addRow(tr("Judge"), self.judge)
         return self.field
 
-    def answer(self) -> None:
+    def confirm(self) -> None:
+        self.accept()
         note = self.note.text().strip()
         if self.not_attempted.isChecked():
             self._then(Entered(not_attempted=True, note=note))

@@ -1,19 +1,16 @@
 """What windows need of ROS: a parameter for their zone, and services to operate devices and to end the launch."""
 
-from typing import Callable
+from typing import Callable, NamedTuple, Optional
 
 import rospy
 from std_srvs.srv import Empty
 
-from roah_rsbb.client.client import Client
 from roah_rsbb.document.calls import DOOR, RING
-from roah_rsbb.model.document import Document
 from roah_rsbb.model.messages import DevicesState
 from roah_rsbb.msg import DevicesState as DevicesStateMsg
 from roah_rsbb.msg import DevicesStatus as DevicesStatusMsg
 from roah_rsbb.protocol import PERCENTAGES
 from roah_rsbb.ros import refusals
-from roah_rsbb.rqt.host import ControllerStatus, DevicesAfar
 from roah_rsbb.rqt.model.calls import CallFailed, Calls, Done, missing
 from roah_rsbb.rqt.with_ros.feed import Feed
 from roah_rsbb.rqt.with_ros.node import WindowNode
@@ -36,11 +33,15 @@ class HostWithRos(WindowNode):
         self.zone, self.devices = ZoneParameter(), DevicesNodeAfar()
 
     def ends_box(self) -> bool:
-        """A client's own shutdown node ends that client, unless the client was started together with the core
+        """Whether `exit` ends the whole box, and not only this referee's windows. Called in a thread; may raise
+        `CallFailed`.
+
+        A client's own shutdown node ends that client, unless the client was started together with the core
         (`exit_ends_rsbb`). Without a client, the core's shutdown node in the root namespace ends the whole RSBB."""
         return _service() == f"/{SHUTDOWN}" or bool(_called(lambda: rospy.get_param(ENDS_RSBB, False)))
 
-    def exit(self, calls: Calls, owner: object, anyway: bool, done: Done) -> None:
+    def exit(self, calls: Calls, owner: object, done: Done) -> None:
+        """End what `ends_box` says."""
         call_service(calls, owner, _service(), Empty, (), done)
 
 
@@ -48,25 +49,38 @@ def _service() -> str:
     return str(rospy.resolve_name(SHUTDOWN))
 
 
-class DevicesNodeAfar(DevicesAfar):
+class ControllerStatus(NamedTuple):
+    """Whether the devices' controller is connected, and details or the reason."""
+
+    connected: bool
+    text: str
+
+
+class DevicesNodeAfar:
     """The home devices of the node roah_devices. They have their own node: the panel also works while the core is
-    silent."""
+    silent. Call everything in the Qt thread."""
 
     def __init__(self) -> None:
+        self.state: Optional[DevicesState] = None  # another object when it has changed; None: never heard
+        self.status: Optional[ControllerStatus] = None
         self._feed = Feed({STATE_TOPIC: DevicesStateMsg, STATUS_TOPIC: DevicesStatusMsg})
 
     @property
-    def why_missing(self) -> str:  # type: ignore[override]
-        """Why the node is not running. Its topics are published on change only, so silence means nothing."""
+    def why_missing(self) -> str:
+        """Why nothing controls them now, for the referee; empty: something does. The topics are published on change
+        only, so silence means nothing."""
         return "" if self.state is not None and self._feed.has_publisher(STATE_TOPIC) else tr(NO_NODE)
 
-    def start(self, afar: Client[Document]) -> None:
+    def start(self) -> None:
+        """Begin to follow them."""
         self._feed.start()
 
     def stop(self) -> None:
+        """Follow them no longer."""
         self._feed.stop()
 
     def look(self) -> None:
+        """Take the news, several times a second."""
         state, status = (self._feed.take(topic) for topic in (STATE_TOPIC, STATUS_TOPIC))
         if state is not None:
             values = {name: getattr(state.message, name) for name in DevicesState._fields}
@@ -75,9 +89,11 @@ class DevicesNodeAfar(DevicesAfar):
             self.status = ControllerStatus(status.message.connected, status.message.text)
 
     def renew(self) -> None:
+        """Look for them again: the box has been silent for long."""
         self._feed.renew()
 
     def set(self, calls: Calls, owner: object, device: str, value: int, done: Done) -> None:
+        """Set a device to a value, or ring (`RING`)."""
         if device == RING:
             call_service(calls, owner, "/devices/bell/mock", Empty, (), done)
         else:

@@ -10,13 +10,11 @@ from typing import Optional
 
 import rospy
 
-from roah_rsbb.rqt.host import ZoneChoice
-
 NAME = "current_zone"
 POLL_S = 0.5
 
 
-class ZoneParameter(ZoneChoice):
+class ZoneParameter:
     """Follows the parameter from `start` to `stop`."""
 
     def __init__(self) -> None:

@@ -13,26 +13,24 @@ from roah_rsbb.model.document import Document
 from roah_rsbb.model.messages import DevicesSeen
 from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.model.schedule import EventSeen
-from roah_rsbb.model.zone import RUNNING, ZoneSeen
+from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.web.documents import Data
 from roah_rsbb.web.pairing import JUDGE, Grant
-from roah_rsbb.web.zone_documents import clock_page, is_urgent, phase_text, run_name, sheet_page
+from roah_rsbb.web.zone_documents import clock_page, is_urgent, run_name, sheet_page
 from roah_rsbb.wording import schedule, sheets, stop, times, todo
 from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.times import Moments
-from roah_rsbb.wording.whole_box import devices, ending, robots
+from roah_rsbb.wording.whole_box import devices, ending, robots, state
 
 OVERVIEW, SCHEDULE, ROBOTS, RUNS, LOG, BOX = "overview", "schedule", "robots", "runs", "log", "box"
 # The newest of each; of the schedule, those around the current events.
 MAX_EVENTS, MAX_ROBOTS, MAX_RUNS, MAX_HISTORY = 200, 200, 50, 200
 # Characters of the log that are sent at once. The page keeps what came before.
 MAX_LOG = 6000
-# After this long without a message the tablet is silent: it sends every second.
-TABLET_SILENT_S = 5.0
 _MOMENTS = Moments(False)
 
 
@@ -79,7 +77,8 @@ def _tile(zone: ZoneSeen, mono: float) -> Data:
     more = task.warnings - (task.urgency is todo.Urgency.LOOK)
     return {
         "zone": zone.zone, "team": event.team, "event": f"{event.code} · {sheets.turn(event.round, event.run)}",
-        "phase": zone.phase, "phase_text": phase_text(zone), "clock": clock_page(zone, mono), "todo": task.text,
+        "phase": zone.phase, "phase_text": sheets.marked_phase(zone.phase, zone.end_reason),
+        "clock": clock_page(zone, mono), "todo": task.text,
         "is_urgent": is_urgent(task), "more": tr("⚠ {n} more", n=more) if more > 0 else "",
     }
 
@@ -111,7 +110,8 @@ def _event(event: EventSeen, current: List[EventSeen], several_days: bool) -> Da
     begins = "" if event.state == "skipped" else schedule.moment_text(event.begins_utc_s, several_days)
     has_begun = event.state in ("done", "running", "ended")
     return {
-        "id": event.id, "zone": event.zone, "team": event.team, "name": _event_name(event),
+        "id": event.id, "zone": event.zone, "team": event.team, "day": schedule.day_of(event),
+        "name": _event_name(event),
         "event": f"{event.code}, {sheets.turn(event.round, event.run)}",
         "when": schedule.moment_text(event.scheduled_utc_s, several_days),
         # An estimate has a mark that distinguishes it from a fact.
@@ -200,35 +200,14 @@ def _end_of(text: str) -> str:
 
 def _box(shown: PartShown) -> Data:
     document, box = shown.document, shown.document.box
-    running = sum(zone.phase == RUNNING for zone in document.zones.values())
     return {
         "status": tr_said(box.status), "is_ok": box.status == "OK",
         "warnings": [tr_said(text) for text in box.warnings if text != box.status],
-        "facts": [[tr("Broadcast to"), box.host], [tr("UDP port"), str(box.port)],
-                  [tr("Robots"), str(len(document.robots))],
-                  [tr("Running"), tr("{number} of {n} zones", number=running, n=len(document.zones))]],
-        "runs": ending.running(document.zones.values()), "tablet": _tablet(shown),
+        "facts": [[tr(label), text] for label, text in zip(state.FACTS, state.facts(document))],
+        "runs": ending.running(document.zones.values()),
+        "tablet": [[tr(label), text] for label, (text, _) in zip(
+            state.TABLET, state.tablet(box.tablet, shown.now, _MOMENTS))] if box.tablet.heard else None,
     }
-
-
-def _tablet(shown: PartShown) -> Optional[List[List[str]]]:
-    """Return the state of the tablet in lines; None: it was never heard."""
-    tablet, now = shown.document.box.tablet, shown.now
-    if not tablet.heard:
-        return None
-    silent_s = 0.0 if tablet.silent_since is None else now.mono - tablet.silent_since
-    silent = f"  {tr('⚠ silent')}" if silent_s > TABLET_SILENT_S else ""
-    position = f"x {tablet.position_x:.2f} m, y {tablet.position_y:.2f} m  {_age(tablet.position_utc_s, now)}"
-    return [
-        [tr("Last heard"), _age(now.utc - silent_s, now) + silent],
-        [tr("Display"), tr("Map") if tablet.display_map else tr("Call button")],
-        [tr("Last call"), _age(tablet.call_utc_s, now)],
-        [tr("Position"), position if tablet.position_utc_s else tr("none")],
-    ]
-
-
-def _age(utc_s: float, now: Now) -> str:
-    return _MOMENTS.and_age(utc_s, now.utc)
 
 
 # -- the home devices -------------------------------------------------------------------------------
@@ -236,11 +215,11 @@ def _age(utc_s: float, now: Now) -> str:
 
 def devices_page(seen: DevicesSeen, now_s: float) -> Data:
     """Return the home devices as the page shows them, at a moment in UTC seconds."""
-    state, (connection, reason) = seen.devices, devices.controller_text(seen.connected, seen.text)
-    bell, rings = devices.bell_text(wire_seconds(state.bell), now_s, _MOMENTS)
+    found, (connection, reason) = seen.devices, devices.controller_text(seen.connected, seen.text)
+    bell, rings = devices.bell_text(wire_seconds(found.bell), now_s, _MOMENTS)
     return {
         "connection": connection, "reason": reason, "is_connected": seen.connected,
-        "devices": [_device(name, int(getattr(state, name))) for name in devices.DEVICES],
+        "devices": [_device(name, int(getattr(found, name))) for name in devices.DEVICES],
         "bell": {"device": RING, "name": tr(devices.BELL), "value": int(rings), "commands": [(tr(devices.RING), 1)],
                  "states": [bell] * 2},
     }

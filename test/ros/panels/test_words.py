@@ -1,4 +1,4 @@
-"""Results, histories, notes and reasons, clicked on and typed, with a fake core: real messages, real services."""
+"""Notes, reasons and names, clicked on and typed, with a fake core: real messages, real services."""
 
 import unittest
 from types import SimpleNamespace
@@ -7,14 +7,11 @@ from typing import Callable, List
 from support.fakes.core import NOT_ATTEMPTED
 from support.gui_testing import (
     QApplication,
-    QMessageBox,
     Qt,
     QTest,
     QWidget,
-    answer,
     click,
     limit,
-    question,
     wait_until,
 )
 from support.panel_case import BUMPS, DOOR, PanelCase
@@ -22,13 +19,11 @@ from support.panel_case import BUMPS, DOOR, PanelCase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.document.written import write
 from roah_rsbb.model.referee import RunName
-from roah_rsbb.model.results import RunLine, RunSheet, UnsavedParts
+from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.rqt.model.calls import CallOutcome
-from roah_rsbb.rqt.model.fetched import run_sheets
+from roah_rsbb.rqt.model.fetched import Sheets
 from roah_rsbb.rqt.panels import benchmark_control, scoring
-from roah_rsbb.rqt.panels.history import HistoryDialog
-from roah_rsbb.rqt.panels.results import ResultsPanel
-from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog, ScoreDialog
+from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
 
 
 def opened(kind: type):
@@ -43,13 +38,13 @@ def opened(kind: type):
     return found[0]
 
 
-class TestFetched(unittest.TestCase):
+class TestSheets(unittest.TestCase):
     def test_an_answer_that_was_overtaken_is_ignored(self) -> None:
         done: List[Callable[[CallOutcome], None]] = []
         owner = QWidget()
         self.addCleanup(owner.close)
-        sheets = run_sheets(owner, SimpleNamespace(call=lambda _owner, _name, then, **run: done.append(then)),
-                            lambda: None)
+        sheets = Sheets(owner, SimpleNamespace(call=lambda _owner, _name, then, **run: done.append(then)),
+                        lambda: None)
         runs = [RunLine("a run", revision, "Home A", "HGTKMH", "Team", 1, 1, 0.0) for revision in (1, 2)]
         for run in runs:
             self.assertIsNone(sheets.newest(run))
@@ -132,42 +127,24 @@ class TestScoringWithWords(WordsCase):
         click(opened(ScoreDialog).cancel)
         self.assertEqual(len(self.core.calls), 2)
 
-    def test_the_history_and_a_withdrawal(self) -> None:
-        self.zone.mark(Mark(*BUMPS, 1), "Ben")
-        self.zone.mark(Mark(*BUMPS, 2, note="again"), "Cleo")
-        click(self.panel.history)
-        dialog = opened(HistoryDialog)
-        rows, withdraw = dialog.history.rows, dialog.history.withdraw
-        wait_until(lambda: len(rows.texts()) == 2, "the entries are shown")
-        self.assertEqual([(n, who, change, notes) for n, _, who, _, change, notes in rows.texts()],
-                         [("2", "Cleo", "1 → 2", "again"), ("1", "Ben", "0 → 1", "")])
-        self.assertFalse(withdraw.isEnabled())
-        rows.choose(2)
-        click(withdraw)
-        question = opened(NoteDialog)
-        QTest.keyClicks(question.note, "another robot")
-        click(question.yes)
-        self.wait_call("withdraw", "Home A", 2)
-        self.wait_words(self.zone.identity, "another robot", "Anna")
-        wait_until(lambda: "withdrawn" in rows.texts()[0][-1], "it is marked")
-        self.assertRegex(rows.texts()[0][-1], r"withdrawn by Anna at \d\d:\d\d:\d\d: another robot$")
-        self.assertEqual([rows.item(0, column).font().strikeOut() for column in (3, 5)], [True, False])
-        wait_until(lambda: not withdraw.isEnabled(), "once is enough")
-        wait_until(lambda: self.bumps.number.text() == "1", "the entry before counts")
-        dialog.close()
+    def test_the_name_is_one_for_all_panels_and_kept(self) -> None:
+        kept = {}
 
-    def test_an_entry_that_is_not_saved_is_marked(self) -> None:
-        self.zone.mark(Mark(*BUMPS, 1), "Ben")
-        self.zone.mark(Mark(*BUMPS, 2), "Cleo")
-        click(self.panel.history)
-        dialog = opened(HistoryDialog)
-        rows = dialog.history.rows
-        self.core.unsaved = (UnsavedParts(self.zone.identity, "Home A", (2,)),)
-        wait_until(lambda: [row[-1] for row in rows.texts()] == ["⚠ not saved yet", ""], "only the newer one is marked")
-        self.core.unsaved = ()
-        wait_until(lambda: [row[-1] for row in rows.texts()] == ["", ""], "it is saved")
-        dialog.close()
+        class Settings:
+            def set_value(self, key, value):
+                kept[key] = value
 
+            def value(self, key, default):
+                return kept.get(key, default)
+
+        self.panel.referee.clear()
+        QTest.keyClicks(self.panel.referee, "Cleo ")
+        self.assertEqual(self.client.referee.name, "Cleo")
+        self.panel.save_settings(Settings())
+        self.client.referee.set("")
+        self.assertEqual(self.panel.referee.text(), "")
+        self.panel.restore_settings(Settings())
+        self.assertEqual((self.client.referee.name, self.panel.referee.text()), ("Cleo", "Cleo"))
 
 class TestStopReason(WordsCase):
     PANEL = benchmark_control.BenchmarkControlPanel
@@ -242,121 +219,3 @@ class TestStopReason(WordsCase):
         QTest.keyClick(line, Qt.Key_Return)
         wait_until(lambda: "signed off" in self.panel._answer.text(), "the refusal is shown")
         self.assertEqual(line.text(), "why")
-
-
-class TestResults(WordsCase):
-    PANEL = ResultsPanel
-
-    def setUp(self) -> None:
-        super().setUp()
-        self.zone.mark(Mark(*DOOR, 1), "Ben")
-        self.identity = self.leave()
-        self.wait_run("not signed off")
-        wait_until(lambda: self.value(DOOR) == ("yes", ""), "the newest sheet is shown")
-
-    def wait_run(self, state: str) -> None:
-        wait_until(lambda: any(state in row[-1] for row in self.panel.runs.texts()), f"a run is '{state}'")
-        wait_until(lambda: self.panel.items.texts(), "its sheet is shown")
-
-    def value(self, item: tuple) -> tuple:
-        """Return the shown value and mark of an item."""
-        return next((row[2:] for row in self.panel.items.texts() if row[1] == item[1]), ())
-
-    def test_the_zones_runs_are_shown(self) -> None:
-        self.zone.command("next")
-        self.zone.command("connect")
-        self.core.zones["Home B"].command("connect")
-        wait_until(lambda: len(self.panel.runs.texts()) == 2, "both runs of the zone are shown")
-        now, over = self.panel.runs.texts()
-        self.assertEqual((*now[:4], now[5]), ("now", "AnotherTeam", "HWV, round 1, run 2", "connected", "open"))
-        self.assertEqual(over[1:], ("TestingTeam", "HGTKMH, round 1, run 1", "stopped, counts",
-                                    "Achievements 1 · Penalized behaviours 0 · Disqualifying behaviours 0",
-                                    "not signed off"))
-        self.assertEqual(self.panel.runs.chosen, self.identity, "the choice stays with its run")
-        self.panel.runs.choose(self.zone.identity)
-        wait_until(lambda: self.panel.sign.toolTip() and "still connected" in self.panel.sign.toolTip(), "not over")
-        self.client.model.choose_zone("Home B")
-        wait_until(lambda: [row[0] for row in self.panel.runs.texts()] == ["now"], "the other zone is shown")
-        self.client.model.choose_zone("Home A")
-
-    def test_a_correction(self) -> None:
-        self.assertEqual(self.value(DOOR), ("yes", ""))
-        self.assertFalse(self.panel.correct.isEnabled())
-        self.panel.items.choose(BUMPS)
-        click(self.panel.correct)
-        dialog = opened(ScoreDialog)
-        dialog.number.setValue(4)
-        QTest.keyClicks(dialog.note, "seen on video")
-        click(dialog.yes)
-        self.wait_words(self.identity, "seen on video", "Anna")
-        wait_until(lambda: self.value(BUMPS) == ("4", "✎ corrected"), "the correction is marked")
-        self.wait_run("✎ corrected, not signed off")
-        self.panel.tabs.setCurrentWidget(self.panel.history)
-        self.assertIn("✎ correction; seen on video", self.panel.history.rows.texts()[0])
-        self.panel.history.rows.choose(1)
-        click(self.panel.history.withdraw)
-        click(opened(NoteDialog).yes)
-        wait_until(lambda: self.value(DOOR) == ("no", "✎ corrected"), "the withdrawal is a correction, too")
-        self.panel.tabs.setCurrentIndex(0)
-        self.panel.items.choose(DOOR)
-        click(self.panel.correct)
-        dialog = opened(ScoreDialog)
-        dialog.not_attempted.setChecked(True)
-        click(dialog.yes)
-        wait_until(lambda: self.value(DOOR) == ("not attempted", "✎ corrected"), "it differs from 0")
-
-    def test_the_reason_of_a_stop(self) -> None:
-        self.panel.tabs.setCurrentIndex(2)
-        click(self.panel.give_reason)
-        dialog = opened(NoteDialog)
-        QTest.keyClicks(dialog.note, "fire alarm")
-        click(dialog.yes)
-        wait_until(lambda: self.panel.stops.texts()[0][-1] == "fire alarm (Anna)", "the reason is shown")
-
-    def test_the_sign_off_asks_and_is_final(self) -> None:
-        click(self.panel.sign)
-        asked = question()
-        self.assertIn("Signed by Anna. The sheet cannot be corrected afterwards", asked.informativeText())
-        answer(asked, QMessageBox.RejectRole)
-        click(self.panel.sign)
-        asked = question()
-        self.zone.mark(Mark(*BUMPS, 1), "Ben", self.identity)
-        self.wait_run("✎ corrected, not signed off")
-        answer(asked, QMessageBox.AcceptRole)
-        self.assertIn("the score has changed", self.panel._answer.text())
-        self.assertEqual(self.core.calls, [])
-        click(self.panel.sign)
-        asked = question()
-        self.client.referee.set("Cleo")
-        answer(asked, QMessageBox.AcceptRole)
-        self.wait_words(self.identity, "", "Anna")
-        self.wait_run("✔ signed off")
-        wait_until(lambda: "✔ signed off by Anna at" in self.panel.what.text(), "it says who did")
-        self.panel.items.choose(DOOR)
-        for button in (self.panel.sign, self.panel.correct, self.panel.give_reason, self.panel.history.withdraw):
-            wait_until(lambda b=button: "Final: signed off by Anna" in b.toolTip(), "each button says why")
-            self.assertFalse(button.isEnabled())
-
-    def test_a_silent_core_shows_and_takes_nothing_new(self) -> None:
-        self.fall_silent()
-        wait_until(lambda: "silent" in self.panel.sign.toolTip(), "the button says why it is off")
-        self.assertEqual(self.value(DOOR), ("yes", ""))
-
-    def test_the_name_is_one_for_all_panels_and_kept(self) -> None:
-        kept = {}
-
-        class Settings:
-            def set_value(self, key, value):
-                kept[key] = value
-
-            def value(self, key, default):
-                return kept.get(key, default)
-
-        self.panel.referee.clear()
-        QTest.keyClicks(self.panel.referee, "Cleo ")
-        self.assertEqual(self.client.referee.name, "Cleo")
-        self.panel.save_settings(Settings())
-        self.client.referee.set("")
-        self.assertEqual(self.panel.referee.text(), "")
-        self.panel.restore_settings(Settings())
-        self.assertEqual((self.client.referee.name, self.panel.referee.text()), ("Cleo", "Cleo"))
