@@ -197,8 +197,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>the box serves no web pages: start it with web:=true. With ROS, the node roah_rsbb_web must run, too</source>
-        <translation>die Box zeigt keine Webseiten: Sie mit web:=true starten. Mit ROS muss auch der Knoten roah_rsbb_web laufen</translation>
+        <source>the box serves no web pages: start it with web:=true</source>
+        <translation>die Box stellt keine Webseiten bereit: starten Sie sie mit web:=true</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>

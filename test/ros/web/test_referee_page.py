@@ -14,7 +14,7 @@ from support.box_case import BoxCase
 from support.box_client import Refusal
 from support.browser import IS_ALL, Browser, NeedsBrowser, Page, find
 from support.connections import process_of
-from support.gateway import GATEWAY, URL, ask, kill_gateway, wait_served
+from support.gateway import CORE, URL, ask, kill_core, wait_served
 from support.waiting import wait_until
 
 from roah_rsbb.document.written import read
@@ -216,7 +216,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertIn("Anna, Linux", self.sheet().ends[-1].who)
         history = self.sheet().history
         (who,) = {entry.who for entry in history}
-        self.assertRegex(who, f"^Anna, Linux [0-9a-f]{{8}} \\({GATEWAY}\\)$")
+        self.assertRegex(who, "^Anna, Linux [0-9a-f]{8} \\(roah_rsbb\\)$")
         self.shot("ended", page)
         identity = self.box.zone_details(ZONE).identity
         self.press_twice(page, "disconnect", "Press again")
@@ -272,10 +272,10 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.shows(page, DEVICE, "0")
         return page
 
-    def test_stop_is_repeated_until_the_gateway_is_back(self) -> None:
+    def test_stop_is_repeated_until_the_box_is_back(self) -> None:
         page = self.running()
         self.shows(page, DEVICE, "0")
-        killed = process_of(GATEWAY)
+        killed = process_of(CORE)
         os.kill(killed, signal.SIGSTOP)  # it may come back only after the page has said all
         try:
             page.wait(f"{TEXT}.includes('NO LINK TO THE BOX')", "the page says that it is alone")
@@ -287,22 +287,10 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         finally:
             os.kill(killed, signal.SIGKILL)
         self.phase("ended")
-        self.assertNotEqual(process_of(GATEWAY), killed)
+        self.assertNotEqual(process_of(CORE), killed)
         page.wait(f"!document.body.matches('.old') && {TEXT}.includes('stopped')", "the page is current again")
+        page.wait(f"{TEXT}.includes('the robot has stopped')", "the way of STOP")
         self.assertIn("Anna, Linux", self.sheet().ends[-1].who)
-
-    def test_stop_reaches_the_core_that_replaces_a_killed_one(self) -> None:
-        page = self.running()
-        core = process_of("/roah_rsbb_core")
-        os.kill(core, signal.SIGSTOP)
-        try:
-            self.touch_stop(page)
-            page.wait(f"{TEXT}.includes('NOT DELIVERED')", "STOP is sent again and again")
-        finally:
-            os.kill(core, signal.SIGKILL)
-        self.phase("ended")
-        self.assertNotEqual(process_of("/roah_rsbb_core"), core)
-        page.wait(f"!document.body.matches('.old') && {TEXT}.includes('the robot has stopped')", "the way of STOP")
 
     def test_fast_touches_count_in_their_order(self) -> None:
         page = self.running()
@@ -421,7 +409,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page.get("window.fetch = () => Promise.reject(new TypeError('no network')), 0")
         self.tap(page, item(DEVICE, 2))
         page.wait(f"{TEXT}.includes('NOT CONFIRMED: ')", "the page says that it is not confirmed")
-        kill_gateway()
+        kill_core()
         self.assertEqual(page.get("marks.waiting.length"), 1)
         page.reload()
         page.wait_address("/referee")
@@ -606,7 +594,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertIn("Hugo, Linux", signed)
 
     def test_an_organiser_chooses_the_zone(self) -> None:
-        kill_gateway()  # the new one does not know the zones before a device asks for them
+        kill_core()  # the new one does not know the zones before a device asks for them
         page = self.paired("organiser", "Olga")
         self.assertIn(ZONE, page.get("document.querySelector('.zones').textContent"))
         self.assert_accessible("organiser", page)

@@ -12,6 +12,7 @@ from roah_rsbb.box.program.modules_process import ModulesProcess, modules_comman
 from roah_rsbb.box.running import RunningBox
 from roah_rsbb.box.settings import BoxSettings
 from roah_rsbb.comm.channels import MakePeer
+from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sockets import source_host
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.devices.devices import HomeDevices, open_settings
@@ -25,6 +26,7 @@ from roah_rsbb.params import Params
 from roah_rsbb.platform import end_loop
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.shipped import shipped_folder
+from roah_rsbb.signs_of_life import WEB_PORT
 from roah_rsbb.tablet.tablet_page import TabletPage
 from roah_rsbb.web.gateway import Gateway, GatewayHost
 from roah_rsbb.web.pairing import ORGANISER
@@ -154,24 +156,29 @@ class WebParts:
     """The web pages and the tablet's page, in a thread of their own: whatever their readers send, and however slow the
     disk is that keeps who is paired, the box's loop does not wait."""
 
-    def __init__(self, box_loop: asyncio.AbstractEventLoop, settings: BoxSettings, running: RunningBox,
-                 make_peer: MakePeer) -> None:
-        """Raises `BadParams`."""
+    def __init__(self, box_loop: asyncio.AbstractEventLoop, params: Params, running: RunningBox,
+                 make_peer: MakePeer = Peer, address: str = "") -> None:
+        """`address`: of this computer, for referees; empty: the one that it has in its network. Raises `BadParams`."""
         self._running, self._box_loop, self._loop = running, box_loop, asyncio.new_event_loop()
         self._calls: Mapping[str, Call] = {}
         self.url: concurrent.futures.Future[str] = concurrent.futures.Future()
         """Of the web pages on this computer, once they are served."""
+        self.tablet_url: concurrent.futures.Future[str] = concurrent.futures.Future()
+        """Of the tablet's page."""
         resource = shipped_folder().parent / "resource"
-        address = source_host(PUBLIC_ADDRESS) or LOOPBACK
-        names = [*settings.given("web_names").lower().split(), address]
+        address = address or source_host(PUBLIC_ADDRESS) or LOOPBACK
+        names = [*params.text("web_names", "").lower().split(), address]
         self._parts: List[Union[Gateway, TabletPage]] = []
-        self.has_pages = settings.flag("web", True)
+        self.has_pages = params.flag("web", False)
         if self.has_pages:
-            self._parts.append(Gateway(self._loop, settings, GatewayHost(
+            if not params.text("web_cert", ""):
+                running.lifeline.keep(WEB_PORT, str(params.whole("web_port", 8081, 0, 65535)))
+            self._parts.append(Gateway(self._loop, params, GatewayHost(
                 resource, NAME, address, self._make_client, self.url.set_result, names)))
-        if settings.flag("tablet", False):
-            self._parts.append(TabletPage(self._loop, settings, str(resource), names, lambda url: None, make_peer))
-        settings.done()
+        if params.flag("tablet", False):
+            self._parts.append(TabletPage(
+                self._loop, params, str(resource), names, self.tablet_url.set_result, make_peer))
+        params.done()
         self._thread = threading.Thread(target=self._run, name="web pages", daemon=True)
 
     def _make_client(self, on_change: Callable[[], object], calls: Mapping[str, Call]) -> InProcessClient:

@@ -4,7 +4,9 @@ Parameters (private; docs/ros_interface.md, "Parameters" explains them): rsbb_ho
 benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, public_provisional, public_robot_texts,
 standings_file, rsbb_cypher, private_mode, robot_timeout, allowed_skew, after_stop_duration, check_messages_saved,
 check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_duration, take_over, backup_dir,
-standby_port, end_launch. Of its neighbours: bell_ring_command, timeout_ring_command; modules_dir, for a standby.
+standby_port, end_launch. Of its neighbours: bell_ring_command, timeout_ring_command; modules_dir, for a standby; web,
+web_port, web_host, web_names, web_cert, web_key, web_logos, title, team_pages; tablet, tablet_port, tablet_host,
+map_file.
 """
 
 import asyncio
@@ -19,7 +21,7 @@ from roah_rsbb import platform
 from roah_rsbb.box.calls import exit_call
 from roah_rsbb.box.parameters import read_parameters
 from roah_rsbb.box.program.main import log_to_terminal
-from roah_rsbb.box.program.parts import Sounds
+from roah_rsbb.box.program.parts import Sounds, WebParts
 from roah_rsbb.box.program.supervisor import CopyingProcess
 from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
@@ -72,6 +74,7 @@ class CoreNode:
             self.loop, found, run_id, lock,
             Peripherals(self._ring, self._publish_module_runs, self._set_device), lifeline)
         running.door.add_calls({EXIT: exit_call(running.door.publish, lambda: InThread(_exit))})
+        self._web = WebParts(self.loop, params, running, address=hosts.address)
         self._published = PublishedDoor(
             running.door, hosts, json.loads(lifeline.kept.get(DOORS, "[]")),
             lambda paths: self.loop.call_soon_threadsafe(lifeline.keep, DOORS, json.dumps(paths)), found.log_dir)
@@ -86,6 +89,7 @@ class CoreNode:
         asyncio.set_event_loop(self.loop)
         self.loop.run_until_complete(self.running.ask())
         self.running.start()
+        self._web.start()
         self.loop.call_soon(self._published.open)  # it serves in the loop that is running
         threading.Thread(target=self._join_ros, name="ROS", daemon=True).start()
         self.loop.call_later(MASTER_S, self._warn)
@@ -94,6 +98,7 @@ class CoreNode:
         for number in (signal.SIGINT, signal.SIGTERM):
             self.loop.add_signal_handler(number, self._stop, f"signal {number}")
         self.loop.run_forever()
+        self._web.close()
         self._published.close()
         if self._ros is not None:
             self._ros.close_services()
@@ -122,6 +127,7 @@ class CoreNode:
             side = ros_side.RosSide(self.loop, self.running, self._sounds.ring_bell)
             call_in_loop(self.loop, lambda: self._use(side))
             self._published.publish()
+            self._published.publish_pages({"url": self._web.url, "tablet_url": self._web.tablet_url})
         except Exception:
             _log.exception("No node of ROS can use this box. Between two runs, end it and start it again")
 
