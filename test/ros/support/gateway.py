@@ -7,6 +7,7 @@ from typing import Any, Dict, List
 from roah_rsbb.wording.device import NO_WEB
 from support.box_client import BoxClient, Refusal
 from support.connections import kill
+from support.door_client import NoAnswer
 from support.robots import RSBB_PORT
 from support.waiting import wait_until
 
@@ -25,6 +26,8 @@ def ask(box: BoxClient, name: str, **arguments: object) -> Any:
     def answered() -> List[Any]:
         try:
             return [box.ask(name, **arguments)]
+        except NoAnswer:  # the core was just killed
+            return []
         except Refusal as refused:
             if NO_WEB not in str(refused):
                 raise

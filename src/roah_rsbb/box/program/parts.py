@@ -109,31 +109,44 @@ def _sound(params: Params, name: str, file: str) -> Sound:
 class ControlledDevices:
     """The home devices, if this box controls them."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, log_dir: str,
-                 on_bell: Callable[[], object]) -> None:
-        """Raises `BadParams`."""
+    def __init__(self, loop: asyncio.AbstractEventLoop, params: Params, log_dir: str,
+                 on_bell: Callable[[], object], launch: str = "") -> None:
+        """`launch`: with another one, all devices are off at first; empty: never. Raises `BadParams`."""
         self._running: Optional[RunningBox] = None
-        self._home: Optional[HomeDevices] = None
-        host, port = settings.text("smartif_host"), settings.whole("smartif_port", 6665, 1, 65535)
-        if settings.flag("devices", True):
-            saved, save = open_settings(log_dir)
-            self._home = HomeDevices(loop, host, port, on_state=self._on_state, on_bell=on_bell,
-                                     on_status=self._on_status, saved=saved, save=save)
+        self.home: Optional[HomeDevices] = None
+        """None: this box controls none."""
+        self._rings = [on_bell]
+        self._follow_state: List[Callable[[Home], object]] = []
+        self._follow_status: List[Callable[[bool, str], object]] = []
+        host, port = params.text("smartif_host", "192.168.1.56"), params.whole("smartif_port", 6665, 1, 65535)
+        if params.flag("devices", False):
+            saved, save = open_settings(log_dir, launch)
+            self.home = HomeDevices(loop, host, port, on_state=self._on_state, on_bell=self._on_bell,
+                                    on_status=self._on_status, saved=saved, save=save)
 
     def start(self, running: RunningBox) -> None:
         """Connect to the controller."""
         self._running = running
-        if self._home is not None:
-            running.door.add_calls(self._home.calls())
-            self._home.start()
+        if self.home is not None:
+            running.door.add_calls(self.home.calls())
+            self.home.start()
+
+    def follow(self, on_state: Callable[[Home], object], on_bell: Callable[[], object],
+               on_status: Callable[[bool, str], object]) -> None:
+        """Call these, too, for what is true now and for all that happens: see `HomeDevices`."""
+        assert self.home is not None, "this box has devices"
+        self._follow_state.append(on_state)
+        self._rings.append(on_bell)
+        self._follow_status.append(on_status)
+        self.home.report()
 
     def set(self, wish: SetDevice) -> None:
         """Carry out a robot's command."""
         _log.info("zone %s: the robot sets %s to %d", wish.zone, wish.device, wish.value)
         try:
-            if self._home is None:
+            if self.home is None:
                 raise BadSetting(NO_DEVICES)
-            self._home.set(wish.device, wish.value)
+            self.home.set(wish.device, wish.value)
         except BadSetting as error:
             assert self._running is not None, "robots are heard after the start"
             self._running.event(self._running.box.on_device_refused, wish.zone, wish.device, wish.value, str(error))
@@ -141,15 +154,23 @@ class ControlledDevices:
     def _on_state(self, home: Home) -> None:
         assert self._running is not None, "it was started"
         self._running.event(self._running.box.on_devices, devices_state(home))
+        for follow in self._follow_state:
+            follow(home)
+
+    def _on_bell(self) -> None:
+        for ring in self._rings:
+            ring()
 
     def _on_status(self, connected: bool, text: str) -> None:
         assert self._running is not None, "it was started"
         self._running.event(self._running.box.on_devices_status, connected, text)
+        for follow in self._follow_status:
+            follow(connected, text)
 
     def close(self) -> None:
         """Disconnect."""
-        if self._home is not None:
-            self._home.close()
+        if self.home is not None:
+            self.home.close()
 
 
 class WebParts:

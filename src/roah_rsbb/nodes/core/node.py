@@ -6,7 +6,7 @@ standings_file, rsbb_cypher, private_mode, robot_timeout, allowed_skew, after_st
 check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_duration, take_over, backup_dir,
 standby_port, end_launch. Of its neighbours: bell_ring_command, timeout_ring_command; modules_dir, for a standby; web,
 web_port, web_host, web_names, web_cert, web_key, web_logos, title, team_pages; tablet, tablet_port, tablet_host,
-map_file.
+map_file; devices. Of the devices: smartif_host, smartif_port (TCP), which are those of roah_devices.
 """
 
 import asyncio
@@ -21,7 +21,7 @@ from roah_rsbb import platform
 from roah_rsbb.box.calls import exit_call
 from roah_rsbb.box.parameters import read_parameters
 from roah_rsbb.box.program.main import log_to_terminal
-from roah_rsbb.box.program.parts import Sounds, WebParts
+from roah_rsbb.box.program.parts import ControlledDevices, Sounds, WebParts
 from roah_rsbb.box.program.supervisor import CopyingProcess
 from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
@@ -73,6 +73,8 @@ class CoreNode:
         self.running = running = RunningBox(
             self.loop, found, run_id, lock,
             Peripherals(self._ring, self._publish_module_runs, self._set_device), lifeline)
+        self._devices = ControlledDevices(self.loop, params, found.log_dir, self._sounds.ring_bell, run_id)
+        params.done()
         running.door.add_calls({EXIT: exit_call(running.door.publish, lambda: InThread(_exit))})
         self._web = WebParts(self.loop, params, running, address=hosts.address)
         self._published = PublishedDoor(
@@ -81,7 +83,7 @@ class CoreNode:
         self._is_supervised = lifeline.has_supervisor
         self._ros: Optional[RosSide] = None
         self._rang = False
-        self._devices: Dict[str, SetDevice] = {}
+        self._wishes: Dict[str, SetDevice] = {}  # of robots, for the devices of another node
         self._is_warned, self._why = False, "shutdown"
 
     def run(self) -> None:
@@ -89,6 +91,7 @@ class CoreNode:
         asyncio.set_event_loop(self.loop)
         self.loop.run_until_complete(self.running.ask())
         self.running.start()
+        self._devices.start(self.running)
         self._web.start()
         self.loop.call_soon(self._published.open)  # it serves in the loop that is running
         threading.Thread(target=self._join_ros, name="ROS", daemon=True).start()
@@ -102,6 +105,7 @@ class CoreNode:
         self._published.close()
         if self._ros is not None:
             self._ros.close_services()
+        self._devices.close()
         self._sounds.close()
         self.running.close()
         self._copying.end()
@@ -124,7 +128,7 @@ class CoreNode:
             from roah_rsbb.nodes.core import ros_side
 
             ros_side.join()
-            side = ros_side.RosSide(self.loop, self.running, self._sounds.ring_bell)
+            side = ros_side.RosSide(self.loop, self.running, self._devices, self._sounds.ring_bell)
             call_in_loop(self.loop, lambda: self._use(side))
             self._published.publish()
             self._published.publish_pages({"url": self._web.url, "tablet_url": self._web.tablet_url})
@@ -136,7 +140,7 @@ class CoreNode:
         side.use()
         if self._rang:
             side.publish_timeout()
-        for wish in self._devices.values():
+        for wish in self._wishes.values():
             self._set_device(wish)
         if self._is_warned:
             self.running.event(self.running.box.on_repaired, NO_MASTER, MASTER_ANSWERS)
@@ -153,10 +157,12 @@ class CoreNode:
             self._ros.publish_timeout()
 
     def _set_device(self, wish: SetDevice) -> None:
-        if self._ros is not None:
+        if self._devices.home is not None:
+            self._devices.set(wish)
+        elif self._ros is not None:
             self._ros.others.set_device(wish)
         else:
-            self._devices[wish.device] = wish
+            self._wishes[wish.device] = wish
 
     def _publish_module_runs(self) -> None:
         if self._ros is not None:
@@ -183,11 +189,10 @@ def main() -> None:
         else:
             from roah_rsbb.nodes.core import ros_side
             from roah_rsbb.ros.command_line import explain
-            from roah_rsbb.ros.params import NodeParams
 
             explain(str(__doc__))
             ros_side.join(lifeline.wait)
-            params = NodeParams()
+            params = ros_side.CoreParams()
             run_id, hosts = ros_side.start_of_node()
         node = CoreNode(params, run_id, DoorHosts(*hosts), lifeline)
         if not kept:
