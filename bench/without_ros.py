@@ -12,7 +12,7 @@ import reaction
 import rospy
 from addresses import BROADCAST
 from fleet import REGULAR_S, Fleet
-from processes import ROOT, START_S, Box, Measured, wait
+from processes import START_S, Box, Measured, wait
 from table import quantile
 
 from roah_rsbb.client.client import Client
@@ -65,28 +65,20 @@ class BoxWithoutRos(Box):
 
 
 class BoxWithRos(Box):
-    """The nodes that do what `BoxWithoutRos` does: core with web pages, benchmarking modules. Use it as a context
-    manager."""
+    """The same box, with ROS. Use it as a context manager."""
 
     def __init__(self, zones: int) -> None:
         super().__init__(zones, has_pages=True)
 
     def __enter__(self) -> "BoxWithRos":
         super().__enter__()
-        self.others = [Measured(sys.executable, str(ROOT / "scripts" / "roah_rsbb_modules"))]
-        rospy.wait_for_message("/modules/state", rospy.AnyMsg, START_S)
         wait(lambda: rospy.has_param("/roah_rsbb_web/url"), "the web pages are served")
         return self
 
-    def __exit__(self, *error: object) -> None:
-        for other in self.others:
-            other.close()
-        super().__exit__(*error)
-
     @property
     def processes(self) -> List[Measured]:
-        """All of them."""
-        return [self.process, *self.others]
+        """The only one."""
+        return [self.process]
 
 
 class Sides(NamedTuple):

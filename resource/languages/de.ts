@@ -4296,8 +4296,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/modules/presence.py"/>
-        <source>Benchmarking module not connected: nothing drives {code}. Start the box with modules:=true, and see its log: the rules may be damaged. With ROS, the node roah_rsbb_modules must run, with {code} among its benchmarks</source>
-        <translation>Das Benchmark-Modul ist nicht verbunden: Nichts führt {code}. Starten Sie die Box mit modules:=true, und sehen Sie in ihrem Protokoll nach: Die Regeln können beschädigt sein. Mit ROS muss der Knoten roah_rsbb_modules laufen, mit {code} unter seinen Benchmarks</translation>
+        <source>Benchmarking module not connected: nothing drives {code}. Start the box with modules:=true, and see its log: the rules may be damaged</source>
+        <translation>Das Benchmark-Modul ist nicht verbunden: Nichts führt {code}. Starten Sie die Box mit modules:=true, und sehen Sie in ihrem Protokoll nach: Die Regeln können beschädigt sein</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/reload.py"/>

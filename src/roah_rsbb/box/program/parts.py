@@ -4,13 +4,12 @@ import asyncio
 import concurrent.futures
 import logging
 import threading
-from typing import Callable, List, Mapping, Optional, Union
+from typing import Callable, List, Mapping, Optional, Sequence, Union
 
 from roah_rsbb.bmbox.host.host import chosen_benchmarks
 from roah_rsbb.box.in_process_client import InProcessClient
 from roah_rsbb.box.program.modules_process import ModulesProcess, modules_command
 from roah_rsbb.box.running import RunningBox
-from roah_rsbb.box.settings import BoxSettings
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sockets import source_host
@@ -44,12 +43,14 @@ _log = logging.getLogger(__name__)
 class DrivenModules:
     """The modules of functionality benchmarks, in a process of their own. It begins when one of them is scheduled."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, is_dummy: bool) -> None:
-        """`is_dummy`: a simulated motion-capture system sees what the rules ask for. Raises `BadParams`."""
-        folder = settings.path("modules_dir")
+    def __init__(self, loop: asyncio.AbstractEventLoop, params: Params, is_dummy: bool = False,
+                 program: Sequence[str] = ()) -> None:
+        """`is_dummy`: a simulated motion-capture system sees what the rules ask for. `program`: see `modules_command`.
+        Raises `BadParams`."""
+        folder = params.path("modules_dir")
         self._running: Optional[RunningBox] = None
         self._process = ModulesProcess(
-            loop, modules_command(folder, chosen_benchmarks(settings, folder), is_dummy), self._take_state)
+            loop, modules_command(folder, chosen_benchmarks(params, folder), is_dummy, program), self._take_state)
         self._is_started = False
 
     def start(self, running: RunningBox) -> None:

@@ -4,9 +4,10 @@ Parameters (private; docs/ros_interface.md, "Parameters" explains them): rsbb_ho
 benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, public_provisional, public_robot_texts,
 standings_file, rsbb_cypher, private_mode, robot_timeout, allowed_skew, after_stop_duration, check_messages_saved,
 check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_duration, take_over, backup_dir,
-standby_port, end_launch. Of its neighbours: bell_ring_command, timeout_ring_command; modules_dir, for a standby; web,
-web_port, web_host, web_names, web_cert, web_key, web_logos, title, team_pages; tablet, tablet_port, tablet_host,
-map_file; devices. Of the devices: smartif_host, smartif_port (TCP), which are those of roah_devices.
+standby_port, end_launch. Of its neighbours: bell_ring_command, timeout_ring_command; modules, modules_dir and
+benchmarks (codes with blanks between them; default: all); web, web_port, web_host, web_names, web_cert, web_key,
+web_logos, title, team_pages; tablet, tablet_port, tablet_host, map_file; devices. Of the devices: smartif_host,
+smartif_port (TCP), which are those of roah_devices.
 """
 
 import asyncio
@@ -21,7 +22,7 @@ from roah_rsbb import platform
 from roah_rsbb.box.calls import exit_call
 from roah_rsbb.box.parameters import read_parameters
 from roah_rsbb.box.program.main import log_to_terminal
-from roah_rsbb.box.program.parts import ControlledDevices, Sounds, WebParts
+from roah_rsbb.box.program.parts import ControlledDevices, DrivenModules, Sounds, WebParts
 from roah_rsbb.box.program.supervisor import CopyingProcess
 from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
 # Until referees are warned, if the node is not registered at the ROS master. On a slow computer, rospy takes seconds.
 MASTER_S = 10.0
 LOOK_S = 1.0
+# The program with the benchmarking modules. It is not imported: the box does not wait for rospy.
+MODULES = (sys.executable, "-m", "roah_rsbb.nodes.modules.of_box")
 NO_MASTER = ("The ROS master does not answer, or not completely: robots, pages and terminals are served, but no node "
              "of ROS. Check roscore or the roslaunch that started it")
 MASTER_ANSWERS = "The ROS master answers again"
@@ -82,6 +85,10 @@ class CoreNode:
             lambda paths: self.loop.call_soon_threadsafe(lifeline.keep, DOORS, json.dumps(paths)), found.log_dir)
         self._is_supervised = lifeline.has_supervisor
         self._ros: Optional[RosSide] = None
+        self._modules: Optional[DrivenModules] = None
+        if params.flag("modules", False):
+            self._modules = DrivenModules(self.loop, params, program=MODULES)
+        params.done()
         self._rang = False
         self._wishes: Dict[str, SetDevice] = {}  # of robots, for the devices of another node
         self._is_warned, self._why = False, "shutdown"
@@ -92,6 +99,8 @@ class CoreNode:
         self.loop.run_until_complete(self.running.ask())
         self.running.start()
         self._devices.start(self.running)
+        if self._modules is not None:
+            self._modules.start(self.running)
         self._web.start()
         self.loop.call_soon(self._published.open)  # it serves in the loop that is running
         threading.Thread(target=self._join_ros, name="ROS", daemon=True).start()
@@ -105,6 +114,8 @@ class CoreNode:
         self._published.close()
         if self._ros is not None:
             self._ros.close_services()
+        if self._modules is not None:
+            self._modules.close()
         self._devices.close()
         self._sounds.close()
         self.running.close()
@@ -165,6 +176,8 @@ class CoreNode:
             self._wishes[wish.device] = wish
 
     def _publish_module_runs(self) -> None:
+        if self._modules is not None:
+            self._modules.publish_runs()
         if self._ros is not None:
             self._ros.others.publish_module_runs()
 
