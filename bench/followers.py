@@ -1,5 +1,4 @@
-"""Measures the core beside clients of its door, and the gateway beside phones: what they cost, how much each is sent,
-how soon each knows.
+"""Measures the core beside clients of its door and phones: what they cost, how much each is sent, how soon each knows.
 
 As a program it is one client, in a process of its own: it prints the bytes a second of the documents that it is sent.
 """
@@ -35,30 +34,23 @@ class Cost(NamedTuple):
 
     core_percent: float
     client_rate: float
-    gateway_percent: float
     phone_rate: float
 
 
 def cost(box: "processes.Box", count: int, phones: int, seconds: float) -> Cost:
-    """Measure beside `count` clients and, behind a gateway, some phones."""
+    """Measure beside `count` clients and some phones. The box has pages."""
     import gateway
     from processes import Measured
 
-    served = gateway.Gateway() if phones else None
-    readers = gateway.Viewers(served.port, phones, gateway.Phone(served).cookie) if served else None
+    readers = gateway.Viewers(box.web_port, phones, gateway.Phone(box).cookie) if phones else None
     clients = [Measured(sys.executable, __file__, str(seconds + 1.0)) for _ in range(count)]
     time.sleep(SETTLE_S + 1.0 if count else 0.5)
-    used = served.process.cpu_s() if served else 0.0
-    began = time.monotonic()
     core_percent = box.process.cpu_percent(seconds)
-    gateway_percent = 100.0 * (served.process.cpu_s() - used) / (time.monotonic() - began) if served else 0.0
     for client in clients:
         client.wait_ended()
     rates = [float(client.lines[-1]) for client in clients]
     phone_rate = readers.close() if readers else 0.0
-    if served:
-        served.close()
-    return Cost(core_percent, sum(rates) / count if count else 0.0, gateway_percent, phone_rate)
+    return Cost(core_percent, sum(rates) / count if count else 0.0, phone_rate)
 
 
 def changes(count: int) -> List[float]:

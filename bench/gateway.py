@@ -1,19 +1,16 @@
-"""Measures the gateway for browsers: from a change in the core to its readers, and what it costs gateway and core."""
+"""Measures the gateway for browsers: from a change in the core to its readers, and what it costs the core."""
 
 import http.cookies
 import json
-import os
 import pathlib
 import random
 import signal
-import socket
 import sys
 import time
 import urllib.request
 from typing import Dict, List, NamedTuple, Optional
 
-from addresses import BOX_HOST, BROADCAST
-from processes import ROOT, Box, Measured, wait
+from processes import Box, Measured, wait
 from support.waiting import wait_until
 
 from roah_rsbb.client.client import Client
@@ -31,31 +28,6 @@ class Cost(NamedTuple):
 
     late_ms: List[float]  # of each reader and change
     core_percent: float
-    gateway_percent: float
-
-
-class Gateway:
-    """The node roah_rsbb_web."""
-
-    def __init__(self) -> None:
-        with socket.socket() as free:
-            free.bind((BOX_HOST, 0))
-            self.port = free.getsockname()[1]
-        self.process = Measured(
-            sys.executable, str(ROOT / "scripts" / "roah_rsbb_web"), f"_rsbb_host:={BROADCAST}",
-            f"_web_port:={self.port}", f"_log_dir:={os.environ['ROS_HOME']}/web")
-        wait(self._answers, "the gateway answers")
-
-    def close(self) -> None:
-        """End the node."""
-        self.process.close()
-
-    def _answers(self) -> bool:
-        try:
-            socket.create_connection((BOX_HOST, self.port), 1.0).close()
-        except OSError:
-            return False
-        return True
 
 
 def organisers_code() -> Dict[str, str]:
@@ -78,8 +50,8 @@ def organisers_code() -> Dict[str, str]:
 class Phone:
     """A paired device of an organiser, without a browser."""
 
-    def __init__(self, gateway: Gateway) -> None:
-        self._url = f"http://127.0.0.1:{gateway.port}"
+    def __init__(self, box: Box) -> None:
+        self._url = f"http://127.0.0.1:{box.web_port}"
         self.cookie = ""
         self._send("pair", {"code": organisers_code()["code"], "person": f"Bench {time.monotonic_ns()}"})
 
@@ -116,12 +88,11 @@ class Viewers:
         return json.loads(self._process.lines[self._read - 1])
 
 
-def change(box: Box, gateway: Optional[Gateway], viewers: Optional[Viewers], count: int) -> Cost:
+def change(box: Box, viewers: Optional[Viewers], count: int) -> Cost:
     """Move a zone to its other event and back, `count` times."""
     time.sleep(SETTLE_S)
     dice, late_ms = random.Random(5), []
     began, core = time.monotonic(), box.process.cpu_s()
-    served = gateway.process.cpu_s() if gateway else 0.0
     for number in range(count):
         at = time.monotonic()
         box.command("previous" if number % 2 else "next", 0)
@@ -129,5 +100,4 @@ def change(box: Box, gateway: Optional[Gateway], viewers: Optional[Viewers], cou
             late_ms += [(when - at) * 1e3 for when in viewers.times()]
         time.sleep(max(0.0, at + dice.uniform(0.2, LONGEST_PAUSE_S) - time.monotonic()))
     seconds = time.monotonic() - began
-    return Cost(late_ms, 100.0 * (box.process.cpu_s() - core) / seconds,
-                100.0 * ((gateway.process.cpu_s() if gateway else 0.0) - served) / seconds)
+    return Cost(late_ms, 100.0 * (box.process.cpu_s() - core) / seconds)

@@ -5,7 +5,7 @@ import time
 from typing import List, NamedTuple, Tuple
 
 from fleet import Fleet, Robot
-from gateway import LONGEST_PAUSE_S, Gateway, organisers_code
+from gateway import LONGEST_PAUSE_S, organisers_code
 from processes import Box, wait
 from support.browser import Browser, Page, find
 
@@ -71,10 +71,10 @@ class FirstPage(NamedTuple):
 
 
 class Pages:
-    """A browser, beside a gateway. Use it as a context manager."""
+    """A browser, beside a box with pages. Use it as a context manager."""
 
-    def __init__(self, gateway: Gateway) -> None:
-        self.url = f"http://127.0.0.1:{gateway.port}"
+    def __init__(self, box: Box) -> None:
+        self.url = f"http://127.0.0.1:{box.web_port}"
         program = find()
         if program is None:
             raise SystemExit("bench: no Chromium: on Debian apt-get install chromium")

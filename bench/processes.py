@@ -90,15 +90,19 @@ def free_port() -> int:
 class Box:
     """The real core node with the given number of zones and a team for each. Use it as a context manager."""
 
-    def __init__(self, zones: int, profile: str = "") -> None:
-        """`profile`: file for the cProfile data of its main thread."""
+    def __init__(self, zones: int, profile: str = "", has_pages: bool = False) -> None:
+        """`profile`: file for the cProfile data of its main thread. `has_pages`: it serves the web pages."""
         self.zones = zones
         self.port = free_port()
+        with socket.socket() as free:
+            free.bind((BOX_HOST, 0))
+            self.web_port = free.getsockname()[1]
         self._folder = pathlib.Path(tempfile.mkdtemp(prefix="roah_rsbb_bench."))
         self._configure()
         self.process = self._started(profile, {
             "rsbb_host": BROADCAST, "bind_host": BOX_HOST, "rsbb_port": self.port, "listen_duration": 0.3,
             "log_dir": self._folder / "log", "max_datagram": 8000, "robot_timeout": 30.0,
+            "web": str(has_pages).lower(), "web_port": self.web_port,
             **{f"{name}_file": self._folder / f"{name}.yaml" for name in ("benchmarks", "schedule", "passwords")},
         })
 

@@ -281,7 +281,7 @@ class Bench:
     def floods(self) -> None:
         """STOP beside floods of datagrams, calls and connections, as ratio to the idle machine."""
         rounds, zones = self.extent.flood_rounds, 2 * floods.STOPPED
-        with Box(zones) as box, Fleet(zones, box.port) as fleet:
+        with Box(zones, has_pages=True) as box, Fleet(zones, box.port) as fleet:
             reaction.connect(box, fleet, zones)
             stopped, stop = floods.Stopped(box, fleet), rospy.ServiceProxy("/core/stop", Zone)
             client = Client(Document, DoorPlaces().find)
@@ -311,26 +311,22 @@ class Bench:
                         *(f"zone {zone}" for zone in stopped.flooded))
                 measure(f"connections to the core{name}", call, "connections", BOX_HOST, *ports.values(), door)
             client.close()
-            served = gateway.Gateway()
-            try:
-                send = gateway.Phone(served).command
+            send = gateway.Phone(box).command
 
-                def by_phone(zone: int) -> None:
-                    send("stop", {"zone": f"zone {zone}", "identity": ""})
+            def by_phone(zone: int) -> None:
+                send("stop", {"zone": f"zone {zone}", "identity": ""})
 
-                measure("connections to the gateway, by phone", by_phone, "connections", BOX_HOST, served.port)
-                measure("datagrams to the public port, by phone", by_phone, "datagrams", BOX_HOST, box.port)
-            finally:
-                served.close()
+            measure("connections to the gateway, by phone", by_phone, "connections", BOX_HOST, box.web_port)
+            measure("datagrams to the public port, by phone", by_phone, "datagrams", BOX_HOST, box.port)
 
     # -- the door -----------------------------------------------------------------------------------
 
     def door(self) -> None:
-        """The core with clients of its door, and the gateway with phones: load, and when others know a change."""
-        with Box(1) as box:
+        """The core with clients of its door, and with phones: load, and when others know a change."""
+        with Box(1, has_pages=True) as box:
             self._followed(box, "no robots")
         for zones in (1, 40, 100):
-            with box_in_runs(zones, idle=lambda box: self._followed(box, "no run")) as (box, fleet):
+            with box_in_runs(zones, idle=lambda box: self._followed(box, "no run"), has_pages=True) as (box, fleet):
                 fleet.keep_sending(load.ORIGINAL_PERIOD_S)
                 self._followed(box, "in runs")
 
@@ -347,7 +343,6 @@ class Bench:
                             2 if is_idle and not phones else None)
             if phones:
                 results.add(f"{of}: to each phone", "kB/s", cost.phone_rate / 1e3)
-                results.add(f"{of}: CPU of the gateway", "% of a core", cost.gateway_percent)
         if is_idle:
             taken = followers.changes(self.extent.starts)
             results.add_spread(f"{name}: call to the change at another client", "ms", taken,
@@ -378,61 +373,46 @@ class Bench:
     # -- browsers -----------------------------------------------------------------------------------
 
     def web(self) -> None:
-        """The gateway with one reader and with many; the core with and without it."""
+        """The core with its pages and without, with one reader and with many."""
         count, results = self.extent.starts, self.results
         with Box(1) as box:
-            costs = [("without the gateway", gateway.change(box, None, None, count))]
-            served = gateway.Gateway()
-            try:
-                costs.append(("with the gateway, nobody reads", gateway.change(box, served, None, count)))
-                for readers in (1, MANY_VIEWERS):
-                    viewers = gateway.Viewers(served.port, readers)
-                    cost = gateway.change(box, served, viewers, count)
-                    viewers.close()
-                    name = f"{readers} reader{'s' * (readers > 1)}"
-                    costs.append((f"with the gateway, {name}", cost))
-                    results.add_spread(f"call that changes the core to {name}", "ms", cost.late_ms, {0.95: 100})
-                memory = served.process.memory_mb()
-            finally:
-                served.close()
-            costs.append(("without the gateway again", gateway.change(box, None, None, count)))
+            costs = [("without pages", gateway.change(box, None, count))]
+        with Box(1, has_pages=True) as box:
+            costs.append(("with pages, nobody reads", gateway.change(box, None, count)))
+            for readers in (1, MANY_VIEWERS):
+                viewers = gateway.Viewers(box.web_port, readers)
+                cost = gateway.change(box, viewers, count)
+                viewers.close()
+                name = f"{readers} reader{'s' * (readers > 1)}"
+                costs.append((f"with pages, {name}", cost))
+                results.add_spread(f"call that changes the core to {name}", "ms", cost.late_ms, {0.95: 100})
+            memory = box.process.memory_mb()
         for name, cost in costs:
             results.add(f"core {name}: CPU", "% of a core", cost.core_percent)
-        results.add("gateway, nobody reads: CPU", "% of a core", costs[1][1].gateway_percent)
-        results.add(f"gateway, {MANY_VIEWERS} readers: CPU", "% of a core", costs[3][1].gateway_percent, 40)
-        results.add(f"gateway, after {MANY_VIEWERS} readers: memory", "MB", memory, 80)
+        results.add(f"core, after {MANY_VIEWERS} readers: memory", "MB", memory)
 
     def browser(self) -> None:
         """The pages in Chromium: what is painted when, START by phone, and the first page on a slow link."""
         count, results = self.extent.starts, self.results
-        with Box(1) as box:
-            served = gateway.Gateway()
-            try:
-                with pages.Pages(served) as shown:
-                    visits = shown.first(max(3, self.extent.clicks // 4))
-                    results.add("first page, all files and data", "kB", max(one.kilobytes for one in visits), 150)
-                    results.add_spread("first page over 1 Mbit/s: painted after", "s",
-                                       [one.seconds for one in visits], {0.5: 1})
-                    results.add_spread("call that changes the core to painted, 1 browser", "ms",
-                                       shown.painted(box, count), {0.95: 100})
-                    viewers = gateway.Viewers(served.port, MANY_VIEWERS - 1)
-                    taken = shown.painted(box, count)
-                    viewers.close()
-                    name = f"call that changes the core to painted, beside {MANY_VIEWERS - 1} readers"
-                    results.add_spread(name, "ms", taken, {0.95: 100})
-            finally:
-                served.close()
-        with box_in_runs(1) as (box, fleet):
-            served = gateway.Gateway()
-            try:
-                self._phone(box, fleet, served)
-                self._beside_readers(box, fleet, served)
-            finally:
-                served.close()
+        with Box(1, has_pages=True) as box, pages.Pages(box) as shown:
+            visits = shown.first(max(3, self.extent.clicks // 4))
+            results.add("first page, all files and data", "kB", max(one.kilobytes for one in visits), 150)
+            results.add_spread("first page over 1 Mbit/s: painted after", "s",
+                               [one.seconds for one in visits], {0.5: 1})
+            results.add_spread("call that changes the core to painted, 1 browser", "ms",
+                               shown.painted(box, count), {0.95: 100})
+            viewers = gateway.Viewers(box.web_port, MANY_VIEWERS - 1)
+            taken = shown.painted(box, count)
+            viewers.close()
+            name = f"call that changes the core to painted, beside {MANY_VIEWERS - 1} readers"
+            results.add_spread(name, "ms", taken, {0.95: 100})
+        with box_in_runs(1, has_pages=True) as (box, fleet):
+            self._phone(box, fleet)
+            self._beside_readers(box, fleet)
 
-    def _phone(self, box: Box, fleet: Fleet, served: gateway.Gateway) -> None:
+    def _phone(self, box: Box, fleet: Fleet) -> None:
         """START, by a command as the page sends it and by a finger on the page."""
-        robot, send = fleet.robots[0], gateway.Phone(served).command
+        robot, send = fleet.robots[0], gateway.Phone(box).command
 
         def command(word: str) -> None:
             if word == "start":
@@ -442,19 +422,19 @@ class Bench:
 
         taken = reaction.starts(fleet, robot, command, self.extent.starts)
         self.results.add_spread("START as the page sends it to PREPARE on the wire", "ms", taken, {0.99: 30})
-        with pages.Pages(served) as shown:
+        with pages.Pages(box) as shown:
             taken, clicked = shown.taps(box, fleet, robot, self.extent.clicks)
         self.results.add_spread("finger lifted from START to PREPARE on the wire", "ms", taken, {0.99: 30})
         self.results.add_spread("of this until Chromium reports the click", "ms", clicked, {})
         self._settle(fleet)
 
-    def _beside_readers(self, box: Box, fleet: Fleet, served: gateway.Gateway) -> None:
+    def _beside_readers(self, box: Box, fleet: Fleet) -> None:
         """The core's reaction and CPU with many readers and without them, in turns."""
         taken: Dict[int, List[float]] = {0: [], MANY_VIEWERS: []}
         cpu_s: Dict[int, float] = dict.fromkeys(taken, 0.0)
         seconds: Dict[int, float] = dict.fromkeys(taken, 0.0)
         for readers in [0, MANY_VIEWERS] * 3:
-            viewers = gateway.Viewers(served.port, readers) if readers else None
+            viewers = gateway.Viewers(box.web_port, readers) if readers else None
             began, used = time.monotonic(), box.process.cpu_s()
             taken[readers] += reaction.react(fleet, fleet.robots, self.extent.probes // 6)
             cpu_s[readers] += box.process.cpu_s() - used
@@ -523,10 +503,10 @@ class Bench:
 
 
 @contextlib.contextmanager
-def box_in_runs(count: int, profile: str = "", idle: Optional[Callable[[Box], None]] = None
-                ) -> Iterator[Tuple[Box, Fleet]]:
+def box_in_runs(count: int, profile: str = "", idle: Optional[Callable[[Box], None]] = None,
+                has_pages: bool = False) -> Iterator[Tuple[Box, Fleet]]:
     """A box with a robot that executes in each zone. `idle` is called before they are connected."""
-    with Box(count, profile) as box, Fleet(count, box.port) as fleet:
+    with Box(count, profile, has_pages) as box, Fleet(count, box.port) as fleet:
         if idle is not None:
             idle(box)
         reaction.connect(box, fleet, count)

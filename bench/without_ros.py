@@ -12,7 +12,7 @@ import reaction
 import rospy
 from addresses import BROADCAST
 from fleet import REGULAR_S, Fleet
-from processes import ROOT, START_S, Box, Measured, wait
+from processes import START_S, Box, Measured, wait
 from table import quantile
 
 from roah_rsbb.client.client import Client
@@ -34,7 +34,7 @@ class BoxWithoutRos(Box):
     def _started(self, profile: str, settings: Dict[str, object]) -> Measured:
         self._door_file = str(self._folder / "door.json")
         (self._folder / "competition.launch").write_text("<launch/>", "utf-8")
-        given = {**settings, "listen_duration": LISTEN_S, "standings_file": "none", "web_port": 0, "tablet_port": 0,
+        given = {**settings, "listen_duration": LISTEN_S, "standings_file": "none", "web": "true", "tablet_port": 0,
                  "devices": "false"}
         self.began_mono = time.monotonic()
         with mock.patch.dict(os.environ, {OWN_VARIABLE: self._door_file}):
@@ -65,30 +65,20 @@ class BoxWithoutRos(Box):
 
 
 class BoxWithRos(Box):
-    """The nodes that do what `BoxWithoutRos` does: core, web pages, benchmarking modules. Use it as a context
-    manager."""
+    """The same box, with ROS. Use it as a context manager."""
+
+    def __init__(self, zones: int) -> None:
+        super().__init__(zones, has_pages=True)
 
     def __enter__(self) -> "BoxWithRos":
         super().__enter__()
-        self.others = [
-            Measured(sys.executable, str(ROOT / "scripts" / name),
-                     *(f"_{key}:={value}" for key, value in given.items()))
-            for name, given in (
-                ("roah_rsbb_web", {"rsbb_host": BROADCAST, "web_port": 0, "log_dir": self.log_dir}),
-                ("roah_rsbb_modules", {}))]
-        rospy.wait_for_message("/modules/state", rospy.AnyMsg, START_S)
         wait(lambda: rospy.has_param("/roah_rsbb_web/url"), "the web pages are served")
         return self
 
-    def __exit__(self, *error: object) -> None:
-        for other in self.others:
-            other.close()
-        super().__exit__(*error)
-
     @property
     def processes(self) -> List[Measured]:
-        """All of them."""
-        return [self.process, *self.others]
+        """The only one."""
+        return [self.process]
 
 
 class Sides(NamedTuple):

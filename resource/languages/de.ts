@@ -197,8 +197,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>the box serves no web pages: start it with web:=true. With ROS, the node roah_rsbb_web must run, too</source>
-        <translation>die Box zeigt keine Webseiten: Sie mit web:=true starten. Mit ROS muss auch der Knoten roah_rsbb_web laufen</translation>
+        <source>the box serves no web pages: start it with web:=true</source>
+        <translation>die Box stellt keine Webseiten bereit: starten Sie sie mit web:=true</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -4008,8 +4008,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/modules/presence.py"/>
-        <source>Benchmarking module not connected: nothing drives {code}. Start the box with modules:=true, and see its log: the rules may be damaged. With ROS, the node roah_rsbb_modules must run, with {code} among its benchmarks</source>
-        <translation>Das Benchmark-Modul ist nicht verbunden: Nichts führt {code}. Starten Sie die Box mit modules:=true, und sehen Sie in ihrem Protokoll nach: Die Regeln können beschädigt sein. Mit ROS muss der Knoten roah_rsbb_modules laufen, mit {code} unter seinen Benchmarks</translation>
+        <source>Benchmarking module not connected: nothing drives {code}. Start the box with modules:=true, and see its log: the rules may be damaged</source>
+        <translation>Das Benchmark-Modul ist nicht verbunden: Nichts führt {code}. Starten Sie die Box mit modules:=true, und sehen Sie in ihrem Protokoll nach: Die Regeln können beschädigt sein</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/reload.py"/>

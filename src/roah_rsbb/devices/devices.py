@@ -1,7 +1,7 @@
 """The home devices of a running program: their settings, the connection to the controller, what a restart restores, and
 the calls of their faces.
 
-The node roah_devices has them with ROS, and a box without ROS in its own process.
+A box has them in its own process (`ControlledDevices` in `box/program/parts.py`).
 """
 
 import asyncio
@@ -38,7 +38,7 @@ class HomeDevices:
         self._home = Home()
         self._home.restore(saved)
         self._on_state, self._on_bell, self._on_status = on_state, on_bell, on_status
-        self._client = SmartIfClient(host, port, self._home, self.ring, self._report)
+        self._client = SmartIfClient(host, port, self._home, self.ring, self._connected)
         self._status = (False, f"connecting to the SmartIF controller at {host}:{port}")
         self._connection: Optional[asyncio.Task] = None
         self._saver = concurrent.futures.ThreadPoolExecutor(max_workers=1)
@@ -50,9 +50,13 @@ class HomeDevices:
     def start(self) -> None:
         """Report the state and the status, and connect to the controller."""
         _log.info("%s", self._status[1])
+        self.report()
+        self._connection = self._loop.create_task(self._client.run())
+
+    def report(self) -> None:
+        """Report the state and the status."""
         self._on_status(*self._status)
         self._on_state(self._home)
-        self._connection = self._loop.create_task(self._client.run())
 
     def close(self) -> None:
         """Disconnect. The process does not end before the newest values are saved."""
@@ -108,7 +112,7 @@ class HomeDevices:
 
     # -- what happens ---------------------------------------------------------------------------------
 
-    def _report(self, connected: bool, text: str) -> None:
+    def _connected(self, connected: bool, text: str) -> None:
         self._status = (connected, text)
         _log.log(logging.INFO if connected else logging.WARNING, "%s", text)
         self._on_status(connected, text)
@@ -133,12 +137,14 @@ class HomeDevices:
             self._kept, self._is_kept = newest, True
 
 
-def open_settings(log_dir: str) -> Tuple[object, Save]:
-    """Return `saved` and `save` of `HomeDevices` for a file of log_dir. A damaged file is moved aside."""
-    return open_kept(log_dir, FILE, _settings, None, lambda text: _log.warning("%s", text), "every device is off")
+def open_settings(log_dir: str, launch: str = "") -> Tuple[object, Save]:
+    """Return `saved` and `save` of `HomeDevices` for a file of log_dir. A damaged file is moved aside. What another
+    `launch` saved is not used; empty: all is."""
+    def settings(save: Save, saved: Any) -> Tuple[object, Save]:
+        if saved is not None and not Home().restore(saved):
+            raise ValueError("these are no settings of home devices")
+        is_old = bool(launch) and saved is not None and saved.get("launch") != launch
+        return None if is_old else saved, (
+            lambda values: save({**values, "launch": launch})) if launch else save
 
-
-def _settings(save: Save, saved: object) -> Tuple[object, Save]:
-    if saved is not None and not Home().restore(saved):
-        raise ValueError("these are no settings of home devices")
-    return saved, save
+    return open_kept(log_dir, FILE, settings, None, lambda text: _log.warning("%s", text), "every device is off")

@@ -28,7 +28,7 @@ from roah_rsbb.ros.display import Screen, screens
 from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.srv import UInt8, UInt8Response
 
-URL = "/roah_rsbb_web/url"  # the gateway's parameter
+URL = "/roah_rsbb_web/url"  # the core's parameter
 ASK_S, LOOK_S, CLOSE_S, REOPEN_S = 2.0, 0.2, 2.0, 1.0
 # A browser that ends sooner has failed; after this many failures in a row the program gives up.
 SHORT_LIFE_S, MAX_SHORT_LIVES = 5.0, 5

@@ -81,14 +81,15 @@ class LoopServices:
         self._threads = concurrent.futures.ThreadPoolExecutor(MAX_THREADS, "answers")
 
     def add(self, name: str, kind: type, handle: Callable[[Any], Any], wait: Optional[Callable[[Any], Any]] = None,
-            is_urgent: bool = False) -> None:
-        """Offer a service. `handle(request)` is called in the loop's thread, and returns the answer.
+            is_urgent: bool = False) -> _Registered:
+        """Offer a service, and return it. `handle(request)` is called in the loop's thread, and returns the answer.
 
         With `wait`, it returns something else: `wait` is called with that in another thread, where it may block, and
         returns the answer. Both may raise ServiceException.
         """
         service = _Registered(name, kind, handle, wait, self._ports[is_urgent])
         self.services[service.resolved_name] = service
+        return service
 
     def close(self) -> None:
         """End all connections."""

@@ -21,7 +21,7 @@ class NodeParams(Params):
 
     def _get(self, name: str, default: object) -> object:
         try:
-            value = self.values[name] = rospy.get_param("~" + name, default)
+            value = self.values[name] = rospy.get_param(self.full_name(name), default)
         except KeyError:
             return None
         return value

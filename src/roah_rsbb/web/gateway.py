@@ -1,7 +1,6 @@
 """The gateway: serves the public display and other pages to browsers, and live data to programs (docs/web.md).
 
-The node roah_rsbb_web runs it with ROS, and a box without ROS in its own process. They differ in what they pass:
-`GatewayHost`.
+A box runs it in its own process (`WebParts` in `box/program/parts.py`).
 """
 
 import asyncio

@@ -11,8 +11,7 @@ from roah_rsbb.wording.whole_box import ending, robots
 ROLES = {"referee": tr_later("Referee"), "judge": tr_later("Judge"), "organiser": tr_later("Organiser")}
 
 # Why a device is not paired.
-NO_WEB = tr_later(
-    "the box serves no web pages: start it with web:=true. With ROS, the node roah_rsbb_web must run, too")
+NO_WEB = tr_later("the box serves no web pages: start it with web:=true")
 TOO_MANY_GUESSES = tr_later("Too many wrong codes from this network: wait a minute, or scan the QR code of a new code")
 WRONG_CODE = tr_later("This code is wrong, was used, or is older than two minutes: ask for a new one")
 TOO_MANY_DEVICES = tr_later("Too many devices are paired: end some pairings first")

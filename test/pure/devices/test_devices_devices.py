@@ -208,6 +208,18 @@ def test_settings_are_kept_in_a_file(tmp_path):
     assert [path.name for path in (tmp_path / "log").iterdir()] == [FILE]
 
 
+def test_another_launch_starts_with_all_devices_off(tmp_path):
+    home = Home()
+    home.set("dimmer", 70)
+    saved, save = open_settings(str(tmp_path), "first")
+    assert saved is None
+    save(home.saved())
+    again = Home()
+    assert again.restore(open_settings(str(tmp_path), "first")[0])
+    assert again.values == home.values
+    assert open_settings(str(tmp_path), "second")[0] is None
+
+
 @pytest.mark.parametrize("content", [
     "", "{", "[]", "5", '{"values": {"dimmer": 101}, "bell": ["0", "0"], "door": false}'])
 def test_a_damaged_file_is_moved_aside(tmp_path, caplog, content):

@@ -1,27 +1,28 @@
-"""The home devices, whole: names and types, robots in HCFGAC, a referee, nodes that are killed."""
+"""The home devices, whole: names and types, robots in HCFGAC, a referee, a core that is killed."""
 
-import contextlib
+import json
 import os
 import pathlib
-import signal
 import subprocess
 
+import rosnode
 import rospy
 import rosservice
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 from support.box_case import BoxCase
 from support.box_client import Refusal
-from support.connections import process_of, wait_follows, wait_sends
+from support.connections import kill, process_of, wait_sends
 from support.programs import own
 from support.waiting import LIMIT_S, happened, wait_until
 
+from roah_rsbb.devices.devices import FILE
 from roah_rsbb.msg import DevicesState, DevicesStatus
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Bool, Percentage
-from roah_rsbb.wording.whole_box.devices import NO_DEVICES
 
-PLAYED = pathlib.Path(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros"))) / "played"
+HOME = pathlib.Path(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros")))
+PLAYED, KEPT = HOME / "played", HOME / "roah_rsbb_test" / FILE
 NODE, CORE = "/roah_devices", "/roah_rsbb_core"
 SWITCHES, PERCENTAGES = ("switch_1", "switch_2", "switch_3"), ("dimmer", "blinds")
 # docs/ros_interface.md, "Devices node".
@@ -43,12 +44,6 @@ def call(name, kind=EmptySrv, *request):
     except rospy.ServiceException as error:
         assert refusals.was_answered(str(error)), str(error)
         raise Refusal(refusals.reason(str(error))) from None
-
-
-def kill_if_there(process):
-    """Kill a process, unless it has ended."""
-    with contextlib.suppress(ProcessLookupError):
-        os.kill(process, signal.SIGKILL)
 
 
 class DevicesCase(BoxCase):
@@ -106,19 +101,19 @@ class TestInterface(DevicesCase):
             call("/devices/door_win_detect/mock", Bool, opened)
             self.wait_state(door_win_detect=opened)
 
-    def test_its_calls_at_the_door_of_the_box(self):
-        def seen():
-            try:
-                return self.box.ask("devices")
-            except Refusal as refused:
-                self.assertIn(str(NO_DEVICES), str(refused))  # it does not offer them yet
-                return None
+    def test_the_node_is_there_and_cannot_be_ended_alone(self):
+        self.assertIn(NODE, rosnode.get_node_names())
+        self.assertEqual(process_of(NODE), process_of(CORE))
+        self.assertEqual(rospy.get_param(f"{NODE}/smartif_host"), "127.0.0.1")
+        rosnode.kill_nodes([NODE])
+        call("/devices/dimmer/set", Percentage, 35)
+        self.wait_state(dimmer=35)
 
-        wait_until(seen, "the node offers its calls")
+    def test_its_calls_at_the_door_of_the_box(self):
         self.box.ask("set_device", device="dimmer", value=35)
         self.wait_state(dimmer=35)
         self.wait_connected()
-        found = seen()
+        found = self.box.ask("devices")
         self.assertEqual((found["devices"]["dimmer"], found["connected"]), (35, True))
         with self.assertRaisesRegex(Refusal, "dimmer .* 101: it takes 0 to 100 per cent"):
             self.box.ask("set_device", device="dimmer", value=101)
@@ -135,8 +130,7 @@ class TestInterface(DevicesCase):
 class TestBell(DevicesCase):
     def setUp(self):
         super().setUp()
-        wait_sends(NODE, self.bell)
-        wait_follows(NODE, "/devices/bell", CORE)
+        wait_sends(CORE, self.bell)
 
     def played(self, what):
         return PLAYED.read_text(encoding="utf-8").split().count(what) if PLAYED.exists() else 0
@@ -192,28 +186,19 @@ class TestCatering(DevicesCase):
         self.assertEqual(log.values("/rsbb_log/devices/dimmer"), [70])
         self.assertEqual(log.values("/rsbb_log/devices/blinds"), [100, 5])
 
-    def test_a_killed_devices_node_continues_and_a_missing_one_is_reported(self):
+    def test_a_core_that_follows_a_killed_one_holds_all_values(self):
         robot = self.run_of("Alpha", "Catering")
         robot.request("set_device", "dimmer", 33)
         self.wait_robot(robot, dimmer=33)
         before = self.state.bell
         call("/devices/bell/mock")
         bell = wait_until(lambda: self.state.bell > before and self.state.bell, "the bell")
-        wait_until(lambda: rospy.get_param("/roah_devices/held", {}).get("bell") == [str(bell.secs), str(bell.nsecs)],
+        wait_until(lambda: json.loads(KEPT.read_text("utf-8"))["bell"] == [str(bell.secs), str(bell.nsecs)],
                    "it is kept")
-        # It hangs first, because roslaunch soon restarts a node that is killed.
-        hung = process_of(NODE)
-        os.kill(hung, signal.SIGSTOP)
-        self.addCleanup(kill_if_there, hung)
-        robot.request("set_device", "blinds", 44)
-        not_set = "WARNING: blinds was not set to 44 as the robot commanded"
-        self.wait_log("Catering", f"{not_set}: /devices/blinds/set has not answered within 3 s")
         headers = [message._connection_header for message in (self.state, self.status)]
-        kill_if_there(hung)
-        self.wait_log("Catering", f"{not_set}: no devices node answers")
-        wait_until(lambda: any("blinds was not set to 44" in w for w in self.box.warnings), "it is a warning")
+        kill(CORE)
         wait_until(lambda: not any(message._connection_header is header for header in headers
-                                   for message in (self.state, self.status)), "another node publishes both")
+                                   for message in (self.state, self.status)), "another core publishes both")
         self.wait_connected()
         self.assertEqual((self.state.dimmer, self.state.bell, self.state.blinds), (33, bell, 0))
         robot.request("set_device", "blinds", 45)

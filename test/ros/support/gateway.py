@@ -1,4 +1,4 @@
-"""The gateway of the web pages, as the tests' boxes start it: its address, and its death."""
+"""The web pages of the tests' boxes: their address, and the death of the core, which serves them."""
 
 import json
 import urllib.request
@@ -7,11 +7,12 @@ from typing import Any, Dict, List
 from roah_rsbb.wording.device import NO_WEB
 from support.box_client import BoxClient, Refusal
 from support.connections import kill
+from support.door_client import NoAnswer
 from support.robots import RSBB_PORT
 from support.waiting import wait_until
 
 URL = f"http://127.0.0.1:{RSBB_PORT + 95}"
-GATEWAY = "/roah_rsbb_web"
+CORE = "/roah_rsbb_core"
 
 
 def answer(name: str) -> Dict[str, Any]:
@@ -21,10 +22,12 @@ def answer(name: str) -> Dict[str, Any]:
 
 
 def ask(box: BoxClient, name: str, **arguments: object) -> Any:
-    """Make a call that the gateway offers, as soon as one runs, and return its answer; raises `Refusal`."""
+    """Make a call of the gateway, as soon as a box answers, and return its answer; raises `Refusal`."""
     def answered() -> List[Any]:
         try:
             return [box.ask(name, **arguments)]
+        except NoAnswer:  # the core was just killed
+            return []
         except Refusal as refused:
             if NO_WEB not in str(refused):
                 raise
@@ -47,8 +50,8 @@ def wait_served() -> str:
     return wait_until(session, "the gateway hears the core")
 
 
-def kill_gateway() -> None:
-    """Kill the gateway, and wait for the next one. A page may notice both late."""
+def kill_core() -> None:
+    """Kill the core, and wait for the pages of the next one. A page may notice both late."""
     before = wait_served()
-    kill(GATEWAY)
-    wait_until(lambda: session() not in ("", before), "the gateway is back")
+    kill(CORE)
+    wait_until(lambda: session() not in ("", before), "the pages are back")

@@ -1,33 +1,38 @@
-"""Support for the tests of the tablet: the address of its page, and tablet nodes that a test starts."""
+"""Support for the tests of the tablet: the address of its page, and a page whose box the test chooses."""
 
-from typing import Any
+import asyncio
+import concurrent.futures
+import threading
+from typing import Callable, Tuple
 
 import rospy
 
-from support.programs import Program, own
-from support.robots import BROADCAST, RSBB_PORT
-from support.waiting import wait_until
-
-# See README.md; the launched node has the one that box.launch.xml gives it.
-OWN_TABLET_PORT = RSBB_PORT + 96
+from roah_rsbb.params import KnownParams
+from roah_rsbb.shipped import shipped_folder
+from roah_rsbb.tablet.tablet_page import TabletPage
+from support.robots import BROADCAST
+from support.waiting import LIMIT_S, wait_until
 
 
 def launched_url() -> str:
-    """The address of the page that the launched node serves."""
+    """The address of the page that the launched core serves."""
     return wait_until(
-        lambda: rospy.get_param("/roah_rsbb_web/tablet_url", None), "the tablet's node says where its page is"
+        lambda: rospy.get_param("/roah_rsbb_web/tablet_url", None), "the core says where the tablet's page is"
     )
 
 
-def node(**params: Any) -> Program:
-    """A tablet node beside the launched one. Its page is at OWN_TABLET_PORT."""
-    values = {"web": False, "tablet": True, "rsbb_host": BROADCAST, "rsbb_port": RSBB_PORT,
-              "tablet_port": OWN_TABLET_PORT, **params}
-    return Program(
-        own("roah_rsbb_web"), "__name:=own_tablet", *(f"_{k}:={v}" for k, v in values.items())
-    )
+def served(rsbb_port: int) -> Tuple[str, Callable[[], object]]:
+    """Serve the page for a box with this public port; returns its address, and what ends it."""
+    loop, url = asyncio.new_event_loop(), concurrent.futures.Future()
 
+    def serve() -> None:
+        asyncio.set_event_loop(loop)  # tornado uses the thread's loop
+        page = TabletPage(loop, KnownParams({"rsbb_host": BROADCAST, "rsbb_port": rsbb_port, "tablet_port": 0}),
+                          str(shipped_folder().parent / "resource"), [], url.set_result)
+        loop.call_soon(page.start)
+        loop.run_forever()
+        page.stop()
 
-def own_url() -> str:
-    """The address of the page of `node`."""
-    return f"http://127.0.0.1:{OWN_TABLET_PORT}/"
+    thread = threading.Thread(target=serve, daemon=True)
+    thread.start()
+    return url.result(LIMIT_S), lambda: (loop.call_soon_threadsafe(loop.stop), thread.join(LIMIT_S))

@@ -12,7 +12,8 @@ from typing import Optional
 from support import tablet_nodes
 from support.box_case import LISTENER, BoxCase
 from support.browser import NeedsBrowser, Page
-from support.connections import process_of
+from support.connections import kill, process_of
+from support.robots import RSBB_PORT
 from support.waiting import wait_until
 
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -164,28 +165,27 @@ class TestNoConnection(BrowserCase):
     """The page shows when nothing can be sent."""
 
     def test_a_box_that_is_not_there(self) -> None:
-        self._leaving(tablet_nodes.node(rsbb_port=tablet_nodes.OWN_TABLET_PORT)).wait_printed("page: open")
-        page = self.open("phone", tablet_nodes.own_url())
+        url, end = tablet_nodes.served(RSBB_PORT + 96)
+        self.addCleanup(end)
+        page = self.open("phone", url)
         page.wait(f"{ALARM}.includes('box is silent')", "the page says that the box is silent")
         self.assertTrue(page.get("document.getElementById('call').disabled"))
         self.assert_undistorted(page, "phone", "#call")
         page.screenshot(SHOTS / "tablet_no_box.png")
 
-    def test_a_node_that_hangs_ends_and_comes_back(self) -> None:
-        node = self._leaving(tablet_nodes.node())
-        node.wait_printed("page: open")
-        page = self.open("tablet_lying", tablet_nodes.own_url())
+    def test_a_core_that_hangs_ends_and_comes_back(self) -> None:
+        page = self.open("tablet_lying")
         page.wait(USABLE, "the call button can be touched")
-        number = process_of("/own_tablet")
+        number = process_of("/roah_rsbb_core")
         os.kill(number, signal.SIGSTOP)
         try:
-            page.wait(f"{ALARM}.includes('No connection')", "the page says that the node is silent")
+            page.wait(f"{ALARM}.includes('No connection')", "the page says that the core is silent")
             self.assertTrue(page.get("document.getElementById('call').disabled"))
             page.screenshot(SHOTS / "tablet_no_connection.png")
         finally:
             os.kill(number, signal.SIGCONT)
         page.wait(f"{USABLE} && {ALARM} === ''", "the page works again")
-        node.close()
-        page.wait(f"{ALARM}.includes('No connection')", "the page says that the node has gone")
-        self._leaving(tablet_nodes.node()).wait_printed("page: open")
+        was_gone = page.note(f"{ALARM}.includes('No connection')")
+        kill("/roah_rsbb_core")
+        page.wait(was_gone, "the page says that the core has gone")
         page.wait(f"{USABLE} && {ALARM} === ''", "the page works again, without being reloaded")

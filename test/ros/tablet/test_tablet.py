@@ -1,6 +1,5 @@
 """The tablet at the box, without a browser."""
 
-import socket
 import time
 
 from support import tablet_nodes
@@ -38,8 +37,9 @@ class TestTablet(BoxCase):
         tablet.close()
         wait_until(lambda: "The tablet has been silent" in self.box.gui.status, lambda: str(self.box.gui))
 
-class TestNode(BoxCase):
-    """The node, where something is missing."""
+
+class TestPage(BoxCase):
+    """Its page, where something is missing."""
 
     def test_without_a_browser_no_tablet_is_announced(self) -> None:
         listener = self.participant(LISTENER)
@@ -51,29 +51,3 @@ class TestNode(BoxCase):
     @staticmethod
     def count_of(listener, kind) -> int:
         return sum(isinstance(message, kind) for message, _ in list(listener.heard))
-
-    def test_a_port_in_use_is_reported_once_and_used_when_it_is_free(self) -> None:
-        with socket.socket() as other:
-            other.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            other.bind(("127.0.0.1", tablet_nodes.OWN_TABLET_PORT))
-            other.listen()
-            started = self._leaving(tablet_nodes.node())
-            started.wait_printed("choose another tablet_port")
-        started.wait_printed(f"The tablet's page: open {tablet_nodes.own_url()}")
-        self.assertEqual(started.text.count("choose another tablet_port"), 1)
-
-    def test_wrong_parameters_and_a_wrong_map_are_reported(self) -> None:
-        started = self._leaving(tablet_nodes.node(map_file="/none.yaml"))
-        started.wait_printed("/none.yaml: cannot be read")
-        started.wait_printed("The tablet's page: open")
-        started.close()
-        wrong = self._leaving(tablet_nodes.node(tablet_port=70000, rsbb_port=0))
-        self.assertEqual(wrong.wait_ended(), 1)
-        for name in ("tablet_port", "rsbb_port"):
-            self.assertIn(f"parameter /own_tablet/{name}", wrong.text)
-        self.assertNotIn("Traceback", wrong.text)
-
-    def test_where_no_broadcast_is_heard_the_page_is_served_all_the_same(self) -> None:
-        started = self._leaving(tablet_nodes.node(rsbb_host="127.0.0.77"))
-        started.wait_printed("127.0.0.77 is not a broadcast address of this machine")
-        started.wait_printed("The tablet's page: open")

@@ -8,15 +8,16 @@ import tempfile
 from cryptography import x509
 from cryptography.hazmat.backends import default_backend
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
-from support.box_case import BoxCase
 from support.browser import Browser, NeedsBrowser, find
 from support.gateway import ask
-from support.programs import Program, own, run
+from support.own_core import OwnCoreCase
+from support.programs import own, run
+from support.robots import CONFIG
 
 from roah_rsbb.tools.competition.certificate import AUTHORITY, CERTIFICATE, KEY
 from roah_rsbb.web.writing import ENCRYPTED_COOKIE
 
-HOST, NODE, ZONE, PHONE = "127.0.0.1", "roah_rsbb_web_encrypted", "Room", (360, 740)
+HOST, ZONE, PHONE = "127.0.0.1", "Room", (360, 740)
 TEXT = "document.body.innerText"
 
 
@@ -27,8 +28,8 @@ def key_of(authority: pathlib.Path) -> str:
     return base64.b64encode(hashlib.sha256(key).digest()).decode()
 
 
-class TestEncryption(NeedsBrowser, BoxCase):
-    """A gateway with a certificate."""
+class TestEncryption(NeedsBrowser, OwnCoreCase):
+    """A box with a certificate."""
 
     PAGES = "encrypted pages"
 
@@ -38,10 +39,9 @@ class TestEncryption(NeedsBrowser, BoxCase):
         folder = pathlib.Path(temporary.name)
         made = run(own("new_competition"), "--certificate", str(folder), "--names", HOST)
         self.assertEqual(made.returncode, 0, made.stderr)
-        gateway = self._leaving(Program(
-            own("roah_rsbb_web"), f"__name:={NODE}", "_rsbb_host:=127.255.255.255", f"_web_host:={HOST}",
-            "_web_port:=0", f"_log_dir:={folder}", f"_web_cert:={folder / CERTIFICATE}", f"_web_key:={folder / KEY}"))
-        gateway.wait_printed("The web pages: open https://")
+        self.start_core(folder / "log", schedule_file=CONFIG / "tablet.yaml", web=True, web_host=HOST, web_port=0,
+                        web_cert=folder / CERTIFICATE, web_key=folder / KEY)
+        self.core.wait_printed("The web pages: open https://")
         url = ask(self.box, "pair", role="referee", zone=ZONE)["url"]
         self.assertTrue(url.startswith(f"https://{HOST}:"), url)
 

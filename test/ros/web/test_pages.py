@@ -1,4 +1,4 @@
-"""The web pages in a real browser, fed by the core; the gateway is killed in the middle of a run.
+"""The web pages in a real browser, which the core serves; it is killed in the middle of a run.
 
 `make test-all` leaves screenshots in build/screenshots.
 """
@@ -6,18 +6,14 @@
 import os
 import pathlib
 import signal
-import unittest
-from typing import List
-from unittest import mock
 
 from support.box_case import BoxCase
 from support.box_client import Refusal
 from support.browser import NeedsBrowser, Page
 from support.connections import kill, process_of
-from support.gateway import GATEWAY, URL, answer, ask, kill_gateway, wait_served
+from support.gateway import CORE, URL, answer, ask, kill_core, wait_served
 from support.waiting import wait_until
 
-from roah_rsbb.nodes.web import node as web
 from roah_rsbb.web.server import PAGES
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -30,7 +26,7 @@ BIG = "(document.querySelector('.big') || {}).textContent"
 
 
 class TestData(BoxCase):
-    """What programs read, and the gateway's death."""
+    """What programs read, and the core's death."""
 
     def setUp(self) -> None:
         super().setUp()
@@ -41,37 +37,20 @@ class TestData(BoxCase):
         with self.assertRaisesRegex(Refusal, r"No launch file started this box \(.*unavailable.*\): .* with Ctrl-C"):
             self.box.ask("exit")
 
-    def test_a_gateway_that_is_killed_touches_no_run(self) -> None:
+    def test_the_pages_of_a_core_that_replaces_a_killed_one(self) -> None:
         robot = self.robot("Delta")
         self.box.connect(ZONE)
         self.box.start(ZONE)
         robot.wait_did("execute HCFGAC")
         wait_until(lambda: answer("state")["data"]["runs"][0]["phase"] == "running", "the run is public")
         ends = answer("state")["data"]["runs"][0]["ends"]
-        killed = process_of(GATEWAY)
-        kill_gateway()
-        self.assertNotEqual(process_of(GATEWAY), killed)
+        killed = process_of(CORE)
+        kill_core()
+        self.assertNotEqual(process_of(CORE), killed)
         run = answer("state")["data"]["runs"][0]
         self.assertEqual((run["phase"], run["team"]), ("running", "Delta"))
         self.assertAlmostEqual(run["ends"], ends, delta=0.1)
         self.assertEqual(self.box.zone_details(ZONE).phase, "running")
-
-
-class TestWithoutTornado(unittest.TestCase):
-    """The node where tornado is missing."""
-
-    def test_it_logs_the_remedy_and_waits(self) -> None:
-        """It does not end: it would be restarted again and again."""
-        made: List[type] = []
-        with mock.patch.object(web, "run_node", lambda name, doc, make, **options: made.append(make)):
-            for found in (None, object()):
-                with mock.patch("importlib.util.find_spec", return_value=found):
-                    web.main()
-        self.assertEqual(made, [web.WithoutTornado, web.WebNode])
-        with mock.patch.object(web, "RosLoop") as loop, mock.patch.object(web.rospy, "logfatal") as logged:
-            web.WithoutTornado().run()
-        self.assertIn("apt install python3-tornado", logged.call_args[0][0])
-        loop.return_value.run.assert_called_once_with()
 
 
 class TestPages(NeedsBrowser, BoxCase):
@@ -110,7 +89,7 @@ class TestPages(NeedsBrowser, BoxCase):
         self.nothing_of_the_board_is_cut(display)
         self.a_silent_box_is_reported(display, overlay)
         self.a_new_connection_has_time_for_its_first_message(display)
-        self.a_silent_gateway_is_reported(display)
+        self.a_killed_core_is_reported(display)
         self.box.command("stop", ZONE)
         display.wait(f"{BIG} === 'ended' && {TEXT}.includes('stopped')", "the end and its reason are shown")
         self.assertEqual([error for error in self.browser.errors if "WebSocket" not in error
@@ -148,7 +127,7 @@ class TestPages(NeedsBrowser, BoxCase):
         display.wait(wanted, "it shows what is set, in the language that is set")
         self.assert_accessible("display that is set", display)
         was_silent = display.note("live.silentSince !== null")
-        kill_gateway()
+        kill_core()
         display.wait(was_silent, "the gateway is gone")
         display.wait(f"live.silentSince === null && {wanted}", "a new gateway knows the setting")
         again = self.open("/display?name=Hall&show=schedule", *PHONE)
@@ -234,14 +213,12 @@ class TestPages(NeedsBrowser, BoxCase):
 
     def a_silent_box_is_reported(self, *pages: Page) -> None:
         """The core hangs."""
-        core = process_of("/roah_rsbb_core")
+        core = process_of(CORE)
         self.assertNotEqual(core, 0)
         os.kill(core, signal.SIGSTOP)
         try:
             for page in pages:
                 page.wait(f"{TEXT}.includes('No signal since')", "the page says that the box is silent")
-            self.open("/display", *SCREEN).wait(
-                f"{TEXT}.includes('No signal since') && {TEXT}.includes('Delta')", "a page opened now says it, too")
             shown = pages[0].get(BIG)
             self.assert_accessible("silent", pages[0])
             pages[0].screenshot(SHOTS / "web_silent.png")
@@ -274,9 +251,9 @@ class TestPages(NeedsBrowser, BoxCase):
             return [made.length, wasClosed, isGivenUp];
         })()"""), [1, False, True])
 
-    def a_silent_gateway_is_reported(self, page: Page) -> None:
-        """The gateway is killed. The page says so, and continues by itself."""
+    def a_killed_core_is_reported(self, page: Page) -> None:
+        """The page says so, and continues by itself."""
         was_silent = page.note(f"{TEXT}.includes('No signal since')")
-        kill(GATEWAY)
-        page.wait(was_silent, "the page says that the gateway is silent")
+        kill(CORE)
+        page.wait(was_silent, "the page says that the box is silent")
         page.wait(f"!{TEXT}.includes('No signal since') && {BIG}.startsWith('▶ ')", "the page works again")

@@ -1,18 +1,15 @@
-"""A phone is paired in a real browser, with codes from the terminal; the gateway is killed after it."""
+"""A phone is paired in a real browser, with codes from the terminal; the core is killed after it."""
 
 import json
-import os
 import pathlib
 import urllib.error
 import urllib.request
 from typing import Any, Tuple
 
-import rosgraph
 from support.box_case import BoxCase
 from support.box_client import Refusal
 from support.browser import NeedsBrowser, Page
-from support.gateway import GATEWAY, URL, ask, kill_gateway, wait_served
-from support.programs import Program, own
+from support.gateway import URL, ask, kill_core, wait_served
 from support.referee_program import called
 
 SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
@@ -104,7 +101,7 @@ class TestPairing(NeedsBrowser, BoxCase):
             "fetch('/api/v1/pair', {method: 'POST', credentials: 'omit', "
             "headers: {'Content-Type': 'application/json'}, "
             f"body: {json.dumps(typed)}}}).then(answer => answer.text())"), "the code is for one device")
-        kill_gateway()
+        kill_core()
         self.assertEqual(page.get("fetch('/api/v1/session').then(answer => answer.json()).then(one => one.person)"),
                          "Anna")
         self.assertEqual(called("devices", "--revoke", listed["id"]).returncode, 0)
@@ -133,20 +130,6 @@ class TestPairing(NeedsBrowser, BoxCase):
                 ask(self.box, "pair", role=role, zone=zone)
         self.assertEqual(called("pair").returncode, 2)
         self.assertEqual(called("devices", "--revoke", "none").returncode, 2)
-
-    def test_a_second_gateway_says_so_and_takes_nothing_over(self) -> None:
-        first, master = wait_served(), rosgraph.Master("/test")
-        at = master.lookupNode(GATEWAY)
-        for name in ("roah_rsbb_web", "another_gateway"):
-            with self.subTest(name):
-                second = Program(own("roah_rsbb_web"), f"__name:={name}", "_rsbb_host:=127.255.255.255", "_web_port:=0",
-                                 f"_log_dir:={os.environ['ROS_HOME']}/second")
-                self.addCleanup(second.close)
-                second.wait_printed("another gateway is running (/roah_rsbb_web at ")
-                second.close()
-                self.assertEqual(master.lookupNode(GATEWAY), at)
-                self.assertEqual(wait_served(), first)
-                self.assertEqual(called("pair", ZONE).returncode, 0)
 
     def test_the_terminal_shows_a_code(self) -> None:
         shown = called("pair", "--role", "organiser")

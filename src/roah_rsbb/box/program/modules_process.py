@@ -1,4 +1,4 @@
-"""The benchmarking modules of a box without ROS, in a process of their own.
+"""The benchmarking modules of a box, in a process of their own.
 
 Rules of a competition are Python code of others. They may loop, hold Python's lock, or end their process: none of this
 reaches the box, whose STOP must not wait. A process that has ended, or says nothing any more, is replaced by the next
@@ -34,7 +34,7 @@ from roah_rsbb.bmbox import host as host_folder
 from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.own_rules import load_rules
 from roah_rsbb.bmbox.host.dummy_frames import DummyFrames
-from roah_rsbb.bmbox.host.ground_truth_of_frames import NoFrames, ZonesGroundTruth
+from roah_rsbb.bmbox.host.ground_truth_of_frames import Frames, NoFrames, ZonesGroundTruth
 from roah_rsbb.bmbox.host.host import ModulesHost
 from roah_rsbb.bmbox.host.limits import checked_state
 from roah_rsbb.bmbox.host.watched_file import signature
@@ -283,11 +283,12 @@ class Traces:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def modules_command(folder: str, benchmarks: Optional[Sequence[str]], is_dummy: bool) -> List[str]:
+def modules_command(folder: str, benchmarks: Optional[Sequence[str]], is_dummy: bool,
+                    program: Sequence[str] = ()) -> List[str]:
     """Return the command that starts the process. `benchmarks`: None: all. `is_dummy`: a simulated motion-capture
-    system sees what the rules ask for."""
-    return without_ros(COMMAND, folder, *(["--dummy"] if is_dummy else []),
-                       *([] if benchmarks is None else [f"--codes={','.join(benchmarks)}"]))
+    system sees what the rules ask for. `program`: one that calls `main` with other frames."""
+    return [*(program or without_ros(COMMAND)), folder, *(["--dummy"] if is_dummy else []),
+            *([] if benchmarks is None else [f"--codes={','.join(benchmarks)}"])]
 
 
 # In place of a run: the file of rules that is being loaded.
@@ -347,8 +348,8 @@ def _private_streams() -> Tuple[IO[str], IO[str]]:
     return os.fdopen(reading, "r", encoding="utf-8"), os.fdopen(writing, "w", encoding="utf-8")
 
 
-def main(arguments: Optional[List[str]] = None) -> None:
-    """Run the modules until the input ends."""
+def main(arguments: Optional[List[str]] = None, make_frames: Callable[[], Frames] = NoFrames) -> None:
+    """Run the modules until the input ends. `make_frames` makes the frames of a motion-capture system."""
     parser = argparse.ArgumentParser(prog=COMMAND, description="Runs the rules of benchmarks for a box.")
     parser.add_argument("folder")
     parser.add_argument("--codes", type=lambda text: text.split(","))
@@ -372,7 +373,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
 
     host = ModulesHost(
         loop, options.folder, options.codes,
-        ZonesGroundTruth(options.folder, DummyFrames if options.dummy else NoFrames), send, on_enter=traces.enter,
+        ZonesGroundTruth(options.folder, DummyFrames if options.dummy else make_frames), send, on_enter=traces.enter,
         load=_RulesFiles(traces, options.without).load)
 
     def follow() -> None:

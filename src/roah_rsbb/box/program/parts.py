@@ -4,14 +4,14 @@ import asyncio
 import concurrent.futures
 import logging
 import threading
-from typing import Callable, List, Mapping, Optional, Union
+from typing import Callable, List, Mapping, Optional, Sequence, Union
 
 from roah_rsbb.bmbox.host.host import chosen_benchmarks
 from roah_rsbb.box.in_process_client import InProcessClient
 from roah_rsbb.box.program.modules_process import ModulesProcess, modules_command
 from roah_rsbb.box.running import RunningBox
-from roah_rsbb.box.settings import BoxSettings
 from roah_rsbb.comm.channels import MakePeer
+from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sockets import source_host
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.devices.devices import HomeDevices, open_settings
@@ -25,6 +25,7 @@ from roah_rsbb.params import Params
 from roah_rsbb.platform import end_loop
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.shipped import shipped_folder
+from roah_rsbb.signs_of_life import WEB_PORT
 from roah_rsbb.tablet.tablet_page import TabletPage
 from roah_rsbb.web.gateway import Gateway, GatewayHost
 from roah_rsbb.web.pairing import ORGANISER
@@ -42,12 +43,14 @@ _log = logging.getLogger(__name__)
 class DrivenModules:
     """The modules of functionality benchmarks, in a process of their own. It begins when one of them is scheduled."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, is_dummy: bool) -> None:
-        """`is_dummy`: a simulated motion-capture system sees what the rules ask for. Raises `BadParams`."""
-        folder = settings.path("modules_dir")
+    def __init__(self, loop: asyncio.AbstractEventLoop, params: Params, is_dummy: bool = False,
+                 program: Sequence[str] = ()) -> None:
+        """`is_dummy`: a simulated motion-capture system sees what the rules ask for. `program`: see `modules_command`.
+        Raises `BadParams`."""
+        folder = params.path("modules_dir")
         self._running: Optional[RunningBox] = None
         self._process = ModulesProcess(
-            loop, modules_command(folder, chosen_benchmarks(settings, folder), is_dummy), self._take_state)
+            loop, modules_command(folder, chosen_benchmarks(params, folder), is_dummy, program), self._take_state)
         self._is_started = False
 
     def start(self, running: RunningBox) -> None:
@@ -107,31 +110,44 @@ def _sound(params: Params, name: str, file: str) -> Sound:
 class ControlledDevices:
     """The home devices, if this box controls them."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, log_dir: str,
-                 on_bell: Callable[[], object]) -> None:
-        """Raises `BadParams`."""
+    def __init__(self, loop: asyncio.AbstractEventLoop, params: Params, log_dir: str,
+                 on_bell: Callable[[], object], launch: str = "") -> None:
+        """`launch`: with another one, all devices are off at first; empty: never. Raises `BadParams`."""
         self._running: Optional[RunningBox] = None
-        self._home: Optional[HomeDevices] = None
-        host, port = settings.text("smartif_host"), settings.whole("smartif_port", 6665, 1, 65535)
-        if settings.flag("devices", True):
-            saved, save = open_settings(log_dir)
-            self._home = HomeDevices(loop, host, port, on_state=self._on_state, on_bell=on_bell,
-                                     on_status=self._on_status, saved=saved, save=save)
+        self.home: Optional[HomeDevices] = None
+        """None: this box controls none."""
+        self._rings = [on_bell]
+        self._follow_state: List[Callable[[Home], object]] = []
+        self._follow_status: List[Callable[[bool, str], object]] = []
+        host, port = params.text("smartif_host", "192.168.1.56"), params.whole("smartif_port", 6665, 1, 65535)
+        if params.flag("devices", False):
+            saved, save = open_settings(log_dir, launch)
+            self.home = HomeDevices(loop, host, port, on_state=self._on_state, on_bell=self._on_bell,
+                                    on_status=self._on_status, saved=saved, save=save)
 
     def start(self, running: RunningBox) -> None:
         """Connect to the controller."""
         self._running = running
-        if self._home is not None:
-            running.door.add_calls(self._home.calls())
-            self._home.start()
+        if self.home is not None:
+            running.door.add_calls(self.home.calls())
+            self.home.start()
+
+    def follow(self, on_state: Callable[[Home], object], on_bell: Callable[[], object],
+               on_status: Callable[[bool, str], object]) -> None:
+        """Call these, too, for what is true now and for all that happens: see `HomeDevices`."""
+        assert self.home is not None, "this box has devices"
+        self._follow_state.append(on_state)
+        self._rings.append(on_bell)
+        self._follow_status.append(on_status)
+        self.home.report()
 
     def set(self, wish: SetDevice) -> None:
         """Carry out a robot's command."""
         _log.info("zone %s: the robot sets %s to %d", wish.zone, wish.device, wish.value)
         try:
-            if self._home is None:
+            if self.home is None:
                 raise BadSetting(NO_DEVICES)
-            self._home.set(wish.device, wish.value)
+            self.home.set(wish.device, wish.value)
         except BadSetting as error:
             assert self._running is not None, "robots are heard after the start"
             self._running.event(self._running.box.on_device_refused, wish.zone, wish.device, wish.value, str(error))
@@ -139,39 +155,52 @@ class ControlledDevices:
     def _on_state(self, home: Home) -> None:
         assert self._running is not None, "it was started"
         self._running.event(self._running.box.on_devices, devices_state(home))
+        for follow in self._follow_state:
+            follow(home)
+
+    def _on_bell(self) -> None:
+        for ring in self._rings:
+            ring()
 
     def _on_status(self, connected: bool, text: str) -> None:
         assert self._running is not None, "it was started"
         self._running.event(self._running.box.on_devices_status, connected, text)
+        for follow in self._follow_status:
+            follow(connected, text)
 
     def close(self) -> None:
         """Disconnect."""
-        if self._home is not None:
-            self._home.close()
+        if self.home is not None:
+            self.home.close()
 
 
 class WebParts:
     """The web pages and the tablet's page, in a thread of their own: whatever their readers send, and however slow the
     disk is that keeps who is paired, the box's loop does not wait."""
 
-    def __init__(self, box_loop: asyncio.AbstractEventLoop, settings: BoxSettings, running: RunningBox,
-                 make_peer: MakePeer) -> None:
-        """Raises `BadParams`."""
+    def __init__(self, box_loop: asyncio.AbstractEventLoop, params: Params, running: RunningBox,
+                 make_peer: MakePeer = Peer, address: str = "") -> None:
+        """`address`: of this computer, for referees; empty: the one that it has in its network. Raises `BadParams`."""
         self._running, self._box_loop, self._loop = running, box_loop, asyncio.new_event_loop()
         self._calls: Mapping[str, Call] = {}
         self.url: concurrent.futures.Future[str] = concurrent.futures.Future()
         """Of the web pages on this computer, once they are served."""
+        self.tablet_url: concurrent.futures.Future[str] = concurrent.futures.Future()
+        """Of the tablet's page."""
         resource = shipped_folder().parent / "resource"
-        address = source_host(PUBLIC_ADDRESS) or LOOPBACK
-        names = [*settings.given("web_names").lower().split(), address]
+        address = address or source_host(PUBLIC_ADDRESS) or LOOPBACK
+        names = [*params.text("web_names", "").lower().split(), address]
         self._parts: List[Union[Gateway, TabletPage]] = []
-        self.has_pages = settings.flag("web", True)
+        self.has_pages = params.flag("web", False)
         if self.has_pages:
-            self._parts.append(Gateway(self._loop, settings, GatewayHost(
+            if not params.text("web_cert", ""):
+                running.lifeline.keep(WEB_PORT, str(params.whole("web_port", 8081, 0, 65535)))
+            self._parts.append(Gateway(self._loop, params, GatewayHost(
                 resource, NAME, address, self._make_client, self.url.set_result, names)))
-        if settings.flag("tablet", False):
-            self._parts.append(TabletPage(self._loop, settings, str(resource), names, lambda url: None, make_peer))
-        settings.done()
+        if params.flag("tablet", False):
+            self._parts.append(TabletPage(
+                self._loop, params, str(resource), names, self.tablet_url.set_result, make_peer))
+        params.done()
         self._thread = threading.Thread(target=self._run, name="web pages", daemon=True)
 
     def _make_client(self, on_change: Callable[[], object], calls: Mapping[str, Call]) -> InProcessClient:

@@ -31,7 +31,7 @@ from roah_rsbb.model.zone import RUNNING
 from roah_rsbb.params import BadParams
 from roah_rsbb.platform import open_in_browser
 from roah_rsbb.radio.radio import Network
-from roah_rsbb.signs_of_life import DOORS, WEB_PORT, Lifeline
+from roah_rsbb.signs_of_life import DOORS, Lifeline
 from roah_rsbb.web.pairing import CODE_VALID_S
 
 # How often it is checked whether the supervisor is there, and whether the file of the door is.
@@ -72,8 +72,6 @@ class BoxProgram:
             loop, params, launch, wait_for_journal(params.log_dir, is_left),
             Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer),
             lifeline)
-        if settings.flag("web", True) and not settings.given("web_cert"):
-            lifeline.keep(WEB_PORT, str(settings.whole("web_port", 8081, 0, 65535)))
         self._web = WebParts(loop, settings, self.running, make_peer)
         self._copying = CopyingProcess(lambda: copying)
         self._door_files: List[str] = []

@@ -16,8 +16,7 @@ GONE_S = 2.0
 # No competition has more nodes. The limit keeps a fault from growing.
 MAX_NODES = 32
 NO_DRIVER = say("Benchmarking module not connected: nothing drives {code}. Start the box with modules:=true, and see "
-                "its log: the rules may be damaged. With ROS, the node roah_rsbb_modules must run, with {code} among "
-                "its benchmarks")
+                "its log: the rules may be damaged")
 
 
 class _HeardNode(NamedTuple):

@@ -1,11 +1,12 @@
 """Where clients find the door of a box of ROS: in a file of its computer, and in a parameter (`client/places.py`)."""
 
+import concurrent.futures
 import contextlib
 import logging
 import os
 import threading
 import time
-from typing import Callable, NamedTuple, Sequence
+from typing import Callable, Mapping, NamedTuple, Sequence
 
 from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.client.places import PARAM, door_file_in, file_of
@@ -13,6 +14,8 @@ from roah_rsbb.document.place import NotFound, read_place, write_place
 from roah_rsbb.web.serving import ANY_HOST, ServeError
 
 RETRY_S = 1.0
+# The parameters with the addresses of web pages are below it.
+PAGES = "/roah_rsbb_web"
 
 _log = logging.getLogger(__name__)
 
@@ -23,6 +26,7 @@ class DoorHosts(NamedTuple):
     bind: str
     remote: str  # its name for other computers
     master_uri: str  # empty: the box has no file for it, because it is not the only one at this master
+    address: str = ""  # in addresses of its web pages
 
 
 def hosts_of_node() -> DoorHosts:
@@ -31,7 +35,8 @@ def hosts_of_node() -> DoorHosts:
     import rospy
 
     return DoorHosts(rosgraph.network.get_bind_address(), rosgraph.network.get_host_name(),
-                     rosgraph.get_master_uri() if rospy.resolve_name(PARAM) == PARAM else "")
+                     rosgraph.get_master_uri() if rospy.resolve_name(PARAM) == PARAM else "",
+                     rosgraph.network.get_local_address())
 
 
 class PublishedDoor:
@@ -65,6 +70,13 @@ class PublishedDoor:
         if self._port:
             self._publish(lambda: rospy.set_param(
                 PARAM, {"url": _url(self._hosts.remote, self._port), "token": self._door.token}))
+
+    def publish_pages(self, urls: Mapping[str, "concurrent.futures.Future[str]"]) -> None:
+        """Set the parameters with the addresses of web pages when these are served. As `publish`."""
+        import rospy
+
+        for name, url in urls.items():
+            self._publish(lambda name=name, url=url: rospy.set_param(f"{PAGES}/{name}", url.result()))
 
     def _write_places(self, url: str) -> None:
         self._paths = self._paths or [path for path in (

@@ -1,4 +1,4 @@
-"""What the core exchanges with the box's other nodes: home devices, benchmarking modules."""
+"""What the core exchanges with other nodes: benchmarking modules, and home devices that this box does not control."""
 
 from typing import Callable, Optional
 
@@ -23,20 +23,23 @@ class OtherNodes:
         """`on_bell` is called in a thread of rospy when the bell rings."""
         self._ros, self._on_bell = ros, on_bell
         self._running: Optional[RunningBox] = None
-        self._devices = DeviceCalls(self._on_device_refused)
+        self._devices: Optional[DeviceCalls] = None
 
-    def open(self, running: RunningBox) -> None:
-        """Create the topics."""
+    def open(self, running: RunningBox, has_devices: bool) -> None:
+        """Create the topics. `has_devices`: this box controls the home devices."""
         self._running, self._core, self._box, self._event = running, running.core, running.box, running.event
         self._modules = Newest(self._ros.post, self._take_modules, MAX_NODES)
         self._module_runs = rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True)
-        rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
-        rospy.Subscriber("/devices/bell", Empty, lambda _: self._on_bell(), queue_size=10)
-        rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
         rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
+        if not has_devices:
+            self._devices = DeviceCalls(self._on_device_refused)
+            rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
+            rospy.Subscriber("/devices/bell", Empty, lambda _: self._on_bell(), queue_size=10)
+            rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
 
     def set_device(self, wish: SetDevice) -> None:
         """Carry out a robot's command for a home device."""
+        assert self._devices is not None, "another node controls the devices"
         self._devices.set(wish)
 
     def publish_module_runs(self) -> None:

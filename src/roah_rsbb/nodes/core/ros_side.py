@@ -14,9 +14,11 @@ import rospy
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 
+from roah_rsbb.box.program.parts import ControlledDevices
 from roah_rsbb.box.running import PERIOD_S, RunningBox
 from roah_rsbb.in_loop import call_in_loop
 from roah_rsbb.model.referee import Refused
+from roah_rsbb.nodes.core.devices import NODE, DevicesInRos
 from roah_rsbb.nodes.core.door_place import DoorHosts, hosts_of_node
 from roah_rsbb.nodes.core.original_topics import OriginalTopics, publish
 from roah_rsbb.nodes.core.other_nodes import OtherNodes
@@ -25,6 +27,7 @@ from roah_rsbb.ros import connections
 from roah_rsbb.ros.live_core import CORE, wait_for_other_core
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.loop_services import LoopServices
+from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.wording.whole_box.ending import NOT_LAUNCHED
 
 # Seconds between the messages for panels of the original, and for its public display.
@@ -63,26 +66,38 @@ def start_of_node() -> Tuple[str, DoorHosts]:
     return str(rospy.get_param("/run_id", "")), hosts_of_node()
 
 
+class CoreParams(NodeParams):
+    """The parameters of the core. Those of the home devices are in the place that they always had."""
+
+    def full_name(self, name: str) -> str:
+        """See `Params`."""
+        return f"{NODE}/{name}" if name.startswith("smartif_") else super().full_name(name)
+
+
 class RosSide:
     """Topics and services. Make it in a thread after `join`; call everything else in the loop's thread."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, running: RunningBox, on_bell: Callable[[], object]) -> None:
-        """`on_bell` is called in any thread when the bell rings."""
+    def __init__(self, loop: asyncio.AbstractEventLoop, running: RunningBox, devices: ControlledDevices,
+                 on_bell: Callable[[], object]) -> None:
+        """`on_bell` is called in any thread when another node rings."""
         self._ros = ros = RosLoop(loop)
         self._running = running
         self._public_due = 0.0  # monotonic (s)
         self._timeout = rospy.Publisher("/timeout", Empty, queue_size=1)
         self._listeners_until = loop.time() + LISTENERS_S
         self.others = OtherNodes(ros, on_bell)
-        self.others.open(running)
+        self.others.open(running, devices.home is not None)
         self._topics = OriginalTopics(ros, running.box, running.now, running.door.publish)
         self._services = call_in_loop(loop, lambda: LoopServices(loop, running.core.fence.check))
         CoreServices(running.box, self._services, running.calls)
+        self._devices = None if devices.home is None else DevicesInRos(self._services, devices, devices.home)
 
     def use(self) -> None:
         """Begin to publish."""
         self._running.look(self._look, lambda: GUI_PERIOD_S if self._topics.are_wanted else PERIOD_S)
         self.others.publish_module_runs()
+        if self._devices is not None:
+            self._devices.use()
         self._ros.end_with_node()
 
     def publish_timeout(self) -> None:
@@ -100,6 +115,8 @@ class RosSide:
 
     def close(self, why: str) -> None:
         """End the ROS node, and the loop."""
+        if self._devices is not None:
+            self._devices.close()
         self._ros.stop(why)
         self._ros.close()
 

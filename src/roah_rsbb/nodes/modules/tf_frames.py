@@ -3,7 +3,8 @@
 import bisect
 import collections
 import threading
-from typing import Deque, Dict, Iterable, Optional, Tuple
+import time
+from typing import Any, Deque, Dict, Iterable, List, Optional, Tuple
 
 import rospy
 import tf2_ros
@@ -53,7 +54,7 @@ class _Stamps:
 
 
 class TfFrames(Frames):
-    """The frames of tf. Create it after `rospy.init_node`."""
+    """The frames of tf. Before `rospy.init_node`, it sees none."""
 
     REMEDY_REFERENCE = (
         f"start the motion-capture system, check that it publishes ('rostopic hz /tf'), and check the name in "
@@ -62,9 +63,14 @@ class TfFrames(Frames):
 
     def __init__(self) -> None:
         self._buffer = tf2_ros.Buffer(rospy.Duration.from_sec(KEPT_S), debug=False)
-        self._listener = tf2_ros.TransformListener(self._buffer)
         self._stamps = _Stamps()
-        self._subscriber = rospy.Subscriber("/tf", TFMessage, self._stamps.on_tf)
+        self._subscribers: List[Any] = []
+        self._listen()
+
+    def _listen(self) -> None:
+        if not self._subscribers and rospy.rostime.is_rostime_initialized():
+            self._subscribers = [tf2_ros.TransformListener(self._buffer),
+                                 rospy.Subscriber("/tf", TFMessage, self._stamps.on_tf)]
 
     def use(self, config: GroundTruthConfig) -> None:
         """See `Frames`."""
@@ -72,15 +78,16 @@ class TfFrames(Frames):
 
     def close(self) -> None:
         """See `Frames`."""
-        self._listener.unregister()
-        self._subscriber.unregister()
+        for subscriber in self._subscribers:
+            subscriber.unregister()
 
     def now_utc(self) -> float:
         """See `Frames`."""
-        return rospy.get_time()
+        return rospy.get_time() if rospy.rostime.is_rostime_initialized() else time.time()
 
     def sees(self, frame: str) -> bool:
         """See `Frames`."""
+        self._listen()
         # As in tf.TransformListener.frameExists; can_transform(frame, frame) is true for any name.
         return self._buffer._frameExists(frame)
 

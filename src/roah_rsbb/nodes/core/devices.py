@@ -1,0 +1,95 @@
+"""The home devices in ROS, as the node roah_devices had them: its topics, and services below its name.
+
+The core controls the devices. `rosnode list` shows roah_devices all the same, so that whoever looks for it finds its
+services. To shut it down alone is refused.
+"""
+
+import contextlib
+import os
+from typing import Any, Callable, List, Tuple
+
+import rosgraph
+import rospy
+from rosgraph.xmlrpc import XmlRpcHandler, XmlRpcNode
+from std_msgs.msg import Empty
+from std_srvs.srv import Empty as EmptySrv
+
+from roah_rsbb.box.program.parts import ControlledDevices
+from roah_rsbb.devices.devices import HomeDevices
+from roah_rsbb.devices.home import OUTPUTS, BadSetting, Home, devices_state
+from roah_rsbb.msg import DevicesState, DevicesStatus
+from roah_rsbb.nodes.core.original_topics import publish
+from roah_rsbb.protocol import PERCENTAGES, SWITCHES
+from roah_rsbb.ros.loop_services import LoopServices
+from roah_rsbb.ros.times import ros_wire_time
+from roah_rsbb.srv import Bool, Percentage
+
+NODE = "/roah_devices"
+
+
+class DevicesInRos:
+    """Topics and services. Make it after `rospy.init_node`; call everything else in the loop's thread."""
+
+    def __init__(self, services: LoopServices, devices: ControlledDevices, home: HomeDevices) -> None:
+        self._devices, self._services = devices, services
+        self._state = rospy.Publisher("/devices/state", DevicesState, queue_size=10, latch=True)
+        self._bell = rospy.Publisher("/devices/bell", Empty, queue_size=10)
+        self._status = rospy.Publisher("/devices/status", DevicesStatus, queue_size=10, latch=True)
+        self._master = rosgraph.Master(NODE)
+        self._node = XmlRpcNode(0, _Shown())
+        self._node.start()
+        self._served: List[rospy.Service] = []
+        for device in SWITCHES:
+            self._serve_device(home, device, Bool, "on", "off")
+        for device in PERCENTAGES:
+            self._serve_device(home, device, Percentage, "max", "min")
+        self._serve("bell/mock", EmptySrv, lambda r: home.ring())
+        self._serve("door_win_detect/mock", Bool, lambda r: home.set_door(r.data))
+
+    def use(self) -> None:
+        """Begin to publish."""
+        self._devices.follow(self._publish, lambda: publish(self._bell, Empty()), lambda connected, text: publish(
+            self._status, DevicesStatus(connected, text)))
+
+    def close(self) -> None:
+        """Take roah_devices off the master's list."""
+        with contextlib.suppress(OSError, rosgraph.MasterException):  # the master may be gone
+            for service in self._served:
+                self._master.unregisterService(service.resolved_name, service.uri)
+
+    def _publish(self, home: Home) -> None:
+        values = devices_state(home)._asdict()
+        publish(self._state, DevicesState(**{**values, "bell": ros_wire_time(home.bell)}))
+
+    def _serve_device(self, home: HomeDevices, device: str, kind: type, highest: str, lowest: str) -> None:
+        for name, value in ((highest, OUTPUTS[device].highest), (lowest, 0)):
+            self._serve(f"{device}/{name}", EmptySrv, lambda r, value=value: home.set(device, value))
+        self._serve(f"{device}/set", kind, lambda r: home.set(device, int(r.data)))
+
+    def _serve(self, name: str, kind: Any, do: Callable[[Any], object]) -> None:
+        def handle(request: Any) -> object:
+            try:
+                do(request)
+            except BadSetting as error:
+                raise rospy.ServiceException(str(error)) from None
+            return kind._response_class()
+
+        added = self._services.add(f"/devices/{name}", kind, handle)
+        self._master.registerService(added.resolved_name, added.uri, self._node.uri)
+        self._served.append(added)
+
+
+class _Shown(XmlRpcHandler):
+    """What programs such as rosnode ask a node."""
+
+    def getPid(self, _caller: str) -> Tuple[int, str, int]:
+        """Return the process."""
+        return 1, "", os.getpid()
+
+    def getBusInfo(self, _caller: str) -> Tuple[int, str, List[Any]]:
+        """Return the connections of its topics: the core has them."""
+        return 1, "", []
+
+    def shutdown(self, _caller: str, _why: str = "") -> Tuple[int, str, int]:
+        """Refuse it: the core has the devices."""
+        return 0, "roah_devices is a part of roah_rsbb_core: start the box with devices:=false", 0
