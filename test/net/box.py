@@ -91,8 +91,7 @@ class Box(DoorClient):
 
     def has_all_logs(self) -> bool:
         """Whether all runs that are over have their logs."""
-        reader = JournalReader(journal_in(str(self.log_dir)), checks_all=False)
-        return not missing_bags(reader)
+        return not missing_bags(JournalReader(journal_in(str(self.log_dir)), checks_all=False))
 
     def logs_of(self, code: str, number: int) -> List[pathlib.Path]:
         """The run logs of a benchmark in a round."""

@@ -339,8 +339,7 @@ def test_who_said_what(tmp_path):
     driver = box(tmp_path)
     robot = driver.connected("tbm")
     driver.event(driver.box.act, Target("tbm"), "start", "/referee_2")
-    reader = JournalReader(driver.journal.path)
-    entries = reader.entries(driver.run_in("tbm").identity)
+    entries = JournalReader(driver.journal.path).entries(driver.run_in("tbm").identity)
     said = {entry.who for entry in entries if entry.kind == run_log.CLIENT_STATE}
     assert said == {robot.host}
     commands = [(entry.who, entry.value) for entry in entries if entry.kind == "command"]

@@ -38,8 +38,7 @@ class Box:
         return open_journal(self.path).newest.last
 
     def only_here(self):
-        reader = JournalReader(self.path)
-        return reader.only_here()
+        return JournalReader(self.path).only_here()
 
 
 @pytest.fixture

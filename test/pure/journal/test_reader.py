@@ -37,8 +37,7 @@ def files_beside(path):
 
 
 def identities(path):
-    reader = JournalReader(str(path))
-    return [run.identity for run in reader.runs()]
+    return [run.identity for run in JournalReader(str(path)).runs()]
 
 
 def segments(path):
@@ -72,8 +71,7 @@ def test_what_is_in_it(writer):
 
 def test_a_run_that_is_over(writer):
     writer.outcome(RECORD._replace(closed_utc=UTC0 + 60.0))
-    reader = JournalReader(writer.path)
-    assert reader.run(RECORD.identity).closed_utc == UTC0 + 60.0
+    assert JournalReader(writer.path).run(RECORD.identity).closed_utc == UTC0 + 60.0
 
 
 def test_while_the_box_writes_it_is_of_one_moment(writer):
@@ -218,16 +216,14 @@ def test_no_damage(writer):
 
 
 def reader_damage(path):
-    reader = JournalReader(path)
-    return reader.damage
+    return JournalReader(path).damage
 
 
 def test_damage_is_reported_with_its_times(writer):
     for i in range(5):
         writer.entry("notice", {"text": f"number {i}"}, RECORD.identity)
     writer.close()
-    reader = JournalReader(writer.path)
-    times = [entry.utc for entry in reader.entries(RECORD.identity)]
+    times = [entry.utc for entry in JournalReader(writer.path).entries(RECORD.identity)]
     spoil(writer.path, b"number 2")
     spoil(writer.path, b"number 3")
     reader = JournalReader(writer.path)

@@ -69,8 +69,7 @@ def records_of(journal):
 
 
 def entries(journal):
-    reader = JournalReader(journal.path)
-    return [(entry.number, *entry[2:]) for entry in reader.entries("HNF-6667-1")]
+    return [(entry.number, *entry[2:]) for entry in JournalReader(journal.path).entries("HNF-6667-1")]
 
 
 def test_data_is_written_before_write_returns(journals):
@@ -303,8 +302,7 @@ def test_all_segments_of_a_removed_folder_are_written_again(journals, tmp_path):
             journal.close()
     shutil.rmtree(tmp_path / "log" / FILE_NAME)
     journal.look()
-    reader = JournalReader(journal.path)
-    assert reader.damage == []
+    assert JournalReader(journal.path).damage == []
     assert [entry[-1] for entry in entries(journal)] == [0, 1, 2]
 
 
@@ -485,8 +483,7 @@ def test_parts_of_two_copies_in_one_folder_are_named(journals, tmp_path):
     (path / later.name).write_bytes(other)
     warning, = journals().warnings
     assert f"{later.name} does not belong to the newest segments, and 1 of its records does not count" in warning
-    reader = JournalReader(str(path))
-    assert any("Parts of two copies are in one folder" in damage for damage in reader.damage)
+    assert any("Parts of two copies are in one folder" in damage for damage in JournalReader(str(path)).damage)
 
 
 def test_a_journal_of_another_competition_is_set_aside(journals, tmp_path):

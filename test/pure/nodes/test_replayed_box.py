@@ -30,8 +30,7 @@ TIMES = {"clock", "robot"}
 def played(tmp_path_factory):
     driver = ReplayedCompetition(tmp_path_factory.mktemp("replayed"))
     path = driver.play()
-    reader = JournalReader(path)
-    yield driver, reader
+    yield driver, JournalReader(path)
 
 
 def replayed(played, word="1"):
@@ -103,8 +102,7 @@ def test_a_step_of_the_clock_changes_no_time_of_a_replay(tmp_path, seconds):
     runs = []
     for folder, step in (("plain", 0.0), ("set", seconds)):
         driver = SetClock(tmp_path / folder, step)
-        reader = JournalReader(driver.play())
-        runs.append(read_run(reader, "1", []))
+        runs.append(read_run(JournalReader(driver.play()), "1", []))
     plain, begins = (
         {change.phase: change.utc for change in reversed(run.changes) if change.zone == "tbm"} for run in runs)
     assert begins == pytest.approx(plain, abs=0.001)
@@ -174,8 +172,7 @@ class JudgedCompetition(JournaledDriver):
 
 def test_judges_are_shown_as_they_were(tmp_path):
     driver = JudgedCompetition(tmp_path)
-    reader = JournalReader(driver.play())
-    box = ReplayedBox(read_run(reader, "1", []), driver.config)
+    box = ReplayedBox(read_run(JournalReader(driver.play()), "1", []), driver.config)
     shown = [judging for _, seen in driver.noted for judging in seen]
     assert [len(judging.active) for judging in shown] == [0, 1, 2, 2, 2, 2, 2]
     assert [judging.is_complete for judging in shown] == [False] * 4 + [True] * 3

@@ -34,8 +34,7 @@ def data_of(reader, number):
 def played(request, tmp_path_factory):
     driver = ReplayedCompetition(tmp_path_factory.mktemp("replayed"), request.param)
     path = driver.play()
-    reader = JournalReader(path)
-    yield driver, reader
+    yield driver, JournalReader(path)
 
 
 def value_at(track, at):
@@ -208,8 +207,7 @@ def test_a_journal_of_an_earlier_version_has_events_but_no_clock(tmp_path):
     writer = Writer(tmp_path)
     record = write_full_run(writer)
     writer.close()
-    reader = JournalReader(writer.path)
-    data, _ = data_of(reader, 1)
+    data, _ = data_of(JournalReader(writer.path), 1)
     assert (data["clock"], data["values"][0], data["points"]) == ([], [], [])
     assert data["phase"] == [[round((record.closed_utc - record.opened_utc) * 1000), ["disconnected", "stopped"]]]
     assert len(data["events"]) > 10
@@ -224,8 +222,7 @@ def test_a_damaged_state_makes_a_gap_and_is_reported(tmp_path):
         writer.entry("state", value, identity=record.identity)
     writer.close()
     reported = []
-    reader = JournalReader(writer.path)
-    moments = run_moments(reader, record.identity, reported.append)
+    moments = run_moments(JournalReader(writer.path), record.identity, reported.append)
     assert [moment.clock for moment in moments] == [{"counting": True}]
     assert reported == [f"1 states of run {record.identity} cannot be read: its replay has gaps"]
 

@@ -113,8 +113,7 @@ def test_a_record_that_cannot_be_read_costs_only_itself(writer):
     for record, value in ((task_record("Alpha", 1), {"team": 3}), (task_record("Beta", 2), None)):
         writer.journal.write(Batch(outcomes={record.identity: OutcomeRow(record.closed_utc, value)}))
     warnings = []
-    reader = JournalReader(writer.path)
-    found = records(reader, warnings.append)
+    found = records(JournalReader(writer.path), warnings.append)
     assert [(r.team, r.round, r.items, r.closed_utc) for r in found] == [
         ("Alpha", 1, (), task_record("Alpha", 1).closed_utc), ("Beta", 1, (), task_record("Beta", 2).closed_utc)
     ]

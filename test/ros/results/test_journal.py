@@ -44,8 +44,7 @@ class ResultsCase(BoxCase):
 
     def links(self, port: int) -> List[Dict[str, Any]]:
         """The link record of a robot so far."""
-        reader = JournalReader(os.path.join(self.log_dir, FILE_NAME))
-        return [link.sample for link in reader.links(port)]
+        return [link.sample for link in JournalReader(os.path.join(self.log_dir, FILE_NAME)).links(port)]
 
     def wait_link(self, port: int, **sums: int) -> None:
         """Wait until the link record has reached these counts."""

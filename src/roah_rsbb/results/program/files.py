@@ -308,8 +308,7 @@ def blank(options: argparse.Namespace) -> int:
 def checklist(options: argparse.Namespace) -> int:
     """The command of this name."""
     _, plans = config.load_schedule(file(options, BENCHMARKS_FILE), file(options, SCHEDULE_FILE))
-    reader = open_journal(options)
-    lines = checklists.checklist(plans, ruled(options, known_records(options, reader)), options.utc)
+    lines = checklists.checklist(plans, ruled(options, known_records(options, open_journal(options))), options.utc)
     for text in checklists.check_lines(lines, options.utc, options.missing):
         print(text)
     return 0 if all(line.is_final for line in lines) else 1

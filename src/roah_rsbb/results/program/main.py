@@ -287,8 +287,7 @@ def _show(options: argparse.Namespace) -> int:
 
 
 def _bag(options: argparse.Namespace) -> int:
-    reader = open_journal(options, checks_all=False)
-    count = _write_bag(one_run(reader, options.run), options.port, options.bag)
+    count = _write_bag(one_run(open_journal(options, checks_all=False), options.run), options.port, options.bag)
     print(f"{options.bag}: {count} messages")
     return 0
 

@@ -282,8 +282,7 @@ def _ran(directory: str, zones: Sequence[ZonePlan]) -> Set[str]:
     if not os.path.exists(path):
         return set()
     try:
-        reader = JournalReader(path, checks_all=False)
-        return {head.event for head in with_events(heads(reader, print), zones)}
+        return {head.event for head in with_events(heads(JournalReader(path, checks_all=False), print), zones)}
     except JournalError as error:
         raise CannotWriteFiles(f"{error}. Which events have results is not known, so the schedule was left as it is") \
             from None

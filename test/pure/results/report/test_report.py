@@ -270,8 +270,7 @@ def test_links_in_periods(tmp_path):
     for second in range(150):
         writer.link(LinkSample(1.0, received=9, lost=int(second == 70), gap_s=float(second == 130)))
     writer.close()
-    reader = JournalReader(writer.path)
-    found = facts_of(run_result(reader, 1, record, pytest.fail), 0, 60).link
+    found = facts_of(run_result(JournalReader(writer.path), 1, record, pytest.fail), 0, 60).link
     assert {utc - UTC0: (link.received, link.lost, link.longest_gap_s, link.seconds) for (_, utc), link in found.items()
             } == {0.0: (540, 0, 0.0, 60.0), 60.0: (540, 1, 0.0, 60.0), 120.0: (270, 0, 1.0, 30.0)}
 
