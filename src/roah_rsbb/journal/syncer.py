@@ -34,6 +34,8 @@ class Syncer:
         with self._changed:
             self._is_wanted = self._hurry = True
             self._changed.notify_all()
+            if self._ended:  # nobody works any more
+                return is_done()
             return self._changed.wait_for(is_done, timeout)
 
     def wait(self, is_done: Callable[[], bool], timeout: float) -> bool:
