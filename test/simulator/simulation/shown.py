@@ -10,6 +10,7 @@ from .witness import SILENT_S
 
 # Warnings of a robot that is not heard (docs/referee.md).
 SILENT = re.compile("No message|no message|disappeared|not heard|not answered|knows? whether")
+MISSED = re.compile("No message from the robot|has disappeared")
 # When a warning that is due must be there, at the latest.
 WARNED_S = 1.2
 # When the disk takes nothing, every referee is warned after a second; a broken one is first tried again.
@@ -73,6 +74,10 @@ class Shown:
             if silent_s > SILENT_S and member.phase is Phase.RUNNING and not any(
                     name in text and SILENT.search(text) for text in seen.warnings):
                 self._fail("silent robot", f"{member.robot} is silent for {silent_s:.1f} s: {seen.warnings}")
+
+            if seen.robot and self._world.witness.is_heard(member.port) and any(
+                    MISSED.search(text) for text in seen.warnings):
+                self._fail("warning", f"{member.robot} is heard, and there are warnings: {seen.warnings}")
 
     def _check_times(self, seen, believed, mono, most):
         """Setup time and phases, with their warnings."""

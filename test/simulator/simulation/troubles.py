@@ -7,7 +7,9 @@ from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
-PUBLIC_PORT = 6666
+from .air import PUBLIC_PORT
+from .ledger import DURABLE
+
 STRANGER = "10.0.0.99"
 
 
@@ -47,13 +49,15 @@ def _robot(world, random):
     return random.randrange(len(world.robots))
 
 
+# How a box is lost. While its computer sleeps, it receives nothing.
+WAYS = "box burns", "box is cut off", "box sleeps", "box's computer sleeps", ""
 # What is drawn for each kind.
 KINDS = {
     "loss": lambda w, r: (_host(w, r), r.choice((0.1, 0.3, 0.6)), r.uniform(1.0, 15.0)),
     "late": lambda w, r: (_host(w, r), r.choice((0.05, 0.3)), r.choice((0.05, 0.5, 3.0)), r.uniform(1.0, 15.0)),
     "double": lambda w, r: (_host(w, r), r.choice((0.1, 0.5)), r.uniform(1.0, 15.0)),
     "cut off": lambda w, r: (_host(w, r), r.choice((0.5, 2.0, 6.0, 12.0))),
-    "take over": lambda w, r: (r.choice(("box burns", "box is cut off", "box sleeps", "")), r.uniform(0.0, 6.0)),
+    "take over": lambda w, r: (r.choice(WAYS), r.uniform(0.0, 6.0)),
     "standby restarts": lambda w, r: (),
     "standby hangs": lambda w, r: (r.choice((0.3, 1.0, 4.0)),),
     "kill": lambda w, r: (r.uniform(0.3, 3.0),),
@@ -67,6 +71,7 @@ KINDS = {
     "slow disk, then power": lambda w, r: (r.choice((0.3, 1.0)), r.uniform(0.3, 2.5), r.uniform(2.0, 4.0)),
     "broken disk": lambda w, r: (r.uniform(0.5, 8.0),),
     "frozen disk": lambda w, r: (r.choice((0.3, 1.0, 4.0)),),
+    "frozen disk, then lost": lambda w, r: (r.uniform(2.0, 8.0), r.random() < 0.5),
     "full disk": lambda w, r: (r.uniform(0.5, 8.0),),
     "box's clock": lambda w, r: (r.choice((-3600.0, -1.0, -0.2, 0.2, 1.0, 3600.0)),),
     "robot's clock": lambda w, r: (_robot(w, r), r.choice((-10.0, -0.5, 0.05, 10.0))),
@@ -77,15 +82,16 @@ KINDS = {
     "forged beacon": lambda w, r: (_robot(w, r), r.choice(("same", STRANGER)), r.choice((-5.0, 0.0, 5.0))),
     "forged box": lambda w, r: (),
     "old box restarts": lambda w, r: (r.uniform(0.3, 3.0), r.random() < 0.5),
+    "relay": lambda w, r: (_robot(w, r), r.uniform(3.0, 12.0)),
     "attack": lambda w, r: (_robot(w, r), r.choice((0.0, 3.0, 6.0)), r.choice(("same", STRANGER))),
     "attack after a loss": lambda w, r: (_robot(w, r), r.choice(("same", STRANGER))),
 }
 
 
 DISK = ("kill", "kill at an entry", "kill, then kill", "kill, then power", "power", "power at an entry", "slow disk",
-        "slow disk, then power", "broken disk", "frozen disk", "full disk", "hang")
-OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off", "old box restarts")
-NETWORK = ("loss", "late", "double", "cut off", "kill", "attack", "attack after a loss", "replay", "garbage",
+        "slow disk, then power", "broken disk", "frozen disk", "frozen disk, then lost", "full disk", "hang")
+OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off", "old box restarts", "frozen disk, then lost")
+NETWORK = ("loss", "late", "double", "cut off", "kill", "attack", "attack after a loss", "replay", "relay", "garbage",
            "forged beacon", "robot crashes", "robot hangs", "robot's clock")
 
 
@@ -94,6 +100,7 @@ class Troubles:
 
     def __init__(self, world, random):
         self._world, self._random = world, random
+        self._are_allowed = True
 
     def begin(self, trouble):
         """A trouble begins, and ends by itself."""
@@ -102,12 +109,13 @@ class Troubles:
 
     def end_all(self):
         """Everything works from now on."""
-        world = self._world
+        world, self._are_allowed = self._world, False
         for weather in world.air.weather.values():
             weather.loss = weather.late = weather.double = 0.0
             weather.is_cut = False
         world.storage.end_troubles()
-        world.referee.on_entry.clear()
+        world.referee.then.clear()
+        world.air.relays.clear()
 
     def _for(self, seconds, host, **changes):
         weather = self._world.air.weather[host]
@@ -147,10 +155,27 @@ class Troubles:
         self._world.scheduler.after(after_s, lambda: self._world.box.kill(restart_s, power=True))
 
     def _kill_at_an_entry(self, restart_s):
-        self._world.referee.on_entry.append(lambda: self._world.box.kill(restart_s))
+        self._after(DURABLE, lambda: self._world.box.kill(restart_s))
 
     def _power_at_an_entry(self, restart_s):
-        self._world.referee.on_entry.append(lambda: self._world.box.kill(restart_s, power=True))
+        self._after(DURABLE, lambda: self._world.box.kill(restart_s, power=True))
+
+    def _after(self, commands, function, longest_s=0.1):
+        """Let something happen soon after the next one of these commands."""
+        self._world.referee.then.append((commands, function, longest_s))
+
+    def _frozen_disk__then_lost(self, seconds, is_burnt):
+        """The disk takes nothing, and the box is lost soon after a STOP."""
+        world, box = self._world, self._world.box
+
+        def lose():
+            box.storage.frozen_until = world.scheduler.now + 0.1
+            if is_burnt and world.standby is not None and not world.standby.has_taken_over:
+                self._burn(box)
+            else:
+                box.kill(0.5)
+        self._frozen_disk(seconds)
+        self._after(("stop",), lose, 2.0)
 
     def _take_over(self, how, seconds):
         """The box is lost, and its standby takes over as soon as that is possible."""
@@ -158,10 +183,10 @@ class Troubles:
         if world.standby is None or world.standby.has_taken_over:
             return
         if how == "box burns":
-            world.referee.on_entry.append(lambda: self._burn(box))
-        elif how == "box is cut off":
+            self._after(DURABLE, lambda: self._burn(box))
+        elif how in ("box is cut off", "box's computer sleeps"):
             self._cut_off(box.computer.host, 4.0 + seconds)
-        elif how == "box sleeps":
+        if "sleeps" in how:
             for process in (box.process, box.backup.process):
                 if process is not None:
                     process.hang(4.0 + seconds)
@@ -227,6 +252,16 @@ class Troubles:
         for number, (source, port, datagram, receiver) in enumerate(list(air.sent)[begin:begin + count]):
             self._world.scheduler.after(0.1 * number, functools.partial(
                 air.send, source if host == "same" else host, port, datagram, receiver))
+
+    def _relay(self, number, seconds):
+        """Somebody sends what a robot sends in a run again, from elsewhere, and is faster."""
+        world, robot = self._world, self._world.robots[number]
+        if robot.link is not None and world.witness.is_heard(robot.link.port):
+            key = robot.computer.host, robot.link.port
+            world.air.relays[key] = STRANGER
+            world.scheduler.after(seconds, lambda: world.air.relays.pop(key, None))
+        elif self._are_allowed:
+            world.scheduler.after(1.0, lambda: self._relay(number, seconds))
 
     def _attack(self, number, silent_s, host):
         """Somebody sends again what the box has taken from a robot in all its runs, at its present channel, perhaps

@@ -9,7 +9,7 @@ from dataclasses import replace
 from decimal import Decimal
 
 from helpers.competition import benchmark, competition
-from roah_rsbb.model.scoring import ScoreKind, ScoringItem
+from roah_rsbb.model.scoring import JudgesRule, ScoreKind, ScoringItem
 from roah_rsbb.rulebook.benchmarks import Durable, EventRules, PhaseRule, Restarts, ScheduledEvent
 
 from .air import Air
@@ -90,7 +90,7 @@ class World:
 
     def _add_standby(self, draw, folder):
         computer = Computer(self.scheduler, "standby", STANDBY_HOST, draw.uniform(-5e-5, 5e-5),
-                            draw.uniform(-0.03, 0.03))
+                            draw.uniform(-0.03, 0.03), draw.choice((20.0, 990.0, 90_000.0)))
         self.standby = Standby(self, computer, folder, self.box)
         self.box.copy()
 
@@ -163,8 +163,8 @@ def _competition(draw):
     for name in ("a", "b")[:draw.choice((1, 1, 2))]:
         zones[name] = tuple(
             ScheduledEvent(benchmark(draw.choice(codes), draw.choice((10.0, 30.0, 600.0)), scoring=SCORING,
-                                     rules=_rules(draw)),
-                           draw.choice(teams) if draw.random() < 0.9 else "ALL", 1, number, UTC0 + 60.0 * number)
+                                     rules=_rules(draw), judges=JudgesRule(2) if draw.random() < 0.15 else None),
+                           draw.choice(teams) if draw.random() < 0.8 else "ALL", 1, number, UTC0 + 60.0 * number)
             for number in range(1, draw.randint(2, 5)))
     return competition(teams=teams, **zones)
 
