@@ -250,6 +250,23 @@ def test_a_robot_that_was_silent_since_a_restart_is_stopped_beside_a_disk_that_h
     assert stage.run.end_reason is EndReason.STOPPED
 
 
+def test_a_run_in_doubt_is_stopped_beside_a_disk_that_hangs(stage):
+    """Its robot had STOP before the referee decided."""
+    stage = stage()
+    stage.execute()
+    stage.robot.crash(0.1)
+    stage.box.kill(0.5)
+    stage.pass_time(6.0)
+    assert stage.run.is_doubted
+    stage.freeze()
+    stage.do("stop")
+    stage.pass_time(0.1)
+    stage.box.kill(0.5)
+    stage.storage.frozen_until = 0.0
+    stage.pass_time(3.0)
+    assert stage.run.end_reason is EndReason.STOPPED
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_nothing_older_follows_stop_whatever_referees_do_beside_a_disk_that_hangs_at_times(stage, seed):
     stage, chance, held = stage(execute_duration=3.0, never_end=False), random.Random(seed), 0
