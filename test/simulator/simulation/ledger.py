@@ -143,6 +143,7 @@ class Ledger:
         self._acting = None
         self._interrupted = []  # what was carried out when the core was killed
         self._sure = None  # after a loss: until when everything must be there, and whether that was confirmed must
+        self.entered_at = 0.0  # when something that must be on the disk was entered last
         self.resumed = 0.0  # when the present box began
         self._away_s = 0.0  # for how long there was none before
         self._keeps_stop = []  # after losses: whether a STOP of a moment must be known
@@ -181,6 +182,7 @@ class Ledger:
             self._check_refusal(core, act, run, reasons)
             return
         if act.name in DURABLE:
+            self.entered_at = act.at
             self._entered(act, run)
             self._check_record(core, run)
         elif act.name == "stop" and run is not None and run.phase is Phase.RUNNING:
@@ -340,8 +342,9 @@ class Ledger:
 
     def _changed(self, core, run, believed):
         """The phase of a run has changed."""
-        now, acting = self._world.scheduler.now, self._acting
+        acting = self._acting
         name = acting.name if acting is not None and acting.zone == run.zone else ""
+        now = acting.at if name else self._world.scheduler.now  # the call may have waited for the disk
         why = ""
         if run.phase is Phase.RUNNING and believed.phase is not Phase.RUNNING:
             believed.went = now if name else believed.went

@@ -182,7 +182,7 @@ class Oracles:
         for box in world.boxes:
             if box.core is not None and box.core.box.is_superseded and not box.storage.is_in_trouble and (
                     not box.process.is_busy(world.scheduler.now)):
-                self._check_superseded(box)
+                self._superseded.add(box)
         if core is None:
             self._both_since = None
             return
@@ -191,13 +191,6 @@ class Oracles:
         self._check_runs(world.box, core)
         self._check_two_boxes()
         world.witness.look(core)
-
-    def _check_superseded(self, box):
-        """It stays so after a restart, because its journal says so."""
-        path = os.path.join(box.storage.folder, FILE_NAME)
-        if box not in self._superseded and not epochs.standing_in(path).is_superseded:
-            self.fail("superseded", f"{box.computer.name} is, and its journal does not say so")
-        self._superseded.add(box)
 
     # -- runs ---------------------------------------------------------------------------------------
 
@@ -229,6 +222,9 @@ class Oracles:
             self.fail("no box", "none runs at the end")
             return
         world.ledger.check_all(core)
+        for box in self._superseded:  # it stays so after each restart
+            if not epochs.standing_in(os.path.join(box.storage.folder, FILE_NAME)).is_superseded:
+                self.fail("superseded", f"{box.computer.name} is, and its journal does not say so")
         numbers, holes = world.box.storage.records()
         if holes or numbers != list(range(1, len(numbers) + 1)):
             self.fail("numbers", f"the journal has holes: {holes}")

@@ -22,6 +22,7 @@ class Shown:
 
     def __init__(self, world):
         self._world, self._fail = world, world.oracles.fail
+        self._waits = None  # since when an entry waits for a disk that takes nothing
 
     def look(self, core, document):
         """The box has a new document."""
@@ -40,8 +41,10 @@ class Shown:
             elif believed is not None:
                 self._check_zone(core, seen, believed, core.box.zones[name].run)
         self._check_results(document, ledger)
-        blocked_s = min(world.storage.blocked_s(), world.scheduler.now - ledger.resumed)
-        if blocked_s > DISK_S and ledger.current and not document.box.warnings:
+        now, blocked_s = world.scheduler.now, world.storage.blocked_s()
+        is_waiting = blocked_s > 0.0 and ledger.entered_at > max(now - blocked_s, ledger.resumed)
+        self._waits = (self._waits or now) if is_waiting else None
+        if is_waiting and now - self._waits > DISK_S and not document.box.warnings:
             self._fail("warning", f"nothing is written for {blocked_s:.1f} s, and nobody is warned")
 
     def _check_zone(self, core, seen, believed, run):

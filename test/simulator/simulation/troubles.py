@@ -5,6 +5,7 @@ from typing import NamedTuple, Tuple
 
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.frame import encode
+from roah_rsbb.model.records import Phase
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 from .air import PUBLIC_PORT
@@ -31,7 +32,7 @@ def plan_of(world, random):
     if world.standby is None:
         known = [kind for kind in known if kind not in OF_STANDBY]
     elif random.random() < 0.7:
-        known = sorted({*OF_STANDBY, *random.sample(sorted(KINDS), 4)})
+        known = sorted({*OF_STANDBY, LOST, *random.sample(sorted(KINDS), 4)})
     kinds = random.sample(known, random.randint(2, 5))
     plan = [Trouble(random.uniform(1.0, world.length_s), kind, KINDS[kind](world, random))
             for kind in random.choices(kinds, k=count)]
@@ -51,6 +52,7 @@ def _robot(world, random):
 
 # How a box is lost. While its computer sleeps, it receives nothing.
 WAYS = "box burns", "box is cut off", "box sleeps", "box's computer sleeps", ""
+LOST = "stopped while frozen, then lost"
 # What is drawn for each kind.
 KINDS = {
     "loss": lambda w, r: (_host(w, r), r.choice((0.1, 0.3, 0.6)), r.uniform(1.0, 15.0)),
@@ -71,7 +73,7 @@ KINDS = {
     "slow disk, then power": lambda w, r: (r.choice((0.3, 1.0)), r.uniform(0.3, 2.5), r.uniform(2.0, 4.0)),
     "broken disk": lambda w, r: (r.uniform(0.5, 8.0),),
     "frozen disk": lambda w, r: (r.choice((0.3, 1.0, 4.0)),),
-    "frozen disk, then lost": lambda w, r: (r.uniform(2.0, 8.0), r.random() < 0.5),
+    LOST: lambda w, r: (r.random() < 0.5, r.random() < 0.7, r.uniform(0.1, 3.0)),
     "full disk": lambda w, r: (r.uniform(0.5, 8.0),),
     "box's clock": lambda w, r: (r.choice((-3600.0, -1.0, -0.2, 0.2, 1.0, 3600.0)),),
     "robot's clock": lambda w, r: (_robot(w, r), r.choice((-10.0, -0.5, 0.05, 10.0))),
@@ -89,8 +91,8 @@ KINDS = {
 
 
 DISK = ("kill", "kill at an entry", "kill, then kill", "kill, then power", "power", "power at an entry", "slow disk",
-        "slow disk, then power", "broken disk", "frozen disk", "frozen disk, then lost", "full disk", "hang")
-OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off", "old box restarts", "frozen disk, then lost")
+        "slow disk, then power", "broken disk", "frozen disk", LOST, "full disk", "hang")
+OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off", "old box restarts")
 NETWORK = ("loss", "late", "double", "cut off", "kill", "attack", "attack after a loss", "replay", "relay", "garbage",
            "forged beacon", "robot crashes", "robot hangs", "robot's clock")
 
@@ -164,18 +166,35 @@ class Troubles:
         """Let something happen soon after the next one of these commands."""
         self._world.referee.then.append((commands, function, longest_s))
 
-    def _frozen_disk__then_lost(self, seconds, is_burnt):
-        """The disk takes nothing, and the box is lost soon after a STOP."""
+    def _stopped_while_frozen__then_lost(self, is_again, is_burnt, seconds):
+        """A run is stopped while the disk takes nothing, perhaps for the second time, and the box is lost after that."""
         world, box = self._world, self._world.box
+        core = None if box.process.is_ended else box.core
+        running = [run for run in ([] if core is None else core.box.zones.runs()) if run.phase is Phase.RUNNING]
+        if not running:
+            self._later(self._stopped_while_frozen__then_lost, is_again, is_burnt, seconds)
+            return
+
+        def press(command):
+            if world.box.core is core and self._are_allowed:
+                world.referee._command(running[0].zone, command)
 
         def lose():
-            box.storage.frozen_until = world.scheduler.now + 0.1
             if is_burnt and world.standby is not None and not world.standby.has_taken_over:
                 self._burn(box)
-            else:
+            elif box is world.box:
                 box.kill(0.5)
-        self._frozen_disk(seconds)
-        self._after(("stop",), lose, 2.0)
+            box.storage.end_troubles()
+        begin = 2.0 if is_again else 0.0
+        for at, act in ((0.0, lambda: is_again and press("stop")), (1.0, lambda: is_again and press("start")),
+                        (begin, lambda: self._frozen_disk(seconds + 0.4)), (begin + 0.2, lambda: press("stop")),
+                        (begin + 0.3 + seconds, lose)):
+            world.scheduler.after(at, act)
+
+    def _later(self, method, *values):
+        """Begin a trouble again soon: now it makes no difference."""
+        if self._are_allowed:
+            self._world.scheduler.after(0.5, lambda: method(*values))
 
     def _take_over(self, how, seconds):
         """The box is lost, and its standby takes over as soon as that is possible."""
@@ -260,8 +279,8 @@ class Troubles:
             key = robot.computer.host, robot.link.port
             world.air.relays[key] = STRANGER
             world.scheduler.after(seconds, lambda: world.air.relays.pop(key, None))
-        elif self._are_allowed:
-            world.scheduler.after(1.0, lambda: self._relay(number, seconds))
+        else:
+            self._later(self._relay, number, seconds)
 
     def _attack(self, number, silent_s, host):
         """Somebody sends again what the box has taken from a robot in all its runs, at its present channel, perhaps

@@ -103,6 +103,7 @@ class Witness:
     def add(self, robot):
         """Watch a robot, too."""
         self._robots[robot.computer.host] = robot
+        self._well[robot] = 0.0
 
     # -- on the air ---------------------------------------------------------------------------------
 
@@ -121,7 +122,7 @@ class Witness:
             if not reports or reports[-1][1] is not state:
                 reports.append((now, state))
                 # One that hung reads what waited for it.
-                moved = max(self._go_at[port], self._well.get(self._robots[source], now))
+                moved = max(self._go_at[port], self._well[self._robots[source]])
                 if reports[-2:-1] == [(reports[-2:][0][0], RobotState.STOP)] and now - moved > MOVES_S:
                     self._fail("robot moves", f"that of port {port} leaves STOP, and nothing asked it to")
 
@@ -176,7 +177,7 @@ class Witness:
         if robot is None or robot.state is not RobotState.STOP or not reports:
             return False
         since, resumed = reports[-1][0], self._world.ledger.resumed
-        return since < resumed - LATE_S or now - max(since, self._well.get(robot, now)) > 1.5
+        return since < resumed - LATE_S or now - max(since, self._well[robot]) > 1.5
 
     def resumed(self):
         """The next box has resumed."""
@@ -268,10 +269,10 @@ class Witness:
                     if not is_busy:
                         self._check_member(core, zone, member, believed, now)
         for robot in world.robots:
-            if robot not in self._well or not robot.is_running or not self._hear_each_other(robot):
+            if not robot.is_running or not self._hear_each_other(robot):
                 # When it is silent, the box may follow somebody who relays it.
                 lasts_s = FOLLOWS_S if self._is_relayed(robot) else 0.0
-                self._well[robot] = max(now + lasts_s, self._well.get(robot, now))
+                self._well[robot] = max(now + lasts_s, self._well[robot])
             if not is_busy:
                 self._check_robot(robot, now)
         is_due = has_runs and not is_busy and now > self.busy_until + PERIOD_S and now - ledger.resumed > PERIOD_S
