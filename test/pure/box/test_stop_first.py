@@ -350,6 +350,27 @@ def test_a_run_that_was_started_again_is_not_ended_by_its_earlier_stop(stage, ta
     assert stage.states == [RobotState.EXECUTING] and stage.run.phase is Phase.RUNNING
 
 
+def test_a_start_is_not_ended_by_a_stop_of_a_start_that_was_lost(stage):
+    """The standby keeps what it has heard."""
+    stage = stage(has_standby=True)
+    stage.do("connect")
+    stage.pass_time(2.0)
+    stage.freeze()
+    stage.do("start")
+    stage.do("stop")
+    stage.pass_time(0.5)
+    stage.box.kill(float("inf"), power=True)
+    stage.pass_time(4.0)
+    stage.standby.take_over()
+    stage.pass_time(4.0)
+    stage.do("start")
+    stage.until(RobotState.EXECUTING)
+    stage.pass_time(1.0)
+    stage.box.kill(0.5)
+    stage.pass_time(4.0)
+    assert stage.run.phase is Phase.RUNNING
+
+
 def channels(stage):
     return {int(name[len(CHANNEL):]): json.loads(text) for name, text in stage.box.memory.texts.items()
             if name.startswith(CHANNEL)}
