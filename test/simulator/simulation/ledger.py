@@ -556,8 +556,9 @@ class Ledger:
     def _adopt(self, core, believed, now):
         """Take the state of a run from the box that has lost its newest changes."""
         run, watch = core.box.zones[believed.zone].run, believed.watch
-        if not (believed.phase is Phase.ENDED and believed.stopped == believed.changed and all(
-                keeps(believed.stopped) for keeps in self._keeps_stop)):
+        is_known = believed.phase is Phase.ENDED and believed.stopped == believed.changed and all(
+            keeps(believed.stopped) for keeps in self._keeps_stop)
+        if not is_known or believed.went > self._sure[0]:
             believed.final = None
         believed.is_paused = run.times.state.paused
         if run.phase is not Phase.ENDED:

@@ -28,7 +28,7 @@ class Referee:
     def __init__(self, world, box, random):
         self.world, self.box, self.random = world, box, random
         self.pause_s = random.choice(((0.05, 0.5), (0.1, 1.5), (0.3, 3.0)))
-        self.is_at_work = True
+        self.is_at_work, self.rests_until = True, 0.0
         self.then = []  # (commands, what happens soon after the next one of them, within how many seconds)
         self._numbers = itertools.count(1)
         self._seen = {}  # identities of the runs that this referee knows, by zone, the newest first
@@ -44,7 +44,7 @@ class Referee:
             return
         self.world.scheduler.after(self.random.uniform(*self.pause_s), self._act)
         core = self.box.core
-        if core is None:
+        if core is None or self.world.scheduler.now < self.rests_until:
             return
         box, random = core.box, self.random
         zone = random.choice(sorted(box.zones.keys()))

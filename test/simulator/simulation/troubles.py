@@ -7,6 +7,7 @@ from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.model.records import Phase
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import RobotState
 
 from .air import PUBLIC_PORT
 from .ledger import DURABLE
@@ -76,6 +77,8 @@ KINDS = {
     LOST: lambda w, r: (r.random() < 0.5, r.random() < 0.7, r.uniform(0.1, 3.0)),
     "full disk": lambda w, r: (r.uniform(0.5, 8.0),),
     "box's clock": lambda w, r: (r.choice((-3600.0, -1.0, -0.2, 0.2, 1.0, 3600.0)),),
+    "hang at a limit": lambda w, r: (),
+    "left out": lambda w, r: (_robot(w, r), r.uniform(0.5, 3.0)),
     "robot's clock": lambda w, r: (_robot(w, r), r.choice((-10.0, -0.5, 0.05, 10.0))),
     "robot crashes": lambda w, r: (_robot(w, r), r.uniform(0.5, 5.0)),
     "robot hangs": lambda w, r: (_robot(w, r), r.choice((0.5, 3.0, 8.0))),
@@ -94,7 +97,7 @@ DISK = ("kill", "kill at an entry", "kill, then kill", "kill, then power", "powe
         "slow disk, then power", "broken disk", "frozen disk", LOST, "full disk", "hang")
 OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off", "old box restarts")
 NETWORK = ("loss", "late", "double", "cut off", "kill", "attack", "attack after a loss", "replay", "relay", "garbage",
-           "forged beacon", "robot crashes", "robot hangs", "robot's clock")
+           "forged beacon", "robot crashes", "robot hangs", "robot's clock", "hang at a limit", "left out")
 
 
 class Troubles:
@@ -166,18 +169,47 @@ class Troubles:
         """Let something happen soon after the next one of these commands."""
         self._world.referee.then.append((commands, function, longest_s))
 
+    def _hang_at_a_limit(self):
+        """The box does nothing from the result of a robot on, until the limit of its run is over."""
+        world, now = self._world, self._world.scheduler.now
+        for robot in world.robots:
+            believed = None if robot.link is None else world.witness.runs_at.get(robot.link.port)
+            if believed is None or believed.phase is not Phase.RUNNING or robot.state is not RobotState.EXECUTING:
+                continue
+            completes = world.witness.reports[robot.link.port][-1][0] + robot.executes_s
+            limit = now + believed.event.benchmark.total_timeout - believed.watch.read(now)
+            if now < completes and 0.15 < limit - completes < 2.5:
+                world.referee.rests_until = limit + 0.5
+                world.scheduler.after(completes - now, functools.partial(self._hang, limit - completes + 0.2))
+                return
+        self._later(self._hang_at_a_limit)
+
+    def _left_out(self, number, seconds):
+        """A run of all robots starts without one, is stopped, and then that robot is there again."""
+        world, robot = self._world, self._world.robots[number]
+        core, believed = world.box.core, None if robot.link is None else world.witness.runs_at.get(robot.link.port)
+        if core is None or believed is None or believed.phase is not Phase.CONNECTED or believed.event.team != "ALL":
+            self._later(self._left_out, number, seconds)
+            return
+        world.referee.rests_until = world.scheduler.now + 5.0
+        robot.hang(5.0 + seconds)
+        for at, command in ((3.6, "start"), (4.5, "stop")):
+            world.scheduler.after(at, functools.partial(self._press, core, believed.zone, command))
+
+    def _press(self, core, zone, command):
+        """A referee presses a button."""
+        if self._world.box.core is core and self._are_allowed:
+            self._world.referee._command(zone, command)
+
     def _stopped_while_frozen__then_lost(self, is_again, is_burnt, seconds):
-        """A run is stopped while the disk takes nothing, perhaps for the second time, and the box is lost after that."""
+        """A run is stopped while the disk takes nothing, perhaps once more, and the box is lost after that."""
         world, box = self._world, self._world.box
         core = None if box.process.is_ended else box.core
         running = [run for run in ([] if core is None else core.box.zones.runs()) if run.phase is Phase.RUNNING]
         if not running:
             self._later(self._stopped_while_frozen__then_lost, is_again, is_burnt, seconds)
             return
-
-        def press(command):
-            if world.box.core is core and self._are_allowed:
-                world.referee._command(running[0].zone, command)
+        press = functools.partial(self._press, core, running[0].zone)
 
         def lose():
             if is_burnt and world.standby is not None and not world.standby.has_taken_over:

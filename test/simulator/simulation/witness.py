@@ -73,6 +73,7 @@ class Witness:
 
     def lost(self):
         """The box is lost."""
+        self._world.air.relays.clear()  # the next one hears first who is faster
         self._read.clear()
         self._did.clear()
 
