@@ -218,12 +218,14 @@ class CoreDriver:
             for waiting in self._waiting:
                 waiting.effects[:] = [e for e in waiting.effects if not isinstance(e, effects.SendState)
                                       or e.port != effect.port or e.message.state is BoxState.STOP]
-            if (sent is None or sent.state is not BoxState.STOP) and not self._is_result(effect.port):
+            if self._is_result(effect.port):
+                continue
+            if sent is None or sent.state is not BoxState.STOP:
                 # What the robot said is acknowledged when it is recorded.
                 before = NEVER if sent is None else sent.acknowledgement
                 self._do(effect._replace(message=effect.message._replace(acknowledgement=before)))
-                record = self._journal.end_of(effect.port, todo)
-                ended.update({} if record is None else {record.identity: record})
+            record = self._journal.end_of(effect.port, todo)
+            ended.update({} if record is None else {record.identity: record})
         for record in ended.values():
             self._on_stop(self._moment, record, self._journal.next_ticket)
 

@@ -85,6 +85,7 @@ class Fence:
             self._decided.set_result(None)
             self._on_trouble(f"A standby that takes over would not be heard: {error}")
             return
+        self._ran = self._clock()
         self._tick()
 
     def close(self) -> None:
@@ -110,11 +111,12 @@ class Fence:
             self._ran = self._clock()
 
     def _ask_again(self, away_s: float) -> None:
-        if self._claim.state is not State.ACTIVE:
+        if self._claim.state is State.SUPERSEDED:
             return
         self._is_asking_again = True
         self._look_at_files()
         self._use_files()
+        self._peer.wait(0.0)  # an answer that came before is no answer now
         self._claim.ask_again()
         while self._claim.state is State.ASKING:
             self._say_due()

@@ -115,14 +115,14 @@ class StopNotes:
 
 
 def unrecorded(stops: Mapping[str, str], records: List[RunRecord], shift: float) -> Dict[str, UnrecordedStop]:
-    """Return those of the texts of STOPs that no record has, by the identity of the run. `shift`: from the monotonic
-    clock of the box before to that of this one (s)."""
-    stopped = {record.identity: max((stop.utc for stop in record.stops), default=0.0) for record in records}
+    """Return those of the texts of STOPs that no record has, and that came after the last start that a record has, by
+    the identity of the run. `shift`: from the monotonic clock of the box before to that of this one (s)."""
+    known = {record.identity: max([record.started_utc, *(stop.utc for stop in record.stops)]) for record in records}
     found: Dict[str, UnrecordedStop] = {}
     for identity, text in stops.items():
         try:
             mono, utc, reason, who, why = json.loads(text)
-            if utc > stopped.get(identity, 0.0):
+            if utc > known.get(identity, 0.0):
                 found[identity] = UnrecordedStop(Now(mono + shift, utc), EndReason[reason.upper()], By(who, why))
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
             continue  # withdrawn, or of another version: the robot still gets nothing before a referee decides

@@ -81,7 +81,7 @@ class Claim:
 
     def ask_again(self) -> None:
         """Be silent again until the partners have answered: this computer was not running for a while."""
-        if self.state is State.ACTIVE and self._sides:
+        if self.state is not State.SUPERSEDED and self._sides:
             self.state, self._unanswered = State.ASKING, set(self._sides)
             self._asked = self._due = None
             self._ask_s = ASK_AGAIN_S

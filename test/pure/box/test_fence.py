@@ -21,8 +21,8 @@ SECRET = "00"
 class Away:
     """A core whose time the test makes, and the other end of its pair."""
 
-    def __init__(self, tmp_path, cleanup):
-        self.now, self.ends = 0.0, []
+    def __init__(self, tmp_path, cleanup, is_decided=True):
+        self.now, self.ends, self.has_answered = 0.0, [], threading.Event()
         self.other = cleanup.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
         self.other.bind((STANDBY, 0))
         port = self.other.getsockname()[1]
@@ -37,7 +37,8 @@ class Away:
         threading.Thread(target=self._answer, daemon=True).start()
         self.fence.open()
         cleanup.callback(self.fence.close)
-        self.loop.run_until_complete(self.fence.ask())
+        if is_decided:
+            self.loop.run_until_complete(self.fence.ask())
         self.words.clear()
 
     def _answer(self):
@@ -48,6 +49,7 @@ class Away:
                     self.words.append(heard[1])
                     if heard[1].asks and self.answer is not None:
                         self.other.sendto(seal(SECRET, self.answer), (OWN, self.port))
+                        self.has_answered.set()
 
 
 @pytest.fixture
@@ -74,6 +76,18 @@ def test_a_core_that_was_stopped_may_hear_its_successor_first(away):
     away.now = 7.0
     away.loop.run_until_complete(asyncio.sleep(2 * pair.SAY_S))
     assert away.ends[0] == (7.0, STANDBY)
+
+
+def test_a_core_that_was_stopped_while_it_asked_asks_again(tmp_path, monkeypatch):
+    """The answer that waits at its socket is older."""
+    monkeypatch.setattr(pair, "ASK_AGAIN_S", 0.3)
+    with contextlib.ExitStack() as cleanup:
+        away = Away(tmp_path, cleanup, is_decided=False)
+        assert away.has_answered.wait(60.0)
+        away.answer = Word(Side.STANDBY, 2, claims=True)
+        away.now = 7.0
+        away.fence.check()
+        assert away.ends == [(7.0, STANDBY)]
 
 
 @pytest.mark.parametrize("answer", [Word(Side.STANDBY, 1, claims=False), None])

@@ -250,6 +250,23 @@ def test_a_robot_that_was_silent_since_a_restart_is_stopped_beside_a_disk_that_h
     assert stage.run.end_reason is EndReason.STOPPED
 
 
+def test_a_run_in_doubt_is_stopped_beside_a_disk_that_hangs(stage):
+    """Its robot had STOP before the referee decided."""
+    stage = stage()
+    stage.execute()
+    stage.robot.crash(0.1)
+    stage.box.kill(0.5)
+    stage.pass_time(6.0)
+    assert stage.run.is_doubted
+    stage.freeze()
+    stage.do("stop")
+    stage.pass_time(0.1)
+    stage.box.kill(0.5)
+    stage.storage.frozen_until = 0.0
+    stage.pass_time(3.0)
+    assert stage.run.end_reason is EndReason.STOPPED
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_nothing_older_follows_stop_whatever_referees_do_beside_a_disk_that_hangs_at_times(stage, seed):
     stage, chance, held = stage(execute_duration=3.0, never_end=False), random.Random(seed), 0
@@ -331,6 +348,27 @@ def test_a_run_that_was_started_again_is_not_ended_by_its_earlier_stop(stage, ta
         stage.standby.take_over()
     stage.pass_time(10.0)
     assert stage.states == [RobotState.EXECUTING] and stage.run.phase is Phase.RUNNING
+
+
+def test_a_start_is_not_ended_by_a_stop_of_a_start_that_was_lost(stage):
+    """The standby keeps what it has heard."""
+    stage = stage(has_standby=True)
+    stage.do("connect")
+    stage.pass_time(2.0)
+    stage.freeze()
+    stage.do("start")
+    stage.do("stop")
+    stage.pass_time(0.5)
+    stage.box.kill(float("inf"), power=True)
+    stage.pass_time(4.0)
+    stage.standby.take_over()
+    stage.pass_time(4.0)
+    stage.do("start")
+    stage.until(RobotState.EXECUTING)
+    stage.pass_time(1.0)
+    stage.box.kill(0.5)
+    stage.pass_time(4.0)
+    assert stage.run.phase is Phase.RUNNING
 
 
 def channels(stage):

@@ -2,12 +2,13 @@
 
 import collections
 import errno
+import functools
 
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.sockets import OpenError
 
-BROADCAST = "10.255.255.255"
-SHORTEST_S, SHORT_S = 0.0005, 0.003
+BROADCAST, PUBLIC_PORT = "10.255.255.255", 6666
+AT_ONCE_S, SHORTEST_S, SHORT_S = 0.0002, 0.0005, 0.003
 # Datagrams that wait at a socket. The kernel drops more.
 MOST_WAITING = 100
 KEPT = 5000
@@ -36,7 +37,10 @@ class Air:
         self.weather = collections.defaultdict(Weather)
         self.sent = collections.deque(maxlen=KEPT)  # (host, port, datagram, receiver) of datagrams lately
         self.watchers = []  # called with (source host, port, datagram, receiver's host)
-        self.readers = []  # called with (receiver's host, port, datagram, source host) when a program reads it
+        # Called with (receiver's host, port, datagram, source host, is_forged) when a computer receives it, and when a
+        # program reads it.
+        self.arrived, self.readers = [], []
+        self.relays = {}  # from which host somebody sends again at once what a host sends to a port
         self._trace = trace
         self._peers = collections.defaultdict(list)  # by port
 
@@ -58,8 +62,11 @@ class Air:
                 watch(source, port, datagram, host)
         for peer in self._peers[port]:
             if peer.host != source and host in (peer.host, BROADCAST):
+                if (source, port) in self.relays and not is_forged and not self.weather[peer.host].is_cut:
+                    self.scheduler.after(AT_ONCE_S, functools.partial(
+                        peer.arrive, datagram, (self.relays[source, port], port), True))
                 for delay in self._delays(source, peer.host):
-                    self.scheduler.after(delay, lambda peer=peer: peer.arrive(datagram, (source, port)))
+                    self.scheduler.after(delay, functools.partial(peer.arrive, datagram, (source, port), is_forged))
 
     def _delays(self, source, host):
         random, delays = self.random, [0.0]
@@ -115,10 +122,12 @@ class Peer:
         self._air.send(self.host, self.port, datagram, host, is_forged=False)
         return True
 
-    def arrive(self, datagram, sender):
+    def arrive(self, datagram, sender, is_forged):
         """The kernel has received a datagram."""
         if self.is_open and len(self._waiting) < MOST_WAITING:
-            self._waiting.append((datagram, sender, self._process.computer.utc()))
+            for see in self._air.arrived:
+                see(self.host, self.port, datagram, sender[0], is_forged)
+            self._waiting.append((datagram, sender, is_forged, self._process.computer.utc()))
             if not self._is_reading:
                 self._is_reading = True
                 self._process.soon(self._read)
@@ -131,7 +140,7 @@ class Peer:
     def _read(self):
         self._is_reading = False
         while self._waiting and self.is_open:
-            datagram, sender, self.received_utc = self._waiting.popleft()
+            datagram, sender, is_forged, self.received_utc = self._waiting.popleft()
             for read in self._air.readers:
-                read(self.host, self.port, datagram, sender[0])
+                read(self.host, self.port, datagram, sender[0], is_forged)
             self._on_datagram(datagram, sender)

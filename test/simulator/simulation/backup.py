@@ -97,8 +97,8 @@ class Backup:
 
     def _exchange(self, message):
         """Send a request to the standby, and wait for the answer."""
-        answers = []
-        self._standby.request(encode(message), self._box.computer.host, answers.append)
+        answers, boot = [], {"boot": self._box.computer.boot_id} if "boot" in message else {}
+        self._standby.request(encode({**message, **boot}), self._box.computer.host, answers.append)
         self.process.wait(TIMEOUT_S, lambda: bool(answers))
         if not answers or answers[0] is None:
             raise CannotWriteCopy("the standby is not connected")

@@ -19,6 +19,8 @@ from .scheduler import Ended
 
 SECTOR = 512
 SHORTEST_S, LONGEST_S = 0.0003, 0.003
+# How often a thread looks whether a frozen disk takes writes.
+LOOKS_S = 0.1
 # What a power failure may take (docs/architecture.md, "Write first, then act"), and when the box has written what
 # waited.
 LOST_S, TRIES_AGAIN_S = 0.12, 2.5
@@ -360,7 +362,7 @@ class Syncer:
         if not self._is_wanted or self._is_working or self._process.is_ended or self._process.scheduler.bugs:
             return
         if self._storage.write_s():
-            self._plan(self._storage.write_s())
+            self._plan(min(self._storage.write_s(), LOOKS_S))
             return
         self._is_wanted, self._is_working = False, True
         try:

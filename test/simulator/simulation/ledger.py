@@ -22,7 +22,9 @@ LEAVE = {"disconnect", "next", "previous", "no_show", "withdrawn", "connect", "o
 GO = {"start", "continue"}
 PHASES = {"next_phase": 1, "previous_phase": -1}
 # Entries whose answer waits for the disk, or for both.
-DURABLE = {"mark", "withdraw", "take_back", "stop_reason", "sign_off"}
+DURABLE = {"mark", "withdraw", "take_back", "stop_reason", "sign_off", "submit", "hand_back", "waive"}
+# What judges and the head referee do with a judge's sheet, as the record has it.
+JUDGED = {"submit": "submitted", "hand_back": "handed back", "waive": "waived missing judges"}
 ENDED_BY = {
     EndReason.STOPPED: {"stop", *LEAVE}, EndReason.NO_SHOW: {"no_show"}, EndReason.WITHDRAWN: {"withdrawn"},
 }
@@ -76,8 +78,9 @@ class Believed:
         self.phases, self.place = [], 0  # the watches of its phases, and the number of the present one
         self.entries, self.sign_off, self.reasons = [], None, {}
         self.ever = []  # all entries, also those that were lost: a copy may still have them
+        self.judged = []  # what was done with the sheets of judges
         self.taken = {}  # marks by their ids, also those that changed nothing
-        self.final = None  # its time at its last end; None: not known any more
+        self.final = None  # its time at its last end, at the earliest and the latest; None: not known any more
         self.is_left = self.is_doubted = False
         self.record = None  # as it was seen last
 
@@ -92,6 +95,17 @@ class Believed:
     def is_something(self):
         """Whether it began, or was scored. Otherwise it may be forgotten when it is left."""
         return not self.is_left or self.went > 0.0 or bool(self.taken) or self.phase is not Phase.CONNECTED
+
+    def judging(self):
+        """The judges who have submitted, and whether the head referee waits for those who are missing."""
+        submitted, waits = set(), True
+        for act in self.judged:
+            if act.name == "submit":
+                submitted.add(act.given["judge"])
+            elif act.name == "hand_back":
+                submitted.discard(act.given["judge"])
+            waits = act.name != "waive" and (waits or act.name == "hand_back")
+        return submitted, waits
 
     def turn(self, now):
         """The time passes, or does not any more."""
@@ -129,7 +143,9 @@ class Ledger:
         self._acting = None
         self._interrupted = []  # what was carried out when the core was killed
         self._sure = None  # after a loss: until when everything must be there, and whether that was confirmed must
+        self.entered_at = 0.0  # when something that must be on the disk was entered last
         self.resumed = 0.0  # when the present box began
+        self._away_s = 0.0  # for how long there was none before
         self._keeps_stop = []  # after losses: whether a STOP of a moment must be known
 
     # -- what referees do ---------------------------------------------------------------------------
@@ -166,6 +182,7 @@ class Ledger:
             self._check_refusal(core, act, run, reasons)
             return
         if act.name in DURABLE:
+            self.entered_at = act.at
             self._entered(act, run)
             self._check_record(core, run)
         elif act.name == "stop" and run is not None and run.phase is Phase.RUNNING:
@@ -192,7 +209,8 @@ class Ledger:
             return
         if act.name == "stop" and run.phase is Phase.RUNNING:
             self._fail("STOP", f"refused for {run.identity}: {reasons}")
-        if act.name == "mark" and run.sign_off is None and (run.phase is not Phase.CONNECTED or not run.is_left):
+        is_scored = run.sign_off is None and run.event.benchmark.judges is None
+        if act.name == "mark" and is_scored and (run.phase is not Phase.CONNECTED or not run.is_left):
             self._fail("mark refused", f"{run.identity}: {reasons}")
 
     def _entered(self, act, run):
@@ -220,6 +238,12 @@ class Ledger:
             run.sign_off = run.sign_off or act
             if not run.is_left and run.phase is Phase.RUNNING:
                 self._fail("sign-off", f"{run.identity} is not over")
+            rule, (submitted, waits) = run.event.benchmark.judges, run.judging()
+            is_judged = rule is not None and run.reason not in (EndReason.NO_SHOW, EndReason.WITHDRAWN)
+            if is_judged and waits and len(submitted) < rule.count:
+                self._fail("judges", f"{run.identity} was signed off, and only {submitted} have submitted")
+        elif act.name in JUDGED:
+            run.judged += [] if self._is_repeated(act, run) else [act]
         elif act.name == "stop_reason":
             run.reasons["last"] = act
 
@@ -228,6 +252,8 @@ class Ledger:
         """Whether it changes nothing, because it was done before."""
         if act.name == "take_back":
             return all(kept.withdrawn is not None for kept in run.entries if kept.act.given["id"] == act.given["id"])
+        if act.name == "submit":
+            return act.given["judge"] in run.judging()[0]
         return act.name == "mark" and act.given["id"] in run.taken
 
     # -- what the box shows -------------------------------------------------------------------------
@@ -255,12 +281,15 @@ class Ledger:
                 believed = self.current[zone.name]
                 record = believed.record = zone.run.record(core.now())
                 self._check_watch(zone.run, believed, record)
-                if believed.phase is Phase.ENDED and believed.final is not None and believed.went > 0.0 and abs(
-                        min(believed.final, zone.run.event.benchmark.total_timeout) - record.elapsed_s) > (
-                        CLOCK_S + believed.watch.unsure_s):
-                    self._fail("clock", f"{believed.identity} ended after {believed.final:.2f} s, and has "
-                                        f"{record.elapsed_s:.2f} s")
+                if believed.phase is Phase.ENDED and believed.final is not None and believed.went > 0.0:
+                    self._check_final(believed, record)
                 self._check_sheet(believed, record)
+
+    def _check_final(self, believed, record):
+        limit, most = believed.event.benchmark.total_timeout, CLOCK_S + believed.watch.unsure_s
+        first, last = (min(at, limit) for at in believed.final)
+        if not first - most <= record.elapsed_s <= last + most:
+            self._fail("clock", f"{believed.identity} ended after {last:.2f} s, and has {record.elapsed_s:.2f} s")
 
     def _connected(self, zone, run):
         now = self._world.scheduler.now
@@ -290,6 +319,8 @@ class Ledger:
             if record is not None and not record.end_reason:
                 self._fail("run", f"{believed.identity} was left, and has no end")
             believed.phase, believed.reason = Phase.ENDED, EndReason.STOPPED
+        if acting is not None and acting.name.upper() in EndReason.__members__:
+            believed.reason = EndReason[acting.name.upper()]
         believed.turn(now)
         believed.is_left, believed.changed = True, now
         del self.current[name]
@@ -311,8 +342,9 @@ class Ledger:
 
     def _changed(self, core, run, believed):
         """The phase of a run has changed."""
-        now, acting = self._world.scheduler.now, self._acting
+        acting = self._acting
         name = acting.name if acting is not None and acting.zone == run.zone else ""
+        now = acting.at if name else self._world.scheduler.now  # the call may have waited for the disk
         why = ""
         if run.phase is Phase.RUNNING and believed.phase is not Phase.RUNNING:
             believed.went = now if name else believed.went
@@ -338,7 +370,11 @@ class Ledger:
         believed.phase, believed.reason, believed.changed = run.phase, run.end_reason, now
         # While the box was away, the robot may have completed its task: these seconds are not counted.
         is_unseen = run.end_reason is EndReason.COMPLETED and self._world.witness.is_unseen(run)
-        believed.final = None if is_unseen else believed.watch.read(now)
+        read = believed.watch.read(now)
+        came = self._world.witness.results(run, believed) if run.end_reason is EndReason.COMPLETED else ()
+        believed.final = None if is_unseen else (min([read, *(at for at, _ in came)]), read)
+        if is_unseen and before is Phase.RUNNING and self._world.witness.is_counted(run):
+            self._check_left_out(run.record(core.now()), believed)
         believed.is_paused = False
         believed.place, believed.phases = 0, []
         believed.turn(now)
@@ -349,15 +385,29 @@ class Ledger:
             if before is Phase.RUNNING and run.end_reason is not EndReason.COMPLETED and self.resumed != now:
                 self._world.witness.stops(run)
 
+    def _check_left_out(self, record, believed):
+        """A robot has completed its task while the box was away: these seconds are not counted."""
+        counted = min(believed.watch.read(self._world.scheduler.now), believed.event.benchmark.total_timeout)
+        most = counted - self._away_s + CLOCK_S + believed.watch.unsure_s
+        if record.elapsed_s > most and not believed.is_paused and believed.went < self.resumed:
+            self._fail("clock", f"{believed.identity} has {record.elapsed_s:.2f} s of {counted:.2f} s, and the box was "
+                                f"away for {self._away_s:.2f} s")
+
     def _why_not_over(self, run, believed, name, now):
         reason, limit = run.end_reason, run.event.benchmark.total_timeout
         counted = believed.watch.read(now)
         if reason is EndReason.TIMEOUT:
-            return "" if counted > limit - CLOCK_S - believed.watch.unsure_s else f"timed out after {counted:.2f} s"
+            most = limit - CLOCK_S - believed.watch.unsure_s
+            came = [] if believed.event.team == "ALL" else self._world.witness.results(run, believed)
+            in_time = [at for at, is_awaited in came if is_awaited and at < most]
+            return f"timed out after {counted:.2f} s" if counted <= most else "" if not in_time else (
+                f"timed out, and its robot had completed it after {in_time[0]:.2f} s")
         if reason is EndReason.COMPLETED:
             return "" if self._world.witness.completed(run, believed.went) else "is completed, but not by its robot"
         if reason is EndReason.NO_MESSAGES_SAVED:
-            return "" if any(robot.saves_nothing for robot in self._world.robots) else "is over, but its robot saves"
+            is_due = self._world.witness.has_saved_nothing(run, believed.went)
+            return "" if is_due and any(robot.saves_nothing for robot in self._world.robots) else (
+                "is over, but its robot saves, or did not execute for long")
         return "" if name in ENDED_BY.get(reason, ()) else f"is over ({reason}), and nobody ended it"
 
     def _check_watch(self, run, believed, record):
@@ -410,6 +460,9 @@ class Ledger:
             if bool(entry.withdrawn_utc) is not (kept.withdrawn is not None):
                 self._fail("withdrawal", f"{identity}: entry {entry.number} is {'' if entry.withdrawn_utc else 'not '}"
                                          "withdrawn")
+        judged = [(act.act, act.judge) for act in record.judging.acts]
+        if judged != [(JUDGED[act.name], act.given.get("judge", "")) for act in believed.judged]:
+            self._fail("judges", f"{identity} has {judged}, and not {[each.name for each in believed.judged]}")
         values, total = believed.values(), Decimal(0)
         for item in record.items:
             if item.value != values.get(item.key, 0):
@@ -436,9 +489,11 @@ class Ledger:
             return
         self._sure = (sure, has_confirmed) if before is None else (min(sure, before[0]), has_confirmed and before[1])
 
-    def continues(self, core, is_other_clock, was_set):
-        """The next box has resumed. `was_set`: somebody has set its clock."""
+    def continues(self, core, is_other_clock, was_set, killed_at):
+        """The next box has resumed. `was_set`: somebody has set its clock. `killed_at`: when the one before ended, on
+        this computer."""
         now = self.resumed = self._world.scheduler.now
+        self._away_s = 0.0 if killed_at is None else now - killed_at
         if is_other_clock:
             for believed in self.current.values():
                 believed.watch.unsure_s = float("inf") if was_set else OTHER_CLOCK_S
@@ -488,6 +543,9 @@ class Ledger:
         for kept, entry in zip(believed.entries, record.history):
             if kept.withdrawn is not None and not entry.withdrawn_utc and not self._must_be_there(kept.withdrawn):
                 kept.withdrawn = None
+        kept = len(record.judging.acts)
+        believed.judged = [act for number, act in enumerate(believed.judged)
+                           if number < kept or self._must_be_there(act)]
         if believed.sign_off is not None and record.sign_off is None and not self._must_be_there(believed.sign_off):
             believed.sign_off = None
         for name in [name for name, act in believed.reasons.items() if not self._must_be_there(act)]:
@@ -498,8 +556,9 @@ class Ledger:
     def _adopt(self, core, believed, now):
         """Take the state of a run from the box that has lost its newest changes."""
         run, watch = core.box.zones[believed.zone].run, believed.watch
-        if not (believed.phase is Phase.ENDED and believed.stopped == believed.changed and all(
-                keeps(believed.stopped) for keeps in self._keeps_stop)):
+        is_known = believed.phase is Phase.ENDED and believed.stopped == believed.changed and all(
+            keeps(believed.stopped) for keeps in self._keeps_stop)
+        if not is_known or believed.went > self._sure[0]:
             believed.final = None
         believed.is_paused = run.times.state.paused
         if run.phase is not Phase.ENDED:
@@ -508,7 +567,7 @@ class Ledger:
             believed.phases, believed.place = [Watch() for _ in record.phases], run.times.state.phase
             for phase, found in zip(believed.phases, record.phases):
                 phase.counted = found.elapsed_s
-        else:
+        elif believed.final is None:
             watch.unsure_s = float("inf")  # it may have ended and begun again
         believed.setup.unsure_s = float("inf")
         believed.turn(now)

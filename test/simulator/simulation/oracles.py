@@ -1,10 +1,13 @@
 """What must hold at any moment, whatever goes wrong. The first violation ends a simulation."""
 
 import json
+import os
 import sys
 
 from roah_rsbb.box.journal import ZONE_STATE
 from roah_rsbb.core.runs.run import Run
+from roah_rsbb.journal import epochs
+from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.protocol import wire_ns
 from roah_rsbb.rulebook.benchmarks import Durable
@@ -16,6 +19,8 @@ STOP_S = 3.0
 STANDBY_PORT = 8083
 # Two boxes that send to one robot.
 BOTH_S = 1.0
+# A box that did not run for so long asks the one that took over, for so long, before it sends anything.
+AWAY_S, ASKS_S = 1.6, 1.9
 # What the loss of the newest records may cost.
 CLOCK_S = 0.3
 
@@ -43,7 +48,7 @@ class Oracles:
         self._superseded = set()  # boxes that know it
         self._sent = {}  # when a box sent last to robots, by its host
         self._both_since = None
-        self._is_other = False  # whether another box took over
+        self._is_other, self._taken_at = False, 0.0  # whether another box took over, and when
 
     def begin(self):
         """Begin to look."""
@@ -54,7 +59,7 @@ class Oracles:
 
     def taken_over(self):
         """A standby takes over."""
-        self._is_other = True
+        self._is_other, self._taken_at = True, self._world.scheduler.now
         self._world.witness.lost()
         self._ports.clear()
         self._is_other_clock = True
@@ -63,7 +68,12 @@ class Oracles:
 
     def _on_datagram(self, source, port, _datagram, _host):
         if self._is_other and port != STANDBY_PORT and source in self._hosts():
-            self._sent[source] = self._world.scheduler.now
+            now = self._sent[source] = self._world.scheduler.now
+            process = self._world.boxes[0].process
+            if source == self._hosts()[0] and process.woke.hung_s > AWAY_S and self._taken_at < process.woke.at and (
+                    now < process.woke.at + ASKS_S):
+                self.fail("woken box", f"sends to port {port}, {now - process.woke.at:.2f} s after it woke, and did "
+                                       f"not run for {process.woke.hung_s:.1f} s")
 
     def _hosts(self):
         return [box.computer.host for box in self._world.boxes]
@@ -153,7 +163,7 @@ class Oracles:
             return
         for kind in [key for key in self._acknowledged if key[0] is box]:
             del self._acknowledged[kind]
-        self._world.ledger.continues(core, self._is_other_clock, self.clock_was_set)
+        self._world.ledger.continues(core, self._is_other_clock, self.clock_was_set, self._killed_at)
         self._killed_at, self._is_other_clock = None, False
         # A run that a power failure may take has its port no more.
         self._ports = {port: run for port, run in self._ports.items() if run in self._world.ledger.runs}
@@ -212,6 +222,9 @@ class Oracles:
             self.fail("no box", "none runs at the end")
             return
         world.ledger.check_all(core)
+        for box in self._superseded:  # it stays so after each restart
+            if not epochs.standing_in(os.path.join(box.storage.folder, FILE_NAME)).is_superseded:
+                self.fail("superseded", f"{box.computer.name} is, and its journal does not say so")
         numbers, holes = world.box.storage.records()
         if holes or numbers != list(range(1, len(numbers) + 1)):
             self.fail("numbers", f"the journal has holes: {holes}")

@@ -28,8 +28,8 @@ class Referee:
     def __init__(self, world, box, random):
         self.world, self.box, self.random = world, box, random
         self.pause_s = random.choice(((0.05, 0.5), (0.1, 1.5), (0.3, 3.0)))
-        self.is_at_work = True
-        self.on_entry = []  # what happens soon after the next entry
+        self.is_at_work, self.rests_until = True, 0.0
+        self.then = []  # (commands, what happens soon after the next one of them, within how many seconds)
         self._numbers = itertools.count(1)
         self._seen = {}  # identities of the runs that this referee knows, by zone, the newest first
 
@@ -44,7 +44,7 @@ class Referee:
             return
         self.world.scheduler.after(self.random.uniform(*self.pause_s), self._act)
         core = self.box.core
-        if core is None:
+        if core is None or self.world.scheduler.now < self.rests_until:
             return
         box, random = core.box, self.random
         zone = random.choice(sorted(box.zones.keys()))
@@ -86,6 +86,10 @@ class Referee:
         """Mark an item of a run, mostly of the present one, and repeat it until there is an answer."""
         random = self.random
         identity = self._seen[zone][0] if random.random() < 0.8 else random.choice(self._seen[zone])
+        known = self.world.ledger.runs.get(identity)
+        if known is not None and known.event.benchmark.judges:
+            self._judge(zone, identity)
+            return
         item = random.choice((run or self.box.core.box.zones[zone]).event.benchmark.scoring)
         given = {"group": item.group, "desc": item.desc, "id": str(next(self._numbers)), "role": "referee"}
         if item.kind is ScoreKind.UINT and random.random() < 0.7:
@@ -99,6 +103,12 @@ class Referee:
             if why is None:
                 self.world.scheduler.after(AGAIN_S, lambda: self._send_mark(zone, identity, given))
         self._call("mark", zone, identity, given, answered=answered)
+
+    def _judge(self, zone, identity):
+        """Judges submit their sheets, and the head referee decides."""
+        name = self.random.choice(("submit", "submit", "hand_back", "waive", "sign_off"))
+        given = {"judge": self.random.choice(("Ada", "Bert"))} if name in ("submit", "hand_back") else {}
+        self._call(name, zone, identity, {**given, **({"reason": "late"} if name in ("hand_back", "waive") else {})})
 
     def _correct(self, zone):
         """Correct a run, or sign it off."""
@@ -121,6 +131,7 @@ class Referee:
         answered."""
         scheduler, box, process = self.world.scheduler, self.box, self.box.process
         who = f"Anna {next(self._numbers)}"
+        given = {**given, "device": who} if name == "submit" else given
         text = f"{name} {' '.join(map(str, given.values()))} {identity or zone}"
         arguments = {"zone": zone, "run": identity, "by": who}
         if call == "act":
@@ -178,7 +189,7 @@ class Referee:
                 reasons = () if isinstance(found, Waiting) else _texts(found)
                 if box.core is core and box is self.world.box:
                     self.world.ledger.done(core, done, reasons)
-            self._called(name in DURABLE)
+            self._called(name)
             if isinstance(found, Waiting):
                 wait(found)
             else:
@@ -189,10 +200,12 @@ class Referee:
         else:
             scheduler.after(self._way_s(), lambda: process.soon(act))
 
-    def _called(self, is_durable):
-        """A call was carried out. Some troubles wait for an entry."""
-        if is_durable and self.on_entry:
-            self.world.scheduler.after(self.random.uniform(0.0, 0.1), self.on_entry.pop(0))
+    def _called(self, name):
+        """A call was carried out. Some troubles wait for that."""
+        found = next((waiting for waiting in self.then if name in waiting[0]), None)
+        if found is not None:
+            self.then.remove(found)
+            self.world.scheduler.after(self.random.uniform(0.0, found[2]), found[1])
 
     def _way_s(self):
         return self.random.uniform(SHORTEST_S, LONGEST_S)

@@ -24,7 +24,7 @@ class Robot:
             return
         self.starts += 1
         self.process = Process(self.computer, f"{self.name} {self.starts}")
-        options = DummyOptions(seed=self.starts, **self._options)
+        options = DummyOptions(seed=self.starts, save_nothing=self.saves_nothing, **self._options)
         self.client = RobotClient(
             self.team, self._password, DummyRobot(options), self.name, BROADCAST, 6666, self.computer.host,
             clock=self.computer.utc, make_peer=self.world.air.peer_maker(self.process),
@@ -43,6 +43,11 @@ class Robot:
         """Its program does nothing for a while."""
         if self.is_on:
             self.process.hang(seconds)
+
+    @property
+    def executes_s(self):
+        """How long it executes."""
+        return float("inf") if self._options["never_end"] else self._options["execute_duration"]
 
     @property
     def is_on(self):

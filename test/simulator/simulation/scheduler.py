@@ -8,10 +8,15 @@ import asyncio
 import contextlib
 import heapq
 import itertools
+from typing import NamedTuple
 
 UTC0 = 1_800_000_000.0
 # Steps without any passing of time.
 MOST_STEPS_AT_ONCE = 100_000
+
+
+# More than there are steps: what has less by this is done first.
+FIRST = 2**40
 
 
 class Ended(BaseException):
@@ -79,15 +84,15 @@ class Scheduler:
 
 
 class Computer:
-    """A computer's clocks. `drift`: by how much they are fast, as a share."""
+    """A computer's clocks. `drift`: by how much they are fast, as a share. `up_s`: since when it runs."""
 
-    def __init__(self, scheduler, name, host, drift=0.0, utc_ahead=0.0):
+    def __init__(self, scheduler, name, host, drift=0.0, utc_ahead=0.0, up_s=1000.0):
         self.scheduler = scheduler
         self.name = name
         self.host = host
         self._rate = 1.0 + drift
-        self._booted = scheduler.now - 1000.0  # true time
-        self._utc_ahead = UTC0 + utc_ahead - 1000.0 - scheduler.now
+        self._booted = scheduler.now - up_s  # true time
+        self._utc_ahead = UTC0 + utc_ahead - self.mono() - scheduler.now
         self.boots = 1
 
     @property
@@ -116,6 +121,13 @@ class Computer:
         self.boots += 1
         self._booted = self.scheduler.now - 20.0
         self._utc_ahead = utc - self.mono()
+
+
+class Woke(NamedTuple):
+    """The end of the last time that a process hung."""
+
+    at: float  # true time
+    hung_s: float
 
 
 class Loop(asyncio.AbstractEventLoop):
@@ -170,6 +182,10 @@ class Loop(asyncio.AbstractEventLoop):
         """It is dropped when it is due."""
 
 
+class _Input(asyncio.Handle):
+    """What a loop does before what is due by its clock, as asyncio does after `select`."""
+
+
 class Process:
     """A program that runs on a computer."""
 
@@ -180,6 +196,7 @@ class Process:
         self.is_ended = False
         self.on_end = []  # called when it ends, however it ends
         self.tasks = []  # each with its coroutine
+        self.woke = Woke(0.0, 0.0)
         self._hangs_until = 0.0  # true time
         self._waits = 0  # how many calls of `wait` are in progress
         self._deferred = []  # steps that became due during `wait`
@@ -196,6 +213,7 @@ class Process:
 
     def defer(self, number, handle):
         """Do a step when the process is no longer busy."""
+        number -= FIRST if isinstance(handle, _Input) and number > 0 else 0
         if self._waits:
             self._deferred.append((number, handle))
         else:
@@ -203,7 +221,7 @@ class Process:
 
     def soon(self, function):
         """Do something in the process as soon as it is not busy."""
-        self.scheduler.at(self.scheduler.now, self, asyncio.Handle(function, (), self.loop, None))
+        self.scheduler.at(self.scheduler.now, self, _Input(function, (), self.loop, None))
 
     def do(self, handle):
         """Do a step of this process now."""
@@ -218,7 +236,9 @@ class Process:
 
     def hang(self, seconds):
         """It does nothing for a while."""
-        self._hangs_until = max(self._hangs_until, self.scheduler.now + seconds)
+        now, until = self.scheduler.now, max(self._hangs_until, self.scheduler.now + seconds)
+        self.woke = Woke(until, until - (now if now > self._hangs_until else self.woke.at - self.woke.hung_s))
+        self._hangs_until = until
 
     def end(self):
         """It is killed."""

@@ -10,6 +10,7 @@ from .witness import SILENT_S
 
 # Warnings of a robot that is not heard (docs/referee.md).
 SILENT = re.compile("No message|no message|disappeared|not heard|not answered|knows? whether")
+MISSED = re.compile("No message from the robot|has disappeared")
 # When a warning that is due must be there, at the latest.
 WARNED_S = 1.2
 # When the disk takes nothing, every referee is warned after a second; a broken one is first tried again.
@@ -21,6 +22,7 @@ class Shown:
 
     def __init__(self, world):
         self._world, self._fail = world, world.oracles.fail
+        self._waits = None  # since when an entry waits for a disk that takes nothing
 
     def look(self, core, document):
         """The box has a new document."""
@@ -39,8 +41,10 @@ class Shown:
             elif believed is not None:
                 self._check_zone(core, seen, believed, core.box.zones[name].run)
         self._check_results(document, ledger)
-        blocked_s = min(world.storage.blocked_s(), world.scheduler.now - ledger.resumed)
-        if blocked_s > DISK_S and ledger.current and not document.box.warnings:
+        now, blocked_s = world.scheduler.now, world.storage.blocked_s()
+        is_waiting = blocked_s > 0.0 and ledger.entered_at > max(now - blocked_s, ledger.resumed)
+        self._waits = (self._waits or now) if is_waiting else None
+        if is_waiting and now - self._waits > DISK_S and not document.box.warnings:
             self._fail("warning", f"nothing is written for {blocked_s:.1f} s, and nobody is warned")
 
     def _check_zone(self, core, seen, believed, run):
@@ -73,6 +77,10 @@ class Shown:
             if silent_s > SILENT_S and member.phase is Phase.RUNNING and not any(
                     name in text and SILENT.search(text) for text in seen.warnings):
                 self._fail("silent robot", f"{member.robot} is silent for {silent_s:.1f} s: {seen.warnings}")
+
+            if seen.robot and self._world.witness.is_heard(member.port) and any(
+                    MISSED.search(text) for text in seen.warnings):
+                self._fail("warning", f"{member.robot} is heard, and there are warnings: {seen.warnings}")
 
     def _check_times(self, seen, believed, mono, most):
         """Setup time and phases, with their warnings."""

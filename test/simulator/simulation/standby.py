@@ -12,6 +12,7 @@ import stat
 from roah_rsbb.copies.folder import drop_drafts
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.standby import clocks
 from roah_rsbb.standby.messages import decode, encode
 from roah_rsbb.standby.pairing import hashed
 from roah_rsbb.standby.partners import PairedBox, PairedStandby, write_box, write_standby
@@ -38,18 +39,19 @@ UNDISTURBED_S, BEHIND_S = 8.0, 1.0
 class StandbyDisk:
     """What a power failure of the standby would leave: what was synced, of files whose names were."""
 
-    def __init__(self, path):
-        self._path = path
+    def __init__(self, path, computer):
+        self._path, self._computer = path, computer
         self._sizes, self._named = {}, set()  # by number of the file
 
     @contextlib.contextmanager
     def watched(self):
-        """Note what is synced in this block."""
-        sync, os.fsync = os.fsync, self._sync
+        """Note what is synced in this block, which runs on the computer."""
+        before = os.fsync, clocks.boot_id
+        os.fsync, clocks.boot_id = self._sync, lambda: self._computer.boot_id
         try:
             yield
         finally:
-            os.fsync = sync
+            os.fsync, clocks.boot_id = before
 
     def _sync(self, fd):
         found = os.fstat(fd)
@@ -79,7 +81,7 @@ class Standby:
         self._disturbed = self._heard = world.scheduler.now
         self._apart = [world.scheduler.now]  # moments at which the two computers did not work together
         os.makedirs(folder)
-        self._disk = StandbyDisk(os.path.join(folder, FILE_NAME))
+        self._disk = StandbyDisk(os.path.join(folder, FILE_NAME), computer)
         self.has = self._disk.has
         os.makedirs(box.storage.folder, exist_ok=True)
         write_standby(box.storage.folder, PairedStandby("standby", hashed(KEY), computer.host, PORT))

@@ -5,9 +5,13 @@ from typing import NamedTuple, Tuple
 
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.frame import encode
+from roah_rsbb.model.records import Phase
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import RobotState
 
-PUBLIC_PORT = 6666
+from .air import PUBLIC_PORT
+from .ledger import DURABLE
+
 STRANGER = "10.0.0.99"
 
 
@@ -29,7 +33,7 @@ def plan_of(world, random):
     if world.standby is None:
         known = [kind for kind in known if kind not in OF_STANDBY]
     elif random.random() < 0.7:
-        known = sorted({*OF_STANDBY, *random.sample(sorted(KINDS), 4)})
+        known = sorted({*OF_STANDBY, LOST, *random.sample(sorted(KINDS), 4)})
     kinds = random.sample(known, random.randint(2, 5))
     plan = [Trouble(random.uniform(1.0, world.length_s), kind, KINDS[kind](world, random))
             for kind in random.choices(kinds, k=count)]
@@ -47,13 +51,16 @@ def _robot(world, random):
     return random.randrange(len(world.robots))
 
 
+# How a box is lost. While its computer sleeps, it receives nothing.
+WAYS = "box burns", "box is cut off", "box sleeps", "box's computer sleeps", ""
+LOST = "stopped while frozen, then lost"
 # What is drawn for each kind.
 KINDS = {
     "loss": lambda w, r: (_host(w, r), r.choice((0.1, 0.3, 0.6)), r.uniform(1.0, 15.0)),
     "late": lambda w, r: (_host(w, r), r.choice((0.05, 0.3)), r.choice((0.05, 0.5, 3.0)), r.uniform(1.0, 15.0)),
     "double": lambda w, r: (_host(w, r), r.choice((0.1, 0.5)), r.uniform(1.0, 15.0)),
     "cut off": lambda w, r: (_host(w, r), r.choice((0.5, 2.0, 6.0, 12.0))),
-    "take over": lambda w, r: (r.choice(("box burns", "box is cut off", "box sleeps", "")), r.uniform(0.0, 6.0)),
+    "take over": lambda w, r: (r.choice(WAYS), r.uniform(0.0, 6.0)),
     "standby restarts": lambda w, r: (),
     "standby hangs": lambda w, r: (r.choice((0.3, 1.0, 4.0)),),
     "kill": lambda w, r: (r.uniform(0.3, 3.0),),
@@ -67,8 +74,11 @@ KINDS = {
     "slow disk, then power": lambda w, r: (r.choice((0.3, 1.0)), r.uniform(0.3, 2.5), r.uniform(2.0, 4.0)),
     "broken disk": lambda w, r: (r.uniform(0.5, 8.0),),
     "frozen disk": lambda w, r: (r.choice((0.3, 1.0, 4.0)),),
+    LOST: lambda w, r: (r.random() < 0.5, r.random() < 0.7, r.uniform(0.1, 3.0)),
     "full disk": lambda w, r: (r.uniform(0.5, 8.0),),
     "box's clock": lambda w, r: (r.choice((-3600.0, -1.0, -0.2, 0.2, 1.0, 3600.0)),),
+    "hang at a limit": lambda w, r: (),
+    "left out": lambda w, r: (_robot(w, r), r.uniform(0.5, 3.0)),
     "robot's clock": lambda w, r: (_robot(w, r), r.choice((-10.0, -0.5, 0.05, 10.0))),
     "robot crashes": lambda w, r: (_robot(w, r), r.uniform(0.5, 5.0)),
     "robot hangs": lambda w, r: (_robot(w, r), r.choice((0.5, 3.0, 8.0))),
@@ -77,16 +87,17 @@ KINDS = {
     "forged beacon": lambda w, r: (_robot(w, r), r.choice(("same", STRANGER)), r.choice((-5.0, 0.0, 5.0))),
     "forged box": lambda w, r: (),
     "old box restarts": lambda w, r: (r.uniform(0.3, 3.0), r.random() < 0.5),
+    "relay": lambda w, r: (_robot(w, r), r.uniform(3.0, 12.0)),
     "attack": lambda w, r: (_robot(w, r), r.choice((0.0, 3.0, 6.0)), r.choice(("same", STRANGER))),
     "attack after a loss": lambda w, r: (_robot(w, r), r.choice(("same", STRANGER))),
 }
 
 
 DISK = ("kill", "kill at an entry", "kill, then kill", "kill, then power", "power", "power at an entry", "slow disk",
-        "slow disk, then power", "broken disk", "frozen disk", "full disk", "hang")
+        "slow disk, then power", "broken disk", "frozen disk", LOST, "full disk", "hang")
 OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off", "old box restarts")
-NETWORK = ("loss", "late", "double", "cut off", "kill", "attack", "attack after a loss", "replay", "garbage",
-           "forged beacon", "robot crashes", "robot hangs", "robot's clock")
+NETWORK = ("loss", "late", "double", "cut off", "kill", "attack", "attack after a loss", "replay", "relay", "garbage",
+           "forged beacon", "robot crashes", "robot hangs", "robot's clock", "hang at a limit", "left out")
 
 
 class Troubles:
@@ -94,6 +105,7 @@ class Troubles:
 
     def __init__(self, world, random):
         self._world, self._random = world, random
+        self._are_allowed = True
 
     def begin(self, trouble):
         """A trouble begins, and ends by itself."""
@@ -102,12 +114,13 @@ class Troubles:
 
     def end_all(self):
         """Everything works from now on."""
-        world = self._world
+        world, self._are_allowed = self._world, False
         for weather in world.air.weather.values():
             weather.loss = weather.late = weather.double = 0.0
             weather.is_cut = False
         world.storage.end_troubles()
-        world.referee.on_entry.clear()
+        world.referee.then.clear()
+        world.air.relays.clear()
 
     def _for(self, seconds, host, **changes):
         weather = self._world.air.weather[host]
@@ -147,10 +160,73 @@ class Troubles:
         self._world.scheduler.after(after_s, lambda: self._world.box.kill(restart_s, power=True))
 
     def _kill_at_an_entry(self, restart_s):
-        self._world.referee.on_entry.append(lambda: self._world.box.kill(restart_s))
+        self._after(DURABLE, lambda: self._world.box.kill(restart_s))
 
     def _power_at_an_entry(self, restart_s):
-        self._world.referee.on_entry.append(lambda: self._world.box.kill(restart_s, power=True))
+        self._after(DURABLE, lambda: self._world.box.kill(restart_s, power=True))
+
+    def _after(self, commands, function, longest_s=0.1):
+        """Let something happen soon after the next one of these commands."""
+        self._world.referee.then.append((commands, function, longest_s))
+
+    def _hang_at_a_limit(self):
+        """The box does nothing from the result of a robot on, until the limit of its run is over."""
+        world, now = self._world, self._world.scheduler.now
+        for robot in world.robots:
+            believed = None if robot.link is None else world.witness.runs_at.get(robot.link.port)
+            if believed is None or believed.phase is not Phase.RUNNING or robot.state is not RobotState.EXECUTING:
+                continue
+            completes = world.witness.reports[robot.link.port][-1][0] + robot.executes_s
+            limit = now + believed.event.benchmark.total_timeout - believed.watch.read(now)
+            if now < completes and 0.15 < limit - completes < 2.5:
+                world.referee.rests_until = limit + 0.5
+                world.scheduler.after(completes - now, functools.partial(self._hang, limit - completes + 0.2))
+                return
+        self._later(self._hang_at_a_limit)
+
+    def _left_out(self, number, seconds):
+        """A run of all robots starts without one, is stopped, and then that robot is there again."""
+        world, robot = self._world, self._world.robots[number]
+        core, believed = world.box.core, None if robot.link is None else world.witness.runs_at.get(robot.link.port)
+        if core is None or believed is None or believed.phase is not Phase.CONNECTED or believed.event.team != "ALL":
+            self._later(self._left_out, number, seconds)
+            return
+        world.referee.rests_until = world.scheduler.now + 5.0
+        robot.hang(5.0 + seconds)
+        for at, command in ((3.6, "start"), (4.5, "stop")):
+            world.scheduler.after(at, functools.partial(self._press, core, believed.zone, command))
+
+    def _press(self, core, zone, command):
+        """A referee presses a button."""
+        if self._world.box.core is core and self._are_allowed:
+            self._world.referee._command(zone, command)
+
+    def _stopped_while_frozen__then_lost(self, is_again, is_burnt, seconds):
+        """A run is stopped while the disk takes nothing, perhaps once more, and the box is lost after that."""
+        world, box = self._world, self._world.box
+        core = None if box.process.is_ended else box.core
+        running = [run for run in ([] if core is None else core.box.zones.runs()) if run.phase is Phase.RUNNING]
+        if not running:
+            self._later(self._stopped_while_frozen__then_lost, is_again, is_burnt, seconds)
+            return
+        press = functools.partial(self._press, core, running[0].zone)
+
+        def lose():
+            if is_burnt and world.standby is not None and not world.standby.has_taken_over:
+                self._burn(box)
+            elif box is world.box:
+                box.kill(0.5)
+            box.storage.end_troubles()
+        begin = 2.0 if is_again else 0.0
+        for at, act in ((0.0, lambda: is_again and press("stop")), (1.0, lambda: is_again and press("start")),
+                        (begin, lambda: self._frozen_disk(seconds + 0.4)), (begin + 0.2, lambda: press("stop")),
+                        (begin + 0.3 + seconds, lose)):
+            world.scheduler.after(at, act)
+
+    def _later(self, method, *values):
+        """Begin a trouble again soon: now it makes no difference."""
+        if self._are_allowed:
+            self._world.scheduler.after(0.5, lambda: method(*values))
 
     def _take_over(self, how, seconds):
         """The box is lost, and its standby takes over as soon as that is possible."""
@@ -158,10 +234,10 @@ class Troubles:
         if world.standby is None or world.standby.has_taken_over:
             return
         if how == "box burns":
-            world.referee.on_entry.append(lambda: self._burn(box))
-        elif how == "box is cut off":
+            self._after(DURABLE, lambda: self._burn(box))
+        elif how in ("box is cut off", "box's computer sleeps"):
             self._cut_off(box.computer.host, 4.0 + seconds)
-        elif how == "box sleeps":
+        if "sleeps" in how:
             for process in (box.process, box.backup.process):
                 if process is not None:
                     process.hang(4.0 + seconds)
@@ -227,6 +303,16 @@ class Troubles:
         for number, (source, port, datagram, receiver) in enumerate(list(air.sent)[begin:begin + count]):
             self._world.scheduler.after(0.1 * number, functools.partial(
                 air.send, source if host == "same" else host, port, datagram, receiver))
+
+    def _relay(self, number, seconds):
+        """Somebody sends what a robot sends in a run again, from elsewhere, and is faster."""
+        world, robot = self._world, self._world.robots[number]
+        if robot.link is not None and world.witness.is_heard(robot.link.port):
+            key = robot.computer.host, robot.link.port
+            world.air.relays[key] = STRANGER
+            world.scheduler.after(seconds, lambda: world.air.relays.pop(key, None))
+        else:
+            self._later(self._relay, number, seconds)
 
     def _attack(self, number, silent_s, host):
         """Somebody sends again what the box has taken from a robot in all its runs, at its present channel, perhaps

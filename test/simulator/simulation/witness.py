@@ -12,9 +12,9 @@ from roah_rsbb.comm.frame import BadDatagram, decode_private
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 
+from .air import PUBLIC_PORT
 from .ledger import members
 
-PUBLIC_PORT = 6666
 # STOP leaves within this time (s), whatever the disk does.
 AT_ONCE_S = 0.01
 # A box repeats its state each second, its first one to a tenth of a second early. After a restart it is sent at once.
@@ -26,7 +26,9 @@ LOOK_S = 0.25
 LATE_S = 3.1  # a datagram comes so late, at most
 # A robot moves because of what a box said lately. In the first seconds after a restart, none is asked to prepare.
 MOVES_S, HEARS_S = 12.0, 2.0
-SAVES_S = 7.0  # a run does not continue while a robot executes for so long, and saves no offline data
+SAVED_S, SAVES_S = 4.9, 7.0  # how long a robot executes without offline data, before its run is ended
+WELL_S = 6.0  # after so long, a box hears a robot where it is
+HEARD_S = 0.05
 # A robot that says nothing for so long is shown as silent, even if its last datagram was late.
 SILENT_S = 4.5 + LATE_S
 
@@ -60,25 +62,49 @@ class Witness:
         self._read = {}  # when the present box has first read something of the robot of a port
         self._go_at = collections.defaultdict(lambda: float("-inf"))  # when a box let the robot of a port move, last
         self.recorded = collections.defaultdict(list)  # what the box has read of a robot in runs, by address
+        self._genuine = {}  # by port: when the last datagram of its robot came to the present box's computer
+        self._results = {}  # by port: (start of its run, when the robot's result came there, time counted until then)
+        self._taken = set()  # datagrams that a box has read
+        self._unheard = set()  # ports with a recording that no box had read before: it may be new
         self.busy_until = 0.0  # the present box was not running until then
         world.air.watchers.append(self._on_datagram)
         world.air.readers.append(self._on_read)
+        world.air.arrived.append(self._on_arrival)
 
     def lost(self):
         """The box is lost."""
+        self._world.air.relays.clear()  # the next one hears first who is faster
         self._read.clear()
         self._did.clear()
 
-    def _on_read(self, host, port, datagram, source):
+    def _on_read(self, host, port, datagram, source, is_forged):
         if host == self._world.box.computer.host and source in self._robots and port in self.runs_at:
             self._read.setdefault(port, self._world.scheduler.now)
-            if self._robots[source].is_running:  # otherwise somebody else sends what it said before
-                self._did.setdefault(port, self._robots[source].state)
+            if not is_forged and port not in self._did:
+                self._did[port] = RobotState(self._decoded(datagram).robot_state)
             self.recorded[source].append(datagram)
+            self._taken.add(datagram)
+
+    def _on_arrival(self, host, port, datagram, source, is_forged):
+        now = self._world.scheduler.now
+        if is_forged and port == PUBLIC_PORT and host in self._robots:
+            self._well[self._robots[host]] = now  # somebody pretends to be its box
+        if host != self._world.box.computer.host or port not in self.runs_at:
+            return
+        believed = self.runs_at[port]
+        if is_forged and datagram not in self._taken:
+            self._unheard.add(port)
+        elif not is_forged and source in self._robots:
+            self._genuine[port] = now
+            is_done = self._robots[source].state is RobotState.RESULT_TX and believed.phase is Phase.RUNNING
+            if is_done and self._results.get(port, (None,))[0] != believed.went and (
+                    self._decoded(datagram).robot_state == RobotState.RESULT_TX):
+                self._results[port] = believed.went, now, believed.watch.read(now)
 
     def add(self, robot):
         """Watch a robot, too."""
         self._robots[robot.computer.host] = robot
+        self._well[robot] = 0.0
 
     # -- on the air ---------------------------------------------------------------------------------
 
@@ -97,7 +123,7 @@ class Witness:
             if not reports or reports[-1][1] is not state:
                 reports.append((now, state))
                 # One that hung reads what waited for it.
-                moved = max(self._go_at[port], self._well.get(self._robots[source], now))
+                moved = max(self._go_at[port], self._well[self._robots[source]])
                 if reports[-2:-1] == [(reports[-2:][0][0], RobotState.STOP)] and now - moved > MOVES_S:
                     self._fail("robot moves", f"that of port {port} leaves STOP, and nothing asked it to")
 
@@ -127,8 +153,8 @@ class Witness:
         if world.box.core is None:  # what it has resumed is not known yet
             self._early.append((port, believed, state, self._is_stopped(port)))
             return
-        robot = self._robot_at(port)
-        if believed.reason is EndReason.COMPLETED and robot is not None and robot.state is RobotState.RESULT_TX:
+        reports = self.reports[port]
+        if believed.reason is EndReason.COMPLETED and reports and reports[-1][1] is RobotState.RESULT_TX:
             return  # it does not move, and the STOP that takes its result waits for the disk
         if believed.phase is not Phase.RUNNING or believed.is_left:
             self._fail("robot asked to move", f"{state.name} on port {port}, and {believed.identity} is over")
@@ -152,7 +178,7 @@ class Witness:
         if robot is None or robot.state is not RobotState.STOP or not reports:
             return False
         since, resumed = reports[-1][0], self._world.ledger.resumed
-        return since < resumed - LATE_S or now - max(since, self._well.get(robot, now)) > 1.5
+        return since < resumed - LATE_S or now - max(since, self._well[robot]) > 1.5
 
     def resumed(self):
         """The next box has resumed."""
@@ -194,6 +220,30 @@ class Witness:
         return self._world.ledger.resumed > 0.5 and any(
             self._did.get(member.port) is not RobotState.EXECUTING for member in members(run))
 
+    def is_counted(self, run):
+        """Whether a robot had completed its task before the box heard it again: then this time is not counted."""
+        return [self._did.get(member.port) for member in members(run)] == [RobotState.RESULT_TX]
+
+    def results(self, run, believed):
+        """For each result of a robot that has come to the present box: the time that was counted then, and whether the
+        box waited for it."""
+        found = [(member.port, self._results.get(member.port)) for member in members(run)]
+        return [(result[2], self.sent[port].state is BoxState.WAITING_RESULT) for port, result in found
+                if result is not None and result[0] == believed.went and result[1] > self._world.ledger.resumed]
+
+    def has_saved_nothing(self, run, went):
+        """Whether a robot of a run has executed for so long that it must have saved offline data, since a referee let
+        it go."""
+        now = self._world.scheduler.now
+        return any(state is RobotState.EXECUTING and went < at < now - SAVED_S
+                   for member in members(run) for at, state in self.reports[member.port])
+
+    def is_heard(self, port):
+        """Whether the present box hears a robot for some time, whatever others send."""
+        now, robot, resumed = self._world.scheduler.now, self._robot_at(port), self._world.ledger.resumed
+        return (self._is_well(port, WELL_S) and now - max(resumed, self.busy_until) > WELL_S and robot.is_running
+                and now - self._genuine.get(port, 0.0) < PERIOD_S and robot.name not in self._world.clocks_were_set)
+
     def completed(self, run, went):
         """Whether the robots of a run have done what a completed run needs, since a referee let them go."""
         return all(any(state is RobotState.RESULT_TX and at > went for at, state in self.reports[member.port])
@@ -221,22 +271,28 @@ class Witness:
                         self._check_member(core, zone, member, believed, now)
         for robot in world.robots:
             if not robot.is_running or not self._hear_each_other(robot):
-                self._well[robot] = now
-            self._well.setdefault(robot, now)
+                # When it is silent, the box may follow somebody who relays it.
+                lasts_s = FOLLOWS_S if self._is_relayed(robot) else 0.0
+                self._well[robot] = max(now + lasts_s, self._well[robot])
             if not is_busy:
                 self._check_robot(robot, now)
         is_due = has_runs and not is_busy and now > self.busy_until + PERIOD_S and now - ledger.resumed > PERIOD_S
         if is_due and now - self.beacon_at > PERIOD_S and not core.box.is_superseded:
             self._fail("beacon", f"there is none since {self.beacon_at:.2f}")
 
+    def _is_relayed(self, robot):
+        return robot.computer.host in [host for host, _ in self._world.air.relays]
+
     def _hear_each_other(self, robot):
         world = self._world
         weathers = [world.air.weather[host] for host in (robot.computer.host, world.box.computer.host)]
-        is_good = all(weather.is_good and not weather.late for weather in weathers)
+        loses = self._is_relayed(robot) and any(weather.loss for weather in weathers)
+        is_good = all(weather.is_good and not weather.late for weather in weathers) and not loses
         return is_good and not world.box.process.is_busy(world.scheduler.now)
 
     def _check_member(self, core, zone, member, believed, now):
         world, port, sent = self._world, member.port, self.sent[member.port]
+        self._check_heard(member)
         seen = member.robot_state
         is_new = seen is not None and seen is not self._seen.get(port) and not core.box.is_superseded
         if is_new and now - self._world.ledger.resumed > 2 * LOOK_S:
@@ -251,6 +307,16 @@ class Witness:
             most = UNSURE_S if is_heard and robot.name not in world.clocks_were_set else float("inf")
         if now - sent.at > PERIOD_S and now - max(resumed, self.busy_until, world.storage.frozen_until) > most:
             self._fail("nothing is sent", f"nothing was sent to port {port} since {sent.at:.2f}")
+
+    def _check_heard(self, member):
+        """A recording that is sent again changes nothing."""
+        heard, port, world = member.link.last_heard, member.port, self._world
+        if heard is None or port in self._unheard or world.oracles.clock_was_set:
+            return
+        at, came = world.box.computer.true_time(heard.mono), self._genuine.get(port, 0.0)
+        if at > max(came, world.ledger.resumed) + HEARD_S and member.robot.robot not in world.clocks_were_set:
+            self._fail("recording", f"the box heard that of port {port} at {at:.2f}, and its last datagram came at "
+                                    f"{came:.2f}")
 
     def _check_seen(self, port, seen, now):
         """What the box shows of a robot was said by it, in this run, not long ago."""

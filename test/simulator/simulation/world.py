@@ -9,7 +9,7 @@ from dataclasses import replace
 from decimal import Decimal
 
 from helpers.competition import benchmark, competition
-from roah_rsbb.model.scoring import ScoreKind, ScoringItem
+from roah_rsbb.model.scoring import JudgesRule, ScoreKind, ScoringItem
 from roah_rsbb.rulebook.benchmarks import Durable, EventRules, PhaseRule, Restarts, ScheduledEvent
 
 from .air import Air
@@ -31,6 +31,8 @@ BOX_HOST, STANDBY_HOST = "10.0.0.1", "10.0.0.50"
 BOTH_WAYS = 4
 # Seconds without troubles and without referees at the end.
 CALM_S = 12.0
+# The shortest limit of a run.
+SHORT_S = 10.0
 SCORING = (
     ScoringItem("Achievements", "detects the door", ScoreKind.BOOL, Decimal("10")),
     ScoringItem("Achievements", "changed objects", ScoreKind.UINT, Decimal("2.5")),
@@ -90,7 +92,7 @@ class World:
 
     def _add_standby(self, draw, folder):
         computer = Computer(self.scheduler, "standby", STANDBY_HOST, draw.uniform(-5e-5, 5e-5),
-                            draw.uniform(-0.03, 0.03))
+                            draw.uniform(-0.03, 0.03), draw.choice((20.0, 990.0, 90_000.0)))
         self.standby = Standby(self, computer, folder, self.box)
         self.box.copy()
 
@@ -107,8 +109,10 @@ class World:
                             draw.uniform(-0.03, 0.03))
         options = {"prepare_duration": draw.uniform(0.0, 3.0), "execute_duration": draw.uniform(0.5, 8.0),
                    "never_end": draw.random() < 0.2}
+        if draw.random() < 0.3:  # it completes its task just in time
+            options.update(execute_duration=SHORT_S - options["prepare_duration"] - draw.uniform(0.1, 2.0))
         robot = Robot(self, computer, team, f"r{number}", self.config.passwords[team], options)
-        robot.saves_nothing = draw.random() < 0.1
+        robot.saves_nothing = draw.random() < 0.15
         self.robots.append(robot)
         self.witness.add(robot)
 
@@ -162,9 +166,9 @@ def _competition(draw):
     zones = {}
     for name in ("a", "b")[:draw.choice((1, 1, 2))]:
         zones[name] = tuple(
-            ScheduledEvent(benchmark(draw.choice(codes), draw.choice((10.0, 30.0, 600.0)), scoring=SCORING,
-                                     rules=_rules(draw)),
-                           draw.choice(teams) if draw.random() < 0.9 else "ALL", 1, number, UTC0 + 60.0 * number)
+            ScheduledEvent(benchmark(draw.choice(codes), draw.choice((SHORT_S, 30.0, 600.0)), scoring=SCORING,
+                                     rules=_rules(draw), judges=JudgesRule(2) if draw.random() < 0.15 else None),
+                           draw.choice(teams) if draw.random() < 0.8 else "ALL", 1, number, UTC0 + 60.0 * number)
             for number in range(1, draw.randint(2, 5)))
     return competition(teams=teams, **zones)
 
