@@ -60,9 +60,10 @@ class Parser(argparse.ArgumentParser):
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Of a wrong choice, say which one was probably meant."""
-        choices = [] if action.choices is None or value in action.choices else list(map(str, action.choices))
+        known = [] if action.choices is None or value in action.choices else action.choices
+        choices = {str(choice).lower(): choice for choice in known}
         for near in difflib.get_close_matches(str(value).lower(), choices, 1):
-            raise argparse.ArgumentError(action, f"no '{value}': did you mean '{near}'?")
+            raise argparse.ArgumentError(action, f"no '{value}': did you mean '{choices[near]}'?")
         super()._check_value(action, value)
 
     def error(self, message: str) -> NoReturn:
