@@ -1,4 +1,4 @@
-"""The way to the page of the whole box in a browser (docs/referee.md, "Results, schedule, pairing")."""
+"""The way to the page of the whole box in a browser (docs/referee.md, "The box's page")."""
 
 from functools import partial
 from urllib.parse import urlencode
