@@ -1,8 +1,8 @@
 """Pairing: who may give commands by a browser, and how a device gets that right (docs/web.md, "Pairing").
 
-A referee's panel shows a code. The device that sends it first gets a session: a random token, which it keeps in a
-cookie. Only a hash of the token is kept here, so nobody who reads the file of the sessions can use one. No I/O and no
-clock.
+An organiser's page or a terminal shows a code. The device that sends it first gets a session: a random token, which it
+keeps in a cookie. Only a hash of the token is kept here, so nobody who reads the file of the sessions can use one. No
+I/O and no clock.
 """
 
 import hashlib

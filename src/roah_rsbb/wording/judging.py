@@ -1,6 +1,6 @@
 """Several judges of a run, and how its result becomes final, as people read them.
 
-Panel, terminal and pages show the values of `model.judging` in these words. The names of the fields are those of the
+Terminal and pages show the values of `model.judging` in these words. The names of the fields are those of the
 terminal's JSON output (docs/referee.md, "JSON") and never change.
 """
 

@@ -1,6 +1,6 @@
 """The schedule as referees and organisers read it: states, delays, filters, and what is not signed off yet.
 
-Panel and terminal decorate these words and add none of their own.
+Page and terminal decorate these words and add none of their own.
 """
 
 import enum

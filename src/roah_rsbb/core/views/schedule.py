@@ -1,4 +1,4 @@
-"""The schedule as the referees see it: what is done, what runs, what comes next (docs/referee.md, "The box's page").
+"""The schedule as the referees see it: what is done, what runs, what comes next (docs/web.md, "The whole box").
 
 Estimated times. No event begins before its scheduled time. An event that is late delays the later events of its zone,
 and gaps in the schedule absorb the delay. An event takes as long as the schedule gives its benchmark: the shortest

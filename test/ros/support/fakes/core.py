@@ -41,8 +41,7 @@ from roah_rsbb.model.modules import form_of_one
 from roah_rsbb.model.reason import decoded
 from roah_rsbb.model.records import EndReason, ScoreValue
 from roah_rsbb.model.referee import Refused
-from roah_rsbb.model.results import UnsavedParts
-from roah_rsbb.model.scoring import JudgesRule, ScoreKind, ScoringItem
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.model.zone import LATELY_S, AllRobots, RunClock, Switches, ZoneSeen
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.ros import connections
@@ -77,7 +76,6 @@ SCORING = (
 )
 ITEMS = tuple(ScoringItem(group, desc, ScoreKind(kind)) for group, items in SCORING for kind, desc in items)
 SCHEDULE_START = 1446364800  # 2015-11-01 08:00:00 UTC
-LATE_S = 720  # how late the next events are said to be
 # The first robot of each team. For each further zone, the team has another one.
 ROBOTS = {"TestingTeam": "mbot", "AnotherTeam": "amigo"}
 # In `FakeCore.calls`, instead of a value.
@@ -96,8 +94,6 @@ def _acted(zone: str, action: str, given: Any) -> tuple:
         return ("score", zone, given["group"], given["desc"],
                 NOT_ATTEMPTED if given.get("not_attempted") else
                 f"{int(given['added']):+d}" if given.get("added") else given["value"])
-    if action == "choose_event":
-        return action, zone, EVENTS[int(given["event"].rpartition("e")[2]) - 1][0], given.get("unsigned", False)
     if EVERY[action].is_open:
         others = {name: value for name, value in given.items() if name != "operation"}
         return action, zone, given["operation"], *(others.values() or [""])
@@ -116,7 +112,7 @@ _SEEN = {
     "withdraw": ("entry",), "stop_reason": ("stop",), "switch": ("number",), "damaged": ("number",),
 }
 # What the referee said with these: the note or reason.
-_SAID = {MARK: "note", "withdraw": "note", "stop_reason": "reason", "sign_off": ""}
+_SAID = {MARK: "note", "withdraw": "note", "stop_reason": "reason"}
 
 
 class Asked(NamedTuple):
@@ -259,24 +255,20 @@ class FakeCore:
 
     def __init__(
         self, zones: tuple = ("Home A", "Home B"), box_uuid: str = "fake", silent: bool = False,
-        items: Tuple[ScoringItem, ...] = ITEMS, judges: Optional[JudgesRule] = None,
+        items: Tuple[ScoringItem, ...] = ITEMS,
     ) -> None:
-        """`silent`: publish and answer nothing until the test sets this to False. `items`, `judges`: of all benchmarks.
-        """
-        self._judges = judges
+        """`silent`: publish and answer nothing until the test sets this to False. `items`: of all benchmarks."""
         self._items = items
         self.calls: List[tuple] = []  # see _CALLS
         self.words: List[tuple] = []  # (identity, note, referee) of the calls that have them
         self.refuse: Optional[str] = None  # reason with which every service fails
         self.answer_gate = threading.Event()  # cleared: services do not answer
         self.answer_gate.set()
-        self.held = ""  # the only method that waits for the gate, such as "sign_off"; empty: all
         self.deaf = False  # the robots do not obey the box any more
         self._speaks = threading.Event()
         self.silent = silent
         self.box_warnings: List[str] = []
         self.superseded_by = ""
-        self.unsaved: Tuple[UnsavedParts, ...] = ()
         self.heard_ago_s = 0.4
         self.robots = [("TestingTeam", "mbot", 0.0123), ("AnotherTeam", "amigo", -0.0871)]  # as they are published
         self.tablet_heard = True
@@ -301,7 +293,7 @@ class FakeCore:
         _in_loop(self._open)
 
     def _new_box(self, zones: tuple) -> Box:
-        benchmarks = {code: Benchmark(code, name, desc, s, s, self._items, judges=self._judges)
+        benchmarks = {code: Benchmark(code, name, desc, s, s, self._items)
                       for code, name, desc, _, s in EVENTS}
         plans = tuple(ZonePlan(zone, tuple(
             ScheduledEvent(benchmarks[code], team, 1, number, SCHEDULE_START + 1800.0 * (number - 1),
@@ -376,10 +368,8 @@ class FakeCore:
         if name in _CALLS:
             call = _CALLS[name](*arguments)
             self._hear(name, *arguments)
-            name = call[0] if name == "act" else name
             self.calls.append(call)
-            if self.held in ("", name):
-                self.answer_gate.wait()
+            self.answer_gate.wait()
             if self.refuse is not None:
                 raise Refused([self.refuse])
             if call[1] in self.zones and self.zones[call[1]].takes(*call):
@@ -467,11 +457,8 @@ class FakeCore:
         robots = {f"{robot} of team {team}": RobotSeen(team, robot, skew, silent_since)
                   for team, robot, skew in self.robots}
         tablet = TabletSeen(self.tablet_heard, None, True, round(now.utc) - 75, round(now.utc) - 12, 1.5, 3.25)
-        schedule = {key: event._replace(begins_utc_s=event.scheduled_utc_s + LATE_S)
-                    if event.state in ("next", "later") else event for key, event in document.schedule.items()}
         return document._replace(
-            box=document.box._replace(tablet=tablet, superseded_by=self.superseded_by, unsaved=self.unsaved),
-            robots=robots, schedule=schedule,
+            box=document.box._replace(tablet=tablet, superseded_by=self.superseded_by), robots=robots,
             zones={name: self.zones[name].put_into(zone) for name, zone in document.zones.items()})
 
 
