@@ -54,11 +54,11 @@ def read_parameters(params: Params) -> BoxParameters:
     return found
 
 
-def parameters_of(settings: BoxSettings) -> BoxParameters:
-    """Return the parameters of a box without ROS. Raises `BadParams` for wrong values, for settings that do not exist,
-    and for what such a box cannot do."""
+def parameters_of(settings: Params) -> BoxParameters:
+    """Return the parameters of a box. Raises `BadParams` for wrong values, for settings that do not exist, and for what
+    a box cannot do on this system."""
     params = read_parameters(settings)
-    wrong = settings.unknown(list(of_box()))
+    wrong = settings.unknown(list(of_box())) if isinstance(settings, BoxSettings) else []
     if wrong:
         raise BadParams("\n".join(wrong))
     return params

@@ -1,6 +1,6 @@
 """A box that runs: its configuration, the core with its parts, and the door, from the parameters to the end.
 
-The core node runs it with ROS, and `roah-rsbb run` without. They differ in what they pass: `Peripherals`.
+`BoxProgram` (`program/program.py`) has it, and all that is around it: `Peripherals`.
 """
 
 import asyncio

@@ -21,7 +21,7 @@ from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import REPLAY as PREFIX
 from roah_rsbb.model.referee import Refused
-from roah_rsbb.nodes.core.door_place import PublishedDoor, hosts_of_node
+from roah_rsbb.nodes.core.door_place import OpenDoor
 from roah_rsbb.nodes.core.original_topics import OriginalTopics
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuration, read_run
@@ -80,7 +80,7 @@ class ReplayNode:
         calls = BoxCalls(box, self._event)
         self._door = BoxDoor(self._ros.loop, box, self._uuid, "", lambda: self._shown.now, dict, tuple, calls.named(),
                              lambda: None)
-        self._published = PublishedDoor(self._door, hosts_of_node())
+        self._published = OpenDoor(self._door)
         self._topics = OriginalTopics(self._ros, box, self._now, self._door.publish, PREFIX)
         CoreServices(box, LoopServices(self._ros.loop), calls)
 
@@ -88,7 +88,6 @@ class ReplayNode:
         """Run until shut down; returns the exit status."""
         self._last_s = self._ros.loop.time()
         self._ros.loop.call_soon(self._published.open)  # it serves in the loop that is running
-        self._ros.loop.call_soon(self._published.publish)
         self._tick()
         self._ros.run()
         self._published.close()

@@ -78,6 +78,10 @@ class RosLoop:
             # ROS may shut down at the same moment and stop the loop: then the tasks are dropped.
             with contextlib.suppress(RuntimeError):
                 self.loop.run_until_complete(asyncio.wait(tasks, timeout=END_TASKS_S))
+        self.end_node()
+        self.loop.close()
+
+    def end_node(self) -> None:
+        """End the ROS node alone."""
         self._log_lines.close()
         rospy.signal_shutdown(self._why)
-        self.loop.close()

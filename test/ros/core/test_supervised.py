@@ -1,10 +1,12 @@
 """The core's program and the node in it: whichever is killed, the node is as it was."""
 
+import contextlib
 import os
 import pathlib
 import shutil
 import signal
 import tempfile
+from typing import List
 
 import rosgraph
 import rospy
@@ -14,7 +16,7 @@ from support.connections import process_of
 from support.door_client import PASSING, DoorClient, Refusal
 from support.own_core import OTHER_CORE, PARAMS, OwnCoreCase
 from support.programs import Program, own
-from support.robots import RSBB_PORT
+from support.robots import CONFIG, RSBB_PORT
 from support.waiting import wait_until
 
 from roah_rsbb.document.place import read_place
@@ -23,6 +25,15 @@ from roah_rsbb.nodes.core.node import NO_MASTER
 from roah_rsbb.standby.program.copying import LOCK
 
 NODE = "/field/other_core"
+
+
+def commands_with(text: str) -> List[str]:
+    """The command lines of programs with this text."""
+    found = []
+    for path in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):  # processes end meanwhile
+            found.append(path.read_text(errors="replace").replace("\0", " "))
+    return [line for line in found if text in line]
 
 
 class TestSupervisedCore(OwnCoreCase):
@@ -63,13 +74,18 @@ class TestSupervisedCore(OwnCoreCase):
     def test_nothing_is_left_of_a_program_that_is_killed_or_interrupted(self) -> None:
         for number in (signal.SIGKILL, signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             with self.subTest(number), tempfile.TemporaryDirectory() as folder:
-                program = self._leaving(Program(own("roah_rsbb_core"), *OTHER_CORE, *(
-                    f"_{name}:={value}" for name, value in {**PARAMS, "log_dir": folder}.items())))
-                core = wait_until(lambda: process_of("/other_core"), "the node runs")
-                wait_until(lambda: holder_of(folder), "it has the journal")
+                given = {**PARAMS, "log_dir": folder, "backup_dir": f"{folder}/stick", "modules": True,
+                         "modules_dir": f"{folder}/modules", "schedule_file": CONFIG / "modules_schedule.yaml"}
+                os.mkdir(given["backup_dir"])
+                shutil.copytree(CONFIG / "modules", given["modules_dir"])
+                program = self._leaving(Program("env", own("roah_rsbb_core"), *OTHER_CORE, *(
+                    f"_{name}:={value}" for name, value in given.items())))
+                wait_until(lambda: process_of("/roah_rsbb_modules"), "the modules run")
+                wait_until(lambda: len(commands_with(folder)) == 4,
+                           lambda: f"program, node, modules and copies run: {commands_with(folder)}")
                 program.signal(number)
                 self.assertEqual(program.wait_ended(), -number if number == signal.SIGKILL else 0)
-                wait_until(lambda: not os.path.exists(f"/proc/{core}"), "the node has ended")  # noqa: B023
+                wait_until(lambda: not commands_with(folder), "all of them have ended")
 
 
 class TestNoMaster(NetworkCase):

@@ -1,4 +1,4 @@
-"""The web pages of the tests' boxes: their address, and the death of the core, which serves them."""
+"""The web pages of the tests' boxes, and which core serves them."""
 
 import json
 import urllib.request
@@ -6,7 +6,6 @@ from typing import Any, Dict, List
 
 from roah_rsbb.wording.device import NO_WEB
 from support.box_client import BoxClient, Refusal
-from support.connections import kill
 from support.door_client import NoAnswer
 from support.robots import RSBB_PORT
 from support.waiting import wait_until
@@ -48,10 +47,3 @@ def session() -> str:
 def wait_served() -> str:
     """Wait until a gateway answers and hears the core; returns its random name."""
     return wait_until(session, "the gateway hears the core")
-
-
-def kill_core() -> None:
-    """Kill the core, and wait for the pages of the next one. A page may notice both late."""
-    before = wait_served()
-    kill(CORE)
-    wait_until(lambda: session() not in ("", before), "the pages are back")

@@ -11,7 +11,7 @@ from support.box_case import BoxCase
 from support.box_client import Refusal
 from support.browser import NeedsBrowser, Page
 from support.connections import kill, process_of
-from support.gateway import CORE, URL, answer, ask, kill_core, wait_served
+from support.gateway import CORE, URL, answer, ask, wait_served
 from support.waiting import wait_until
 
 from roah_rsbb.web.server import PAGES
@@ -45,7 +45,8 @@ class TestData(BoxCase):
         wait_until(lambda: answer("state")["data"]["runs"][0]["phase"] == "running", "the run is public")
         ends = answer("state")["data"]["runs"][0]["ends"]
         killed = process_of(CORE)
-        kill_core()
+        self.kill_core()
+        wait_served()
         self.assertNotEqual(process_of(CORE), killed)
         run = answer("state")["data"]["runs"][0]
         self.assertEqual((run["phase"], run["team"]), ("running", "Delta"))
@@ -127,7 +128,8 @@ class TestPages(NeedsBrowser, BoxCase):
         display.wait(wanted, "it shows what is set, in the language that is set")
         self.assert_accessible("display that is set", display)
         was_silent = display.note("live.silentSince !== null")
-        kill_core()
+        self.kill_core()
+        wait_served()
         display.wait(was_silent, "the gateway is gone")
         display.wait(f"live.silentSince === null && {wanted}", "a new gateway knows the setting")
         again = self.open("/display?name=Hall&show=schedule", *PHONE)

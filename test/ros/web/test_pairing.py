@@ -9,7 +9,7 @@ from typing import Any, Tuple
 from support.box_case import BoxCase
 from support.box_client import Refusal
 from support.browser import NeedsBrowser, Page
-from support.gateway import URL, ask, kill_core, wait_served
+from support.gateway import URL, ask, wait_served
 from support.referee_program import called
 
 SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
@@ -101,7 +101,8 @@ class TestPairing(NeedsBrowser, BoxCase):
             "fetch('/api/v1/pair', {method: 'POST', credentials: 'omit', "
             "headers: {'Content-Type': 'application/json'}, "
             f"body: {json.dumps(typed)}}}).then(answer => answer.text())"), "the code is for one device")
-        kill_core()
+        self.kill_core()
+        wait_served()
         self.assertEqual(page.get("fetch('/api/v1/session').then(answer => answer.json()).then(one => one.person)"),
                          "Anna")
         self.assertEqual(called("devices", "--revoke", listed["id"]).returncode, 0)

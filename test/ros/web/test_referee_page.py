@@ -14,7 +14,7 @@ from support.box_case import BoxCase
 from support.box_client import Refusal
 from support.browser import IS_ALL, Browser, NeedsBrowser, Page, find
 from support.connections import process_of
-from support.gateway import CORE, URL, ask, kill_core, wait_served
+from support.gateway import CORE, URL, ask, wait_served
 from support.waiting import wait_until
 
 from roah_rsbb.document.written import read
@@ -409,7 +409,8 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page.get("window.fetch = () => Promise.reject(new TypeError('no network')), 0")
         self.tap(page, item(DEVICE, 2))
         page.wait(f"{TEXT}.includes('NOT CONFIRMED: ')", "the page says that it is not confirmed")
-        kill_core()
+        self.kill_core()
+        wait_served()
         self.assertEqual(page.get("marks.waiting.length"), 1)
         page.reload()
         page.wait_address("/referee")
@@ -595,7 +596,8 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertIn("Hugo, Linux", signed)
 
     def test_an_organiser_chooses_the_zone(self) -> None:
-        kill_core()  # the new one does not know the zones before a device asks for them
+        self.kill_core()  # the new one does not know the zones before a device asks for them
+        wait_served()
         page = self.paired("organiser", "Olga")
         self.assertIn(ZONE, page.get("document.querySelector('.zones').textContent"))
         self.assert_accessible("organiser", page)

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 LOG_FILE, MAX_LOG_BYTES = "box.log", 5_000_000
 _LINE = "%(asctime)s %(levelname)s %(message)s"
+_log = logging.getLogger(__name__)
 ALONE, SILENT = "--unsupervised", "--no-browser"
 
 _EPILOG = """\
@@ -100,7 +101,7 @@ def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[An
         program = make(loop)
     except (BadParams, ConfigErrors, DamagedJournal, OSError) as error:
         for line in str(error).splitlines():
-            logging.critical("%s", line)
+            _log.critical("%s", line)
         return 1
     working = loop.create_task(work(program))
     wishes: List[int] = []  # exit statuses
@@ -116,7 +117,7 @@ def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[An
     except asyncio.CancelledError:
         return wishes[0]
     except OSError as error:
-        logging.critical("%s", error)
+        _log.critical("%s", error)
         return 1
     finally:
         program.close()

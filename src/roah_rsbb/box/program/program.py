@@ -1,4 +1,4 @@
-"""A whole box in one process.
+"""A whole box in one process, with ROS and without.
 
 Core, radio, door and home devices share a loop. The web pages have a thread of their own (`WebParts`). Only the rules
 of benchmarks have another process, because they are code of others (`modules_process.py`).
@@ -10,7 +10,7 @@ import json
 import logging
 import os
 import pathlib
-from typing import Any, BinaryIO, Callable, Coroutine, List, Optional
+from typing import Any, BinaryIO, Callable, Coroutine, List, Optional, Sequence
 
 from roah_rsbb import platform
 from roah_rsbb.box.calls import exit_call
@@ -18,17 +18,17 @@ from roah_rsbb.box.parameters import parameters_of
 from roah_rsbb.box.program.parts import LOOPBACK, ControlledDevices, DrivenModules, Sounds, WebParts
 from roah_rsbb.box.program.supervisor import CopyingProcess
 from roah_rsbb.box.running import Peripherals, RunningBox
-from roah_rsbb.box.settings import BoxSettings
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
 from roah_rsbb.client.places import OWN_VARIABLE, door_file_in, is_answering, local_door_file, user_folder
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.copies.settings import copy_settings
+from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.document.calls import EXIT
 from roah_rsbb.document.place import NotFound, read_place, write_place
 from roah_rsbb.model.zone import RUNNING
-from roah_rsbb.params import BadParams
+from roah_rsbb.params import BadParams, Params
 from roah_rsbb.platform import open_in_browser
 from roah_rsbb.radio.radio import Network
 from roah_rsbb.signs_of_life import DOORS, Lifeline
@@ -44,62 +44,105 @@ EXIT_S = 0.2
 _log = logging.getLogger(__name__)
 
 
+class Bridge:
+    """What a box has with ROS, besides. This one is that of a box without: nothing. Everything is called in the loop's
+    thread."""
+
+    is_there = False
+    address = ""  # of this computer, for referees; empty: see `WebParts`
+    modules: Sequence[str] = ()  # see `DrivenModules`
+
+    def is_ended(self) -> bool:
+        """Whether a box that waits is to end."""
+        return False
+
+    def begin(self, program: "BoxProgram") -> None:
+        """The box runs."""
+
+    def exit(self) -> Any:
+        """Carry out the call `exit`."""
+
+    def ring_timeout(self) -> None:
+        """A run timed out."""
+
+    def publish_module_runs(self) -> None:
+        """The runs with modules have changed."""
+
+    def set_device(self, wish: SetDevice) -> bool:
+        """Carry out a robot's command, for which this box has no devices. Returns whether another program may."""
+        return False
+
+    def close(self) -> None:
+        """The box ends, and all else has."""
+
+
 class BoxProgram:
     """The box, from its settings to its end. Call everything in the loop's thread: `start`, then `close`."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, settings: BoxSettings, launch: str,
-                 make_peer: MakePeer = Peer, is_dummy: bool = False) -> None:
-        """`launch`: identifies the supervisor (`resume:=launch`). `is_dummy`: a demonstration, see
-        `DrivenModules`. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or OSError: their text is the remedy."""
+    def __init__(self, loop: asyncio.AbstractEventLoop, settings: Params, launch: str, make_peer: MakePeer = Peer,
+                 is_dummy: bool = False, bridge: Optional[Bridge] = None, lifeline: Optional[Lifeline] = None) -> None:
+        """`launch`: identifies the supervisor (`resume:=launch`), or the launch. `is_dummy`: a demonstration, see
+        `DrivenModules`. `lifeline`: one for any log_dir. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or
+        OSError: their text is the remedy."""
         platform.allow_many_files()
+        self._bridge = bridge = bridge or Bridge()
         params = parameters_of(settings)
-        self._modules = DrivenModules(loop, settings, is_dummy) if settings.flag("modules", True) else None
+        self._modules: Optional[DrivenModules] = None
+        if settings.flag("modules", False):
+            self._modules = DrivenModules(loop, settings, is_dummy, bridge.modules)
         self._sounds = Sounds(settings)
         _make_folder(params.log_dir)
         copying = copy_settings(settings)
-        lifeline, self._parent = Lifeline(params.log_dir), os.getppid()
+        lifeline, self._parent = lifeline or Lifeline(), os.getppid()
+        lifeline.use(params.log_dir)
 
         def is_left() -> bool:
             """Say that this process waits; whether its supervisor is gone, so that nobody waits for it."""
             lifeline.wait()
-            return bool(launch) and os.getppid() != self._parent
+            return (bool(launch) and os.getppid() != self._parent) or bridge.is_ended()
 
         wait_for_takeover(params.log_dir, is_left)
-        self._port_lock = _lock_port(params.network) if make_peer is Peer else None
-        self._devices = ControlledDevices(loop, settings, params.log_dir, self._sounds.ring_bell)
+        self._port_lock = _lock_port(params.network) if make_peer is Peer and not bridge.is_there else None
+        self.devices = ControlledDevices(loop, settings, params.log_dir, self._sounds.ring_bell,
+                                         launch if bridge.is_there else "")
         settings.done()
         self.running = RunningBox(
             loop, params, launch, wait_for_journal(params.log_dir, is_left),
-            Peripherals(self._sounds.ring_timeout, self._publish_module_runs, self._devices.set, make_peer=make_peer),
-            lifeline)
-        self._web = WebParts(loop, settings, self.running, make_peer)
+            Peripherals(self._ring_timeout, self._publish_module_runs, self._set_device, make_peer=make_peer), lifeline)
+        self.web = WebParts(loop, settings, self.running, make_peer, bridge.address)
         self._copying = CopyingProcess(lambda: copying)
         self._door_files: List[str] = []
+        self.port = 0
+        """Of the door."""
         self._tasks: List[asyncio.Task] = []  # a loop does not keep them
-        self._loop, self._params, self._is_supervised = loop, params, bool(launch)
+        self.loop, self._params = loop, params
+        self._is_supervised = lifeline.has_supervisor if bridge.is_there else bool(launch)
         self.on_exit: Callable[[], object] = lambda: None
         """Called when somebody ends the box through its door."""
 
-    async def start(self, door_file: str) -> None:
-        """Start everything. `door_file`: where this box says how its door is found."""
+    async def start(self, door_file: str, host: str = LOOPBACK) -> None:
+        """Start everything. `door_file`: where this box says how its door is found; empty: there is none. `host`: own
+        address of the door."""
         await self.running.ask()
         self.running.start()
-        self._devices.start(self.running)
+        self.devices.start(self.running)
         if self._modules is not None:
             self._modules.start(self.running)
-        self._web.start()
+        self.web.start()
         self.keep(self._watch_supervisor(self._parent) if self._is_supervised else self._keep_copying())
-        self.running.door.add_calls({EXIT: exit_call(self.running.door.publish, self._end_soon)})
-        port = self.running.door.open(LOOPBACK)
-        self._url = f"ws://{LOOPBACK}:{port}/door"
+        self.running.door.add_calls({EXIT: exit_call(
+            self.running.door.publish, self._bridge.exit if self._bridge.is_there else self._end_soon)})
+        self.port = self.running.door.open(host)
+        self._url = f"ws://{LOOPBACK if host == ANY_HOST else host}:{self.port}/door"
         own = door_file_in(self._params.log_dir)
-        self._door_files = [*dict.fromkeys((own, door_file))]
+        self._door_files = [*filter(None, dict.fromkeys((own, door_file)))]
         self.running.lifeline.keep(DOORS, json.dumps(self._door_files))
         for path in self._door_files:
             problem = self._write_door(path)
             if problem:  # the box has other faces
                 _log.error("Other programs cannot find this box: %s cannot be written: %s. Repair that", path, problem)
         self.keep(self._keep_door())
+        self._bridge.begin(self)
 
     def close(self) -> None:
         """End everything. Runs continue with the next start."""
@@ -112,28 +155,29 @@ class BoxProgram:
         for path in files:
             if _is_own(path, self.running.door.token):
                 os.unlink(path)
-        self._web.close()
+        self.web.close()
         self.running.door.close()
         if self._modules is not None:
             self._modules.close()
-        self._devices.close()
+        self.devices.close()
         self._sounds.close()
         for task in self._tasks:
             task.cancel()
         self.running.close()
         if self._port_lock is not None:
             self._port_lock.close()
+        self._bridge.close()
         self._copying.end()
 
     async def open_pages(self, in_browser: bool) -> bool:
         """Show the organiser the way to the pages once they are served: in a browser, if there is one, and on the
         standard output, because others may read the log. Returns whether a browser was opened."""
-        if not self._web.has_pages:
+        if not self.web.has_pages:
             return False
-        await asyncio.wrap_future(self._web.url)
-        url = await self._loop.run_in_executor(None, self._web.pair_organiser)
+        await asyncio.wrap_future(self.web.url)
+        url = await self.loop.run_in_executor(None, self.web.pair_organiser)
         text = f"To pair this computer or another one as the organiser's, open within {CODE_VALID_S:.0f} s: {url}"
-        await self._loop.run_in_executor(None, _print, text)
+        await self.loop.run_in_executor(None, _print, text)
         return in_browser and open_in_browser(url)
 
     def _write_door(self, path: str) -> str:
@@ -156,14 +200,14 @@ class BoxProgram:
 
         while True:
             await asyncio.sleep(DOOR_S)
-            await self._loop.run_in_executor(None, write)
+            await self.loop.run_in_executor(None, write)
 
     def keep(self, work: Coroutine[Any, Any, Any]) -> None:
         """Run something until this program ends, such as a robot of a demonstration."""
-        self._tasks.append(self._loop.create_task(work))
+        self._tasks.append(self.loop.create_task(work))
 
     def _end_soon(self) -> None:
-        self._loop.call_later(EXIT_S, self.on_exit)
+        self.loop.call_later(EXIT_S, self.on_exit)
 
     async def _watch_supervisor(self, pid: int) -> None:
         """Warn referees when the process is gone that starts this box again after a crash."""
@@ -177,9 +221,22 @@ class BoxProgram:
             self._copying.look()
             await asyncio.sleep(LOOK_S)
 
+    def ring_bell(self) -> None:
+        """Play the sound of the bell."""
+        self._sounds.ring_bell()
+
+    def _ring_timeout(self) -> None:
+        self._sounds.ring_timeout()
+        self._bridge.ring_timeout()
+
     def _publish_module_runs(self) -> None:
         if self._modules is not None:
             self._modules.publish_runs()
+        self._bridge.publish_module_runs()
+
+    def _set_device(self, wish: SetDevice) -> None:
+        if self.devices.home is not None or not self._bridge.set_device(wish):
+            self.devices.set(wish)
 
 
 def _print(text: str) -> None:

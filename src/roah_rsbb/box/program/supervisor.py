@@ -20,7 +20,7 @@ import uuid
 from typing import Callable, List, Mapping, Optional, Sequence
 
 from roah_rsbb.arguments import without_ros
-from roah_rsbb.copies.settings import CopySettings
+from roah_rsbb.copies.settings import PARENT, CopySettings
 from roah_rsbb.params import BadParams
 from roah_rsbb.platform import ending_signals, ignore_stops, status_of
 from roah_rsbb.signs_of_life import HUNG_S, LOG_DIR, LOOK_S, STANDBY, STARTING, Lifeline, Supervision, state_of
@@ -74,7 +74,8 @@ class CopyingProcess:
         """Start it, if that is due."""
         if self.read() and time.monotonic() >= self._due_mono and (
                 self._process is None or self._process.poll() is not None):
-            self._process = subprocess.Popen(without_ros(COPIES, *self.read()))
+            self._process = subprocess.Popen(
+                without_ros(COPIES, *self.read()), env={**os.environ, PARENT: str(os.getpid())})
             self._due_mono = time.monotonic() + COPYING_PAUSE_S
 
     def end(self) -> None:

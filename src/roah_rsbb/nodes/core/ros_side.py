@@ -3,7 +3,6 @@
 The box runs already, and never waits for it: all of this is made in a thread, which may wait for the ROS master.
 """
 
-import asyncio
 import signal
 import threading
 import time
@@ -14,12 +13,12 @@ import rospy
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 
-from roah_rsbb.box.program.parts import ControlledDevices
-from roah_rsbb.box.running import PERIOD_S, RunningBox
+from roah_rsbb.box.program.program import BoxProgram
+from roah_rsbb.box.running import PERIOD_S
 from roah_rsbb.in_loop import call_in_loop
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.nodes.core.devices import NODE, DevicesInRos
-from roah_rsbb.nodes.core.door_place import DoorHosts, hosts_of_node
+from roah_rsbb.nodes.core.door_place import NodePlace, place_of_node, publish_door, publish_param
 from roah_rsbb.nodes.core.original_topics import OriginalTopics, publish
 from roah_rsbb.nodes.core.other_nodes import OtherNodes
 from roah_rsbb.nodes.core.services import CoreServices
@@ -33,6 +32,7 @@ from roah_rsbb.wording.whole_box.ending import NOT_LAUNCHED
 # Seconds between the messages for panels of the original, and for its public display.
 GUI_PERIOD_S, PUBLIC_PERIOD_S = 0.1, 0.5
 
+PAGES = "/roah_rsbb_web"  # the parameters with the addresses of web pages are below it
 SHUTDOWN = "roah_rsbb_shutdown"  # the service of the node that ends the launch
 # Seconds. The node that ends the launch may still be starting, and ending takes some time.
 END_LAUNCH_S = 10.0
@@ -61,9 +61,9 @@ def _master_answers() -> bool:
     return True
 
 
-def start_of_node() -> Tuple[str, DoorHosts]:
-    """Return the launch's id, and where the door is: see `CoreNode`."""
-    return str(rospy.get_param("/run_id", "")), hosts_of_node()
+def start_of_node() -> Tuple[str, List[str]]:
+    """Return the launch's id, and `NodePlace` of this node."""
+    return str(rospy.get_param("/run_id", "")), list(place_of_node())
 
 
 class CoreParams(NodeParams):
@@ -77,15 +77,14 @@ class CoreParams(NodeParams):
 class RosSide:
     """Topics and services. Make it in a thread after `join`; call everything else in the loop's thread."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, running: RunningBox, devices: ControlledDevices,
-                 on_bell: Callable[[], object]) -> None:
-        """`on_bell` is called in any thread when another node rings."""
+    def __init__(self, program: BoxProgram) -> None:
+        loop, running, devices = program.loop, program.running, program.devices
         self._ros = ros = RosLoop(loop)
-        self._running = running
+        self._program, self._running = program, running
         self._public_due = 0.0  # monotonic (s)
         self._timeout = rospy.Publisher("/timeout", Empty, queue_size=1)
         self._listeners_until = loop.time() + LISTENERS_S
-        self.others = OtherNodes(ros, on_bell)
+        self.others = OtherNodes(ros, program.ring_bell)
         self.others.open(running, devices.home is not None)
         self._topics = OriginalTopics(ros, running.box, running.now, running.door.publish)
         self._services = call_in_loop(loop, lambda: LoopServices(loop, running.core.fence.check))
@@ -98,7 +97,13 @@ class RosSide:
         self.others.publish_module_runs()
         if self._devices is not None:
             self._devices.use()
-        self._ros.end_with_node()
+        rospy.core.add_preshutdown_hook(lambda reason: self._ros.post(self._program.on_exit))
+
+    def publish_places(self, place: List[str]) -> None:
+        """Say at the master where the door is, and the pages when they are served."""
+        publish_door(NodePlace(*place), self._program.running.door, self._program.port)
+        for name, url in (("url", self._program.web.url), ("tablet_url", self._program.web.tablet_url)):
+            publish_param(f"{PAGES}/{name}", url.result)
 
     def publish_timeout(self) -> None:
         """A run timed out, maybe while the core was down: shortly after the start, wait for the first one to listen."""
@@ -109,16 +114,12 @@ class RosSide:
         else:
             loop.call_later(PERIOD_S, self.publish_timeout)
 
-    def close_services(self) -> None:
-        """Take no more calls."""
+    def close(self) -> None:
+        """Take no more calls, and end the ROS node."""
         self._services.close()
-
-    def close(self, why: str) -> None:
-        """End the ROS node, and the loop."""
         if self._devices is not None:
             self._devices.close()
-        self._ros.stop(why)
-        self._ros.close()
+        self._ros.end_node()
 
     def _look(self) -> List[Callable[[], object]]:
         """What is published in each look."""

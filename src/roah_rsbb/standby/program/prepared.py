@@ -1,7 +1,6 @@
 """The box on the standby, started in advance: its core has everything imported and waits, and its ROS master runs.
 
-At a takeover, the core only has to read the journal. With ROS, the rest of the box (panels, pages, devices) starts
-beside it. A box without ROS has no other parts.
+At a takeover, the core only has to read the journal. With ROS, the referee's window starts beside it.
 """
 
 import contextlib
