@@ -22,6 +22,15 @@ def submitted(record: RunRecord) -> Tuple[JudgeSheet, ...]:
     return tuple(found) if is_complete else ()
 
 
+def ratings(record: RunRecord, item: ItemRecord) -> Tuple[Tuple[str, str], ...]:
+    """Return what each judge gave for an item that judges rate. If they have sheets of their own, what counts in the
+    run's sheet may be a settlement instead."""
+    if record.form is None or record.form.judges is None:
+        return item.ratings
+    return tuple((one.judge, each.text) for one in submitted(record) for each in one.items
+                 if each.key == item.key and item.kind == "rating")
+
+
 def judged_items(record: RunRecord) -> Iterator[ItemProposals]:
     """Return the items of a run with what its judges submitted; none if it has no judges."""
     judges = submitted(record)
