@@ -57,8 +57,9 @@ def objection_lines(record: RunRecord) -> List[Tuple[float, str, str]]:
     """Return the publication of a result, the objections and their answers: UTC seconds, who, what."""
     published, lines = record.publication.published, []
     if published is not None:
-        minutes = (published.until_utc - published.utc) / 60
-        lines.append((published.utc, published.who, f"Published as provisional, {minutes:g} min for objections"))
+        seconds = round(published.until_utc - published.utc)
+        given = f"{seconds} s" if seconds % 60 else f"{seconds // 60} min"
+        lines.append((published.utc, published.who, f"Published as provisional, {given} for objections"))
     for one in record.publication.objections:
         lines.append((one.utc, one.who, f"Objection {one.number} of {one.by}: {one.text}"))
         if one.answered_utc:

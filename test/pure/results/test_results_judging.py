@@ -56,13 +56,13 @@ def test_the_sheet_has_proposals_settlements_and_objections(jury):
     jury.settle(BUMPS, 42)
     jury.finish()
     driver = jury.driver
-    driver.enter("publish", jury.name, "Olga", seconds=30)
+    driver.enter("publish", jury.name, "Olga", seconds=5)
     driver.enter("object", jury.name, "Olga", by="Alpha", text="too many bumps")
     driver.enter("answer", jury.name, "Hugo", number=1, text="the video shows them")
     lines, page = _read(jury, _texts)
     assert "bumps: Ann 41; Ben 43 → 42 (settled by Hugo: the video shows it)" in lines
     assert "detects the door: Ann yes; Ben yes → yes" in lines
-    assert "Published as provisional, 0.5 min for objections" in lines
+    assert "Published as provisional, 5 s for objections" in lines
     assert "Objection 1 rejected: the video shows them" in lines
     for text in ("41", "43", "Hugo: the video shows it", "Objection 1 of Alpha: too many bumps"):
         assert text in page
