@@ -113,7 +113,11 @@ def value_of(text: str, item: SheetItem) -> Entered:
         word = word[1:] if word.startswith("+-") else word
     is_added = not is_set and word.startswith(("+", "-"))
     if item.type == "decimal":
-        return _decimal(word, item, is_added)
+        number = number_of(word)
+        if number is None:
+            raise BadWord(two_numbers(item.desc, word) or f"'{text}' is not a value for '{item.desc}': give a number "
+                          f"such as 2.5, +0.5 or {_below(item)}")
+        return Entered(added=text_of(number)) if is_added else Entered(text=text_of(number))
     value = WORDS.get(word.lower()) if item.type == "bool" else None
     if value is None:
         try:
@@ -158,14 +162,6 @@ def _rating(text: str, item: SheetItem) -> Entered:
         raise BadWord(f"'{text}' is not a rating of '{item.desc}': give the judge and a number, such as "
                       f"'{item.judges[0]}:5'; the judges are {_quoted(item.judges)}")
     return Entered(text=_typed(number, item), judge=found[0])
-
-
-def _decimal(text: str, item: SheetItem, is_added: bool) -> Entered:
-    number = number_of(text)
-    if number is None:
-        raise BadWord(two_numbers(item.desc, text) or f"'{text}' is not a value for '{item.desc}': give a number such "
-                      f"as 2.5, +0.5 or {_below(item)}")
-    return Entered(added=text_of(number)) if is_added else Entered(text=text_of(number))
 
 
 def given_of(words: Sequence[str], fields: Sequence[Field]) -> Dict[str, Any]:

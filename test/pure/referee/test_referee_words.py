@@ -163,7 +163,7 @@ def test_values_of_every_type(text, item, entered):
     ("with", HELP, "'with' is not a choice of 'help': choose one of 'with help', 'alone', 'without'"),
     ("", HELP, "is not a choice"), ("7", POSTER, "such as 'Anna:5'; the judges are 'Anna', 'Ben'"),
     ("Chris:7", POSTER, "give the judge and a number"), ("much", WATER, "give a number such as 2.5"),
-    ("1.5", STEPS, "a whole number"), ("1,5", STEPS, "a whole number"), ("1.000,5", WATER, "give a number"),
+    ("1.5", STEPS, "a whole number"), ("1,5", STEPS, "a whole number"), ("1.000,5", WATER, "'1.000,5' is not a value .* give a number"),
     ("-17", STEPS, "give '=-17' to set the item to it, '[+]-17' to count down by 17"),
     ("much", WATER, "or '=-1'$"), ("much", STEPS, "or '=-1'$"), ("much", STEPS._replace(min="0"), "or -1$"),
     ("1,001", WATER, r"can mean 1001 or 1.001. Type 1001, or 1.001 \(with a comma: 01,001\)"),
