@@ -42,6 +42,7 @@ from roah_rsbb.referee.words import (
     BadWord,
     EventWanted,
     given_of,
+    pick,
     pick_item,
     pick_zone,
     value_of,
@@ -378,8 +379,11 @@ def _identity(run: Optional[RunLine]) -> str:
 def _schedule(link: Link, options: Any, output: Any) -> Exit:
     """Print the events that the options choose."""
     zone = "" if options.zone is None else _zone_name(link, options.zone)
-    shown = schedule.EventFilter(zone, options.team, options.day, schedule.Show[options.show.upper().replace("-", "_")])
-    found = [event for event in link.box.events() if shown.shows(event, options.utc)]
+    events = link.box.events()
+    team = options.team and pick("team", options.team, sorted({event.team for event in events}))
+    day = options.day and pick("day", options.day, sorted({schedule.day_of(event, options.utc) for event in events}))
+    shown = schedule.EventFilter(zone, team, day, schedule.Show[options.show.upper().replace("-", "_")])
+    found = [event for event in events if shown.shows(event, options.utc)]
     if output.json:
         output.object({"events": [scheduled_json(event) for event in found]})
     else:

@@ -61,15 +61,21 @@ class EventWanted(NamedTuple):
 
 
 def pick_zone(word: str, names: Sequence[str]) -> str:
-    """Return the zone meant by `word`: its name, or the beginning of one name only. Case does not matter."""
+    """Return the zone meant by `word`, see `pick`."""
+    return pick("zone", word, names)
+
+
+def pick(what: str, word: str, names: Sequence[str]) -> str:
+    """Return the name meant by `word`: the name, or the beginning of one name only. Case does not matter. `what` it is
+    a name of. Raises `BadWord`."""
     found = meant(word, names, str, str.startswith)
     if len(found) == 1:
         return found[0]
-    there_are = "the zones are " + _quoted(names)
+    there_are = f"the {what}s are " + _quoted(names)
     if not found:
         near = did_you_mean(word, names)
-        raise BadWord(f"no zone '{word}'{near}" + (f" ({there_are})" if "did you mean" in near else ""))
-    raise BadWord(f"'{word}' is the beginning of {len(found)} zones: {_quoted(found)}")
+        raise BadWord(f"no {what} '{word}'{near}" + (f" ({there_are})" if "did you mean" in near else ""))
+    raise BadWord(f"'{word}' is the beginning of {len(found)} {what}s: {_quoted(found)}")
 
 
 def stop_wanted(line: str) -> Optional[str]:

@@ -6,7 +6,7 @@ from helpers.referee_box import EVENTS, ITEMS
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
-from roah_rsbb.referee.words import BadWord, event_wanted, pick_item, pick_zone, score_wanted, value_of
+from roah_rsbb.referee.words import BadWord, event_wanted, pick, pick_item, pick_zone, score_wanted, value_of
 
 ZONES = ["Testing TestingTeam", "Testing Other", "Home A", "Home AB"]
 
@@ -26,6 +26,9 @@ def test_zones_that_differ_in_case_only_are_distinguished():
     assert pick_zone("home", ["Home", "home", "home 2"]) == "home"
     with pytest.raises(BadWord):
         pick_zone("HOME", ["Home", "home"])
+    assert pick("team", "beta", ["Alpha", "Beta"]) == "Beta"
+    with pytest.raises(BadWord, match="no day 'tomorrow': there is '2026-11-28', '2026-11-29'"):
+        pick("day", "tomorrow", ["2026-11-28", "2026-11-29"])
 
 
 def test_an_ambiguous_zone_lists_those_that_fit_only():

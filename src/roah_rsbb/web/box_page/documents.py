@@ -202,8 +202,8 @@ def _box(shown: PartShown) -> Data:
     document, box = shown.document, shown.document.box
     running = sum(zone.phase == RUNNING for zone in document.zones.values())
     return {
-        "status": tr_said(box.status), "is_ok": box.status == "OK",
-        "warnings": [tr_said(text) for text in box.warnings if text != box.status],
+        "status": tr_said(box.own_status), "is_ok": box.status == "OK",
+        "warnings": [tr_said(text) for text in box.warnings],
         "facts": [[tr("Broadcast to"), box.host], [tr("UDP port"), str(box.port)],
                   [tr("Robots"), str(len(document.robots))],
                   [tr("Running"), tr("{number} of {n} zones", number=running, n=len(document.zones))]],

@@ -367,12 +367,15 @@ def test_help(run):
         assert option in out
 
 
-def test_a_certificate(run, tmp_path):
+@pytest.mark.parametrize("program, start", [
+    ("new_competition", "roslaunch {0}/competition.launch"), ("roah-rsbb", "roah-rsbb run {0}")])
+def test_a_certificate(run, tmp_path, monkeypatch, program, start):
+    monkeypatch.setattr("sys.argv", [program])
     (tmp_path / "erl").mkdir()
     status, out, err = run("--certificate", "erl", "--names", "rsbb.local, 192.168.1.10")
     assert (status, err) == (0, "")
     folder = tmp_path / "erl"
-    assert f"web_cert:={folder}/web_cert.pem web_key:={folder}/web_key.pem" in out
+    assert f"with it: {start.format(folder)} web_cert:={folder}/web_cert.pem web_key:={folder}/web_key.pem" in out
     assert "and for rsbb.local, 192.168.1.10." in out and "Certificate Trust Settings" in out
     before = (folder / "phones.crt").read_bytes()
     assert run("--certificate", "erl")[0] == 0
