@@ -3518,11 +3518,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/actions/running.py"/>
-        <source>No run is connected, so there is nothing to stop</source>
-        <translation>Kein Lauf ist verbunden, also gibt es nichts zu stoppen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
         <source>The run is not started: disconnect to leave it</source>
         <translation>Der Lauf ist nicht gestartet: Verlassen Sie ihn mit Trennen</translation>
     </message>
@@ -4650,6 +4645,11 @@
         <location filename="../../src/roah_rsbb/core/zones.py"/>
         <source>No run is connected: press connect first</source>
         <translation>Kein Lauf ist verbunden: Drücken Sie zuerst Verbinden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/zones.py"/>
+        <source>No run is connected, so there is nothing to stop</source>
+        <translation>Kein Lauf ist verbunden, also gibt es nichts zu stoppen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/zones.py"/>

@@ -3,6 +3,7 @@
 import argparse
 import difflib
 import os
+import re
 import sys
 from typing import Any, Callable, List, NoReturn, TypeVar
 
@@ -75,7 +76,7 @@ def number(low: float, high: float) -> Callable[[str], float]:
     """A type for argparse: a number from `low` to `high`."""
     def number_between(text: str) -> float:
         try:
-            value = float(text)
+            value = float(re.sub(r"^(-?\d+),(\d{1,2})$", r"\1.\2", text))  # a decimal comma; 1,000 may be a thousand
         except ValueError:
             value = float("nan")
         if not low <= value <= high:  # also true for NaN

@@ -110,8 +110,10 @@ function Runs({data, zone, texts, marks, undo, give}) {
 
 function Box({data, texts, session, give, ended}) {
   return html`
-    <p class="todo ${data.is_ok ? "" : "urgent"}" role="status">${data.status}</p>
-    <ul class="warnings">${data.warnings.map((text) => html`<li key=${text}>⚠ ${text}</li>`)}</ul>
+    <div role="status">
+      ${data.status && html`<p class="todo ${data.is_ok ? "" : "urgent"}">${data.status}</p>`}
+      <ul class="warnings">${data.warnings.map((text) => html`<li key=${text}>⚠ ${text}</li>`)}</ul>
+    </div>
     <${Facts} lines=${data.facts} />
     <h2>${texts.tablet}</h2>
     ${data.tablet ? html`<${Facts} lines=${data.tablet} />` : html`<p class="nothing">${texts.no_tablet}</p>`}

@@ -19,6 +19,7 @@ from roah_rsbb.wording.suggestions import did_you_mean
 # A scheduled time that was sent and converted may differ by less than this.
 SAME_TIME_S = 0.001
 NO_RUN = say("No run is connected: press connect first")
+NOTHING_TO_STOP = say("No run is connected, so there is nothing to stop")
 NO_ZONE = say("no zone '{zone}'{hint}")
 _THE_END = frozenset(reason.name.lower() for reason in RAN_TO_THE_END)
 
@@ -307,11 +308,12 @@ class Zones(Dict[str, Zone]):
             raise Refused([NO_ZONE(zone=name, hint=did_you_mean(name, self))])
         return zone
 
-    def run_in(self, name: str) -> ZoneRun:
-        """Return the run in the zone of that name. Raises `Refused` if the zone or the run does not exist."""
+    def run_in(self, name: str, without: str = NO_RUN) -> ZoneRun:
+        """Return the run in the zone of that name. Raises `Refused` if the zone or the run (`without`) does not
+        exist."""
         run = self.named(name).run
         if run is None:
-            raise Refused([NO_RUN])
+            raise Refused([without])
         return run
 
     def runs(self) -> List[ZoneRun]:

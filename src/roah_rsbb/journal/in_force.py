@@ -12,6 +12,8 @@ from typing import Dict, NamedTuple, Optional, Tuple
 from roah_rsbb import durable
 
 FILE_NAME = "configuration.json"
+# What the files of a version are, in their order. A box without rules for standings has three.
+NAMES = ("benchmarks", "schedule", "passwords", "standings")
 
 
 class Texts(NamedTuple):
@@ -40,6 +42,16 @@ def read_in_force(log_dir: str) -> Optional[InForce]:
         return InForce(str(found["launch"]), present, versions) if present in versions else None
     except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return None
+
+
+def kept_files(log_dir: str, version: Optional[int] = None) -> Dict[str, str]:
+    """Return the contents of a version (default, and if it is not kept: the present one) by `NAMES`, without passwords.
+    Empty: nothing that can be read."""
+    kept = read_in_force(log_dir)
+    if kept is None:
+        return {}
+    found = kept.versions.get(kept.present if version is None else version, kept.versions[kept.present])
+    return {name: text for name, text in zip(NAMES, found.texts) if text is not None}
 
 
 def write_in_force(log_dir: str, what: InForce) -> None:

@@ -42,6 +42,11 @@ class BoxSeen(NamedTuple):
     unsaved: Tuple[UnsavedParts, ...] = ()  # what the core could not write to the disk yet
 
     @property
+    def own_status(self) -> Said:
+        """The status; empty if it only repeats the warnings in one line."""
+        return "" if self.warnings and self.status == "; ".join(self.warnings) else self.status
+
+    @property
     def is_replay(self) -> bool:
         """Whether it shows an earlier run again."""
         return self.uuid.startswith(REPLAY)

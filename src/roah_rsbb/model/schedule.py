@@ -20,7 +20,7 @@ class EventSeen(NamedTuple):
     current: bool  # its zone is at this event
     identity: str = ""  # of the run that counts; if none does, of the last one that is over; empty: none
     end_reason: str = ""
-    score: str = ""
+    score: str = ""  # of that run; empty also while another attempt is in the zone
     signed_utc_s: Optional[float] = None  # None: not signed off
     signed_by: str = ""
     counts: str = ""  # whether that run counts, see `wording.counting`

@@ -12,7 +12,7 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
-from roah_rsbb.journal.in_force import FILE_NAME, read_in_force
+from roah_rsbb.journal.in_force import FILE_NAME, kept_files
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import RunRecord
@@ -135,15 +135,14 @@ def configuration(
     are not needed. Raises `CannotReplay` and ConfigErrors."""
     paths, texts = [benchmarks_file, schedule_file], {}
     if None in paths:
-        kept = read_in_force(log_dir)
-        found = None if kept is None else kept.versions.get(run.version, kept.versions[kept.present])
-        if found is None or len(found.texts) < 2 or None in found.texts[:2]:
+        kept = kept_files(log_dir, run.version)
+        if not {"benchmarks", "schedule"} <= set(kept):
             raise CannotReplay(f"{os.path.join(log_dir, FILE_NAME)} is missing or cannot be read: copy it with the "
                                "journal, or give --benchmarks-file and --schedule-file")
-        for number, text in enumerate(found.texts[:2]):
+        for number, name in enumerate(("benchmarks", "schedule")):
             if paths[number] is None:
-                paths[number] = found.paths[number]
-                texts[found.paths[number]] = text
+                paths[number] = f"{os.path.join(log_dir, FILE_NAME)}, {name}.yaml"
+                texts[paths[number]] = kept[name]
     with known(texts):
         benchmarks, zones = config.load_schedule(*paths)
     used = {change.zone for change in run.changes}

@@ -42,6 +42,7 @@ from roah_rsbb.referee.words import (
     BadWord,
     EventWanted,
     given_of,
+    pick,
     pick_item,
     pick_zone,
     value_of,
@@ -198,9 +199,16 @@ def _score(link: Link, options, output: Output) -> Exit:
         return Exit.OK
     number = pick_item(options.item, zone.items)
     item = zone.items[number - 1]
-    link.mark(zone.zone, zone.identity, item, value_of(options.value, item))
+    link.mark(zone.zone, zone.identity, item, _entered(link, zone.identity, options.value, item))
     link.settle()
     return _show_item(zone.zone, number, link.box.zones[zone.zone].items[number - 1], output)
+
+
+def _entered(link: Link, identity: str, text: str, item: SheetItem) -> Entered:
+    """Return the value that `text` gives an item. If judges have sheets of their own, a rating alone is one, too: the box
+    refuses it with the reason."""
+    judged = link.box.judging.get(identity)
+    return (judges.settled_value if judged is not None and judged.count else value_of)(text, item)
 
 
 def _show_item(zone: str, number: int, item: SheetItem, output: Output) -> Exit:
@@ -297,8 +305,8 @@ def _score_with_words(link: Link, options: Any, output: Any) -> Exit:
     number = pick_item(options.item, items)
     item = items[number - 1]
     is_not = options.value.lower() in NOT_ATTEMPTED
-    entered = Entered(not_attempted=True) if is_not else value_of(options.value, item)
     identity = _identity(run) or link.box.zones[zone].identity
+    entered = Entered(not_attempted=True) if is_not else _entered(link, identity, options.value, item)
     link.mark(zone, identity, item, entered._replace(note=options.note), options.referee)
     return _show_item(zone, number, link.run_sheet(zone, _identity(run)).items[number - 1], output)
 
@@ -371,8 +379,11 @@ def _identity(run: Optional[RunLine]) -> str:
 def _schedule(link: Link, options: Any, output: Any) -> Exit:
     """Print the events that the options choose."""
     zone = "" if options.zone is None else _zone_name(link, options.zone)
-    shown = schedule.EventFilter(zone, options.team, options.day, schedule.Show[options.show.upper().replace("-", "_")])
-    found = [event for event in link.box.events() if shown.shows(event, options.utc)]
+    events = link.box.events()
+    team = options.team and pick("team", options.team, sorted({event.team for event in events}))
+    day = options.day and pick("day", options.day, sorted({schedule.day_of(event, options.utc) for event in events}))
+    shown = schedule.EventFilter(zone, team, day, schedule.Show[options.show.upper().replace("-", "_")])
+    found = [event for event in events if shown.shows(event, options.utc)]
     if output.json:
         output.object({"events": [scheduled_json(event) for event in found]})
     else:

@@ -29,10 +29,10 @@ def _which(link: Link, options: Any) -> JudgedRun:
     if options.run is not None:
         runs = [run for run in link.box.runs() if run.zone == zone]
         return link.judging(zone, pick_run(options.run, runs).identity)
-    identities = [identity for identity, one in link.box.judging.items() if one.zone == zone]
+    unsigned = [one.identity for one in judging.judgings_of(link.box, zone)]
+    identities = [identity for identity in unsigned if identity in link.box.judging] or unsigned
     if not identities:
-        raise Refused([f"zone '{zone}' has no run that judges score, and no provisional result. Name another run with "
-                       "--run (see 'runs')"])
+        raise Refused([f"zone '{zone}' has no run that is not signed off. Name another run with --run (see 'runs')"])
     if len(identities) > 1:
         raise BadWord("\n  ".join([f"zone '{zone}' has {len(identities)} such runs: name one with --run",
                                    *identities]))

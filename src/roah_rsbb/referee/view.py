@@ -49,10 +49,9 @@ class Style(NamedTuple):
 
 def status(box: Document, now: Now, style: Style, only: Optional[str] = None) -> List[str]:
     """Return all zones at a glance, the active robots and the box's warnings. `only`: the zone to show."""
-    lines = [
-        f"{style(BOLD, 'RSBB')} at {escaped(box.box.host)}:{box.box.port}, "
-        f"{style.moments.with_zone(now.utc)}: {escaped(box.box.status)}"
-    ]
+    status_text = f": {escaped(box.box.own_status)}" if box.box.own_status else ""
+    lines = [f"{style(BOLD, 'RSBB')} at {escaped(box.box.host)}:{box.box.port}, "
+             f"{style.moments.with_zone(now.utc)}{status_text}"]
     lines += warning_lines(box, style)
     lines += ["", "Active robots:" if box.robots else "Active robots: none"]
     lines += [

@@ -61,15 +61,21 @@ class EventWanted(NamedTuple):
 
 
 def pick_zone(word: str, names: Sequence[str]) -> str:
-    """Return the zone meant by `word`: its name, or the beginning of one name only. Case does not matter."""
+    """Return the zone meant by `word`, see `pick`."""
+    return pick("zone", word, names)
+
+
+def pick(what: str, word: str, names: Sequence[str]) -> str:
+    """Return the name meant by `word`: the name, or the beginning of one name only. Case does not matter. `what` it is
+    a name of. Raises `BadWord`."""
     found = meant(word, names, str, str.startswith)
     if len(found) == 1:
         return found[0]
-    there_are = "the zones are " + _quoted(names)
+    there_are = f"the {what}s are " + _quoted(names)
     if not found:
         near = did_you_mean(word, names)
-        raise BadWord(f"no zone '{word}'{near}" + (f" ({there_are})" if "did you mean" in near else ""))
-    raise BadWord(f"'{word}' is the beginning of {len(found)} zones: {_quoted(found)}")
+        raise BadWord(f"no {what} '{word}'{near}" + (f" ({there_are})" if "did you mean" in near else ""))
+    raise BadWord(f"'{word}' is the beginning of {len(found)} {what}s: {_quoted(found)}")
 
 
 def stop_wanted(line: str) -> Optional[str]:
@@ -113,7 +119,11 @@ def value_of(text: str, item: SheetItem) -> Entered:
         word = word[1:] if word.startswith("+-") else word
     is_added = not is_set and word.startswith(("+", "-"))
     if item.type == "decimal":
-        return _decimal(word, item, is_added)
+        number = number_of(word)
+        if number is None:
+            raise BadWord(two_numbers(item.desc, word) or f"'{text}' is not a value for '{item.desc}': give a number "
+                          f"such as 2.5, +0.5 or {_below(item)}")
+        return Entered(added=text_of(number)) if is_added else Entered(text=text_of(number))
     value = WORDS.get(word.lower()) if item.type == "bool" else None
     if value is None:
         try:
@@ -158,14 +168,6 @@ def _rating(text: str, item: SheetItem) -> Entered:
         raise BadWord(f"'{text}' is not a rating of '{item.desc}': give the judge and a number, such as "
                       f"'{item.judges[0]}:5'; the judges are {_quoted(item.judges)}")
     return Entered(text=_typed(number, item), judge=found[0])
-
-
-def _decimal(text: str, item: SheetItem, is_added: bool) -> Entered:
-    number = number_of(text)
-    if number is None:
-        raise BadWord(two_numbers(item.desc, text) or f"'{text}' is not a value for '{item.desc}': give a number such "
-                      f"as 2.5, +0.5 or {_below(item)}")
-    return Entered(added=text_of(number)) if is_added else Entered(text=text_of(number))
 
 
 def given_of(words: Sequence[str], fields: Sequence[Field]) -> Dict[str, Any]:

@@ -16,13 +16,15 @@ from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Seque
 from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry
 from roah_rsbb.model.saved import freeze
+from roah_rsbb.results.judging import ratings
 from roah_rsbb.results.runs import RunResult, run_state_text, taken_s
 from roah_rsbb.results.standings import Standing
 from roah_rsbb.wording.sheets import person, ratings_text
 from roah_rsbb.wording.texts import value_text, visible
 from roah_rsbb.wording.times import iso
 
-Cell = Union[str, int, float, None]
+Ratings = Tuple[Tuple[str, str], ...]  # judges, and what each gave: a decimal number
+Cell = Union[str, int, float, None, Ratings]
 
 # A text that begins with one of these is a formula for a spreadsheet program.
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "|", "%", "＝", "＋", "－", "＠")
@@ -52,6 +54,8 @@ def safe(cell: Cell) -> Union[str, int, float]:
     """
     if cell is None:
         return ""
+    if isinstance(cell, tuple):
+        cell = ratings_text(cell)
     if isinstance(cell, bool):
         return "true" if cell else "false"
     if not isinstance(cell, str):
@@ -74,9 +78,15 @@ def write_rows(
     """Write rows below a header line."""
     writer = csv.writer(file, delimiter=";" if decimal_comma else ",")
     for row in rows:
-        cells = [safe(row.get(column)) for column in columns]
-        writer.writerow([str(cell).replace(".", ",") if decimal_comma and isinstance(cell, float) else cell
-                         for cell in cells])
+        writer.writerow([safe(_with_comma(row.get(column)) if decimal_comma else row.get(column))
+                         for column in columns])
+
+
+def _with_comma(cell: Cell) -> Cell:
+    """Return the text of a cell that has decimal numbers, with decimal commas; any other cell stays."""
+    if isinstance(cell, tuple):
+        return "; ".join(f"{judge} {text.replace('.', ',')}" for judge, text in cell if text)
+    return str(cell).replace(".", ",") if isinstance(cell, float) else cell
 
 
 def result_rows(
@@ -123,7 +133,7 @@ def _item_rows(record: RunRecord, in_utc: bool) -> Iterator[Dict[str, Cell]]:
             "kind": "item", "group": item.group, "name": item.desc,
             "value": _item_cell(item),
             "not_attempted": item.not_attempted, "corrected": item.corrected, "points": _number(item.points),
-            "ratings": ratings_text(item.ratings),
+            "ratings": ratings(record, item),
         }
         if entry is not None:
             row.update(changed=iso(entry.utc, in_utc), changed_by=person(entry.who), note=entry.note)

@@ -22,6 +22,15 @@ def submitted(record: RunRecord) -> Tuple[JudgeSheet, ...]:
     return tuple(found) if is_complete else ()
 
 
+def ratings(record: RunRecord, item: ItemRecord) -> Tuple[Tuple[str, str], ...]:
+    """Return what each judge gave for an item that judges rate. If they have sheets of their own, what counts in the
+    run's sheet may be a settlement instead."""
+    if record.form is None or record.form.judges is None:
+        return item.ratings
+    return tuple((one.judge, each.text) for one in submitted(record) for each in one.items
+                 if each.key == item.key and item.kind == "rating")
+
+
 def judged_items(record: RunRecord) -> Iterator[ItemProposals]:
     """Return the items of a run with what its judges submitted; none if it has no judges."""
     judges = submitted(record)
@@ -48,8 +57,9 @@ def objection_lines(record: RunRecord) -> List[Tuple[float, str, str]]:
     """Return the publication of a result, the objections and their answers: UTC seconds, who, what."""
     published, lines = record.publication.published, []
     if published is not None:
-        minutes = (published.until_utc - published.utc) / 60
-        lines.append((published.utc, published.who, f"Published as provisional, {minutes:g} min for objections"))
+        seconds = round(published.until_utc - published.utc)
+        given = f"{seconds} s" if seconds % 60 else f"{seconds // 60} min"
+        lines.append((published.utc, published.who, f"Published as provisional, {given} for objections"))
     for one in record.publication.objections:
         lines.append((one.utc, one.who, f"Objection {one.number} of {one.by}: {one.text}"))
         if one.answered_utc:

@@ -5,7 +5,7 @@ from typing import Iterator, List, Optional, Sequence, Tuple
 
 from roah_rsbb.model.records import ItemRecord, RunRecord, StopRecord, grouped
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
-from roah_rsbb.results.judging import act_lines, judged_items, objection_lines, submitted
+from roah_rsbb.results.judging import act_lines, judged_items, objection_lines, ratings, submitted
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, facts_table, joined, page, table, tag
 from roah_rsbb.results.paper import front_markup, front_of, robots_of
@@ -92,7 +92,7 @@ def _by(who: str) -> str:
 def _items(record: RunRecord) -> Iterator[str]:
     for group, items in grouped(record.items).items():
         yield from _titled(line(group), [
-            f"{line(sheets.in_words(item)):>13}{_points(item)}  {line(item.desc)}{_ratings(item)}"
+            f"{line(sheets.in_words(item)):>13}{_points(item)}  {line(item.desc)}{_ratings(record, item)}"
             + (f"  ({sheets.CORRECTED})" if item.corrected else "")
             for item in items
         ])
@@ -105,9 +105,9 @@ def _points(item: ItemRecord) -> str:
     return f"{item.points:>10}" if item.points else ""
 
 
-def _ratings(item: ItemRecord) -> str:
-    ratings = sheets.ratings_text(item.ratings)
-    return f" ({line(ratings)})" if ratings else ""
+def _ratings(record: RunRecord, item: ItemRecord) -> str:
+    given = sheets.ratings_text(ratings(record, item))
+    return f" ({line(given)})" if given else ""
 
 
 def _when(in_utc: bool) -> sheets.When:
@@ -218,7 +218,7 @@ def _items_markup(record: RunRecord) -> Iterator[Markup]:
         yield tag("h3", f"{group}: {points[group]} points" if group in points else group)
         yield table(("Value", *(("Points",) if has_points else ()), "Item", ""), [
             (
-                sheets.in_words(i), *((i.points,) if has_points else ()), f"{i.desc}{_ratings(i)}",
+                sheets.in_words(i), *((i.points,) if has_points else ()), f"{i.desc}{_ratings(record, i)}",
                 mark(sheets.CORRECTED) if i.corrected else "",
             )
             for i in items

@@ -37,7 +37,9 @@ def changes(before: Config, after: Config, ran: Iterable[EventKey] = ()) -> List
     if before.durable != after.durable:
         found.append(f"durable: {before.durable.value}, now {after.durable.value}")
     if before.time_zone != after.time_zone:
-        found.append(f"time zone: {before.time_zone or 'none'}, now {after.time_zone or 'none'}")
+        has_days = any(part.day for overall in after.ranking.overall for part in overall.parts)
+        found.append(f"time zone: {before.time_zone or 'none'}, now {after.time_zone or 'none'}"
+                     + (". The days of the overall standings are those of the new one" if has_days else ""))
     if before.ranking != after.ranking:
         found.append("standings: other rules")
     if not found and before != after:
@@ -76,7 +78,8 @@ def differences(name: str, before: Any, after: Any) -> List[str]:
         return found
     if isinstance(before, tuple) and isinstance(after, tuple):
         return _of_items(name, before, after)
-    return [f"{name} {_text(before)}, now {_text(after)}"]
+    words = (("any number" if name == "attempts" and not value else _text(value)) for value in (before, after))
+    return [f"{name} {', now '.join(words)}"]
 
 
 def _of_items(name: str, before: Iterable[Any], after: Iterable[Any]) -> List[str]:

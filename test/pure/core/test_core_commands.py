@@ -316,6 +316,12 @@ def test_scores_and_other_calls_need_a_run_in_a_zone():
             driver.event(method, "tmb")
 
 
+def test_a_stop_without_a_run_does_not_ask_for_one():
+    driver = BoxDriver()
+    with pytest.raises(Refused, match="No run is connected, so there is nothing to stop"):
+        driver.event(driver.box.scores.stop, RunName("tbm"))
+
+
 def test_calls_that_make_no_sense_in_a_task_benchmark():
     driver = BoxDriver()
     driver.connected()

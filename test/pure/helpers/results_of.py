@@ -1,8 +1,10 @@
 """A journal of a small competition with all kinds of runs, for tests of displaying and exporting results."""
 
 import json
+import pathlib
 
 from helpers.journals import UTC0, Writer
+from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
 from roah_rsbb.model.link import LinkSample
 from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry, ScoreValue, SignOff, StopRecord
 
@@ -112,7 +114,16 @@ def write_competition(log_dir):
     ):
         writer.run(record, ((record_port(record), "r1"),))
     writer.close()
+    config = pathlib.Path(__file__).resolve().parents[3] / "config"
+    texts = ((config / f"{name}.yaml").read_text("utf-8") for name in ("benchmarks", "schedule", "standings"))
+    keep_files(log_dir, *texts)
     return writer.path
+
+
+def keep_files(log_dir, benchmarks, schedule, *standings):
+    """Keep the files of a competition beside its journal, as the box does."""
+    texts = (benchmarks, schedule, None, *standings)
+    write_in_force(str(log_dir), InForce("", 0, {0: Texts(("",) * len(texts), texts)}))
 
 
 def record_port(record):

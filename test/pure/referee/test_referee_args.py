@@ -68,6 +68,10 @@ def test_a_negative_value_settles_an_item():
     assert (options.action, options.item, options.value, options.run) == ("settle", "2", "-3", None)
 
 
+def test_minutes_with_a_decimal_comma():
+    assert _parse(["judges", "publish", "Hall", "--minutes", "0,1"]).minutes == 0.1
+
+
 @pytest.mark.parametrize("action", [
     "list", "settle", "hand-back", "withdraw", "end-waiting", "publish", "object", "answer"])
 def test_each_action_of_judges_has_examples(action, capsys):
@@ -103,6 +107,7 @@ def test_a_run_takes_all_its_options():
     (["judges", "settle", "A", "1", "3", "--by", "Hugo"], "--reason"),
     (["judges", "withdraw", "A", "Ben", "--reason", "ill"], "--by"),
     (["judges", "publish", "A", "--minutes", "1441"], "is not a number from 0 to 1440"),
+    (["judges", "publish", "A", "--minutes", "1,000"], "is not a number from 0 to 1440"),
     (["judges", "answer", "A", "1", "maybe", "x"], "uphold"),
 ])
 def test_wrong_usage_ends_with_2_and_says_what_was_expected(line, hint, capsys):

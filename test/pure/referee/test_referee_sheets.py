@@ -1,10 +1,14 @@
 """Runs and score sheets in a terminal."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from helpers.referee_box import ITEMS, UTC0
+from roah_rsbb.model.judging import JudgedRun, Judging
+from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.results import HistoryEntry, RunEnd, RunLine, RunSheet
-from roah_rsbb.referee import view
+from roah_rsbb.referee import judges, view
 from roah_rsbb.referee.sheets import LAST, pick_run, run_lines, sheet_lines
 from roah_rsbb.referee.words import BadWord
 from roah_rsbb.wording.times import Moments
@@ -37,6 +41,25 @@ def test_an_unknown_run_lists_the_known_ones(word, runs, hint):
     with pytest.raises(BadWord) as bad:
         pick_run(word, runs)
     assert hint in str(bad.value)
+
+
+@pytest.mark.parametrize("runs, chosen", [
+    (RUNS[1:2], "HWV-6668-1447.5"), ((NOW,), "has no run that is not signed off"), (RUNS, "2 such runs"),
+    ((RUNS[1]._replace(signed_utc_s=UTC0),), "has no run that is not signed off"),
+])
+def test_a_run_without_judges_is_published_too(runs, chosen):
+    """A team withdrew from an event with judges: its sheet has none, but there is a time for objections."""
+    done = []
+    box = SimpleNamespace(box=SimpleNamespace(zones=["Home A"]), judging={}, results={}, runs=lambda: runs)
+    link = SimpleNamespace(
+        box=box, judging=lambda zone, identity: JudgedRun(Judging(zone, identity), (), ()), settle=lambda: None,
+        act=lambda action, zone, given, identity, who: done.append((action, identity)))
+    options = SimpleNamespace(action="publish", zone="home", run=None, minutes=None, referee="Hugo")
+    try:
+        judges.judges(link, options, SimpleNamespace(json=True, object=lambda value: None))
+    except (BadWord, Refused) as error:
+        done.append(str(error))
+    assert done == [("publish", chosen)] or chosen in done[0]
 
 
 def test_runs_are_listed_with_what_became_of_them():

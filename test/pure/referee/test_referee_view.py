@@ -54,6 +54,7 @@ def test_active_robots_with_skew_and_age():
 
 
 def test_warnings_of_the_box_and_of_a_zone():
+    assert _status(status="A; B", warnings=("A", "B")).count("B") - _status().count("B") == 1, "not twice"
     text = _status(running_zone(state=("Running",), warnings=("silent",)), warnings=("Another box",))
     assert "WARNING: Another box" in text
     assert "    WARNING: silent" in text

@@ -6,7 +6,7 @@ from helpers.referee_box import EVENTS, ITEMS
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
-from roah_rsbb.referee.words import BadWord, event_wanted, pick_item, pick_zone, score_wanted, value_of
+from roah_rsbb.referee.words import BadWord, event_wanted, pick, pick_item, pick_zone, score_wanted, value_of
 
 ZONES = ["Testing TestingTeam", "Testing Other", "Home A", "Home AB"]
 
@@ -26,6 +26,9 @@ def test_zones_that_differ_in_case_only_are_distinguished():
     assert pick_zone("home", ["Home", "home", "home 2"]) == "home"
     with pytest.raises(BadWord):
         pick_zone("HOME", ["Home", "home"])
+    assert pick("team", "beta", ["Alpha", "Beta"]) == "Beta"
+    with pytest.raises(BadWord, match="no day 'tomorrow': there is '2026-11-28', '2026-11-29'"):
+        pick("day", "tomorrow", ["2026-11-28", "2026-11-29"])
 
 
 def test_an_ambiguous_zone_lists_those_that_fit_only():
@@ -163,7 +166,7 @@ def test_values_of_every_type(text, item, entered):
     ("with", HELP, "'with' is not a choice of 'help': choose one of 'with help', 'alone', 'without'"),
     ("", HELP, "is not a choice"), ("7", POSTER, "such as 'Anna:5'; the judges are 'Anna', 'Ben'"),
     ("Chris:7", POSTER, "give the judge and a number"), ("much", WATER, "give a number such as 2.5"),
-    ("1.5", STEPS, "a whole number"), ("1,5", STEPS, "a whole number"), ("1.000,5", WATER, "give a number"),
+    ("1.5", STEPS, "a whole number"), ("1,5", STEPS, "a whole number"), ("1.000,5", WATER, "'1.000,5' is not a value .* give a number"),
     ("-17", STEPS, "give '=-17' to set the item to it, '[+]-17' to count down by 17"),
     ("much", WATER, "or '=-1'$"), ("much", STEPS, "or '=-1'$"), ("much", STEPS._replace(min="0"), "or -1$"),
     ("1,001", WATER, r"can mean 1001 or 1.001. Type 1001, or 1.001 \(with a comma: 01,001\)"),

@@ -1,7 +1,9 @@
 """Judges, settlements and objections: on the sheet, in the export, in the data set, and what is not shown too early."""
 
 import csv
+import io
 import json
+from decimal import Decimal
 
 import pytest
 
@@ -11,9 +13,10 @@ from helpers.jury import Jury, judged
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.results.anonymous import names_of
 from roah_rsbb.results.dataset import DatasetOptions, write_dataset
-from roah_rsbb.results.export import exported
+from roah_rsbb.results.export import RESULT_COLUMNS, exported, result_rows, write_table
 from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
 
@@ -53,13 +56,13 @@ def test_the_sheet_has_proposals_settlements_and_objections(jury):
     jury.settle(BUMPS, 42)
     jury.finish()
     driver = jury.driver
-    driver.enter("publish", jury.name, "Olga", seconds=30)
+    driver.enter("publish", jury.name, "Olga", seconds=5)
     driver.enter("object", jury.name, "Olga", by="Alpha", text="too many bumps")
     driver.enter("answer", jury.name, "Hugo", number=1, text="the video shows them")
     lines, page = _read(jury, _texts)
     assert "bumps: Ann 41; Ben 43 → 42 (settled by Hugo: the video shows it)" in lines
     assert "detects the door: Ann yes; Ben yes → yes" in lines
-    assert "Published as provisional, 0.5 min for objections" in lines
+    assert "Published as provisional, 5 s for objections" in lines
     assert "Objection 1 rejected: the video shows them" in lines
     for text in ("41", "43", "Hugo: the video shows it", "Objection 1 of Alpha: too many bumps"):
         assert text in page
@@ -68,6 +71,29 @@ def test_the_sheet_has_proposals_settlements_and_objections(jury):
     assert value["publication"]["objections"][0]["answer"] == "the video shows them"
     json.dumps(value)
     assert [e["kind"] for e in value["entries"] if e["kind"] == kinds.PUBLICATION] == [kinds.PUBLICATION] * 3
+
+
+def test_ratings_are_what_each_judge_gave_also_where_they_were_settled(tmp_path):
+    """Ben's sheet was withdrawn. What counts of the settlement is entered for each place in the run's sheet."""
+    show = ScoringItem("Jury", "show", ScoreKind.RATING, Decimal(1), Decimal(0), Decimal(10), judges=("1", "2"))
+    jury = Jury(journaled.box(tmp_path, judged(items=(show,)), Settings(auto_next=False, listen_duration=0.0)))
+    for judge, text in (("Ann", "7.5"), ("Ben", "9.5")):
+        jury.mark(judge, show, text=text)
+        jury.submit(judge)
+    jury.driver.enter("withdraw_sheet", jury.name, "Hugo", judge="Ben", reason="left")
+    jury.driver.event(jury.desk.waive, jury.name, "Ben had to leave", "Hugo")
+    jury.settle(show, 0, text="7.25")
+    jury.finish()
+    jury.driver.journal.close()
+    lines, page = _read(jury, _texts)
+    assert "7.25  show (Ann 7.5)" in lines
+    assert "show (Ann 7.5)" in page
+    for decimal_comma, separator, shown in ((False, ",", "Ann 7.5"), (True, ";", "Ann 7,5")):
+        table = io.StringIO()
+        rows = _read(jury, lambda result, _: result_rows([result.record], True))
+        write_table(table, RESULT_COLUMNS, rows, decimal_comma)
+        (row, *_) = csv.DictReader(io.StringIO(table.getvalue()), delimiter=separator)
+        assert (row["name"], row["ratings"]) == ("show", shown)
 
 
 @pytest.mark.parametrize("is_anonymous", [False, True])

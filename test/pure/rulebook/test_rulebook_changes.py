@@ -5,11 +5,12 @@ from decimal import Decimal
 
 from helpers.competition import BUMPS, DOOR, UTC0, competition, event
 from roah_rsbb.model.scoring import NO_SHEET_RULES, SheetRules, TimeLeft
-from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Config, Durable
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Config, Durable, EventRules
 from roah_rsbb.rulebook.changes import changes, warnings
 from roah_rsbb.rulebook.errors import Place
 from roah_rsbb.rulebook.event_ids import key_of
 from roah_rsbb.rulebook.registry import PROFILES
+from roah_rsbb.rulebook.standing_rules import Overall, StandingPart, StandingRules
 from roah_rsbb.wording.times import date_time
 
 THEN, LATER = date_time(UTC0), date_time(UTC0 + 60.0)
@@ -25,7 +26,7 @@ def test_benchmarks():
     hwv = after.benchmarks["HWV"]
     profile = dataclasses.replace(PROFILES["HWV"], offline_data=False, uses=frozenset())
     after.benchmarks["HWV"] = dataclasses.replace(
-        hwv, desc="Visitors", own=profile,
+        hwv, desc="Visitors", own=profile, rules=EventRules(attempts=3),
         scoring=(DOOR, dataclasses.replace(BUMPS, desc="falls"), dataclasses.replace(hwv.scoring[1], kind=DOOR.kind)),
     )
     after.benchmarks["STB"] = dataclasses.replace(hwv, code="STB")
@@ -38,6 +39,7 @@ def test_benchmarks():
         "benchmark HWV: scoring: 'Penalized: falls' added",
         "benchmark HWV: uses activation_event, bell, notifications, visitor, now nothing",
         "benchmark HWV: offline data yes, now no",
+        "benchmark HWV: attempts any number, now 3",
         "benchmark STB: added",
     ]
     assert changes(after, before)[-1] == "benchmark STB: removed"
@@ -58,6 +60,16 @@ def test_how_many_computers_must_have_an_entry():
     assert changes(before, after) == ["durable: one, now two"]
     assert changes(after, before) == ["durable: two, now one"]
     assert changes(after, dataclasses.replace(after, durable_at=Place("schedule.yaml", 4, 1))) == []
+
+
+def test_days_of_standings_are_those_of_the_time_zone():
+    before, rules = competition(a=["HNF"]), StandingRules()
+    after = dataclasses.replace(before, time_zone="Asia/Tokyo")
+    assert changes(before, after) == ["time zone: none, now Asia/Tokyo"]
+    rules.overall = (Overall("All", (StandingPart("HNF", day="2026-11-28"),)),)
+    before, after = (dataclasses.replace(config, ranking=rules) for config in (before, after))
+    assert changes(before, after) == [
+        "time zone: none, now Asia/Tokyo. The days of the overall standings are those of the new one"]
 
 
 def with_id(own, code="HNF", **of_event):

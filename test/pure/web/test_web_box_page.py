@@ -206,10 +206,10 @@ def test_the_box_with_its_warnings_and_the_tablet(world):
     shown = world.part("box", warnings=["The disk is full"])
     assert (shown["is_ok"], shown["warnings"], shown["tablet"]) == (True, ["The disk is full"], None)
     world.box.document = world.box.document._replace(
-        box=world.box.document.box._replace(status="No disk", warnings=("No disk", "No stick")))
+        box=world.box.document.box._replace(status="No disk; No stick", warnings=("No disk", "No stick")))
     world.box.mono += 1.0
     again = world.again("box")
-    assert (again["status"], again["warnings"]) == ("No disk", ["No stick"]), "nothing is said twice"
+    assert (again["status"], again["warnings"]) == ("", ["No disk", "No stick"]), "nothing is said twice"
     assert ["Running", "2 of 2 zones"] in shown["facts"] and shown["runs"] == "Home (R), Hall (R)"
     box = world.box.document.box._replace(tablet=TabletSeen(True, MONO - 7.0, True, NOW, NOW, 1.0, 2.5))
     world.box.document = world.box.document._replace(box=box)

@@ -102,5 +102,6 @@ class TestJudges(BoxCase):
     def test_wrong_words(self) -> None:
         self.assertIn("no scoring item 'cup'", self.judges("settle", "cup", "1", "--reason", "x", *BY, status=2))
         self.assertIn("is not a value", self.judges("settle", "1", "many", "--reason", "x", *BY, status=2))
-        self.assertEqual(called("judges", "list", "Room").returncode, 1)
+        for words in ((), ("--by", "Ann")):
+            self.assertIn("2 judges score this benchmark", called("score", HALL, "presentation", "7", *words).stderr)
         self.assertEqual(called("judges", "list", "--run", "last").returncode, 2)

@@ -4,7 +4,7 @@ from typing import List
 
 from roah_rsbb.core.actions.base import Given, ZoneAction
 from roah_rsbb.core.runs.phases import RunEvent, is_possible
-from roah_rsbb.core.zones import NO_RUN, Zone
+from roah_rsbb.core.zones import NO_RUN, NOTHING_TO_STOP, Zone
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import By, EndReason, Phase
@@ -16,7 +16,6 @@ STARTED = say("Already started")
 NO_RESTART = say("The rules of this benchmark do not allow a restart: disconnect, and connect for a new run")
 TIMED_OUT = say("The run ended by timeout: disconnect, and connect for a new run")
 TIME_UP = say("The run's time is up (the clock kept running after the stop): disconnect, and connect for a new run")
-NOTHING_TO_STOP = say("No run is connected, so there is nothing to stop")
 NOT_STARTED = say("The run is not started: disconnect to leave it")
 NO_ANSWER = say("The run is over, but the robot did not answer STOP: stop it by hand")
 OVER = say("The run is over: disconnect to leave it")

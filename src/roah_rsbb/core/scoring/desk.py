@@ -10,7 +10,7 @@ from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRun, FinishedRuns, RunBook
 from roah_rsbb.core.scoring.counting import Counted, Counting, EventResult, Ruling, Why
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.core.zones import Zone, Zones
+from roah_rsbb.core.zones import NOTHING_TO_STOP, Zone, Zones
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import By, ItemRecord, Phase, RunRecord
@@ -182,7 +182,7 @@ class ScoreDesk:
         """
         self._tick(now)
         with self._record.of(name, who, "stop"):
-            run = self.named(name)
+            run = self.named(name) if name.identity else self._zones.run_in(name.zone, NOTHING_TO_STOP)
             if not isinstance(run, FinishedRun):
                 if is_possible(run.phase, RunEvent.END):
                     run.stop(now, By(checked_who(who)))

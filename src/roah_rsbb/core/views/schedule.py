@@ -110,7 +110,8 @@ def _shown(line: EventLine, number: int) -> EventSeen:
     shown, why = line.result.shown
     signed = shown.sign_off if line.result.signed else None
     return found._replace(
-        identity=shown.identity, end_reason=shown.end_reason, score=sums_of_record(shown), counts=why.value,
+        identity=shown.identity, end_reason=shown.end_reason, counts=why.value,
+        score="" if line.state in _OF_PHASE.values() else sums_of_record(shown),
         signed_utc_s=None if signed is None else signed.utc, signed_by="" if signed is None else signed.who)
 
 

@@ -2,13 +2,12 @@
 
 import argparse
 import contextlib
-import os
 from typing import Dict, Iterable, List, Sequence, TypeVar, Union
 
 from roah_rsbb.core.scoring.counting import NOT_RUN_WORDS, Ruling, RunChoice, Why, attempts_of, rulings, with_events
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.results.program.journal import BENCHMARKS_FILE, RULES_FILE, SCHEDULE_FILE, beside, file, warn
+from roah_rsbb.results.program.journal import BENCHMARKS_FILE, RULES_FILE, SCHEDULE_FILE, file, warn
 from roah_rsbb.results.runs import RunHead, find, find_record, records
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import NO_RULES, Benchmark, CountingAttempt
@@ -23,8 +22,7 @@ T = TypeVar("T", RunRecord, RunHead)
 
 def rules(options: argparse.Namespace) -> StandingRules:
     """Return the rules of the standings. Raises ConfigErrors."""
-    given = getattr(options, "rules", None)
-    return read_rules(given or beside(options, RULES_FILE) or os.path.join(options.config_dir, RULES_FILE))
+    return read_rules(file(options, RULES_FILE))
 
 
 def benchmarks(options: argparse.Namespace) -> Dict[str, Benchmark]:

@@ -31,7 +31,7 @@ from roah_rsbb.results.page import Competition, page, picture_address
 from roah_rsbb.results.paper import blank_front, front_markup
 from roah_rsbb.results.printing import Printer, browser, print_pdf, without_font
 from roah_rsbb.results.program.counting import benchmarks, choice, known_records, ruled, rules, why_of
-from roah_rsbb.results.program.journal import BENCHMARKS_FILE, SCHEDULE_FILE, Usage, file, open_journal, use_zone, warn
+from roah_rsbb.results.program.journal import BENCHMARKS_FILE, SCHEDULE_FILE, Usage, file, files_of, open_journal, warn
 from roah_rsbb.results.replay_page import PageParts, page_parts, replay_name, replay_of
 from roah_rsbb.results.report.facts import RunFacts, facts_of, link_period_s
 from roah_rsbb.results.report.pages import Compared, Site, all_pages, comparison
@@ -182,7 +182,11 @@ def _write_site(
 ) -> Site:
     """Write the pages of a competition."""
     options = argparse.Namespace(**{**vars(options), "journal": journal})
-    use_zone(options)
+    with files_of(options):
+        return _written_site(options, folder, shared, home)
+
+
+def _written_site(options: argparse.Namespace, folder: str, shared: Assets, home: str) -> Site:
     of_rules, titles, competition = rules(options), _titles(options), _competition(options)
     parts = None if options.no_replays else page_parts(_resource(options, "replay"))
     os.makedirs(os.path.join(folder, "runs"), exist_ok=True)

@@ -1,13 +1,15 @@
 """Opens a journal for the commands of `results`, and reports problems."""
 
 import argparse
+import contextlib
 import os
 import sys
-from typing import List, Optional
+from typing import Iterator, List, Optional
 
-from roah_rsbb.journal.in_force import read_in_force
+from roah_rsbb.journal.in_force import FILE_NAME, kept_files
 from roah_rsbb.journal.reader import JournalReader, journal_in
 from roah_rsbb.results.runs import RunResult, find_record, run_result
+from roah_rsbb.rulebook.text_files import known
 from roah_rsbb.wording import times
 from roah_rsbb.wording.texts import visible
 
@@ -19,33 +21,52 @@ class Usage(Exception):
     """The request cannot be fulfilled. The text names the remedy."""
 
 
+@contextlib.contextmanager
+def files_of(options: argparse.Namespace) -> Iterator[None]:
+    """Let `file` find the files of the competition. Days and times are those of its time zone."""
+    kept = kept_files(_log_dir(options))
+    if kept:
+        kept.setdefault("standings", "{}")  # the box ranked without rules
+    options.kept = {_kept_path(options, f"{name}.yaml"): text for name, text in kept.items()}
+    options.has_files = any(map(os.path.exists, (_beside(options, name) for name in (BENCHMARKS_FILE, SCHEDULE_FILE))))
+    with known(options.kept):
+        from roah_rsbb.rulebook.config import settings_in  # imported late, after errors of the command line
+
+        times.use_zone(settings_in(_found(options, SCHEDULE_FILE)).time_zone)
+        yield
+
+
 def file(options: argparse.Namespace, name: str) -> str:
-    """The path of a file of the competition: the option's, or the one beside the log_dir, else the included one."""
-    given = getattr(options, name.replace(".yaml", "_file"), None)
-    return given or beside(options, name) or os.path.join(options.config_dir, name)
+    """The path of a file of the competition: the option's; the one beside the log_dir; the one that the box kept beside
+    the journal; or the included one."""
+    path = _found(options, name)
+    if os.path.dirname(path) == options.config_dir and not (options.kept or options.has_files):
+        options.has_files = True  # once
+        warn(f"there is no {FILE_NAME} in {_log_dir(options)}, and no file of the competition beside it: those of "
+             f"{options.config_dir} are used, so ranks and what counts may differ from the box. Copy {FILE_NAME} "
+             f"together with the journal, or put {BENCHMARKS_FILE}, {SCHEDULE_FILE} and {RULES_FILE} beside that folder")
+    return path
 
 
-def beside(options: argparse.Namespace, name: str) -> Optional[str]:
-    """The path of a file of the competition beside the log_dir; None if it does not exist."""
-    found = os.path.join(os.path.dirname(os.path.abspath(_log_dir(options))), name)
-    return found if os.path.exists(found) else None
+def _found(options: argparse.Namespace, name: str) -> str:
+    given = getattr(options, "rules" if name == RULES_FILE else name.replace(".yaml", "_file"), None)
+    beside, kept = _beside(options, name), _kept_path(options, name)
+    found = beside if os.path.exists(beside) else kept if kept in options.kept else None
+    return given or found or os.path.join(options.config_dir, name)
 
 
-def use_zone(options: argparse.Namespace) -> None:
-    """Count days, and show times, in the time zone of the competition."""
-    from roah_rsbb.rulebook.config import settings_in  # imported late, after errors of the command line
-    from roah_rsbb.rulebook.text_files import known
+def _beside(options: argparse.Namespace, name: str) -> str:
+    return os.path.join(os.path.dirname(_log_dir(options)), name)
 
-    path, texts = file(options, SCHEDULE_FILE), {}
-    kept = None if beside(options, SCHEDULE_FILE) else read_in_force(_log_dir(options))
-    if kept is not None:  # the journal was copied without the competition's folder
-        texts = {path: kept.versions[kept.present].texts[1] or ""}
-    with known(texts):
-        times.use_zone(settings_in(path).time_zone)
+
+def _kept_path(options: argparse.Namespace, name: str) -> str:
+    """How errors name a file that the box kept."""
+    return f"{os.path.join(_log_dir(options), FILE_NAME)}, {name}"
 
 
 def _log_dir(options: argparse.Namespace) -> str:
-    return os.path.dirname(options.journal) if options.journal else os.path.expanduser(options.log_dir)
+    return os.path.abspath(os.path.join(options.journal, "..") if options.journal
+                           else os.path.expanduser(options.log_dir))
 
 
 def open_journal(options: argparse.Namespace, checks_all: bool = True) -> JournalReader:

@@ -19,9 +19,9 @@ from roah_rsbb.results.program.journal import (
     RULES_FILE,
     SCHEDULE_FILE,
     Usage,
+    files_of,
     one_run,
     open_journal,
-    use_zone,
     warn,
 )
 from roah_rsbb.results.run_list import list_lines
@@ -51,7 +51,7 @@ Examples:
   results --journal /media/usb/roah_rsbb_journal list
   results verify                                 whether the journal is whole
 
-Times are those of the venue (time_zone in schedule.yaml beside the log_dir) with their UTC offset; --utc shows UTC.
+Times are those of the venue (time_zone in schedule.yaml) with their UTC offset; --utc shows UTC.
 The journal is never changed.
 The exit status is 0 on success, 1 if something cannot be read or written, 2 for wrong usage.
 """
@@ -99,8 +99,8 @@ def main(arguments: Optional[List[str]] = None) -> NoReturn:
     options = _parser().parse_args(sys.argv[1:] if arguments is None else arguments)
     try:
         options.config_dir = str(shipped_folder())
-        use_zone(options)
-        status = options.do(options)
+        with files_of(options):
+            status = options.do(options)
     except (JournalError, ProcessEnded, _NoBag, NoSuchRun, NoMcap, Usage, CannotPrint, NotShipped) as error:
         status = _fail(str(error))
     except ConfigErrors as error:
@@ -220,8 +220,8 @@ def _sub_parser(**options: str) -> Parser:
 
 
 def _add_files(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--benchmarks-file", metavar="YAML", help=f"default: {BENCHMARKS_FILE} beside the log_dir")
-    parser.add_argument("--schedule-file", metavar="YAML", help=f"default: {SCHEDULE_FILE} beside the log_dir")
+    parser.add_argument("--benchmarks-file", metavar="YAML", help=f"default: {BENCHMARKS_FILE} of the competition")
+    parser.add_argument("--schedule-file", metavar="YAML", help=f"default: {SCHEDULE_FILE} of the competition")
 
 
 def _add_decimal_comma(parser: argparse.ArgumentParser) -> None:
@@ -236,9 +236,9 @@ def _add_competition(parser: argparse.ArgumentParser) -> None:
 
 def _add_choice(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rules", metavar="YAML",
-                        help=f"rules of the ranking; default: {RULES_FILE} beside the log_dir, or the included one")
+                        help=f"rules of the ranking; default: {RULES_FILE} of the competition, or the included one")
     parser.add_argument("--benchmarks-file", metavar="YAML",
-                        help=f"titles of the benchmarks; default: {BENCHMARKS_FILE} beside the log_dir")
+                        help=f"the benchmarks; default: {BENCHMARKS_FILE} of the competition")
     parser.add_argument("--runs", choices=OF_RUNS, dest="of_runs", default=None,
                         help="which of a team's runs counts; overrides the rules")
     parser.add_argument("--signed-off", action="store_true", help="count only signed-off runs in standings")

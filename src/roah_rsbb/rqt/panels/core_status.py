@@ -65,9 +65,7 @@ class CoreStatusPanel(Panel):
             self.notices.show_lines([(line, False) for line in (tr("Waiting for the core"), self.model.why) if line])
             return
         box = document.box
-        # The status may only repeat the warnings in one line.
-        is_repeated = bool(box.warnings) and box.status == "; ".join(box.warnings)
-        status = [] if is_repeated else [(tr_said(box.status), box.status != "OK")]
+        status = [(tr_said(box.own_status), box.status != "OK")] if box.own_status else []
         self.notices.show_lines(status + [(tr_said(warning), True) for warning in box.warnings])
         for value, text in zip(self.values, facts(document)):
             value.setText(text)

@@ -63,7 +63,6 @@ LOG_DIR, LOG_DIR_OF_BOX = "~/.ros/roah_rsbb_standby", "~/.ros/roah_rsbb"
 # In LOG_DIR: names the folder in which this computer keeps the copy, if it is another one.
 KEPT_IN = "kept_in.txt"
 # Arguments of roah_rsbb.launch, in the order of the files in configuration.json.
-FILE_ARGUMENTS = ("benchmarks_file", "schedule_file", "passwords_file", "standings_file")
 CONFIGURATION = "configuration"
 # A box that has just been started makes its part for a standby last: for so long it is waited for (s).
 STARTS_S, LOOK_S = 10.0, 0.2
@@ -560,17 +559,16 @@ def launch_command(folder: str, arguments: Sequence[str]) -> List[str]:
 
 def _write_files(folder: str) -> Dict[str, str]:
     """Write the configuration files of the box; returns the arguments with their paths."""
-    kept = in_force.read_in_force(folder)
-    if kept is None:
+    kept = in_force.kept_files(folder)
+    if not kept:
         raise Denied(f"the copy in {folder} has no configuration: it is not complete. Use resume and the files of "
                      "the competition, see docs/standby.md")
     os.makedirs(os.path.join(folder, CONFIGURATION), exist_ok=True)
     found = {"standings_file": "none"}
-    for argument, text in zip(FILE_ARGUMENTS, kept.versions[kept.present].texts):
-        if text is not None:
-            found[argument] = os.path.join(folder, CONFIGURATION, f"{argument[:-len('_file')]}.yaml")
-            with open(found[argument], "w", encoding="utf-8", newline="") as file:
-                file.write(text)
+    for name, text in kept.items():
+        found[f"{name}_file"] = path = os.path.join(folder, CONFIGURATION, f"{name}.yaml")
+        with open(path, "w", encoding="utf-8", newline="") as file:
+            file.write(text)
     found["passwords_file"] = os.path.join(folder, PASSWORDS)
     modules = os.path.join(folder, CONFIGURATION, "modules")
     with contextlib.suppress(OSError):  # it must not prevent a takeover: only functionality benchmarks need them

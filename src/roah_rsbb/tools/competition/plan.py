@@ -174,8 +174,8 @@ def with_other_days(
     before: Sequence[PlannedZone], plan: Plan, clock: VenueClock, ran: Container[str], which: Which
 ) -> Merged:
     """Replace the days that a new plan has, and keep the others. The events of a team in a benchmark keep their ids at
-    the same time, or else within their day, whatever their zones, rounds and numbers are. Those with results keep
-    their numbers, too, unless the plan gives others.
+    the same time, or else within their day, whatever their zones, rounds and numbers are. They keep their numbers, too,
+    unless the plan gives others.
 
     `ran`: the ids of the events that have results. `which` is asked where such an event may be another one now.
     """
@@ -199,7 +199,7 @@ def with_other_days(
     said: List[str] = []
     for key, runs in old.items():
         ids.update(_ids(sorted(runs, key=lambda run: run.begins), new.get(key, []), clock, ran, which, said))
-    had = {run.id: run for runs in old.values() for run in runs if run.id in ran}
+    had = {run.id: run for runs in old.values() for run in runs}
     placed = [run for runs in zones.values() for run in runs]
     numbered: Dict[PlannedRun, PlannedRun] = {}
     for run in sorted((run for runs in new.values() for run in runs),
@@ -221,11 +221,15 @@ def _numbered(
     """Return a new run with numbers that no placed run of the team in the benchmark has, or with those that its event
     `had`. Only `automatic` ones change."""
     if run.id in had:
-        return run._replace(**{name: getattr(had[run.id], name) for name in automatic})
-    day = clock.local(run.begins).date()
-    while "round" in automatic and any(
-            other[:3] == run[:3] and clock.local(other.begins).date() != day for other in placed):
-        run = run._replace(round=run.round + 1)
+        run = run._replace(**{name: getattr(had[run.id], name) for name in automatic})
+    elif "round" in automatic:
+        day = clock.local(run.begins).date()
+        others = {other.round: clock.local(other.begins).date() for other in placed if other[:2] == run[:2]}
+        today = [number for number, when in others.items() if when == day]
+        number = today[0] if today else run.round
+        while others.get(number, day) != day:
+            number += 1
+        run = run._replace(round=number)
     while "run" in automatic and any(other[:4] == run[:4] for other in placed):
         run = run._replace(run=run.run + 1)
     return run

@@ -333,11 +333,12 @@ def _certificate(report: Report, options: argparse.Namespace) -> int:
         certificate.write(directory, made)
     cert, key, authority = (os.path.join(directory, name) for name in (
         certificate.CERTIFICATE, certificate.KEY, certificate.AUTHORITY))
-    launch = shlex.quote(os.path.join(directory, files.LAUNCH))
+    start = f"roah-rsbb run {shlex.quote(directory)}" if is_without_ros() else \
+        f"roslaunch {shlex.quote(os.path.join(directory, files.LAUNCH))}"
     print(f"""\
 Written to {directory}: {certificate.CERTIFICATE}, {certificate.KEY} (secret), {certificate.AUTHORITY}
 It is valid for {certificate.VALID_DAYS} days, and for {', '.join(names)}.
-Start the box with it: roslaunch {launch} web_cert:={shlex.quote(cert)} web_key:={shlex.quote(key)}
+Start the box with it: {start} web_cert:={shlex.quote(cert)} web_key:={shlex.quote(key)}
 Pair phones again: pairings without encryption do not count on encrypted pages.
 
 Phones warn of the page until they trust this competition. Send {certificate.AUTHORITY} to each phone in a way that

@@ -201,8 +201,8 @@ def _end_of(text: str) -> str:
 def _box(shown: PartShown) -> Data:
     document, box = shown.document, shown.document.box
     return {
-        "status": tr_said(box.status), "is_ok": box.status == "OK",
-        "warnings": [tr_said(text) for text in box.warnings if text != box.status],
+        "status": tr_said(box.own_status), "is_ok": box.status == "OK",
+        "warnings": [tr_said(text) for text in box.warnings],
         "facts": [[tr(label), text] for label, text in zip(state.FACTS, state.facts(document))],
         "runs": ending.running(document.zones.values()),
         "tablet": [[tr(label), text] for label, (text, _) in zip(

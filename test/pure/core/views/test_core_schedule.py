@@ -5,7 +5,7 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.core.views.schedule import NO_LIMIT_S, SETUP_S, schedule, slot_lengths
+from roah_rsbb.core.views.schedule import NO_LIMIT_S, SETUP_S, events_shown, schedule, slot_lengths
 from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, ZonePlan
 
@@ -83,6 +83,17 @@ def test_the_last_run_counts_and_its_sign_off_shows():
     assert last.identity == driver.box.finished.records()[0].identity != driver.box.finished.records()[1].identity
     driver.enter("sign_off", RunName("tbm", last.identity), "Anna")
     assert lines(driver)[0].last.sign_off.who == "Anna"
+
+
+def test_the_score_of_the_attempt_before_is_not_shown_beside_a_run():
+    driver = BoxDriver(competition(tbm=day(0, 15)))
+    a_run(driver)
+    driver.command("disconnect")
+    (first, _) = events_shown(lines(driver)).values()
+    a_run(driver, end=False)
+    (again, _) = events_shown(lines(driver)).values()
+    assert first.score
+    assert (again.state, again.identity, again.score) == ("running", first.identity, "")
 
 
 def test_all_zones_are_sorted_by_time():

@@ -22,7 +22,7 @@ def test_the_runs_that_only_the_old_box_has(tmp_path, capsys, monkeypatch):
     writer.run(run_record())
     writer.run(run_record(identity="second"), robots=((6668, "r1"),))
     writer.entry("/notification", "in both")
-    assert warnings_of(writer, capsys, monkeypatch) == ""
+    assert "took over" not in warnings_of(writer, capsys, monkeypatch)
     both = writer.journal.number_of(writer.journal.committed)
     writer.entry("/notification", "only here", identity="second")
     writer.entry(kinds.EPOCH, superseded_value(2, both, "10.0.0.3"), port=None)

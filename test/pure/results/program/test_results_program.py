@@ -13,10 +13,9 @@ import sys
 import pytest
 
 from helpers.journals import UTC0, Writer, spoil
-from helpers.results_of import EVIL, full_record, task_record, write_competition
+from helpers.results_of import EVIL, full_record, keep_files, task_record, write_competition
 from roah_rsbb.journal.batch import Batch, OutcomeRow
 from roah_rsbb.journal.file import FILE_NAME
-from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.link import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry, ScoreValue
@@ -100,14 +99,24 @@ def test_the_ways_to_count_runs_are_those_of_the_rules():
     assert tuple(of.value for of in OfRuns) == program.OF_RUNS
 
 
-def test_every_command_says_whether_a_run_counts(run, tmp_path):
-    """The best attempt counts here, which is the first one. The files are beside the log_dir."""
-    text = (ROOT / "config" / "benchmarks.yaml").read_text("utf-8")
-    (tmp_path / "benchmarks.yaml").write_text(
-        text.replace("code: HGTKMH\n", "code: HGTKMH\n  attempt_counts: best\n", 1), "utf-8")
-    (tmp_path / "schedule.yaml").write_text(
+@pytest.mark.parametrize("is_alone", (False, True))
+def test_every_command_says_whether_a_run_counts(run, tmp_path, is_alone):
+    """The best attempt counts here, which is the first one. The files are beside the log_dir, or the box kept them."""
+    files = {name: (ROOT / "config" / name).read_text("utf-8") for name in ("benchmarks.yaml", "standings.yaml")}
+    files["benchmarks.yaml"] = files["benchmarks.yaml"].replace(
+        "code: HGTKMH\n", "code: HGTKMH\n  attempt_counts: best\n", 1)
+    files["schedule.yaml"] = (
         "- zone: tbm\n  schedule:\n    - { benchmark: HGTKMH, team: Alpha, round: 1, run: 1, "
-        "scheduled_time: 2026-11-28 09:00:00, id: mine }\n", "utf-8")
+        "scheduled_time: 2026-11-28 09:00:00, id: mine }\n")
+
+    def write_files():
+        if is_alone:
+            keep_files(tmp_path / "log", *map(files.get, ("benchmarks.yaml", "schedule.yaml", "standings.yaml")))
+            return
+        for name, text in files.items():
+            (tmp_path / name).write_text(text, "utf-8")
+
+    write_files()
     writer = Writer(tmp_path / "log")
     best = task_record("Alpha", 1, objects=5, event="mine")
     again = task_record("Alpha", 1, objects=1)._replace(
@@ -133,7 +142,8 @@ def test_every_command_says_whether_a_run_counts(run, tmp_path):
     pages = "".join(path.read_text("utf-8") for path in sorted((tmp_path / "html").iterdir()))
     assert all(pages.count(f"<td>{word}</td>") == 2 for word in words)
     # A file with an error does not hide the list.
-    (tmp_path / "benchmarks.yaml").write_text("- name: 7\n", "utf-8")
+    files["benchmarks.yaml"] = "- name: 7\n"
+    write_files()
     status, out, err = run("list", source=source)
     assert (status, out.count("completed\n")) == (0, 2)
     assert "whether runs count is not known, because a file of the competition is invalid" in err
@@ -152,8 +162,7 @@ def test_times_are_those_of_the_venue(run, journal, tmp_path):
     # Without the competition's folder, it is that of the configuration beside the journal.
     lone = tmp_path / "stick" / "log"
     shutil.copytree(tmp_path / "log", lone)
-    texts = Texts(("b", "s", "p"), ("", "- time_zone: Asia/Tokyo\n", None))
-    write_in_force(str(lone), InForce("", 0, {0: texts}))
+    keep_files(lone, "", "- time_zone: Asia/Tokyo\n")
     assert run("list", source=("--journal", lone / "roah_rsbb_journal"))[1].count("+09:00") == 5
     assert run("standings", "--time-zone", "America/Lima", source=source)[0] == 2  # days are those of the venue
 
@@ -673,7 +682,8 @@ def test_the_checklist(run, folder):
 
 
 def test_a_code_that_this_installation_does_not_know_is_shown_all_the_same(run, tmp_path):
-    """The journal alone is enough: here is neither the competition's benchmarks.yaml nor its rules."""
+    """The journal alone is enough: here is neither the competition's benchmarks.yaml nor its rules. Where these matter,
+    one line says which are used."""
     log_dir = tmp_path / "elsewhere" / "log"
     log_dir.mkdir(parents=True)
     writer = Writer(log_dir)
@@ -684,14 +694,17 @@ def test_a_code_that_this_installation_does_not_know_is_shown_all_the_same(run, 
     writer.close()
     source = ("--journal", writer.path)
     status, out, err = run("list", source=source)
-    assert (status, err, out.count("FetchMug")) == (0, "", 2)
-    status, out, err = run("show", "1", source=source)
-    assert (status, err) == (0, "")
+    assert (status, out.count("FetchMug")) == (0, 2)
+    assert err.count("\n") == 1
+    assert f"there is no configuration.json in {log_dir}, and no file of the competition beside it: those of " in err
+    assert run("verify", source=source)[2] == ""
+    assert run("show", "1", source=source)[::2] == (0, err)
+    out = run("show", "1", source=source)[1]
     assert out.startswith("FetchMug, team Alpha")
     assert "Mugs fetched" in out
-    status, out, err = run("standings", source=source)
-    assert (status, err) == (0, "")
+    assert run("standings", source=source)[::2] == (0, err)
+    out = run("standings", source=source)[1]
     assert out.index("Beta") < out.index("Alpha")
-    assert run("export", "--json", tmp_path / "runs.json", "--html", tmp_path / "sheets", source=source)[::2] == (0, "")
+    assert run("export", "--json", tmp_path / "runs.json", "--html", tmp_path / "sheets", source=source)[::2] == (0, err)
     assert "FetchMug" in (tmp_path / "sheets" / "index.html").read_text("utf-8")
     assert "FetchMug" in (tmp_path / "runs.json").read_text("utf-8")

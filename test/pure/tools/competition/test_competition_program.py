@@ -206,6 +206,19 @@ def test_a_sheet_of_one_day_keeps_the_other_days_and_counts_them(run, tmp_path):
     assert [own for _, _, own in turns(load(tmp_path / "erl")[0])] == [own for _, _, own in second]
 
 
+def test_a_new_day_renumbers_no_event_that_stays(run, tmp_path):
+    rows = [HEAD, "Home,HWV,A,2026-11-29,09:00", "Home,HWV,B,2026-11-29,09:30"]
+    (tmp_path / "plan.csv").write_text("\n".join(rows), encoding="utf-8")
+    run("erl", "--sheet", "plan.csv", "--time-zone", "UTC", "--rsbb-host", "10.0.0.255")
+    first = turns(load(tmp_path / "erl")[0])
+    rows += ["Home,HWV,A,2026-11-28,09:00", "Home,HWV,B,2026-11-29,08:00"]
+    (tmp_path / "plan.csv").write_text("\n".join(rows), encoding="utf-8")
+    assert run("erl", "--sheet", "plan.csv", "--schedule-only")[0] == 0
+    second = turns(load(tmp_path / "erl")[0])
+    assert [turn for turn in second if turn in first] == first
+    assert [turn[:2] for turn in second if turn not in first] == [(("HWV", "A", 2, 1), 28), (("HWV", "B", 1, 2), 29)]
+
+
 def test_one_team_in_two_spellings(run, tmp_path):
     names = ["Pumas", "b-it-bots", "WrightEagle", "Pumans", "b-it bots", "Wright Eagle"]
     (tmp_path / "plan.csv").write_text("\n".join([HEAD, *(
@@ -354,12 +367,15 @@ def test_help(run):
         assert option in out
 
 
-def test_a_certificate(run, tmp_path):
+@pytest.mark.parametrize("program, start", [
+    ("new_competition", "roslaunch {0}/competition.launch"), ("roah-rsbb", "roah-rsbb run {0}")])
+def test_a_certificate(run, tmp_path, monkeypatch, program, start):
+    monkeypatch.setattr("sys.argv", [program])
     (tmp_path / "erl").mkdir()
     status, out, err = run("--certificate", "erl", "--names", "rsbb.local, 192.168.1.10")
     assert (status, err) == (0, "")
     folder = tmp_path / "erl"
-    assert f"web_cert:={folder}/web_cert.pem web_key:={folder}/web_key.pem" in out
+    assert f"with it: {start.format(folder)} web_cert:={folder}/web_cert.pem web_key:={folder}/web_key.pem" in out
     assert "and for rsbb.local, 192.168.1.10." in out and "Certificate Trust Settings" in out
     before = (folder / "phones.crt").read_bytes()
     assert run("--certificate", "erl")[0] == 0
