@@ -205,8 +205,8 @@ def _score(link: Link, options, output: Output) -> Exit:
 
 
 def _entered(link: Link, identity: str, text: str, item: SheetItem) -> Entered:
-    """Return the value that `text` gives an item. If judges have sheets of their own, a rating alone is one, too: the box
-    refuses it with the reason."""
+    """Return the value that `text` gives an item. If judges have sheets of their own, a rating alone is one, too: the
+    box refuses it with the reason."""
     judged = link.box.judging.get(identity)
     return (judges.settled_value if judged is not None and judged.count else value_of)(text, item)
 

@@ -4,7 +4,7 @@ import argparse
 import contextlib
 import os
 import sys
-from typing import Iterator, List, Optional
+from typing import Iterator, List
 
 from roah_rsbb.journal.in_force import FILE_NAME, kept_files
 from roah_rsbb.journal.reader import JournalReader, journal_in
@@ -44,7 +44,7 @@ def file(options: argparse.Namespace, name: str) -> str:
         options.has_files = True  # once
         warn(f"there is no {FILE_NAME} in {_log_dir(options)}, and no file of the competition beside it: those of "
              f"{options.config_dir} are used, so ranks and what counts may differ from the box. Copy {FILE_NAME} "
-             f"together with the journal, or put {BENCHMARKS_FILE}, {SCHEDULE_FILE} and {RULES_FILE} beside that folder")
+             f"together with the journal, or put {BENCHMARKS_FILE}, {SCHEDULE_FILE} and {RULES_FILE} beside it")
     return path
 
 

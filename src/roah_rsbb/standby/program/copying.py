@@ -189,8 +189,8 @@ class Copying:
 
 
 def _only_one(log_dir: str, own_parent: int) -> IO[str]:
-    """Lock the log_dir for this program of this process, in the place of one whose supervisor is gone; returns the file of the lock.
-    Raises OSError."""
+    """Lock the log_dir for this program of this process, in the place of one whose supervisor is gone; returns the file
+    of the lock. Raises OSError."""
     os.makedirs(log_dir, exist_ok=True)
     file = open(os.path.join(log_dir, LOCK), "a+", encoding="ascii")  # noqa: SIM115
     until_mono = time.monotonic() + 2 * END_S

@@ -705,6 +705,7 @@ def test_a_code_that_this_installation_does_not_know_is_shown_all_the_same(run, 
     assert run("standings", source=source)[::2] == (0, err)
     out = run("standings", source=source)[1]
     assert out.index("Beta") < out.index("Alpha")
-    assert run("export", "--json", tmp_path / "runs.json", "--html", tmp_path / "sheets", source=source)[::2] == (0, err)
+    to = ("--json", tmp_path / "runs.json", "--html", tmp_path / "sheets")
+    assert run("export", *to, source=source)[::2] == (0, err)
     assert "FetchMug" in (tmp_path / "sheets" / "index.html").read_text("utf-8")
     assert "FetchMug" in (tmp_path / "runs.json").read_text("utf-8")
